@@ -7,7 +7,7 @@ use asperity_io::{
 };
 use asperity_simulate::{SimulateError, counted};
 use asperity_studies::settings::{Command, Document};
-use asperity_studies::{ASSUMED_BORDER, MeasuredConfig, VerifyError, border_notes};
+use asperity_studies::{ASSUMED_BORDER, FilteringError, MeasuredConfig, VerifyError, border_notes};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
     SynthesisError,
@@ -25,7 +25,7 @@ pub(crate) struct Input {
     pub(crate) notes: Vec<String>,
 }
 
-/// Reads a height map, fills or refuses missing points, and removes form.
+/// Reads a height map, fills or refuses missing points, filters it and removes form.
 pub(crate) fn read_surface(
     path: &Path,
     reading: &MeasuredConfig,
@@ -65,10 +65,10 @@ pub(crate) fn read_surface(
     } else {
         0
     };
-    let field = reading
-        .remove
-        .remove(field)
-        .map_err(|error| Failure::failed(named(&error)))?;
+    let field = reading.filtered(field).map_err(|error| match error {
+        FilteringError::Form(_) => Failure::failed(named(&error)),
+        _ => Failure::usage(named(&error)),
+    })?;
     let border = field.border();
     notes.extend(border_notes(&field, is_border_known));
     common.say(|| {

@@ -7,10 +7,10 @@ use asperity_optics::Incidence;
 use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, height_map_figure,
+    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, areal_table, height_map_figure,
     realisation_table, roughness_table, smooth_table, wrapped,
 };
-use asperity_surface::{HeightField, Roughness, SplineRoughness, SplineSurface};
+use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
 
 use crate::common::{Common, Results};
@@ -95,6 +95,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
 struct Statistics {
     #[serde(flatten)]
     facets: Roughness,
+    #[serde(flatten)]
+    areal: Iso25178,
     cells: Cells,
     #[serde(skip_serializing_if = "Option::is_none")]
     smooth: Option<SplineRoughness>,
@@ -108,6 +110,7 @@ impl Statistics {
         let smooth = || SplineRoughness::of(&SplineSurface::through(field));
         Ok(Self {
             facets: Roughness::of(field),
+            areal: Iso25178::of(field),
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
             shadows: ShadowShares::of(field, cells, lights)
@@ -118,12 +121,16 @@ impl Statistics {
     fn text(&self) -> String {
         let facets = &self.facets;
         let (table, realisation) = (roughness_table(facets), realisation_table(facets));
+        let areal = areal_table(&self.areal, facets.unit);
         let cells = match &self.smooth {
             None => CELLS.to_owned(),
             Some(smooth) => smooth_table(facets, smooth),
         };
         let shadows = self.shadows.iter().map(|shares| shares.text() + "\n");
-        format!("{table}{realisation}{cells}{}", shadows.collect::<String>())
+        format!(
+            "{table}{areal}{realisation}{cells}{}",
+            shadows.collect::<String>()
+        )
     }
 }
 

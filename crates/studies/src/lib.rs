@@ -35,6 +35,7 @@ pub use comparison::side_difference::SideDifference;
 pub use config::case_model::CaseModel;
 pub use config::cases::{check_light, check_sides};
 pub use config::error::ConfigError;
+pub use config::filtering::FilteringError;
 pub use config::measured::{MeasuredConfig, UnitError};
 pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use config::trace::{CellsConfig, TraceConfig};
@@ -62,6 +63,7 @@ pub use map::{
 };
 pub use model::{Evaluation, EvaluationError, ModelConfig, Resolution, evaluate_model, model_list};
 pub use output::{CheckpointError, Completion, SurfaceCheckpoints, wrapped};
+pub use report::areal_parameters::areal_table;
 pub use report::case_report::verify_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;

@@ -38,6 +38,12 @@ pub struct MeasuredConfig {
     pub missing: MissingPolicy,
     /// Form to remove by least squares.
     pub remove: Form,
+    /// Nesting index of the S-filter, which removes shorter waves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub s_filter: Option<Length>,
+    /// Nesting index of the L-filter, which removes longer waves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub l_filter: Option<Length>,
 }
 
 /// Names of [`MissingPolicy`] in files.

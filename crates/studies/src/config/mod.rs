@@ -4,6 +4,7 @@ pub(crate) mod case_model;
 pub(crate) mod case_text;
 pub(crate) mod cases;
 pub(crate) mod error;
+pub(crate) mod filtering;
 pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;

@@ -1,5 +1,6 @@
 //! What a run leaves: tables of fluxes, summaries, reports, figures and the files they go into.
 
+pub(crate) mod areal_parameters;
 pub(crate) mod case_report;
 pub(crate) mod config_json;
 pub(crate) mod disc_bins;

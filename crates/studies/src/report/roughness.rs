@@ -10,14 +10,14 @@ use super::structure::structure_table;
 use crate::output::{Column, Table};
 
 /// A parameter with its value and convention.
-struct Parameter {
+pub(super) struct Parameter {
     name: &'static str,
     value: String,
     meaning: String,
 }
 
 impl Parameter {
-    fn new(name: &'static str, value: String, meaning: impl Into<String>) -> Self {
+    pub(super) fn new(name: &'static str, value: String, meaning: impl Into<String>) -> Self {
         Self {
             name,
             value,
@@ -26,8 +26,20 @@ impl Parameter {
     }
 }
 
+/// Columns of parameters with their values and conventions.
+pub(super) fn parameter_table() -> Table<'static, Parameter> {
+    Table::new()
+        .column(Column::new("parameter", "", |row: &Parameter| row.name))
+        .column(Column::new("value", "", |row: &Parameter| {
+            row.value.clone()
+        }))
+        .column(Column::new("meaning", "", |row: &Parameter| {
+            row.meaning.clone()
+        }))
+}
+
 /// A number; `-` for one that is unknown.
-fn number(value: Option<f64>) -> String {
+pub(super) fn number(value: Option<f64>) -> String {
     value.map_or("-".to_owned(), short)
 }
 
@@ -51,30 +63,24 @@ pub fn roughness_table(r: &Roughness) -> String {
     let [dx, dy] = r.spacing.map(short);
     let [x, y] = r.extent.map(short);
     let u = suffix(r.unit);
-    let table = Table::new()
-        .column(Column::new("parameter", "", |row: &Parameter| row.name))
-        .column(Column::new("value", "", |row: &Parameter| {
-            row.value.clone()
-        }))
-        .column(Column::new("meaning", "", |row: &Parameter| {
-            row.meaning.clone()
-        }));
     let rows = heights(r).into_iter().chain(slopes(r)).chain(lengths(r));
     format!(
         "{nx} x {ny} samples, spacing {dx} x {dy}{u}, tile {x} x {y}{u}, {} border\n{}",
         r.border,
-        table.text(rows.chain([steepest(&r.steepest)]))
+        parameter_table().text(rows.chain([steepest(&r.steepest)]))
     )
 }
 
 /// Parameters of heights.
-fn heights(r: &Roughness) -> [Parameter; 6] {
+fn heights(r: &Roughness) -> [Parameter; 8] {
     let length = |value| format!("{}{}", short(value), suffix(r.unit));
     let row = Parameter::new;
     [
         row("mean", length(r.mean), "mean height, left out below"),
         row("Sq", length(r.sq), "root mean square height, sigma"),
         row("Sa", length(r.sa), "mean absolute height"),
+        row("Sp", length(r.sp), "highest peak above the mean"),
+        row("Sv", length(r.sv), "depth of the lowest valley"),
         row("Sz", length(r.sz), "highest peak to lowest valley"),
         row("Ssk", number(r.ssk), "skewness; 0 if Gaussian"),
         row("Sku", number(r.sku), "kurtosis; 3 if Gaussian"),

@@ -1,7 +1,7 @@
 //! `[measured]`: one given surface.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::{GIVEN, GONIO, HEIGHT_MAPS, RENDER, SURFACES, TRACE};
+use super::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, SURFACES, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, setting};
@@ -135,4 +135,22 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .default("refuse"),
     setting(SECTION, "remove", FORM, GIVEN, "Form to remove").default("none"),
+    setting(
+        SECTION,
+        "s_filter",
+        Kind::Length,
+        INSPECT,
+        "Nesting index of the Gaussian S-filter: removes shorter waves, before the form is removed",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("no S-filter"),
+    setting(
+        SECTION,
+        "l_filter",
+        Kind::Length,
+        INSPECT,
+        "Nesting index of the Gaussian L-filter: removes longer waves, after the form is removed",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("no L-filter"),
 ];

@@ -1,0 +1,96 @@
+//! Filters and form removal of a given surface, in the order of ISO 25178-3.
+
+use asperity_surface::{FilterError, FormError, GaussianFilter, HeightField, LengthUnit};
+
+use super::measured::MeasuredConfig;
+use crate::settings::Length;
+
+/// Why a surface cannot be filtered as requested.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilteringError {
+    /// The nesting index has a unit, and the surface none.
+    #[error(
+        "{flag} with a unit: the surface has no unit of length; say what its heights are in with --assume-unit"
+    )]
+    Unit {
+        /// The flag.
+        flag: &'static str,
+    },
+    /// The S-filter would remove all that the L-filter leaves.
+    #[error("--s-filter {s} must be below --l-filter {l}")]
+    Order {
+        /// Nesting index of the S-filter, in the unit of the surface.
+        s: f64,
+        /// Nesting index of the L-filter, in the unit of the surface.
+        l: f64,
+    },
+    /// The filter cannot be applied.
+    #[error("{flag}{}: {error}", in_unit(*unit))]
+    Filter {
+        /// The flag.
+        flag: &'static str,
+        /// Unit of the surface.
+        unit: LengthUnit,
+        /// The reason.
+        error: FilterError,
+    },
+    /// The form cannot be removed.
+    #[error(transparent)]
+    Form(#[from] FormError),
+}
+
+/// The unit of the lengths in a message, if they have one.
+fn in_unit(unit: LengthUnit) -> String {
+    match unit {
+        LengthUnit::Arbitrary => String::new(),
+        unit => format!(", lengths in {unit}"),
+    }
+}
+
+const S_FILTER: &str = "--s-filter";
+const L_FILTER: &str = "--l-filter";
+
+impl MeasuredConfig {
+    /// The surface without short waves (S-filter), then without its form, then without long waves (L-filter).
+    ///
+    /// # Errors
+    /// [`FilteringError`] if a nesting index does not suit the surface or the form cannot be removed.
+    ///
+    /// # Source
+    /// ISO 25178-3:2012 for the order: S-filter, F-operation, L-filter.
+    pub fn filtered(&self, field: HeightField) -> Result<HeightField, FilteringError> {
+        let unit = field.unit();
+        let index = |flag, length: Option<Length>| {
+            let index = length.map(|length| length.in_unit(unit));
+            match index {
+                Some(None) => Err(FilteringError::Unit { flag }),
+                Some(index) => Ok(index),
+                None => Ok(None),
+            }
+        };
+        let (s, l) = (
+            index(S_FILTER, self.s_filter)?,
+            index(L_FILTER, self.l_filter)?,
+        );
+        if let (Some(s), Some(l)) = (s, l)
+            && s >= l
+        {
+            return Err(FilteringError::Order { s, l });
+        }
+        let refused = |flag| move |error| FilteringError::Filter { flag, unit, error };
+        let field = match s {
+            Some(s) => GaussianFilter::new(s)
+                .long_waves(&field)
+                .map_err(refused(S_FILTER))?,
+            None => field,
+        };
+        let field = self.remove.remove(field)?;
+        match l {
+            Some(l) => GaussianFilter::new(l)
+                .short_waves(&field)
+                .map_err(refused(L_FILTER)),
+            None => Ok(field),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Areal parameters and filters of `inspect`, from the file to what is printed.
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use crate::support::{json, refused, succeed, words};
+
+/// A matrix of text, one unit apart: waves of lengths 4 and 32 along x, each of height 1.
+fn waves(folder: &Path) {
+    let wave = |x: usize| (TAU * x as f64 / 4.0).cos() + (TAU * x as f64 / 32.0).cos();
+    let row: Vec<String> = (0..64).map(|x| wave(x).to_string()).collect();
+    fs::write(folder.join("w.txt"), vec![row.join(" "); 64].join("\n")).unwrap();
+}
+
+#[test]
+fn inspect_prints_the_parameters_of_iso_25178() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    waves(folder);
+    let line = "inspect w.txt --border periodic";
+    let text = succeed(folder, &words(line));
+    let report = json(&succeed(folder, &words(&format!("{line} --json"))));
+    for symbol in [
+        "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sa", "Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmp",
+        "Vmc", "Vvc", "Vvv", "Sdq", "Sdr", "Sal", "Str", "Std",
+    ] {
+        assert!(text.contains(&format!("\n{symbol} ")), "{symbol}: {text}");
+        let value = &report[symbol.to_lowercase()];
+        assert!(value.is_number() || symbol == "Str", "{symbol}: {value}");
+    }
+    // Along the grooves heights stay correlated.
+    assert!(report["str"].is_null());
+    assert!((report["std"].as_f64().unwrap()).abs() < 1e-9);
+}
+
+/// A wave keeps `2^(-1 / f^2)` at `f` nesting indices: of length 4 at the index 8 a 16th, of length 32 all but `2^(-1/16)`. The same
+/// numbers are squared and halved for Sq.
+#[test]
+fn filters_part_long_waves_from_short_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    waves(folder);
+    let sq = |flags: &str| {
+        let line = format!("inspect w.txt --border periodic --json {flags}");
+        json(&succeed(folder, &words(&line)))["sq"]
+            .as_f64()
+            .unwrap()
+    };
+    let kept = |nesting: f64, wave: f64| 0.5_f64.powf((nesting / wave).powi(2));
+    let rms = |short: f64, long: f64| (0.5 * (short * short + long * long)).sqrt();
+    // Weights at whole samples add less than 1e-9 to these.
+    let close = |found: f64, expected: f64| {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    };
+    let [short, long] = [kept(8.0, 4.0), kept(8.0, 32.0)];
+    close(sq("--s-filter 8"), rms(short, long));
+    close(sq("--l-filter 8"), rms(1.0 - short, 1.0 - long));
+    let [wide_short, wide_long] = [kept(16.0, 4.0), kept(16.0, 32.0)];
+    close(
+        sq("--s-filter 8 --l-filter 16"),
+        rms(short * (1.0 - wide_short), long * (1.0 - wide_long)),
+    );
+    let unit = sq("--assume-unit nm --unit um --spacing 1nm --s-filter 8nm");
+    close(1e3 * unit, rms(short, long));
+}
+
+#[test]
+fn invalid_nesting_indices_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    waves(folder);
+    for (flags, sentence) in [
+        (
+            "--s-filter 1",
+            "invalid nesting index 1: must be from two samples, 2",
+        ),
+        ("--l-filter 100", "invalid nesting index 100"),
+        (
+            "--s-filter 9 --l-filter 9",
+            "--s-filter 9 must be below --l-filter 9",
+        ),
+        (
+            "--s-filter 2um",
+            "--s-filter with a unit: the surface has no unit",
+        ),
+        ("--l-filter -3", "--l-filter"),
+        ("--l-filter nan", "--l-filter"),
+    ] {
+        let error = refused(folder, &words(&format!("inspect w.txt {flags}")), 2);
+        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(error.contains(sentence), "{flags}: {error}");
+    }
+}
