@@ -1,9 +1,10 @@
-//! Interface material: dielectric, conductor or mirror, with its Fresnel terms.
+//! Surface material: dielectric, conductor, mirror or Lambertian, with the fractions that a facet reflects and transmits.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Fresnel, PolarisedFresnel, conductor, dielectric, polarised_conductor, polarised_dielectric,
+    FacetMueller, Fresnel, PolarisedFresnel, conductor, dielectric, polarised_conductor,
+    polarised_dielectric,
 };
 
 /// Interface material, with indices relative to the medium that the light comes from.
@@ -38,6 +39,12 @@ pub enum Material {
     },
     /// Reflects everything.
     Mirror,
+    /// Opaque and diffuse: reflects a fraction of the light in the cosine distribution about the normal of a facet, to the
+    /// side that it came from, unpolarised; the rest is absorbed.
+    Lambertian {
+        /// That fraction, `[0, 1]`.
+        reflectance: f64,
+    },
 }
 
 /// Why a material is refused.
@@ -50,6 +57,9 @@ pub enum MaterialError {
     /// The absorption index is out of range.
     #[error("kappa is {0:?}; the absorption index must be from 0 to 1e6")]
     BadKappa(f64),
+    /// The reflectance is out of range.
+    #[error("reflectance is {0:?}; the reflectance of a facet must be from 0 to 1")]
+    BadReflectance(f64),
 }
 
 impl Material {
@@ -77,25 +87,56 @@ impl Material {
         })
     }
 
-    /// Fresnel terms for light that meets the interface from the incident medium.
+    /// A diffuse material of the given `reflectance`.
+    ///
+    /// # Errors
+    /// [`MaterialError::BadReflectance`] unless `reflectance` is from 0 to 1.
+    pub fn lambertian(reflectance: f64) -> Result<Self, MaterialError> {
+        if !(0.0..=1.0).contains(&reflectance) {
+            return Err(MaterialError::BadReflectance(reflectance));
+        }
+        Ok(Self::Lambertian { reflectance })
+    }
+
+    /// Whether a facet reflects light in all directions, not in the mirror direction.
+    #[must_use]
+    pub const fn is_diffuse(&self) -> bool {
+        matches!(self, Self::Lambertian { .. })
+    }
+
+    /// Fresnel terms for light that meets the interface from the incident medium; of a diffuse material its
+    /// fractions, whatever the angle.
     #[must_use]
     pub fn fresnel(&self, cos_theta_i: f64) -> Fresnel {
         match *self {
             Self::Dielectric { eta } => dielectric(cos_theta_i, eta),
             Self::Conductor { eta, kappa } => conductor(cos_theta_i, eta, kappa),
             Self::Mirror => Fresnel::TOTAL_REFLECTION,
+            Self::Lambertian { reflectance } => Fresnel {
+                reflected: reflectance,
+                transmitted: 1.0 - reflectance,
+                ..Fresnel::TOTAL_REFLECTION
+            },
         }
     }
 
     /// The same for polarised light, in the axes of the plane of incidence.
     ///
-    /// `m00` is the fraction that [`Self::fresnel`] gives: bit by bit, but for conductors to rounding.
+    /// `m00` is the fraction that [`Self::fresnel`] gives: bit by bit, but for conductors to rounding. A
+    /// diffuse material depolarises, which no [`FacetMueller`] does: of it `m00` alone is given.
     #[must_use]
     pub fn polarised_fresnel(&self, cos_theta_i: f64) -> PolarisedFresnel {
         match *self {
             Self::Dielectric { eta } => polarised_dielectric(cos_theta_i, eta),
             Self::Conductor { eta, kappa } => polarised_conductor(cos_theta_i, eta, kappa),
             Self::Mirror => PolarisedFresnel::MIRROR,
+            Self::Lambertian { reflectance } => PolarisedFresnel {
+                reflected: FacetMueller {
+                    m00: reflectance,
+                    ..FacetMueller::NONE
+                },
+                ..PolarisedFresnel::MIRROR
+            },
         }
     }
 
@@ -104,7 +145,7 @@ impl Material {
     pub const fn transmitting_index(&self) -> Option<f64> {
         match *self {
             Self::Dielectric { eta } => Some(eta),
-            Self::Conductor { .. } | Self::Mirror => None,
+            Self::Conductor { .. } | Self::Mirror | Self::Lambertian { .. } => None,
         }
     }
 
@@ -145,5 +186,12 @@ mod tests {
             Err(MaterialError::BadKappa(-1.0))
         );
         assert!(Material::conductor(0.2, 3.0).is_ok());
+        for reflectance in [-0.1, 1.2, f64::NAN] {
+            assert!(matches!(
+                Material::lambertian(reflectance),
+                Err(MaterialError::BadReflectance(_))
+            ));
+        }
+        assert!(Material::lambertian(1.0).is_ok());
     }
 }

@@ -1,12 +1,13 @@
 //! Bottom: what the bottom of a layer does with light that has come to it.
 
-use asperity_optics::{Bottom, Material, around, incidence_axis, reflect};
+use asperity_optics::{Bottom, Material, incidence_axis, reflect};
 use asperity_tally::{Event, Loss};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
 use super::Tracer;
 use super::batch::Batch;
+use super::diffuse::diffuse_direction;
 use super::flight::below_the_bottom;
 use super::light_state::LightState;
 use super::roulette::Roulette;
@@ -233,9 +234,8 @@ fn scatter_at_bottom<R: Rng>(place: &AtBottom<'_>, rng: &mut R) -> Scattered {
         }
         Bottom::Mirror => reflected(1.0, reflect(wi, m)),
         Bottom::Lambertian { reflectance } => {
-            // Lambert: the squared sine of the angle to the normal is evenly distributed.
-            let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
-            reflected(reflectance, around(m, (1.0 - u).sqrt(), v))
+            let numbers = [rng.random::<f64>(), rng.random::<f64>()];
+            reflected(reflectance, diffuse_direction(m, numbers))
         }
         _ => reflected(0.0, DVec3::ZERO),
     }

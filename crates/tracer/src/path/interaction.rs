@@ -1,11 +1,13 @@
 //! Interaction: what happens to light at the facets at which it has arrived, from scattering to Russian roulette.
 
+use asperity_optics::Material;
 use asperity_tally::{Loss, Tallies};
 
 use super::Tracer;
 use super::arrivals::{Arrivals, Move};
 use super::batch::{Batch, Interactions};
 use super::branch::{PickBranches, SplitBranches};
+use super::diffuse::ScatterDiffusely;
 use super::random_pairs::DrawPairs;
 use super::roulette::Roulette;
 use super::scatter::Scatter;
@@ -83,13 +85,22 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Computes what becomes of all arrivals, by what is known of their polarisation.
+    /// Computes what becomes of all arrivals: diffuse facets depolarise, others go by what is known of the polarisation.
     fn scatter_arrivals(&self, batch: &mut Batch<'_, G::Facet>) {
         let arrivals = &batch.arrivals;
         let incident = self.incident.sign();
         let material = self.material;
         let into = &mut batch.interactions.scattered;
         let instructions = batch.instructions;
+        if let Material::Lambertian { reflectance } = material {
+            instructions.run(ScatterDiffusely {
+                arrivals,
+                reflectance,
+                stream: batch.stream,
+                into,
+            });
+            return;
+        }
         match self.settings.polarisation {
             Polarisation::Averaged => instructions.run(Scatter {
                 arrivals,

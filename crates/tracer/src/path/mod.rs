@@ -21,6 +21,7 @@ mod batch;
 mod beam;
 mod bottom;
 mod branch;
+mod diffuse;
 mod emission;
 mod escape;
 mod flight;

@@ -62,60 +62,71 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         rng: &mut R,
     ) -> Division {
         let wi = -path.heading.direction;
-        let material = self.material(interface, path.space);
-        let scattered = match material {
-            Some(material) => scatter(material, true, wi, m),
-            None => self.scattered_at_bottom(m, rng),
+        let face = self.face(interface, path.space);
+        let scattered = match face {
+            Face::Smooth(material) => scatter(material, true, wi, m),
+            Face::Lambertian(reflectance) => scattered_diffusely(reflectance, m, rng),
+            Face::Absorbing => only_reflected(0.0, DVec3::ZERO),
         };
         let division = Division::averaged(&scattered);
-        match (path.fields, material) {
+        match (path.fields, face) {
             (None, _) => division,
-            (Some(fields), Some(material)) => {
+            (Some(fields), Face::Smooth(material)) => {
                 let amplitudes = Amplitudes::of(material, wi.dot(m).clamp(0.0, 1.0));
                 division.polarised(&path.heading, &fields, m, &amplitudes)
             }
-            (Some(_), None) => division.depolarised(&path.heading),
+            (Some(_), Face::Lambertian(_) | Face::Absorbing) => division.depolarised(&path.heading),
         }
     }
 
-    /// The material of an interface for light that comes through `space`; `None` for a bottom that reflects
-    /// diffusely, or not at all.
-    fn material(&self, interface: Interface, space: Space) -> Option<Material> {
+    /// What an interface is for light that comes through `space`.
+    fn face(&self, interface: Interface, space: Space) -> Face {
         let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
         let (material, incident) = match (interface, bottom) {
             (Interface::Top, _) | (_, None) => (self.material, Space::Above),
             (_, Some(Bottom::Interface { eta })) => (Material::Dielectric { eta }, Space::Inside),
             (_, Some(Bottom::Mirror)) => (Material::Mirror, Space::Inside),
-            _ => return None,
+            (_, Some(Bottom::Lambertian { reflectance })) => return Face::Lambertian(reflectance),
+            _ => return Face::Absorbing,
         };
-        Some(if space == incident {
-            material
-        } else {
-            material.reversed()
-        })
-    }
-
-    /// What a bottom does that is no interface, at a place of normal `m`.
-    fn scattered_at_bottom<R: Rng>(&self, m: DVec3, rng: &mut R) -> Scattered {
-        let (reflectance, wo) = match self.layer.as_ref().and_then(TracedLayer::bottom) {
-            // Lambert: the squared cosine to the normal is evenly distributed.
-            Some(Bottom::Lambertian { reflectance }) => {
-                let cos_theta_o = rng.random::<f64>().sqrt();
-                (reflectance, around(m, cos_theta_o, rng.random()))
-            }
-            _ => (0.0, DVec3::ZERO),
-        };
-        let branch = |event, fraction, direction| Branch {
-            event,
-            direction,
-            fraction,
-        };
-        Scattered {
-            branches: [
-                branch(Event::Transmission, 0.0, DVec3::ZERO),
-                branch(Event::Reflection, reflectance, wo),
-            ],
-            absorbed: 1.0 - reflectance,
+        match material {
+            Material::Lambertian { reflectance } => Face::Lambertian(reflectance),
+            material if space == incident => Face::Smooth(material),
+            material => Face::Smooth(material.reversed()),
         }
+    }
+}
+
+/// What a path meets at an interface.
+#[derive(Clone, Copy)]
+enum Face {
+    /// A facet that reflects and refracts, of that material for the light that comes.
+    Smooth(Material),
+    /// A facet that reflects that fraction diffusely, and absorbs the rest.
+    Lambertian(f64),
+    /// A facet that absorbs all light.
+    Absorbing,
+}
+
+/// What a Lambertian facet of normal `m` does.
+fn scattered_diffusely<R: Rng>(reflectance: f64, m: DVec3, rng: &mut R) -> Scattered {
+    // Lambert: the squared cosine to the normal is evenly distributed.
+    let cos_theta_o = rng.random::<f64>().sqrt();
+    only_reflected(reflectance, around(m, cos_theta_o, rng.random()))
+}
+
+/// A fraction of the light reflected in one direction, and the rest absorbed.
+fn only_reflected(reflectance: f64, wo: DVec3) -> Scattered {
+    let branch = |event, fraction, direction| Branch {
+        event,
+        direction,
+        fraction,
+    };
+    Scattered {
+        branches: [
+            branch(Event::Transmission, 0.0, DVec3::ZERO),
+            branch(Event::Reflection, reflectance, wo),
+        ],
+        absorbed: 1.0 - reflectance,
     }
 }

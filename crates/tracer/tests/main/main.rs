@@ -9,6 +9,7 @@
 mod accelerators;
 mod common;
 mod control_variates;
+mod diffuse;
 mod layers;
 mod layers_against_reference;
 mod light_beams;

@@ -76,6 +76,7 @@ fn scenes() -> Vec<Scene> {
     let glass = Material::dielectric(1.5).unwrap();
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let dense = Material::dielectric(1.0 / 1.5).unwrap();
+    let white = Material::lambertian(0.8).unwrap();
     vec![
         Scene::new(random(2.0, Border::Periodic), glass, 30.0),
         Scene::new(random(8.0, Border::Periodic), dense, 0.0),
@@ -99,6 +100,12 @@ fn scenes() -> Vec<Scene> {
             branching: Branching::Pick,
             ..Scene::new(random(2.0, Border::Periodic), glass, 20.0)
         },
+        Scene::new(random(8.0, Border::Mirrored), white, 30.0),
+        Scene {
+            incident: HalfSpace::Below,
+            ..Scene::new(random(8.0, Border::Periodic), white, 70.0)
+        },
+        Scene::new(random(4.0, Border::Open), white, 75.0),
     ]
 }
 

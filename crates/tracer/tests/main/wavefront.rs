@@ -114,6 +114,7 @@ fn scenes() -> Vec<Scene> {
     let glass = Material::dielectric(1.5).unwrap();
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let dense = Material::dielectric(1.0 / 1.5).unwrap();
+    let white = Material::lambertian(0.8).unwrap();
     vec![
         Scene::new(smooth(), glass, 30.0),
         Scene {
@@ -152,6 +153,15 @@ fn scenes() -> Vec<Scene> {
             branching: Branching::Pick,
             polarisation: Polarisation::Mueller,
             ..Scene::new(smooth(), glass, 20.0)
+        },
+        Scene {
+            polarisation: Polarisation::Both,
+            ..Scene::new(rough(Border::Mirrored), white, 60.0)
+        },
+        Scene {
+            incident: HalfSpace::Below,
+            polarisation: Polarisation::Averaged,
+            ..Scene::new(rough(Border::Periodic), white, 40.0)
         },
     ]
 }
