@@ -68,6 +68,11 @@ pub enum SimulateError {
         "the controlled estimator knows unpolarised incident light alone; with --stokes take auto or plain"
     )]
     PolarisedControl,
+    /// A control variate for facets that reflect diffusely.
+    #[error(
+        "the controlled estimator knows facets that reflect as mirrors or refract; these are Lambertian, so take auto or plain"
+    )]
+    DiffuseControl,
     /// A control variate for random surfaces whose slopes are not Gaussian.
     #[error(
         "the controlled estimator knows random surfaces of Gaussian slopes alone; these are not, so take auto or plain"
@@ -140,6 +145,7 @@ impl SimulateError {
             | Self::OpenControl
             | Self::AzimuthControl
             | Self::PolarisedControl
+            | Self::DiffuseControl
             | Self::SlopesControl
             | Self::MeshControl
             | Self::SmoothControl

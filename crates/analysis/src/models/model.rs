@@ -177,6 +177,11 @@ pub enum ModelError {
         "eta is {0}: with equal indices the transmitted light is a delta and has no density; eta must differ from 1 by at least 1e-5"
     )]
     MatchedIndices(f64),
+    /// A diffuse material, for a model of facets that reflect as mirrors or refract.
+    #[error(
+        "Lambertian facets reflect in all directions; the models describe facets that reflect as mirrors or refract"
+    )]
+    Diffuse,
     /// Anisotropic slopes for an isotropic model.
     #[error(
         "the model {0} is defined for isotropic surfaces; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith"
@@ -222,7 +227,7 @@ pub(crate) fn valid_interface(
     })
 }
 
-/// Refuses invalid materials and indices that differ by less than 1e-5.
+/// Refuses invalid and diffuse materials, and indices that differ by less than 1e-5.
 pub(crate) fn check_material(material: Material) -> Result<(), ModelError> {
     match material {
         Material::Dielectric { eta } => {
@@ -236,6 +241,7 @@ pub(crate) fn check_material(material: Material) -> Result<(), ModelError> {
         Material::Conductor { eta, kappa } => {
             Material::conductor(eta, kappa)?;
         }
+        Material::Lambertian { .. } => return Err(ModelError::Diffuse),
         _ => {}
     }
     Ok(())

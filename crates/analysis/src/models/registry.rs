@@ -178,6 +178,8 @@ mod tests {
                 kappa: f64::NAN,
             };
             assert!(refusal(name, 2.0, conductor).contains("kappa"));
+            let white = Material::Lambertian { reflectance: 0.8 };
+            assert!(refusal(name, 2.0, white).contains("Lambertian"));
         }
     }
 

@@ -37,10 +37,13 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// The lobes of light that falls on a surface of these slopes, reflected and transmitted; `None` where no light leaves, or where
-    /// refraction ends at total reflection.
+    /// The lobes of light that falls on a surface of these slopes, reflected and transmitted; `None` where no light leaves, where
+    /// refraction ends at total reflection, or where facets reflect diffusely.
     #[must_use]
     pub fn of(light: &Light, material: &Material, slopes: CoreSlopes) -> [Option<Self>; 2] {
+        if material.is_diffuse() {
+            return [None; 2];
+        }
         let slopes = if light.random_azimuth {
             slopes.over_azimuth()
         } else {

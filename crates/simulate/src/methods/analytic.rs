@@ -43,6 +43,7 @@ impl AnalyticResult {
             || case.layer.is_some()
             || is_polarised
             || !is_gaussian
+            || case.material.is_diffuse()
         {
             return Ok(None);
         }

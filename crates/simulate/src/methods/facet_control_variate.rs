@@ -35,6 +35,9 @@ impl Method {
         case: &Case,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
+        if case.material.is_diffuse() {
+            return Self::of_diffuse(settings);
+        }
         // No control variate knows of a layer, and that of one surface is of light from one azimuth.
         if case.layer.is_some() || case.light.random_azimuth {
             return Ok(Self::plain(settings));

@@ -122,6 +122,9 @@ impl Method {
         if is_plain || case.layer.is_some() {
             return Ok(Self::plain(settings));
         }
+        if case.material.is_diffuse() {
+            return Self::of_diffuse(settings);
+        }
         if case.light.is_polarised() {
             return Self::of_polarised(settings);
         }
@@ -154,6 +157,14 @@ impl Method {
         match settings.estimator {
             Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
             Estimator::Controlled => Err(SimulateError::PolarisedControl),
+        }
+    }
+
+    /// The method for facets that reflect diffusely: control variates are of mirrors and refraction.
+    pub(crate) const fn of_diffuse(settings: &Settings) -> Result<Self, SimulateError> {
+        match settings.estimator {
+            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
+            Estimator::Controlled => Err(SimulateError::DiffuseControl),
         }
     }
 

@@ -14,11 +14,12 @@ pub(crate) fn index_text(eta: f64) -> String {
     }
 }
 
-/// The refractive index of a material, or "mirror".
+/// The refractive index of a material, or what else it is.
 pub(crate) fn material_text(material: Material) -> String {
     match material {
         Material::Dielectric { eta } => format!("n = {}", index_text(eta)),
         Material::Conductor { eta, kappa } => format!("n = {} + {}i", short(eta), short(kappa)),
+        Material::Lambertian { reflectance } => format!("Lambertian {}", short(reflectance)),
         _ => "mirror".to_owned(),
     }
 }

@@ -45,6 +45,8 @@ pub enum MaterialKind {
     Conductor,
     /// Reflects everything.
     Mirror,
+    /// Reflects diffusely and absorbs.
+    Lambertian,
 }
 
 /// `[material]`: what the surface is made of.
@@ -58,6 +60,9 @@ pub struct MaterialConfig {
     /// Absorption index of a conductor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kappa: Option<Number>,
+    /// Fraction of the light that a Lambertian facet reflects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reflectance: Option<Number>,
 }
 
 impl MaterialConfig {
@@ -68,9 +73,28 @@ impl MaterialConfig {
     pub fn material(&self) -> Result<Material, ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let eta = self.eta.as_ref().map(|eta| eta.one("eta")).transpose()?;
+        match (self.kind, self.reflectance) {
+            (MaterialKind::Lambertian, _) if eta.is_some() || self.kappa.is_some() => {
+                return contradiction(
+                    "lambertian facets have a reflectance, and neither eta nor kappa",
+                );
+            }
+            (MaterialKind::Lambertian, None) => {
+                return contradiction("lambertian facets need a reflectance, from 0 to 1");
+            }
+            (MaterialKind::Lambertian, Some(reflectance)) => {
+                return Ok(Material::lambertian(reflectance.0)?);
+            }
+            (_, Some(_)) => {
+                return contradiction(
+                    "a reflectance is given, but only material lambertian has one",
+                );
+            }
+            (_, None) => {}
+        }
         match (self.kind, eta, self.kappa) {
             (MaterialKind::Mirror, None, None) => Ok(Material::Mirror),
-            (MaterialKind::Mirror, _, _) => {
+            (MaterialKind::Mirror | MaterialKind::Lambertian, _, _) => {
                 contradiction("a mirror reflects everything; it has neither eta nor kappa")
             }
             (MaterialKind::Dielectric, _, Some(_)) => {
@@ -315,15 +339,19 @@ impl VerifyConfig {
     /// The configuration of a document.
     ///
     /// With a medium the default models, which are of bare surfaces, are replaced by that of a layer between flat faces;
-    /// to none where that ends on a Lambertian bottom.
+    /// to none where that ends on a Lambertian bottom. Of Lambertian facets there is no model.
     ///
     /// # Errors
     /// [`ConfigError::Setting`].
     pub fn of_document(document: &Document) -> Result<Self, ConfigError> {
         let mut config: Self = document.read()?;
-        if let Some(medium) = &config.medium
-            && !document.is_given("compare.models")
-        {
+        if document.is_given("compare.models") {
+            return Ok(config);
+        }
+        if config.material.kind == MaterialKind::Lambertian {
+            config.compare.models.clear();
+        }
+        if let Some(medium) = &config.medium {
             config.compare.models = match medium.bottom {
                 Some(BottomKind::Lambertian) => Vec::new(),
                 _ => vec![LayerPaths::All.name().to_owned()],

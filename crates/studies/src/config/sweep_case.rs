@@ -58,6 +58,9 @@ impl fmt::Display for SweepCase {
             Material::Conductor { eta, kappa } => {
                 write!(f, "n = {} + {}i, ", short(eta), short(kappa))?;
             }
+            Material::Lambertian { reflectance } => {
+                write!(f, "Lambertian {}, ", short(reflectance))?;
+            }
             _ => write!(f, "mirror, ")?,
         }
         write!(f, "theta = {} deg", short(self.incidence.theta_deg()))?;
@@ -98,6 +101,7 @@ impl SweepCase {
         let material = match self.material {
             Material::Dielectric { eta } => format!("n{}", short(eta)),
             Material::Conductor { eta, kappa } => format!("n{}k{}", short(eta), short(kappa)),
+            Material::Lambertian { reflectance } => format!("lambertian{}", short(reflectance)),
             _ => "mirror".to_owned(),
         };
         let theta = short(self.incidence.theta_deg());

@@ -284,7 +284,10 @@ impl<'a> Stage<'a> {
         } = &self.case;
         let wi = incidence.wi();
         let is_gaussian = recipe.gaussian().is_some() && recipe.is_isotropic();
-        if !is_gaussian || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN {
+        if !is_gaussian
+            || material.is_diffuse()
+            || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN
+        {
             return Ok(None);
         }
         let of = |material| Smith::new(self.slopes, material, Masking::HeightCorrelated);

@@ -57,6 +57,7 @@ impl Specimen {
         let material = match self.material {
             Material::Dielectric { eta } => format!("n{}", short(eta)),
             Material::Conductor { eta, kappa } => format!("n{}k{}", short(eta), short(kappa)),
+            Material::Lambertian { reflectance } => format!("lambertian{}", short(reflectance)),
             _ => "mirror".to_owned(),
         };
         match &self.layer {
@@ -78,6 +79,9 @@ impl Specimen {
             Material::Dielectric { eta } => parameters.push(("n", index_text(eta))),
             Material::Conductor { eta, kappa } => {
                 parameters.push(("n", format!("{} + {}i", short(eta), short(kappa))));
+            }
+            Material::Lambertian { reflectance } => {
+                parameters.push(("reflectance", short(reflectance)));
             }
             _ => parameters.push(("material", "mirror".to_owned())),
         }

@@ -126,6 +126,7 @@ pub(crate) fn material_columns<'a, R: 'a>(
     let kind = move |row: &R| match material(row) {
         Material::Dielectric { .. } => "dielectric",
         Material::Conductor { .. } => "conductor",
+        Material::Lambertian { .. } => "lambertian",
         _ => "mirror",
     };
     let eta = move |row: &R| match material(row) {

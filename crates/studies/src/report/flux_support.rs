@@ -72,7 +72,11 @@ impl FluxSupport {
         Self {
             basis,
             has_medium: false,
-            absorbs: matches!(material, Material::Conductor { .. }),
+            absorbs: match material {
+                Material::Conductor { .. } => true,
+                Material::Lambertian { reflectance } => reflectance < 1.0,
+                _ => false,
+            },
             transmits: material.transmitting_index().is_some(),
         }
     }

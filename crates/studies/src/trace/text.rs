@@ -51,6 +51,7 @@ fn light_line(outcome: &TraceOutcome) -> String {
     let material = match case.material {
         Material::Dielectric { eta } => format!("eta {eta}"),
         Material::Conductor { eta, kappa } => format!("conductor {eta} + {kappa} i"),
+        Material::Lambertian { reflectance } => format!("Lambertian, reflectance {reflectance}"),
         _ => "mirror".to_owned(),
     };
     let side = match outcome.config.light.from {

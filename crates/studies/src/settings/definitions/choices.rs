@@ -80,19 +80,29 @@ pub(super) const FORM: Kind = Kind::Choice(&[
 
 pub(super) const MATERIAL: Kind = Kind::Choice(&[
     Choice {
-        clears: &["material.kappa"],
+        clears: &["material.kappa", "material.reflectance"],
         ..choice(
             "dielectric",
             "reflects and transmits; --eta is n_transmitted / n_incident",
         )
     },
-    choice(
-        "conductor",
-        "reflects and absorbs; its index is eta + i kappa",
-    ),
+    Choice {
+        clears: &["material.reflectance"],
+        ..choice(
+            "conductor",
+            "reflects and absorbs; its index is eta + i kappa",
+        )
+    },
+    Choice {
+        clears: &["material.eta", "material.kappa", "material.reflectance"],
+        ..choice("mirror", "reflects everything")
+    },
     Choice {
         clears: &["material.eta", "material.kappa"],
-        ..choice("mirror", "reflects everything")
+        ..choice(
+            "lambertian",
+            "facets reflect the fraction --reflectance diffusely and absorb the rest",
+        )
     },
 ]);
 

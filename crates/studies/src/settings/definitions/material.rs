@@ -38,4 +38,12 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Absorption index of a conductor",
     )
     .range(Range::FromTo(0.0, 1e6)),
+    setting(
+        SECTION,
+        "reflectance",
+        Kind::Number,
+        COMMANDS,
+        "Fraction of light that a Lambertian facet reflects",
+    )
+    .range(Range::FromTo(0.0, 1.0)),
 ];
