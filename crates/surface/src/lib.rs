@@ -40,6 +40,7 @@ mod field_synthesis;
 mod form;
 mod gaussian_filter;
 mod height_field;
+mod histogram;
 mod iso25178;
 mod missing;
 mod numerics;
@@ -50,6 +51,7 @@ mod resampling;
 mod roughness;
 mod slope_moments;
 mod slope_samples;
+mod spectrum;
 mod spline;
 mod structure;
 mod synthesis;
@@ -59,6 +61,7 @@ pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
 pub use gaussian_filter::{FilterError, GaussianFilter};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
+pub use histogram::Histogram;
 pub use iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{
@@ -72,10 +75,11 @@ pub use recipe::{
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{
-    Compared, Expectation, Gradients, Realised, RealisedStructure, Roughness, SteeperThan,
-    SteepestFacet, Triangle,
+    AxisAutocorrelation, Compared, Expectation, Gradients, Realised, RealisedStructure, Roughness,
+    SteeperThan, SteepestFacet, Triangle,
 };
 pub use slope_moments::SlopeMoments;
+pub use spectrum::{PowerSpectrum, SpectralRing};
 pub use spline::{SplineRoughness, SplineSurface};
 pub use structure::{
     Allowed, Arrangement, Cracks, GrooveProfile, Grooves, MAX_ADJUSTMENT, MAX_FEATURES,

@@ -6,6 +6,7 @@ mod hermite;
 mod plane_fft;
 mod quadrature;
 mod special;
+mod window;
 
 pub(crate) use self::curve::Curve;
 pub(crate) use self::half_plane::HalfPlane;
@@ -13,3 +14,4 @@ pub(crate) use self::hermite::HermiteSeries;
 pub(crate) use self::plane_fft::{power_plane, transform_plane};
 pub(crate) use self::quadrature::{gauss_legendre, root};
 pub(crate) use self::special::{exponential_integral, ln_normal_cdf};
+pub(crate) use self::window::multiply_by_hann;

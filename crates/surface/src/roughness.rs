@@ -15,6 +15,7 @@ pub(crate) use self::correlation::{Axis, axis_autocorrelation};
 use self::slopes::slope_moments;
 use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
 
+pub use self::correlation::AxisAutocorrelation;
 pub use self::gradients::{Gradients, SteeperThan};
 pub use self::slopes::{SteepestFacet, Triangle};
 pub use self::structure::{Expectation, RealisedStructure};

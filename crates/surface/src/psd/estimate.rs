@@ -1,13 +1,13 @@
 //! Estimate: the power spectral density of a given surface.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
 use super::Psd;
 use super::error::PsdError;
 use super::plane::{PlanePsd, place};
-use crate::numerics::power_plane;
+use crate::numerics::{multiply_by_hann, power_plane};
 use crate::{Border, Form, FormError, HeightField};
 
 /// Waves per side of the tile up to which each wave has a node of its own.
@@ -86,21 +86,6 @@ fn root_mean_square(heights: &[f64], nx: usize) -> f64 {
         .map(|row| row.iter().map(|h| h * h).sum())
         .collect();
     (rows.iter().sum::<f64>() / heights.len() as f64).sqrt()
-}
-
-/// Multiplies by `sin^2` from border to border along both axes.
-fn multiply_by_hann(heights: &mut [f64], [ny, nx]: [usize; 2]) {
-    let window = |n: usize| -> Vec<f64> {
-        let at = |i: usize| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
-        (0..n).map(at).collect()
-    };
-    let (along_x, along_y) = (window(nx), window(ny));
-    let rows = heights.par_chunks_exact_mut(nx).zip(&along_y);
-    rows.for_each(|(row, y)| {
-        for (h, x) in row.iter_mut().zip(&along_x) {
-            *h *= x * y;
-        }
-    });
 }
 
 /// Powers about nodes of the half plane `ky >= 0`.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 
+use super::mean_height;
 use crate::{Border, HeightField};
 
 /// Lines that one task takes; a fixed number, so that sums do not depend on threads.
@@ -14,6 +15,41 @@ const LINES: usize = 32;
 pub(crate) enum Axis {
     X,
     Y,
+}
+
+/// Autocorrelation of the heights of one surface along the axes of its grid, about the mean height.
+///
+/// A periodic surface wraps around. Of any other each lag is averaged over the pairs of samples that it has (unbiased); what lies beyond
+/// a mirrored border is not counted twice.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::{AxisAutocorrelation, HeightField};
+///
+/// let field = HeightField::new(vec![1.0, -1.0, 1.0, -1.0], [2, 2], [0.5, 0.5])?;
+/// let correlation = AxisAutocorrelation::of(&field);
+/// assert_eq!(correlation.along_x, [1.0, -1.0]);
+/// assert_eq!(correlation.along_y, [1.0, 1.0]);
+/// # Ok::<(), asperity_surface::HeightFieldError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisAutocorrelation {
+    /// At lags of 0, 1, ... `nx / 2` samples along x, length units squared. The first is the mean square height.
+    pub along_x: Vec<f64>,
+    /// The same along y, up to `ny / 2`.
+    pub along_y: Vec<f64>,
+}
+
+impl AxisAutocorrelation {
+    /// Measures a surface. Numbers do not depend on the number of threads.
+    #[must_use]
+    pub fn of(field: &HeightField) -> Self {
+        let mean = mean_height(field);
+        Self {
+            along_x: axis_autocorrelation(field, mean, Axis::X),
+            along_y: axis_autocorrelation(field, mean, Axis::Y),
+        }
+    }
 }
 
 /// Autocorrelation `sum (h(i) - mean) (h(i + lag) - mean) / pairs` for lags 0 to `n / 2` along
