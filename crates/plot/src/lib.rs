@@ -15,6 +15,7 @@
 //! | [`ProfileGrid`] | [`ProfileComponent`]s: [`Point`]s per panel | components of light in the plane of incidence |
 //! | [`AngleGrid`] | [`AnglePanel`]s: [`Curve`]s per panel | several quantities in the plane of incidence, in rows and columns |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
+//! | [`LogCurves`] | [`Curve`]s: points with errors, lines | anything over two logarithmic axes |
 //! | [`Diagram`] | [`DiagramPath`]s and [`DiagramLabel`]s | lines, arrows and words, to scale |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
@@ -69,6 +70,7 @@ pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMet
 pub use figures::height_map::HeightMapFigure;
 pub use figures::hemispheres::{Hemisphere, Hemispheres, SharedColours};
 pub use figures::in_plane_curves::InPlaneCurves;
+pub use figures::log_curves::LogCurves;
 pub use figures::polar_lobes::{PolarLobes, Sides};
 pub use figures::profile_grid::{ProfileComponent, ProfileGrid};
 pub use figures::validity_map::{MappedCell, ValidityMap};

@@ -8,6 +8,9 @@ use super::text::text_width;
 use super::theme;
 use crate::PlotError;
 
+/// Free space around the data of a logarithmic axis, in decades.
+const DECADES_OF_ROOM: f64 = 0.15;
+
 /// How a value becomes a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
@@ -102,6 +105,21 @@ impl Axis {
         }
     }
 
+    /// A logarithmic axis around `lo` to `hi`, > 0, with two decades marked at least.
+    pub(crate) fn decades_around([lo, hi]: [f64; 2]) -> Self {
+        let margin = 10f64.powf(DECADES_OF_ROOM);
+        let (lo, hi) = (
+            (lo / margin).max(f64::MIN_POSITIVE),
+            (hi * margin).min(f64::MAX),
+        );
+        let axis = Axis::log10(lo, hi);
+        if axis.major.len() > 1 {
+            return axis;
+        }
+        let power = |exponent: i32| 10f64.powi(exponent.clamp(-307, 308));
+        Axis::log10(power(exponent10(lo)), power(exponent10(hi) + 1))
+    }
+
     /// The same with its low end where its high end was.
     pub(crate) fn reversed(mut self) -> Self {
         std::mem::swap(&mut self.lo, &mut self.hi);
@@ -160,6 +178,21 @@ pub(crate) fn per_steradian_axis(quantity: &str, lo: f64, hi: f64, count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axes_mark_two_decades_whatever_the_range() {
+        for (lo, hi) in [
+            (2.0, 3.0),
+            (1.0, 1.0),
+            (9e-5, 1.1e-4),
+            (1e-300, 2e-300),
+            (0.03, 40.0),
+        ] {
+            let axis = Axis::decades_around([lo, hi]);
+            assert!(axis.major.len() >= 2, "{lo} {hi}: {:?}", axis.major);
+            assert!(axis.lo <= lo && axis.hi >= hi);
+        }
+    }
 
     fn texts(axis: &Axis) -> Vec<&str> {
         axis.major.iter().map(|(_, text)| text.as_str()).collect()

@@ -95,8 +95,6 @@ pub struct ErrorOverTime {
 
 const PANEL: (f64, f64) = (620.0, 500.0);
 const LEGEND_WIDTH: f64 = 408.0;
-/// Free space between the data and the frame, decades.
-const PADDING: f64 = 0.15;
 /// The axis of errors is drawn out to the reference's if that is not farther than so many decades away.
 const DECADES_TO_REFERENCE: f64 = 1.0;
 
@@ -165,8 +163,8 @@ impl ErrorOverTime {
         let reference = self.reference_error.filter(near).unwrap_or(least);
         let errors = [least.min(reference), largest.max(reference)];
         Ok(Axes {
-            x: decades(seconds).with_label("run time (seconds)"),
-            y: decades(errors).with_label("relative root-mean-square error over bins"),
+            x: Axis::decades_around(seconds).with_label("run time (seconds)"),
+            y: Axis::decades_around(errors).with_label("relative root-mean-square error over bins"),
         })
     }
 
@@ -304,39 +302,9 @@ fn slopes(x: &Axis, y: &Axis) -> Vec<Curve> {
     (first..=last).map(line).collect()
 }
 
-/// A logarithmic axis around `lo` to `hi`, > 0, with two decades marked at least.
-fn decades([lo, hi]: [f64; 2]) -> Axis {
-    let margin = 10f64.powf(PADDING);
-    let (lo, hi) = (
-        (lo / margin).max(f64::MIN_POSITIVE),
-        (hi * margin).min(f64::MAX),
-    );
-    let axis = Axis::log10(lo, hi);
-    if axis.major.len() > 1 {
-        return axis;
-    }
-    let power = |exponent: i32| 10f64.powi(exponent.clamp(-307, 308));
-    Axis::log10(power(exponent10(lo)), power(exponent10(hi) + 1))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn axes_mark_two_decades_whatever_the_range() {
-        for (lo, hi) in [
-            (2.0, 3.0),
-            (1.0, 1.0),
-            (9e-5, 1.1e-4),
-            (1e-300, 2e-300),
-            (0.03, 40.0),
-        ] {
-            let axis = decades([lo, hi]);
-            assert!(axis.major.len() >= 2, "{lo} {hi}: {:?}", axis.major);
-            assert!(axis.lo <= lo && axis.hi >= hi);
-        }
-    }
 
     #[test]
     fn colour_is_of_the_family_and_marker_of_the_variant() {

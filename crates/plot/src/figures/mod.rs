@@ -7,6 +7,7 @@ pub(crate) mod error_over_time;
 pub(crate) mod height_map;
 pub(crate) mod hemispheres;
 pub(crate) mod in_plane_curves;
+pub(crate) mod log_curves;
 pub(crate) mod polar_lobes;
 pub(crate) mod profile_grid;
 pub(crate) mod validity_map;
