@@ -7,8 +7,8 @@ use asperity_optics::Incidence;
 use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, areal_table, height_map_figure,
-    realisation_table, roughness_table, smooth_table, wrapped,
+    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, Texture, areal_table, height_map_figure,
+    inspect_report, realisation_table, roughness_table, smooth_table, texture_files, wrapped,
 };
 use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::input::{
     check_height_map_output, name_of, read_surface, refuse_simulation, required_file, write_surface,
 };
-use crate::output::note_lines;
+use crate::output::{note_lines, result_folder};
 use crate::output_files::check_outputs;
 
 /// What is read.
@@ -62,12 +62,17 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         .as_deref()
         .map(PlotFormat::from_path)
         .transpose()?;
-    if let Some(path) = &results.output {
-        check_height_map_output(path)?;
-    }
-    let outputs = [results.output.as_deref(), results.plot.as_deref()];
+    let output = results.output.as_deref().map(Output::of).transpose()?;
+    let outputs = [output.and_then(Output::file), results.plot.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
-    check_outputs(&outputs, &[Some(file), document.file()])?;
+    let inputs = [Some(file), document.file()];
+    check_outputs(&outputs, &inputs)?;
+    let folder = match output {
+        Some(Output::Folder(path)) => {
+            Some(result_folder(path, "inspect", &inputs, &texture_files())?)
+        }
+        _ => None,
+    };
     let mut input = read_surface(file, &measured, common)?;
     let cells = surface.cells.of_given();
     let statistics = Statistics::of(&input.field, cells, &lights)?;
@@ -75,19 +80,53 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         draw(path, format, &input.field, &name_of(file))?;
         common.say(|| format!("{} drawn", path.display()));
     }
-    if let Some(path) = &results.output {
+    if let Some(Output::HeightMap(path)) = output {
         input.notes.extend(write_surface(path, &input.field)?);
         common.say(|| format!("{} written", path.display()));
     }
-    results.print_file(
-        common,
-        || &statistics,
-        || {
-            let notes = note_lines(&input.notes);
-            wrapped(&format!("{}: {}{notes}", file.display(), statistics.text()))
-        },
-    )?;
+    let (field, name) = (&input.field, name_of(file));
+    if let Some(folder) = folder {
+        let texture = Texture::of(field)
+            .map_err(|error| Failure::failed(format!("{}: {error}", file.display())))?;
+        inspect_report(&folder, field, &name, &texture, &statistics).map_err(Failure::failed)?;
+        folder.finish(true).map_err(Failure::failed)?;
+    }
+    let text = || {
+        let notes = note_lines(&input.notes);
+        wrapped(&format!("{}: {}{notes}", file.display(), statistics.text()))
+    };
+    match output {
+        Some(Output::Folder(_)) => results.print(common, || &statistics, text)?,
+        _ => results.print_file(common, || &statistics, text)?,
+    }
     Ok(End::Complete)
+}
+
+/// What `-o` names.
+#[derive(Clone, Copy)]
+enum Output<'a> {
+    /// A folder for tables and figures: a name without an ending, or a folder that exists.
+    Folder(&'a Path),
+    /// A height map.
+    HeightMap(&'a Path),
+}
+
+impl<'a> Output<'a> {
+    fn of(path: &'a Path) -> Result<Self, Failure> {
+        if path.extension().is_none() || path.is_dir() {
+            return Ok(Self::Folder(path));
+        }
+        check_height_map_output(path)?;
+        Ok(Self::HeightMap(path))
+    }
+
+    /// The path of a single file.
+    const fn file(self) -> Option<&'a Path> {
+        match self {
+            Self::Folder(_) => None,
+            Self::HeightMap(path) => Some(path),
+        }
+    }
 }
 
 /// Roughness of the samples and facets, and of the smooth cells through the same heights.

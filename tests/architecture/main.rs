@@ -175,7 +175,7 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 16] = [
+const STUDIES: [(&str, &[&str]); 17] = [
     ("border", &[]),
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
@@ -192,6 +192,7 @@ const STUDIES: [(&str, &[&str]); 16] = [
         &["comparison", "config", "output", "validity", "verify"],
     ),
     ("given", &["surface_lengths"]),
+    ("inspect", &["output", "report"]),
     (
         "trace",
         &[

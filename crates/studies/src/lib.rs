@@ -11,6 +11,7 @@ mod config;
 mod converge;
 mod given;
 mod gonio;
+mod inspect;
 mod map;
 mod model;
 mod output;
@@ -56,6 +57,7 @@ pub use gonio::{
     GonioOutput, Means, MeasuredComponent, PlotScale, Sample, Specimen, gonio, gonio_report,
     gonio_summary, gonio_table,
 };
+pub use inspect::{InspectError, Texture, inspect_report, texture_files};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
     JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,

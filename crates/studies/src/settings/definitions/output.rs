@@ -84,10 +84,10 @@ pub(super) const RESULTS: &[Setting] = &[
         "output",
         Kind::Path,
         INSPECT,
-        "Height map to write: .exr, .npy, .gsf, .x3p or .png",
+        "Folder for tables and figures, or height map to write: .exr, .npy, .gsf, .x3p or .png",
     )
     .short('o')
-    .value_name(FILE)
+    .value_name("DIR|FILE")
     .flag_only(),
     setting(
         "results",

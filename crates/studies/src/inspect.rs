@@ -1,0 +1,104 @@
+//! Inspect: the spectrum, autocorrelation and histograms of one surface, as tables and figures.
+
+mod figures;
+mod files;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::PI;
+
+use asperity_surface::{
+    AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, Psd,
+    SpectralRing,
+};
+
+pub use self::files::{inspect_report, texture_files};
+
+/// Azimuths over a half turn at which a requested spectrum is averaged.
+const AZIMUTHS: usize = 90;
+
+/// Why a surface has no spectrum.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InspectError {
+    /// All heights are equal.
+    #[error("all heights are equal: there is no spectrum, autocorrelation or histogram to write")]
+    Flat,
+    /// Its mean or plane cannot be removed.
+    #[error(transparent)]
+    Form(#[from] FormError),
+}
+
+/// How the heights and slopes of one surface are distributed over waves, lags and values.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    unit: LengthUnit,
+    spacing: [f64; 2],
+    spectrum: Vec<SpectrumRow>,
+    /// Area of the plane of wave vectors that one wave stands for.
+    wave_area: f64,
+    correlation: AxisAutocorrelation,
+    heights: Histogram,
+    /// Root mean square height.
+    sq: f64,
+    slopes: [Histogram; 2],
+    /// Mean squares of the slopes along x and y about zero.
+    mean_square_slopes: [f64; 2],
+}
+
+/// A ring of wave vectors.
+#[derive(Clone, Copy, Debug)]
+struct SpectrumRow {
+    ring: SpectralRing,
+    /// Density that was requested of a generated surface, averaged over azimuths.
+    requested: Option<f64>,
+}
+
+impl Texture {
+    /// Measures a surface.
+    ///
+    /// # Errors
+    /// [`InspectError`] if all heights are equal, or so large that their sums overflow.
+    pub fn of(field: &HeightField) -> Result<Self, InspectError> {
+        let heights = Histogram::of_heights(field).ok_or(InspectError::Flat)?;
+        let slopes = Histogram::of_slopes(field).ok_or(InspectError::Flat)?;
+        let spectrum = PowerSpectrum::of(field)?;
+        let correlation = AxisAutocorrelation::of(field);
+        let recipe = field.provenance().map(|provenance| &provenance.recipe);
+        let requested = recipe.and_then(|recipe| recipe.gaussian());
+        let row = |ring: SpectralRing| SpectrumRow {
+            ring,
+            requested: requested.map(|psd| mean_over_azimuths(psd, ring.k)),
+        };
+        let [xx, _, yy] = field.slope_moments().second;
+        Ok(Self {
+            unit: field.unit(),
+            spacing: field.spacing(),
+            spectrum: spectrum.rings().into_iter().map(row).collect(),
+            wave_area: spectrum.wave_area(),
+            sq: correlation.along_x[0].sqrt(),
+            correlation,
+            heights,
+            slopes,
+            mean_square_slopes: [xx, yy],
+        })
+    }
+}
+
+/// Mean density of `psd` at wave vectors of length `k`.
+fn mean_over_azimuths(psd: &Psd, k: f64) -> f64 {
+    if psd.is_isotropic() {
+        return psd.density(k, 0.0);
+    }
+    let at = |i: usize| {
+        let (sin, cos) = (PI * i as f64 / AZIMUTHS as f64).sin_cos();
+        psd.density(k * cos, k * sin)
+    };
+    (0..AZIMUTHS).map(at).sum::<f64>() / AZIMUTHS as f64
+}
+
+/// The normal density of mean zero.
+fn normal(value: f64, mean_square: f64) -> f64 {
+    (-value * value / (2.0 * mean_square)).exp() / (2.0 * PI * mean_square).sqrt()
+}

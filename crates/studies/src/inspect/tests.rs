@@ -1,0 +1,95 @@
+use asperity_io::{ResultFolder, read_text};
+use asperity_surface::{Psd, Roughness, Synthesis};
+use serde_json::Value;
+
+use super::*;
+
+fn drawn() -> HeightField {
+    let psd = Psd::anisotropic_gaussian(0.5, 8.0, 5.0, 0.3).unwrap();
+    let synthesis = Synthesis::new(psd, [96, 128], [1.0, 1.0], false).unwrap();
+    synthesis.draw(2, 0).unwrap()
+}
+
+/// Numbers of a column of a CSV file; nothing of empty fields.
+fn column(text: &str, name: &str) -> Vec<f64> {
+    let mut lines = text.lines();
+    let place = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|head| head == name);
+    let fields = lines.filter_map(|line| line.split(',').nth(place.unwrap()));
+    fields.filter_map(|field| field.parse().ok()).collect()
+}
+
+/// Files hold every digit: sums over them round at 1e-13.
+#[test]
+fn files_hold_the_mean_square_height_and_all_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let field = drawn();
+    let results = ResultFolder::open(&out, "inspect", &[]).unwrap();
+    results.check(&texture_files()).unwrap();
+    let texture = Texture::of(&field).unwrap();
+    let roughness = Roughness::of(&field);
+    inspect_report(&results, &field, "drawn", &texture, &roughness).unwrap();
+    results.finish(true).unwrap();
+    for name in texture_files() {
+        assert!(out.join(&name).exists(), "{name}");
+    }
+
+    let square = roughness.sq * roughness.sq;
+    let summary: Value =
+        serde_json::from_str(&read_text(out.join("summary.json")).unwrap()).unwrap();
+    let psd = read_text(out.join("psd.csv")).unwrap();
+    let powers = column(&psd, "density")
+        .into_iter()
+        .zip(column(&psd, "waves"));
+    let power: f64 = powers.map(|(density, waves)| density * waves).sum();
+    let power = power * summary["wave_area"].as_f64().unwrap();
+    assert!((power / square - 1.0).abs() < 1e-12, "{power} {square}");
+    assert!((summary["surface"]["sq"].as_f64().unwrap() / roughness.sq - 1.0).abs() < 1e-15);
+
+    let lags = read_text(out.join("autocorrelation.csv")).unwrap();
+    assert!((column(&lags, "along_x")[0] / square - 1.0).abs() < 1e-13);
+    assert_eq!(column(&lags, "along_x").len(), 65);
+    assert_eq!(column(&lags, "lag_y").len(), 49);
+    for (file, axis, values) in [
+        ("heights.csv", "height", ["density"].as_slice()),
+        ("slopes.csv", "slope", &["along_x", "along_y"]),
+    ] {
+        let text = read_text(out.join(file)).unwrap();
+        let middles = column(&text, axis);
+        for name in values {
+            let inside: f64 = column(&text, name).iter().sum::<f64>() * (middles[1] - middles[0]);
+            assert!((inside - 1.0).abs() < 1e-9, "{file} {name}: {inside}");
+        }
+    }
+}
+
+/// The mean over azimuths of an anisotropic Gaussian density, by the modified Bessel function `I0`, summed as a power series.
+#[test]
+fn requested_density_is_the_mean_over_azimuths() {
+    let [sigma, along, across] = [0.5, 8.0, 5.0];
+    let psd = Psd::anisotropic_gaussian(sigma, along, across, 0.3).unwrap();
+    for k in [0.1, 0.3, 0.5] {
+        let [a, b] = [along, across].map(|tau: f64| (tau * k).powi(2) / 4.0);
+        let half = (a - b) / 2.0;
+        let mut term = 1.0;
+        let mut bessel = 1.0;
+        for i in 1..30 {
+            term *= (half / 2.0).powi(2) / f64::from(i * i);
+            bessel += term;
+        }
+        let peak = sigma * sigma * along * across / (4.0 * PI);
+        let expected = peak * (-(a + b) / 2.0).exp() * bessel;
+        let found = mean_over_azimuths(&psd, k);
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+#[test]
+fn a_flat_surface_is_refused() {
+    let flat = HeightField::new(vec![1.0; 9], [3, 3], [1.0, 1.0]).unwrap();
+    assert!(matches!(Texture::of(&flat), Err(InspectError::Flat)));
+}
