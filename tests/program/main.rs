@@ -36,6 +36,7 @@ mod render;
 mod results;
 mod settings;
 mod smooth_meshes;
+mod spectra;
 mod stopping;
 mod structures;
 mod support;
