@@ -7,8 +7,9 @@ use asperity_optics::Incidence;
 use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, Texture, areal_table, height_map_figure,
-    inspect_report, realisation_table, roughness_table, smooth_table, texture_files, wrapped,
+    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, Texture, areal_table,
+    height_map_figure, inspect_report, realisation_table, roughness_table, smooth_table,
+    texture_files, wrapped,
 };
 use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
