@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::common::{Common, Results};
 use crate::end::End;
+use crate::erosion::eroded;
 use crate::failure::Failure;
 use crate::input::{
     check_height_map_output, name_of, read_surface, refuse_simulation, required_file, write_surface,
@@ -75,6 +76,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         _ => None,
     };
     let mut input = read_surface(file, &measured, common)?;
+    input.field = eroded(document, input.field)?;
     let cells = surface.cells.of_given();
     let statistics = Statistics::of(&input.field, cells, &lights)?;
     if let (Some(path), Some(format)) = (&results.plot, plot) {

@@ -6,6 +6,7 @@ mod common;
 mod completion;
 mod converge;
 mod end;
+mod erosion;
 mod failure;
 mod generate;
 mod given;

@@ -108,3 +108,37 @@ fn structures_are_traced_in_verify_and_gonio() {
         "{summary}"
     );
 }
+
+/// A plane of pits: slipping flattens their walls, and etching lowers all and widens the pits.
+#[test]
+fn height_maps_are_eroded_by_inspect() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let pits = "generate --structure pits --depth 7 --size 128 --unit um -o a.exr";
+    succeed(folder, &words(pits));
+    let of = |flags: &str| {
+        json(&succeed(
+            folder,
+            &words(&format!("inspect a.exr --json{flags}")),
+        ))
+    };
+    let number = |value: &Value, name: &str| value[name].as_f64().unwrap();
+    let before = of("");
+    let slipped = of(" --repose 20 --slip-steps 3000");
+    // Facets have the slope of repose along x, y and one diagonal, up to sqrt 2 of it along the other: 27.2 degrees
+    let [steep, less] = [&before, &slipped].map(|r| number(&r["steepest"], "angle_degrees"));
+    assert!(steep > 60.0 && less < 28.0, "{steep} {less}");
+    assert!(slipped["realised_structure"].is_null());
+    let etched = of(" --etch 2000nm -o b.exr");
+    let sinks = number(&before, "mean") - number(&etched, "mean");
+    assert!(sinks > 2.0 && sinks < 4.0, "{sinks}");
+    assert!(folder.join("b.exr").is_file());
+    for (flags, expected) in [
+        ("--etch 300", "more than 64 spacings"),
+        ("--slip-steps 5", "needs --repose"),
+        ("--repose 90", "from 0 to below 90"),
+    ] {
+        let said = refused(folder, &words(&format!("inspect a.exr {flags}")), 2);
+        assert!(said.contains(expected), "{flags}: {said}");
+    }
+}

@@ -3,6 +3,7 @@
 mod choices;
 mod compare;
 mod converge;
+mod erosion;
 mod generate;
 mod light;
 mod material;
@@ -47,6 +48,7 @@ pub static SECTIONS: &[Section] = &[
     section("surface", "Random surfaces, cells", surface::SETTINGS),
     section("generate", "Height map", generate::SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
+    section("erosion", "Erosion", erosion::SETTINGS),
     section("mesh", "Triangle mesh", mesh::SETTINGS),
     section("material", "Material", material::SETTINGS),
     Section {

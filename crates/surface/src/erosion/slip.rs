@@ -56,16 +56,23 @@ impl Slip {
             next.par_chunks_exact_mut(nx)
                 .enumerate()
                 .for_each(|(iy, row)| {
+                    let rows = [-1, 0, 1].map(|j| {
+                        let other = beside(border, iy, j, ny)?;
+                        Some(&before[other * nx..(other + 1) * nx])
+                    });
                     for (ix, h) in row.iter_mut().enumerate() {
                         let here = before[iy * nx + ix];
+                        let is_inside = ix > 0 && ix + 1 < nx;
                         let mut gain = 0.0;
                         for ([i, j], allowed) in NEIGHBOURS.into_iter().zip(allowed) {
-                            let column = beside(border, ix, i, nx);
-                            let row = beside(border, iy, j, ny);
-                            let (Some(column), Some(row)) = (column, row) else {
+                            let column = match is_inside {
+                                true => Some((ix as i64 + i) as usize),
+                                false => beside(border, ix, i, nx),
+                            };
+                            let (Some(column), Some(row)) = (column, rows[(j + 1) as usize]) else {
                                 continue;
                             };
-                            let rise = before[row * nx + column] - here;
+                            let rise = row[column] - here;
                             // What a neighbour gains this sample loses, to the last bit
                             gain += FRACTION * (rise - rise.clamp(-allowed, allowed));
                         }
