@@ -1,6 +1,7 @@
 //! Height maps: one file per format, and their choice by the ending of the file name, by the first bytes where
 //! formats share an ending.
 
+mod archive;
 mod exr;
 mod gsf;
 mod instruments;
@@ -11,6 +12,7 @@ mod text;
 mod tiff;
 mod unit;
 mod x3p;
+mod xml;
 
 #[cfg(test)]
 mod hostile_tests;

@@ -10,24 +10,23 @@
 //! all checksums; the border in the comment of Record2, as `border=periodic`. The date is fixed,
 //! so that equal surfaces give equal bytes.
 
-mod archive;
 mod grid;
-mod tags;
+mod linked;
 mod write;
-mod xml;
 
 use std::io::{Read, Seek};
 use std::path::Path;
 
 use asperity_surface::{Border, LengthUnit, RawHeightMap, check_grid};
 use md5::{Digest, Md5};
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::Node;
 
-use self::archive::{Parts, verify_checksum};
 use self::grid::Grid;
-use self::tags::{Split, for_each_datum, split};
-use self::xml::{Xml, malformed};
+use self::linked::{linked, verify_checksum};
+use super::archive::Parts;
+use super::xml::{Split, Xml, for_each_datum, split};
 use crate::error::ReadError;
+use crate::formats::HeightMapFormat;
 use crate::limits::{check_packed_claim, room};
 
 pub(crate) use self::write::write;
@@ -45,23 +44,22 @@ pub(crate) fn read<R: Read + Seek>(
     reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    let mut parts = Parts::open(path, reader, length)?;
-    let xml = parts.read(MAIN, |size| size <= XML_LIMIT)?;
+    let mut parts = Parts::open(path, HeightMapFormat::X3p, reader, length)?;
+    let text = parts.read(MAIN, |size| size <= XML_LIMIT)?;
     if parts.has(CHECKSUM) {
         let stated = parts.read(CHECKSUM, |size| size <= CHECKSUM_LIMIT)?;
         let stated = String::from_utf8_lossy(&stated);
         let stated = stated.split_whitespace().next().unwrap_or_default();
-        verify_checksum(path, MAIN, Md5::new_with_prefix(&xml), stated)?;
+        verify_checksum(path, MAIN, Md5::new_with_prefix(&text), stated)?;
     }
-    let xml = String::from_utf8(xml).map_err(|_| malformed(path, "its main.xml is not UTF-8"))?;
-    let options = ParsingOptions {
-        allow_dtd: false,
-        ..ParsingOptions::default()
+    let xml = Xml {
+        path,
+        format: HeightMapFormat::X3p,
+        part: MAIN,
     };
-    let Split { description, data } = split(path, &xml)?;
-    let document = Document::parse_with_options(&description, options)
-        .map_err(|e| malformed(path, format_args!("its main.xml cannot be parsed ({e})")))?;
-    let xml = Xml { path };
+    let text = String::from_utf8(text).map_err(|_| xml.malformed("its main.xml is not UTF-8"))?;
+    let Split { description, data } = split(xml, &text)?;
+    let document = xml.parse(&description)?;
     let root = document.root_element();
     let grid = Grid::parse(&xml, root)?;
     let claim = [grid.rows as u64, grid.columns as u64];
@@ -70,7 +68,7 @@ pub(crate) fn read<R: Read + Seek>(
 
     let record = xml.child(root, "Record3")?;
     let mut heights = match xml.optional(record, "DataLink")? {
-        Some(link) => parts.linked(&xml, link, &grid)?,
+        Some(link) => linked(&mut parts, &xml, link, &grid)?,
         None => {
             xml.child(record, "DataList")?;
             inline(&xml, data, &grid)?
@@ -94,7 +92,7 @@ fn inline(xml: &Xml<'_>, data: &str, grid: &Grid) -> Result<Vec<f64>, ReadError>
     let needed = grid.columns * grid.rows;
     let mut heights = room(xml.path, nx, ny)?;
     let mut count = 0;
-    for_each_datum(xml.path, data, |text| {
+    for_each_datum(*xml, data, |text| {
         count += 1;
         let z = text.rsplit(';').next().unwrap_or_default().trim();
         if count <= needed {
@@ -107,10 +105,9 @@ fn inline(xml: &Xml<'_>, data: &str, grid: &Grid) -> Result<Vec<f64>, ReadError>
         Ok(())
     })?;
     if count != needed {
-        return Err(malformed(
-            xml.path,
-            format_args!("its DataList has {count} data, but {nx} x {ny} are needed"),
-        ));
+        return Err(xml.malformed(format_args!(
+            "its DataList has {count} data, but {nx} x {ny} are needed"
+        )));
     }
     Ok(heights)
 }

@@ -2,9 +2,9 @@
 
 use roxmltree::Node;
 
-use super::xml::{Xml, malformed};
 use crate::error::ReadError;
 use crate::height_maps::samples::SampleKind;
+use crate::height_maps::xml::Xml;
 
 /// The regular grid of a surface.
 pub(super) struct Grid {
@@ -20,13 +20,10 @@ pub(super) struct Grid {
 impl Grid {
     pub(super) fn parse(xml: &Xml<'_>, root: Node<'_, '_>) -> Result<Self, ReadError> {
         if root.tag_name().name() != "ISO5436_2" {
-            return Err(malformed(
-                xml.path,
-                format_args!(
-                    "the root of its main.xml is `{}`, but ISO5436_2 is needed",
-                    root.tag_name().name()
-                ),
-            ));
+            return Err(xml.malformed(format_args!(
+                "the root of its main.xml is `{}`, but ISO5436_2 is needed",
+                root.tag_name().name()
+            )));
         }
         let first = xml.child(root, "Record1")?;
         if let Some(feature) = xml.optional(first, "FeatureType")?
@@ -102,10 +99,9 @@ impl HeightAxis {
             "F" => SampleKind::F32,
             "D" => SampleKind::F64,
             other => {
-                return Err(malformed(
-                    xml.path,
-                    format_args!("the data type of CZ is `{other}`, but allowed are I, L, F and D"),
-                ));
+                return Err(xml.malformed(format_args!(
+                    "the data type of CZ is `{other}`, but allowed are I, L, F and D"
+                )));
             }
         };
         let number = |name| {
@@ -116,16 +112,13 @@ impl HeightAxis {
         let increment = number("Increment")?;
         let whole = matches!(kind, SampleKind::I16 | SampleKind::I32);
         if whole && increment.is_none() {
-            return Err(malformed(
-                xml.path,
+            return Err(xml.malformed(
                 "its heights are whole numbers, but CZ has no Increment to make metres of them",
             ));
         }
         let (increment, offset) = (increment.unwrap_or(1.0), number("Offset")?.unwrap_or(0.0));
         if !(increment.is_finite() && increment != 0.0 && offset.is_finite()) {
-            return Err(malformed(
-                xml.path,
-                format_args!(
+            return Err(xml.malformed(format_args!(
                     "CZ has Increment {increment} and Offset {offset}, which must be finite, the first not zero"
                 ),
             ));
@@ -150,10 +143,9 @@ fn matrix_size(xml: &Xml<'_>, root: Node<'_, '_>) -> Result<[usize; 2], ReadErro
     let length = |name| {
         let text = xml.text(xml.child(size, name)?);
         text.parse::<u64>().map_err(|_| {
-            malformed(
-                xml.path,
-                format_args!("{name} is `{text}`, but a positive whole number is needed"),
-            )
+            xml.malformed(format_args!(
+                "{name} is `{text}`, but a positive whole number is needed"
+            ))
         })
     };
     let layers = length("SizeZ")?;

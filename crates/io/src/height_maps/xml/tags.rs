@@ -1,12 +1,10 @@
-//! Tags of main.xml: bounds them before the text is parsed, and takes the list of data out of it.
+//! Tags of a description: bounds them before the text is parsed, and takes a list of data out of it.
 //!
 //! The time of the parser grows with the square of the attributes of an element and of the namespaces in
 //! scope, and its memory is a hundred times a short element. A description of a surface is short; the one
-//! long part, numbers of an inline `DataList`, is read here without a tree.
+//! long part, numbers of an inline `DataList` of X3P, is read here without a tree.
 
-use std::path::Path;
-
-use super::xml::malformed;
+use super::Xml;
 use crate::error::ReadError;
 
 /// Most elements outside the list of data; a description has about 40.
@@ -16,35 +14,33 @@ const MAX_ATTRIBUTES: usize = 32;
 /// Longest description, in bytes.
 const MAX_DESCRIPTION: usize = 1 << 20;
 
-/// main.xml in two parts.
-pub(super) struct Split<'a> {
+/// A description in two parts.
+pub(crate) struct Split<'a> {
     /// All but the content of `DataList`, for the parser.
-    pub(super) description: String,
+    pub(crate) description: String,
     /// The content of `DataList`.
-    pub(super) data: &'a str,
+    pub(crate) data: &'a str,
 }
 
-/// Splits main.xml, and checks that its description is bounded.
-pub(super) fn split<'a>(path: &Path, xml: &'a str) -> Result<Split<'a>, ReadError> {
+/// Splits the text of a part, and checks that its description is bounded.
+pub(crate) fn split<'a>(part: Xml<'_>, xml: &'a str) -> Result<Split<'a>, ReadError> {
     let mut tags = Tags { xml, at: 0 };
     let mut counts = Counts::default();
     let mut list = None;
-    while let Some(tag) = tags.next(path)? {
-        counts.add(path, &tag)?;
+    while let Some(tag) = tags.next(part)? {
+        counts.add(part, &tag)?;
         if list.is_none() && tag.opens() && tag.name() == "DataList" {
-            list = Some((tags.at, data_end(path, &mut tags)?));
+            list = Some((tags.at, data_end(part, &mut tags)?));
         }
     }
     let (start, end) = list.unwrap_or((xml.len(), xml.len()));
     let description = [&xml[..start], &xml[end..]].concat();
     if description.len() > MAX_DESCRIPTION {
         let length = description.len();
-        return Err(malformed(
-            path,
-            format_args!(
-                "its main.xml describes the surface in {length} bytes, but {MAX_DESCRIPTION} are allowed"
-            ),
-        ));
+        return Err(part.malformed(format_args!(
+            "its {} describes the surface in {length} bytes, but {MAX_DESCRIPTION} are allowed",
+            part.part
+        )));
     }
     Ok(Split {
         description,
@@ -53,36 +49,35 @@ pub(super) fn split<'a>(path: &Path, xml: &'a str) -> Result<Split<'a>, ReadErro
 }
 
 /// Moves past the end of the list of data; returns where the tag begins that ends it.
-fn data_end(path: &Path, tags: &mut Tags<'_>) -> Result<usize, ReadError> {
-    while let Some(tag) = tags.next(path)? {
+fn data_end(part: Xml<'_>, tags: &mut Tags<'_>) -> Result<usize, ReadError> {
+    while let Some(tag) = tags.next(part)? {
         if tag.closes() && tag.name() == "DataList" {
             return Ok(tag.start);
         }
     }
-    Err(cannot_be_parsed(path, "its DataList does not end"))
+    Err(cannot_be_parsed(part, "its DataList does not end"))
 }
 
 /// The texts of the `Datum` elements in the content of a `DataList`.
-pub(super) fn for_each_datum<'a>(
-    path: &Path,
+pub(crate) fn for_each_datum<'a>(
+    part: Xml<'_>,
     data: &'a str,
     mut take: impl FnMut(&'a str) -> Result<(), ReadError>,
 ) -> Result<(), ReadError> {
     let mut tags = Tags { xml: data, at: 0 };
-    while let Some(tag) = tags.next(path)? {
+    while let Some(tag) = tags.next(part)? {
         let is_datum = tag.name() == "Datum" && !tag.closes();
         if is_datum && !tag.opens() {
             take("")?;
             continue;
         }
         let start = tags.at;
-        let end = match tags.next(path)? {
+        let end = match tags.next(part)? {
             Some(end) if is_datum && end.closes() && end.name() == "Datum" => end,
             _ => {
-                return Err(malformed(
-                    path,
-                    "its DataList holds elements other than Datum with a text",
-                ));
+                return Err(
+                    part.malformed("its DataList holds elements other than Datum with a text")
+                );
             }
         };
         take(data[start..end.start].trim())?;
@@ -98,12 +93,12 @@ struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, path: &Path, tag: &Tag<'_>) -> Result<(), ReadError> {
+    fn add(&mut self, part: Xml<'_>, tag: &Tag<'_>) -> Result<(), ReadError> {
         let most = |what: &str, most: usize| {
-            Err(malformed(
-                path,
-                format_args!("its main.xml has more than {most} {what}"),
-            ))
+            Err(part.malformed(format_args!(
+                "its {} has more than {most} {what}",
+                part.part
+            )))
         };
         self.elements += usize::from(!tag.closes());
         self.namespaces += tag.text.matches("xmlns").count();
@@ -157,7 +152,7 @@ struct Tags<'a> {
 
 impl<'a> Tags<'a> {
     /// The next tag; [`Self::at`] is behind it.
-    fn next(&mut self, path: &Path) -> Result<Option<Tag<'a>>, ReadError> {
+    fn next(&mut self, part: Xml<'_>) -> Result<Option<Tag<'a>>, ReadError> {
         while let Some(offset) = self.xml[self.at..].find('<') {
             let start = self.at + offset;
             let rest = &self.xml[start..];
@@ -165,12 +160,12 @@ impl<'a> Tags<'a> {
             if let Some((_, end)) = skipped.iter().find(|(mark, _)| rest.starts_with(mark)) {
                 let length = rest
                     .find(end)
-                    .ok_or_else(|| cannot_be_parsed(path, format_args!("`{end}` is missing")))?;
+                    .ok_or_else(|| cannot_be_parsed(part, format_args!("`{end}` is missing")))?;
                 self.at = start + length + end.len();
                 continue;
             }
             let length =
-                tag_length(rest).ok_or_else(|| cannot_be_parsed(path, "`>` is missing"))?;
+                tag_length(rest).ok_or_else(|| cannot_be_parsed(part, "`>` is missing"))?;
             self.at = start + length;
             let text = &rest[1..length - 1];
             return Ok(Some(Tag { start, text }));
@@ -199,6 +194,6 @@ fn tag_length(text: &str) -> Option<usize> {
     Some(end + 1)
 }
 
-fn cannot_be_parsed(path: &Path, what: impl std::fmt::Display) -> ReadError {
-    malformed(path, format_args!("its main.xml cannot be parsed ({what})"))
+fn cannot_be_parsed(part: Xml<'_>, what: impl std::fmt::Display) -> ReadError {
+    part.malformed(format_args!("its {} cannot be parsed ({what})", part.part))
 }

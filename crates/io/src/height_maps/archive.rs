@@ -1,0 +1,137 @@
+//! Parts of a ZIP archive: reads them within limits.
+
+use std::io::{Read, Seek};
+use std::path::Path;
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+use crate::error::ReadError;
+use crate::formats::HeightMapFormat;
+use crate::limits::{COMPRESSION_LIMIT, room};
+
+/// The parts of the archive.
+pub(super) struct Parts<'a, R> {
+    pub(super) path: &'a Path,
+    pub(super) format: HeightMapFormat,
+    archive: ZipArchive<R>,
+    pub(super) length: u64,
+}
+
+impl<'a, R: Read + Seek> Parts<'a, R> {
+    /// Opens the archive in a file of `length` bytes.
+    pub(super) fn open(
+        path: &'a Path,
+        format: HeightMapFormat,
+        reader: R,
+        length: u64,
+    ) -> Result<Self, ReadError> {
+        let archive = ZipArchive::new(reader).map_err(|e| {
+            ReadError::malformed(
+                path,
+                format,
+                format_args!("it is not a complete ZIP archive ({e}); it may be cut short"),
+            )
+        })?;
+        Ok(Self {
+            path,
+            format,
+            archive,
+            length,
+        })
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.archive.index_for_name(name).is_some()
+    }
+
+    /// Reads a whole part whose claimed length `allowed` accepts.
+    pub(super) fn read(
+        &mut self,
+        name: &str,
+        allowed: impl Fn(u64) -> bool,
+    ) -> Result<Vec<u8>, ReadError> {
+        let (path, format) = (self.path, self.format);
+        self.take(name, allowed, |size, reader| {
+            let mut bytes: Vec<u8> = room(path, size, 1)?;
+            bytes.resize(size as usize, 0);
+            reader
+                .read_exact(&mut bytes)
+                .map_err(|e| unpacking(path, format, name, e))?;
+            Ok(bytes)
+        })
+    }
+
+    /// Reads a part with `take`, and checks that all of it is taken.
+    pub(super) fn take<T>(
+        &mut self,
+        name: &str,
+        allowed: impl Fn(u64) -> bool,
+        take: impl FnOnce(u64, &mut dyn Read) -> Result<T, ReadError>,
+    ) -> Result<T, ReadError> {
+        let (path, format) = (self.path, self.format);
+        let mut part = self.archive.by_name(name).map_err(|error| match error {
+            ZipError::FileNotFound => {
+                ReadError::malformed(path, format, format_args!("it has no part `{name}`"))
+            }
+            ZipError::Io(error) => unpacking(path, format, name, error),
+            other => ReadError::malformed(
+                path,
+                format,
+                format_args!("its part `{name}` cannot be read ({other})"),
+            ),
+        })?;
+        let size = part.size();
+        let packed = part.compressed_size().min(self.length);
+        if size > packed.saturating_mul(COMPRESSION_LIMIT) || !allowed(size) {
+            return Err(ReadError::malformed(
+                path,
+                format,
+                format_args!(
+                    "its part `{name}` claims {size} bytes, which is more than it can hold or not what its grid needs"
+                ),
+            ));
+        }
+        let taken = take(size, &mut part)?;
+        // The end of a part is where its own checksum is verified.
+        match part.read(&mut [0]) {
+            Ok(0) => Ok(taken),
+            Ok(_) => Err(ReadError::malformed(
+                path,
+                format,
+                format_args!("its part `{name}` is longer than the {size} bytes it claims"),
+            )),
+            Err(error) => Err(unpacking(path, format, name, error)),
+        }
+    }
+
+    /// The name of a part as the archive spells it: some programs write `\` into one of the two.
+    pub(super) fn resolve(&self, name: &str) -> String {
+        let name = name.trim_start_matches("./");
+        [name.replace('\\', "/"), name.replace('/', "\\")]
+            .into_iter()
+            .find(|other| self.has(other))
+            .unwrap_or_else(|| name.to_owned())
+    }
+}
+
+pub(super) fn unpacking(
+    path: &Path,
+    format: HeightMapFormat,
+    name: &str,
+    error: std::io::Error,
+) -> ReadError {
+    match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => {
+            ReadError::truncated(path, format_args!("its part `{name}` stops in its middle"))
+        }
+        std::io::ErrorKind::InvalidData
+        | std::io::ErrorKind::InvalidInput
+        | std::io::ErrorKind::Other => ReadError::malformed(
+            path,
+            format,
+            format_args!("its part `{name}` is damaged ({error})"),
+        ),
+        _ => ReadError::io(path, error),
+    }
+}
