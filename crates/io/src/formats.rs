@@ -1,7 +1,11 @@
 //! Formats of height maps and meshes: names, file endings, properties.
 
+mod table;
+
 use std::fmt;
 use std::path::Path;
+
+use self::table::NUMBERED;
 
 /// A file format of height maps, chosen by the ending of the file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,40 +26,39 @@ pub enum HeightMapFormat {
     X3p,
     /// Matrix of numbers as text, read only: white space or commas, `nan` or `bad` for missing
     /// points, `#` before comments; plain (spacing 1, no unit) or after the header lines of an
-    /// interferometer (`h=`, `w=`, `pixel size=`, `data unit=`, `height conversion factor (-> m)=`).
+    /// interferometer (`h=`, `w=`, `pixel size=`, `data unit=`, `height conversion factor (-> m)=`). A list of points
+    /// x, y, z on a regular grid.
     Text,
     /// TIFF or GeoTIFF, read only: one channel of whole numbers or of half, single or double precision. A projected
     /// grid in metres or feet is brought to metres; missing points and the scale of heights as GDAL writes them;
     /// without GeoTIFF tags spacing 1, no unit.
     Tiff,
+    /// Digital Surf (Mountains), read only: the first surface of the file, plain or compressed; lengths in the unit of x.
+    DigitalSurf,
+    /// Zygo MetroPro, read only: the connected phase as heights in metres; spacing 1 if the instrument was not calibrated.
+    MetroPro,
+    /// Wyko, Veeco and Bruker Vision (OPD), read only: the array of heights, in millimetres, the top row first.
+    Wyko,
+    /// Sensofar PLU, read only: the first layer of a topography, in micrometres.
+    SensofarPlu,
+    /// Sensofar PLUX, a ZIP archive, read only: the first layer, in micrometres.
+    SensofarPlux,
+    /// Alicona AL3D, read only: the depth image, in metres.
+    Alicona,
+    /// Surface data file, ISO 25178-71, read only: text or binary, versions 1.0 and 2.0 and BCR-1.0; lengths in metres.
+    Sdf,
+    /// BCR-STM and BCRF, read only: numbers of 16 bits or single precision after a header of text; lengths in `xunit`.
+    Bcr,
+    /// Nanoscope of Digital Instruments, Veeco and Bruker, read only: the first channel of heights, the top row first;
+    /// lengths in the unit of the scan size. Any three digits are an ending.
+    Nanoscope,
+    /// Native file of Gwyddion, read only: the channel called height or topography, else the first in units of length;
+    /// points that its mask marks are missing.
+    Gwyddion,
     /// Greyscale image of 16 bits, written only, for viewing: black is the lowest height, white the
     /// highest; text chunks keep the mapping `height_min`, `height_max`, `spacing_x`, `spacing_y`,
     /// `unit`. Row 0 is on top.
     Png,
-}
-
-/// What is known of a format before a file of it is read.
-struct Properties {
-    /// "EXR image".
-    name: &'static str,
-    /// "an EXR image".
-    with_article: &'static str,
-    endings: &'static [&'static str],
-    /// What files of the format begin with, one of several; none where they begin in any way.
-    marks: &'static [Mark],
-    is_read: bool,
-    is_written: bool,
-}
-
-/// Bytes at a fixed place near the beginning of a file.
-struct Mark {
-    at: usize,
-    bytes: &'static [u8],
-}
-
-/// First bytes of a file.
-const fn start(bytes: &'static [u8]) -> Mark {
-    Mark { at: 0, bytes }
 }
 
 /// How many bytes of a file are enough to find every mark.
@@ -63,86 +66,27 @@ pub(crate) const MARKS_WITHIN: usize = 32;
 
 impl HeightMapFormat {
     /// All formats. Where two have an ending in common, the first is that of files whose content says nothing.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 17] = [
         Self::Exr,
         Self::Npy,
         Self::Gsf,
         Self::X3p,
         Self::Text,
         Self::Tiff,
+        Self::DigitalSurf,
+        Self::MetroPro,
+        Self::Wyko,
+        Self::SensofarPlu,
+        Self::SensofarPlux,
+        Self::Alicona,
+        Self::Sdf,
+        Self::Bcr,
+        Self::Nanoscope,
+        Self::Gwyddion,
         Self::Png,
     ];
 
-    /// The table of formats.
-    const fn properties(self) -> Properties {
-        match self {
-            Self::Exr => Properties {
-                name: "EXR image",
-                with_article: "an EXR image",
-                endings: &["exr"],
-                marks: const { &[start(b"\x76\x2f\x31\x01")] },
-                is_read: true,
-                is_written: true,
-            },
-            Self::Npy => Properties {
-                name: "NPY array",
-                with_article: "an NPY array",
-                endings: &["npy"],
-                marks: const { &[start(b"\x93NUMPY")] },
-                is_read: true,
-                is_written: true,
-            },
-            Self::Gsf => Properties {
-                name: "GSF field",
-                with_article: "a GSF field",
-                endings: &["gsf"],
-                marks: const { &[start(b"Gwyddion Simple Field 1.0")] },
-                is_read: true,
-                is_written: true,
-            },
-            Self::X3p => Properties {
-                name: "X3P file",
-                with_article: "an X3P file",
-                endings: &["x3p"],
-                marks: const { &[start(b"PK\x03\x04")] },
-                is_read: true,
-                is_written: true,
-            },
-            Self::Text => Properties {
-                name: "text matrix",
-                with_article: "a text matrix",
-                endings: &["asc", "txt", "csv"],
-                marks: &[],
-                is_read: true,
-                is_written: false,
-            },
-            Self::Tiff => Properties {
-                name: "TIFF image",
-                with_article: "a TIFF image",
-                endings: &["tif", "tiff"],
-                marks: const {
-                    &[
-                        start(b"II*\0"),
-                        start(b"MM\0*"),
-                        start(b"II+\0"),
-                        start(b"MM\0+"),
-                    ]
-                },
-                is_read: true,
-                is_written: false,
-            },
-            Self::Png => Properties {
-                name: "PNG image",
-                with_article: "a PNG image",
-                endings: &["png"],
-                marks: const { &[start(b"\x89PNG\r\n\x1a\n")] },
-                is_read: false,
-                is_written: true,
-            },
-        }
-    }
-
-    /// The endings of the format, in lower case and without the dot.
+    /// The endings of the format, in lower case and without the dot; `000` stands for any three digits.
     #[must_use]
     pub const fn endings(self) -> &'static [&'static str] {
         self.properties().endings
@@ -154,14 +98,18 @@ impl HeightMapFormat {
         Self::of_ending(path).next()
     }
 
-    /// All formats of the ending of `path`, in upper or lower case.
+    /// All formats of the ending of `path`, in upper or lower case; three digits count as `000`.
     pub(crate) fn of_ending(path: &Path) -> impl Iterator<Item = Self> {
         let ending = path
             .extension()
             .and_then(|ending| ending.to_str())
             .map(str::to_ascii_lowercase);
         Self::ALL.into_iter().filter(move |format| {
-            let ending = ending.as_deref();
+            let is_number = |ending: &str| ending.bytes().all(|byte| byte.is_ascii_digit());
+            let ending = match ending.as_deref() {
+                Some(ending) if ending.len() == 3 && is_number(ending) => Some(NUMBERED),
+                other => other,
+            };
             ending.is_some_and(|ending| format.endings().contains(&ending))
         })
     }

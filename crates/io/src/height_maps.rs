@@ -26,6 +26,11 @@ use crate::error::{ReadError, WriteError};
 use crate::files::{open, replace_alone};
 use crate::formats::{HeightMapFormat, MARKS_WITHIN, list_endings};
 
+use self::instruments::{
+    alicona, bcr, digital_surf, gwyddion, metropro, nanoscope, sdf, sensofar_plu, sensofar_plux,
+    wyko,
+};
+
 pub use npy::write_array;
 
 /// Reads a height map; the ending of `path` chooses the format, with the first bytes of the file where formats share
@@ -86,17 +91,31 @@ pub(crate) fn read_from<R: BufRead + Seek>(
     let mut start = [0; MARKS_WITHIN];
     let found = read_up_to(&mut reader, &mut start).map_err(|e| ReadError::io(path, e))?;
     reader.rewind().map_err(|e| ReadError::io(path, e))?;
-    match choose(path, formats, &start[..found])? {
-        HeightMapFormat::Exr => exr::read(path, reader, length),
-        HeightMapFormat::Npy => npy::read(path, reader, length),
-        HeightMapFormat::Gsf => gsf::read(path, reader, length),
-        HeightMapFormat::X3p => x3p::read(path, reader, length),
-        HeightMapFormat::Text => text::read(path, reader, length),
-        HeightMapFormat::Tiff => tiff::read(path, reader, length),
-        HeightMapFormat::Png => Err(ReadError::NoScale {
-            path: path.to_owned(),
-        }),
-    }
+    let format = choose(path, formats, &start[..found])?;
+    let instrument: instruments::Reader = match format {
+        HeightMapFormat::Exr => return exr::read(path, reader, length),
+        HeightMapFormat::Npy => return npy::read(path, reader, length),
+        HeightMapFormat::Gsf => return gsf::read(path, reader, length),
+        HeightMapFormat::X3p => return x3p::read(path, reader, length),
+        HeightMapFormat::Text => return text::read(path, reader, length),
+        HeightMapFormat::Tiff => return tiff::read(path, reader, length),
+        HeightMapFormat::DigitalSurf => digital_surf::measured,
+        HeightMapFormat::MetroPro => metropro::measured,
+        HeightMapFormat::Wyko => wyko::measured,
+        HeightMapFormat::SensofarPlu => sensofar_plu::measured,
+        HeightMapFormat::SensofarPlux => sensofar_plux::measured,
+        HeightMapFormat::Alicona => alicona::measured,
+        HeightMapFormat::Sdf => sdf::measured,
+        HeightMapFormat::Bcr => bcr::measured,
+        HeightMapFormat::Nanoscope => nanoscope::measured,
+        HeightMapFormat::Gwyddion => gwyddion::measured,
+        HeightMapFormat::Png => {
+            return Err(ReadError::NoScale {
+                path: path.to_owned(),
+            });
+        }
+    };
+    instruments::read(path, format, reader, length, instrument)
 }
 
 /// The format among `formats`, those of the ending, that a file beginning with `start` is of.

@@ -1,8 +1,8 @@
 //! Every file format of the project, in and out.
 //!
 //! [`read_height_map`] and [`write_height_map`] choose the format by the file's ending:
-//! OpenEXR, NumPy, Gwyddion Simple Field, ISO 25178-72 (X3P), text matrices (read only) and 16-bit
-//! PNG (written only); [`HeightMapFormat`] says what each keeps. [`read_mesh`] and [`write_mesh`]
+//! OpenEXR, NumPy, Gwyddion Simple Field, ISO 25178-72 (X3P), TIFF, text matrices and files of instruments
+//! (read only) and 16-bit PNG (written only); [`HeightMapFormat`] says what each keeps. [`read_mesh`] and [`write_mesh`]
 //! do the same for triangle meshes, [`write_csv`] and [`write_json`] for results.
 //!
 //! Files are written aside and renamed when complete ([`write_atomically`]), so that a name holds

@@ -1,3 +1,55 @@
-//! Files of measuring instruments, read only: one file per format.
+//! Files of instruments, read only: one file per format.
+//!
+//! A file is read as a whole into memory, and its header is checked against the bytes that are there before room for
+//! heights is taken. All readers agree on the order of rows: row 0 is the one that the instrument's own pictures show
+//! on top, so that files which begin at the bottom have their rows reversed. Lengths keep the unit of the spacing.
 
+pub(crate) mod alicona;
+pub(crate) mod bcr;
+mod bytes;
+pub(crate) mod digital_surf;
 mod fields;
+pub(crate) mod gwyddion;
+mod measured;
+pub(crate) mod metropro;
+pub(crate) mod nanoscope;
+pub(crate) mod sdf;
+pub(crate) mod sensofar_plu;
+pub(crate) mod sensofar_plux;
+pub(crate) mod wyko;
+
+use std::io::Read;
+use std::path::Path;
+
+use asperity_surface::RawHeightMap;
+
+use self::bytes::{ByteOrder, Bytes};
+use self::measured::Measured;
+use crate::error::ReadError;
+use crate::formats::HeightMapFormat;
+use crate::limits::room;
+
+/// What the reader of a format is: from the bytes of a file to heights on a grid.
+pub(crate) type Reader = fn(&Bytes<'_>) -> Result<Measured, ReadError>;
+
+/// Reads a file of `length` bytes.
+pub(crate) fn read<R: Read>(
+    path: &Path,
+    format: HeightMapFormat,
+    reader: R,
+    length: u64,
+    measured: Reader,
+) -> Result<RawHeightMap, ReadError> {
+    let mut all = room(path, length, 1)?;
+    reader
+        .take(length)
+        .read_to_end(&mut all)
+        .map_err(|e| ReadError::io(path, e))?;
+    let file = Bytes {
+        path,
+        format,
+        all: &all,
+        order: ByteOrder::Little,
+    };
+    measured(&file)?.into_map(&file)
+}

@@ -122,8 +122,14 @@ impl fmt::Display for Command {
 /// Endings of the height maps that are read, as in `.exr, .npy or .gsf`.
 fn height_map_endings() -> String {
     let read = HeightMapFormat::ALL.into_iter().filter(|f| f.can_read());
-    let endings = read.flat_map(HeightMapFormat::endings);
-    let endings: Vec<String> = endings.map(|ending| format!(".{ending}")).collect();
+    let mut endings: Vec<String> = Vec::new();
+    for ending in read.flat_map(HeightMapFormat::endings) {
+        let ending = format!(".{ending}");
+        // Several formats may share one
+        if !endings.contains(&ending) {
+            endings.push(ending);
+        }
+    }
     let endings: Vec<&str> = endings.iter().map(String::as_str).collect();
     joined_by_or(&endings)
 }

@@ -1,92 +1,63 @@
-//! Fields at known places of a header of bytes.
+//! Fields of a header of text: names and values, and errors that name the field.
 
-use std::io::Read;
-use std::path::Path;
+use std::collections::BTreeMap;
 
+use super::bytes::Bytes;
 use crate::error::ReadError;
+use crate::text_lines::short;
 
-/// A header, whose fields are read by their place. Places beyond its end are an error of the reader, not of a file.
-#[derive(Clone, Debug)]
-pub(super) struct Fields<'a> {
-    bytes: &'a [u8],
-    order: ByteOrder,
-}
+/// Fields by their names in lower case; the last of several of one name.
+#[derive(Default)]
+pub(super) struct Fields(BTreeMap<String, String>);
 
-/// The order of the bytes of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ByteOrder {
-    Little,
-    Big,
-}
-
-impl<'a> Fields<'a> {
-    pub(super) const fn new(bytes: &'a [u8], order: ByteOrder) -> Self {
-        Self { bytes, order }
-    }
-
-    /// `N` bytes from `at` on, those of the lowest value first.
-    fn number<const N: usize>(&self, at: usize) -> [u8; N] {
-        let mut bytes = [0; N];
-        bytes.copy_from_slice(&self.bytes[at..at + N]);
-        if self.order == ByteOrder::Big {
-            bytes.reverse();
+impl Fields {
+    /// The fields of lines `name = value`; lines that begin with one of `comments` or hold no `=` are left.
+    pub(super) fn of_lines(text: &str, comments: &[char]) -> Self {
+        let mut fields = Self::default();
+        let lines = text.lines().map(str::trim);
+        for line in lines.filter(|line| !line.starts_with(comments)) {
+            if let Some((name, value)) = line.split_once('=') {
+                fields.insert(name, value);
+            }
         }
-        bytes
+        fields
     }
 
-    pub(super) fn u16(&self, at: usize) -> u16 {
-        u16::from_le_bytes(self.number(at))
+    pub(super) fn insert(&mut self, name: &str, value: &str) {
+        let name = name.trim().to_ascii_lowercase();
+        self.0.insert(name, value.trim().to_owned());
     }
 
-    pub(super) fn i16(&self, at: usize) -> i16 {
-        i16::from_le_bytes(self.number(at))
+    /// The value of a field, if it is there.
+    pub(super) fn get(&self, name: &str) -> Option<&str> {
+        self.0.get(&name.to_ascii_lowercase()).map(String::as_str)
     }
 
-    pub(super) fn u32(&self, at: usize) -> u32 {
-        u32::from_le_bytes(self.number(at))
+    /// The value of a field that is needed.
+    pub(super) fn text(&self, file: &Bytes<'_>, name: &str) -> Result<&str, ReadError> {
+        self.get(name)
+            .ok_or_else(|| file.malformed(format_args!("its header lacks the field `{name}`")))
     }
 
-    pub(super) fn i32(&self, at: usize) -> i32 {
-        i32::from_le_bytes(self.number(at))
+    /// A whole number, not negative.
+    pub(super) fn whole(&self, file: &Bytes<'_>, name: &str) -> Result<u64, ReadError> {
+        let text = self.text(file, name)?;
+        text.parse()
+            .map_err(|_| refuse(file, name, text, "a whole number"))
     }
 
-    pub(super) fn f32(&self, at: usize) -> f32 {
-        f32::from_le_bytes(self.number(at))
-    }
-
-    pub(super) fn f64(&self, at: usize) -> f64 {
-        f64::from_le_bytes(self.number(at))
-    }
-
-    /// Text in `length` bytes from `at` on, up to the first NUL, without blanks at its ends; bytes above 127 are Latin-1.
-    pub(super) fn text(&self, at: usize, length: usize) -> String {
-        let bytes = self.bytes[at..at + length].iter();
-        let text: String = bytes
-            .take_while(|b| **b != 0)
-            .map(|b| char::from(*b))
-            .collect();
-        text.trim().to_owned()
+    /// A finite number.
+    pub(super) fn number(&self, file: &Bytes<'_>, name: &str) -> Result<f64, ReadError> {
+        let text = self.text(file, name)?;
+        let number = text.parse().ok().filter(|x: &f64| x.is_finite());
+        number.ok_or_else(|| refuse(file, name, text, "a number"))
     }
 }
 
-/// The next `length` bytes of a file, of which `what` is the name in messages. No more memory is taken than the file has bytes.
-///
-/// # Errors
-/// [`ReadError::Truncated`] if the file ends before.
-pub(super) fn take(
-    path: &Path,
-    reader: &mut impl Read,
-    length: u64,
-    what: &str,
-) -> Result<Vec<u8>, ReadError> {
-    let mut bytes = Vec::new();
-    let found = reader.take(length).read_to_end(&mut bytes);
-    let found = found.map_err(|e| ReadError::io(path, e))? as u64;
-    if found < length {
-        return Err(ReadError::truncated(
-            path,
-            format_args!("{what} takes {length} bytes, but only {found} are there"),
-        ));
-    }
-    Ok(bytes)
+/// The error for a value that is not what it must be.
+pub(super) fn refuse(file: &Bytes<'_>, name: &str, value: &str, needed: &str) -> ReadError {
+    file.malformed(format_args!(
+        "the field `{name}` of its header is `{}`, but {needed} is needed",
+        short(value)
+    ))
 }

@@ -1,0 +1,135 @@
+//! BCR-STM and BCRF (.bcr, .bcrf): an exchange format of scanning probe microscopes.
+//!
+//! A header of `name = value` lines, filled up to 2048 characters or as many as `headersize` says, in ISO 8859-1 or
+//! UTF-16; then heights row by row from the top: whole numbers of 16 bits (`bcrstm`), of which `bit2nm` makes heights, or
+//! single precision (`bcrf`), little endian unless `intelmode` is 0. `xlength` and `ylength` are the extents of all
+//! pixels. Units are nm where `xunit`, `yunit` or `zunit` are missing. Missing points are 32767, or above 1.7e38.
+
+use super::bytes::{ByteOrder, Bytes, Raster, latin_1};
+use super::fields::{Fields, refuse};
+use super::measured::{Length, Measured, unit_of_length};
+use crate::error::ReadError;
+use crate::height_maps::samples::SampleKind;
+
+/// Characters of a header that does not say.
+const DEFAULT_HEADER: usize = 2048;
+/// Most characters of a header.
+const MAX_HEADER: u64 = 1 << 16;
+/// Missing points, and above.
+const MISSING_WHOLE: f64 = 32767.0;
+const MISSING_SINGLE: f64 = 1.7e38;
+
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+    let encoding = Encoding::of(file.all);
+    let fields = encoding.fields(file, DEFAULT_HEADER)?;
+    let size = match fields.get("headersize") {
+        Some(text) => {
+            let size = fields.whole(file, "headersize")?;
+            if size > MAX_HEADER {
+                return Err(refuse(file, "headersize", text, "at most 65536"));
+            }
+            size as usize
+        }
+        None => DEFAULT_HEADER,
+    };
+    let fields = encoding.fields(file, size)?;
+
+    let format = fields.text(file, "fileformat")?;
+    let (kind, missing) = match format.trim_end_matches("_unicode") {
+        "bcrstm" => (SampleKind::I16, MISSING_WHOLE),
+        "bcrf" => (SampleKind::F32, MISSING_SINGLE),
+        _ => {
+            return Err(refuse(file, "fileformat", format, "bcrstm or bcrf"));
+        }
+    };
+    let step = if kind == SampleKind::I16 && fields.get("bit2nm").is_some() {
+        fields.number(file, "bit2nm")?
+    } else {
+        1.0
+    };
+    let order = match fields.get("intelmode") {
+        Some("0") => ByteOrder::Big,
+        _ => ByteOrder::Little,
+    };
+    let shape = [
+        fields.whole(file, "ypixels")?,
+        fields.whole(file, "xpixels")?,
+    ];
+    let [ny, nx] = shape;
+    let unit = |name| unit_of_length(file, name, fields.get(name).unwrap_or("nm"));
+    let extent = |name, unit, count: u64| -> Result<Length, ReadError> {
+        let value = fields.number(file, name)? / count as f64;
+        Ok(Length { value, unit })
+    };
+    let spacing = [
+        extent("xlength", unit("xunit")?, nx)?,
+        extent("ylength", unit("yunit")?, ny)?,
+    ];
+    let height_unit = unit("zunit")?;
+
+    let mut heights = file.in_order(order).samples(&Raster {
+        shape,
+        kind,
+        at: size * encoding.width(),
+    })?;
+    for height in &mut heights {
+        *height = if *height >= missing {
+            f64::NAN
+        } else {
+            *height * step
+        };
+    }
+    Ok(Measured {
+        heights,
+        height_unit,
+        shape,
+        spacing: Some(spacing),
+        notes: Vec::new(),
+    })
+}
+
+/// How the letters of the header are written.
+#[derive(Clone, Copy, PartialEq)]
+enum Encoding {
+    Latin1,
+    Utf16(ByteOrder),
+}
+
+impl Encoding {
+    fn of(all: &[u8]) -> Self {
+        match all {
+            [0xfe, 0xff, ..] | [0, ..] => Self::Utf16(ByteOrder::Big),
+            [0xff, 0xfe, ..] | [_, 0, ..] => Self::Utf16(ByteOrder::Little),
+            _ => Self::Latin1,
+        }
+    }
+
+    /// Bytes per character.
+    const fn width(self) -> usize {
+        match self {
+            Self::Latin1 => 1,
+            Self::Utf16(_) => 2,
+        }
+    }
+
+    /// The fields in the first `size` characters.
+    fn fields(self, file: &Bytes<'_>, size: usize) -> Result<Fields, ReadError> {
+        let bytes = file.part(0, size * self.width())?;
+        let text = match self {
+            Self::Latin1 => latin_1(bytes),
+            Self::Utf16(order) => {
+                let (units, _) = bytes.as_chunks::<2>();
+                let units = units.iter().map(|unit| match order {
+                    ByteOrder::Little => u16::from_le_bytes(*unit),
+                    ByteOrder::Big => u16::from_be_bytes(*unit),
+                });
+                char::decode_utf16(units)
+                    .map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER))
+                    .collect()
+            }
+        };
+        let text = text.trim_start_matches('\u{feff}');
+        let text = text.split('\0').next().unwrap_or_default();
+        Ok(Fields::of_lines(text, &['%', '#']))
+    }
+}

@@ -1,0 +1,189 @@
+//! Surface data file, ISO 25178-71 (.sdf), text and binary; also the older BCR-1.0, whose layout it took over.
+//!
+//! Fields from `ManufacID` to `CheckType`, then heights row by row: in text after a `*`, separated by white space, up
+//! to another `*`, with `BAD` for missing points; in a binary file little endian, of eight types. Heights are
+//! `number * Zscale`; all lengths are metres. Missing points of binary files are NaN and the number at the end of the
+//! range of the type: the least of signed and floating-point numbers, the largest of those without sign.
+
+use super::bytes::{Bytes, Raster, latin_1};
+use super::fields::Fields;
+use super::measured::{Length, METRE, Measured};
+use crate::error::ReadError;
+use crate::height_maps::samples::SampleKind;
+use crate::limits::{check_claim, room};
+use crate::text_lines::short;
+
+/// Length of the mark.
+const MARK: usize = 8;
+/// Longest header of a text file.
+const MAX_HEADER: usize = 1 << 16;
+
+/// What both kinds of file state.
+struct Header {
+    shape: [u64; 2],
+    steps: [f64; 3],
+    compression: u64,
+    kind: u64,
+}
+
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+    let mark = file.text(0, MARK)?;
+    let wide = match &mark[1..] {
+        "ISO-1.0" | "BCR-1.0" => false,
+        "ISO-2.0" => true,
+        _ => {
+            return Err(file.unsupported(format_args!(
+                "it begins with `{}`, but ISO-1.0, ISO-2.0 and BCR-1.0 are read",
+                short(&mark)
+            )));
+        }
+    };
+    let (header, mut heights) = if mark.starts_with('a') {
+        text(file)?
+    } else {
+        binary(file, wide)?
+    };
+    let [dx, dy, dz] = header.steps;
+    if !(dz.is_finite() && dz != 0.0) {
+        return Err(file.malformed(format_args!("its Zscale is {dz}, which gives no height")));
+    }
+    for height in &mut heights {
+        *height *= dz;
+    }
+    Ok(Measured {
+        heights,
+        height_unit: METRE,
+        shape: header.shape,
+        spacing: Some([dx, dy].map(|value| Length { value, unit: METRE })),
+        notes: Vec::new(),
+    })
+}
+
+/// Header and numbers of a text file.
+fn text(file: &Bytes<'_>) -> Result<(Header, Vec<f64>), ReadError> {
+    let after_mark = &file.all[MARK..];
+    let searched = &after_mark[..after_mark.len().min(MAX_HEADER)];
+    let Some(end) = searched.iter().position(|byte| *byte == b'*') else {
+        return Err(ReadError::truncated(
+            file.path,
+            "its header does not end in `*`",
+        ));
+    };
+    let fields = Fields::of_lines(&latin_1(&searched[..end]), &[]);
+    let header = Header {
+        shape: [
+            fields.whole(file, "NumProfiles")?,
+            fields.whole(file, "NumPoints")?,
+        ],
+        steps: [
+            fields.number(file, "Xscale")?,
+            fields.number(file, "Yscale")?,
+            fields.number(file, "Zscale")?,
+        ],
+        compression: match fields.get("Compression") {
+            Some(_) => fields.whole(file, "Compression")?,
+            None => 0,
+        },
+        kind: fields.whole(file, "DataType")?,
+    };
+    header.check(file)?;
+    let [ny, nx] = header.shape;
+    // A digit and a separator are the least size of a number
+    let data = &after_mark[end + 1..];
+    check_claim(file.path, header.shape, 2, file.all.len() as u64)?;
+    let needed = ny * nx;
+    let data_end = data.iter().position(|byte| *byte == b'*');
+    let words = data[..data_end.unwrap_or(data.len())]
+        .split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty());
+    let mut heights = room(file.path, nx, ny)?;
+    let mut count = 0;
+    for word in words {
+        count += 1;
+        if count <= needed {
+            heights.push(number(file, word)?);
+        }
+    }
+    // The last number of a file that ends without `*` may be cut
+    if count < needed || data_end.is_none() {
+        return Err(ReadError::truncated(
+            file.path,
+            format_args!(
+                "{nx} x {ny} numbers and a `*` were expected, but only {count} numbers are there"
+            ),
+        ));
+    }
+    if count > needed {
+        return Err(file.malformed(format_args!(
+            "{count} numbers were found, but {nx} x {ny} are needed"
+        )));
+    }
+    Ok((header, heights))
+}
+
+fn number(file: &Bytes<'_>, word: &[u8]) -> Result<f64, ReadError> {
+    if word.eq_ignore_ascii_case(b"bad") {
+        return Ok(f64::NAN);
+    }
+    let text = latin_1(word);
+    text.parse().map_err(|_| {
+        file.malformed(format_args!(
+            "`{}` was found among its heights, but a number or BAD is needed",
+            short(&text)
+        ))
+    })
+}
+
+/// Header and numbers of a binary file, whose counts have 32 bits if `wide`, else 16.
+fn binary(file: &Bytes<'_>, wide: bool) -> Result<(Header, Vec<f64>), ReadError> {
+    const COUNTS: usize = 42;
+    let (columns, rows, at) = if wide {
+        (file.u32(COUNTS)?, file.u32(COUNTS + 4)?, COUNTS + 8)
+    } else {
+        let count = |at| file.u16(at).map(u32::from);
+        (count(COUNTS)?, count(COUNTS + 2)?, COUNTS + 4)
+    };
+    let header = Header {
+        shape: [rows, columns].map(u64::from),
+        steps: [file.f64(at)?, file.f64(at + 8)?, file.f64(at + 16)?],
+        compression: file.u8(at + 32)?.into(),
+        kind: file.u8(at + 33)?.into(),
+    };
+    header.check(file)?;
+    let (kind, missing) = match header.kind {
+        0 => (SampleKind::U8, None),
+        1 => (SampleKind::U16, Some(f64::from(u16::MAX))),
+        2 => (SampleKind::U32, Some(f64::from(u32::MAX))),
+        3 => (SampleKind::F32, Some(f64::from(f32::MIN))),
+        4 => (SampleKind::I8, Some(f64::from(i8::MIN))),
+        5 => (SampleKind::I16, Some(f64::from(i16::MIN))),
+        6 => (SampleKind::I32, Some(f64::from(i32::MIN))),
+        _ => (SampleKind::F64, Some(f64::MIN)),
+    };
+    let mut heights = file.samples(&Raster {
+        shape: header.shape,
+        kind,
+        at: at + 35,
+    })?;
+    for height in &mut heights {
+        if Some(*height) == missing {
+            *height = f64::NAN;
+        }
+    }
+    Ok((header, heights))
+}
+
+impl Header {
+    fn check(&self, file: &Bytes<'_>) -> Result<(), ReadError> {
+        if self.compression != 0 {
+            return Err(file.unsupported("its heights are compressed"));
+        }
+        if self.kind > 7 {
+            return Err(file.malformed(format_args!(
+                "its DataType is {}, but allowed are 0 to 7",
+                self.kind
+            )));
+        }
+        file.check_shape(self.shape)
+    }
+}
