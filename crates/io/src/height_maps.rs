@@ -37,7 +37,7 @@ pub use npy::write_array;
 /// an ending.
 ///
 /// Missing points are NaN in the result. Rows and columns keep the order of the file: its first
-/// row is row 0, at y = 0.
+/// row is row 0, at y = 0. Where the files of an instrument begin at the bottom of its pictures, row 0 is the top one.
 ///
 /// # Examples
 /// ```
