@@ -20,6 +20,7 @@ mod given;
 mod given_models;
 mod gonio;
 mod gonio_given;
+mod instrument_files;
 mod interrupts;
 mod layer_models;
 mod lobes;

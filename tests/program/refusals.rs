@@ -224,7 +224,7 @@ fn bad_files_get_a_sentence_and_code_1() {
         ("h.jpg", ".npy"),
         (
             "h.jpg",
-            ".csv, .tif and .tiff as height maps, and from .ply, .obj and .stl as meshes",
+            ".spm, .di, .000 and .gwy as height maps, and from .ply, .obj and .stl as meshes",
         ),
         ("folder.exr", "folder"),
     ] {

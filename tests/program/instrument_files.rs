@@ -1,0 +1,84 @@
+//! Files of instruments: from the file to the light, and what is said of files that are not what their names say.
+
+use std::fs;
+
+use crate::support::{json, refused, succeed, unwrapped, words};
+
+/// A surface data file of 24 x 16 points, 2 um x 3 um apart, with one missing.
+fn sdf() -> String {
+    let mut text = "aISO-1.0\nManufacID = Maker\nNumPoints = 24\nNumProfiles = 16\nXscale = 2E-6\nYscale = 3E-6\n\
+        Zscale = 1E-9\nZresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n*\n"
+        .to_owned();
+    for iy in 0..16 {
+        for ix in 0..24 {
+            let height = 900.0 * (0.7 * f64::from(ix)).sin() * (0.5 * f64::from(iy)).cos();
+            text += &if (ix, iy) == (5, 3) {
+                "BAD ".to_owned()
+            } else {
+                format!("{height:.3} ")
+            };
+        }
+        text += "\n";
+    }
+    text + "*\n"
+}
+
+#[test]
+fn a_measured_file_becomes_light_in_one_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("scan.sdf"), sdf()).unwrap();
+    let error = refused(folder, &["inspect", "scan.sdf"], 1);
+    assert!(
+        error.contains("1 of 384 points are missing (the first at column 5, row 3)"),
+        "{error}"
+    );
+
+    let fill = words("scan.sdf --missing fill --unit um");
+    let report = json(&succeed(
+        folder,
+        &[&["inspect", "--json"], &fill[..]].concat(),
+    ));
+    assert_eq!(report["unit"], "um");
+    assert_eq!(report["spacing"][1], 3.0);
+    let text = succeed(folder, &[&["inspect"], &fill[..]].concat());
+    assert!(
+        unwrapped(&text).contains("1 missing point was filled"),
+        "{text}"
+    );
+
+    let light = words("--theta 30 --rays 2e3 --no-plots --json -o light");
+    let summary = json(&succeed(folder, &[&["trace"], &fill[..], &light].concat()));
+    assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
+    let gonio = words("--directions 2x2 --bins 4x4 --rays 500 --no-plots -o directions --surface");
+    succeed(folder, &[&["gonio"], &gonio[..], &fill[..]].concat());
+    assert!(folder.join("directions/summary.json").exists());
+}
+
+#[test]
+fn the_content_of_a_file_decides() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("matrix.dat"), "0 1 2\n3 4 6\n").unwrap();
+    assert!(succeed(folder, &["inspect", "matrix.dat"]).contains("3 x 2 samples"));
+    fs::write(folder.join("cut.dat"), b"\x88\x1b\x03\x6f\0\x01").unwrap();
+    fs::write(folder.join("picture.sur"), b"\x89PNG\r\n\x1a\nand more").unwrap();
+    fs::write(folder.join("text.plu"), "0 1 2\n3 4 6\n").unwrap();
+    fs::write(
+        folder.join("scan.042"),
+        "\\*File list\r\n\\Version: 0x05120000\r\n",
+    )
+    .unwrap();
+    for (file, words) in [
+        ("cut.dat", "its header takes 834 bytes, but it has 6"),
+        (
+            "picture.sur",
+            "is named as Digital Surf file but begins like a PNG image",
+        ),
+        ("text.plu", "its header takes 508 bytes, but it has 12"),
+        ("scan.042", "its header does not end in `\\*File list end`"),
+    ] {
+        let error = refused(folder, &["trace", file, "--theta", "30", "-o", "out"], 1);
+        assert!(error.contains(words), "{error}");
+    }
+}
