@@ -41,6 +41,7 @@ mod spectra;
 mod stopping;
 mod structures;
 mod support;
+mod surface_files;
 mod tools;
 mod verbose;
 mod verify;

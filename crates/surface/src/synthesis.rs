@@ -438,6 +438,9 @@ impl Synthesis {
     }
 }
 
+/// How much wider than that of a measured surface a spacing may be, which people write with few digits.
+const SPACING_TOLERANCE: f64 = 1e-3;
+
 /// Refuses what the grid cannot resolve, with `fewest` spacings per correlation length, or hold.
 fn check_resolution(
     psd: &Psd,
@@ -451,7 +454,9 @@ fn check_resolution(
         let waves = part.wavelengths_holding(UNRESOLVED_SLOPES);
         for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
             let (spacing, length) = (spacing[i], lengths[i]);
-            let is_as_measured = part.sampled().is_some_and(|own| spacing <= own[i]);
+            let is_as_measured = part
+                .sampled()
+                .is_some_and(|own| spacing <= (1.0 + SPACING_TOLERANCE) * own[i]);
             if !is_as_measured && length < fewest * spacing {
                 return Err(SynthesisError::Unresolved {
                     axis,

@@ -11,6 +11,7 @@ pub(crate) mod medium;
 pub(crate) mod structure;
 pub(crate) mod structure_recipe;
 pub(crate) mod surface;
+mod surface_choices;
 mod surface_files;
 mod surface_recipe;
 pub(crate) mod sweep;
@@ -28,9 +29,8 @@ use serde::{Deserialize, Serialize};
 use crate::config::error::ConfigError;
 use crate::config::medium::{BottomKind, MediumConfig};
 pub use crate::config::surface::SurfaceConfig;
-pub use crate::config::surface_files::{
-    HeightsChoice, SpectrumChoice, SurfaceFileError, SurfaceFiles,
-};
+pub use crate::config::surface_choices::{HeightsChoice, SpectrumChoice, SurfaceFiles};
+pub use crate::config::surface_files::SurfaceFileError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};
 

@@ -4,7 +4,8 @@ use asperity_simulate::check_memory;
 use asperity_surface::{Psd, StructureSynthesis, StructuredSurface, SurfaceRecipe};
 
 use super::structure::StructureConfig;
-use super::surface::{SlopesName, SpectrumName, SurfaceConfig};
+use super::surface::{SlopesName, SurfaceConfig};
+use super::surface_choices::SpectrumName;
 use crate::config::error::ConfigError;
 
 impl SurfaceConfig {

@@ -4,7 +4,7 @@ use asperity_simulate::Cells;
 use asperity_surface::{LengthUnit, Psd, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
-use super::surface_files::{HeightsChoice, SpectrumChoice, SurfaceFiles};
+use super::surface_choices::{HeightsChoice, SpectrumChoice, SpectrumName, SurfaceFiles};
 use crate::config::error::ConfigError;
 use crate::config::structure::StructureConfig;
 use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
@@ -42,32 +42,6 @@ impl CellsChoice {
         match self.0.named() {
             Some(cells) => cells,
             None => Cells::Flat,
-        }
-    }
-}
-
-/// A power spectral density by its name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SpectrumName {
-    /// Gaussian autocorrelation.
-    #[default]
-    Gaussian,
-    /// Exponential autocorrelation.
-    Exponential,
-    /// Matern's family.
-    Matern,
-    /// Self-affine.
-    PowerLaw,
-}
-
-impl SpectrumName {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Gaussian => "gaussian",
-            Self::Exponential => "exponential",
-            Self::Matern => "matern",
-            Self::PowerLaw => "power-law",
         }
     }
 }

@@ -8,101 +8,13 @@ use asperity_surface::{
     Border, EstimateError, HeightField, HeightTable, HeightTableError, LengthUnit, MissingError,
     MissingPolicy, Psd, PsdError, RadialTable,
 };
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::surface::{SpectrumName, SurfaceConfig};
+use super::surface::SurfaceConfig;
+use super::surface_choices::HeightsChoice;
 
 /// What the name of a height map begins with that surfaces are to be like.
 const LIKE: &str = "like:";
-
-/// A power spectral density by its name, or by a file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum SpectrumChoice {
-    /// By its name.
-    Named(SpectrumName),
-    /// A table, or `like:` and a height map.
-    File(PathBuf),
-}
-
-impl Default for SpectrumChoice {
-    fn default() -> Self {
-        Self::Named(SpectrumName::Gaussian)
-    }
-}
-
-impl PartialEq<SpectrumName> for SpectrumChoice {
-    fn eq(&self, name: &SpectrumName) -> bool {
-        matches!(self, Self::Named(own) if own == name)
-    }
-}
-
-impl SpectrumChoice {
-    pub(super) fn is_gaussian(&self) -> bool {
-        *self == SpectrumName::Gaussian
-    }
-
-    fn file(&self) -> Option<&Path> {
-        match self {
-            Self::Named(_) => None,
-            Self::File(path) => Some(path),
-        }
-    }
-
-    /// Its name in messages.
-    pub(super) fn name(&self) -> String {
-        match self {
-            Self::Named(name) => name.name().to_owned(),
-            Self::File(path) => format!("that of {}", path.display()),
-        }
-    }
-}
-
-/// A distribution of heights: that of the spectrum, or that of a file.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum HeightsChoice {
-    /// By its name.
-    Named(HeightsName),
-    /// A table, or `like:` and a height map.
-    File(PathBuf),
-}
-
-/// A distribution of heights by its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum HeightsName {
-    /// Gaussian, or by skewness and kurtosis.
-    Gaussian,
-}
-
-impl HeightsChoice {
-    fn file(&self) -> Option<&Path> {
-        match self {
-            Self::Named(_) => None,
-            Self::File(path) => Some(path),
-        }
-    }
-}
-
-/// What was read of the files that a surface names.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct SurfaceFiles {
-    /// The spectrum.
-    #[serde(skip)]
-    pub(super) psd: Option<Psd>,
-    /// The distribution of heights.
-    #[serde(skip)]
-    pub(super) heights: Option<HeightTable>,
-    /// Tells apart what was read, so that no run resumes with another file of the same name.
-    hashes: Vec<String>,
-}
-
-impl SurfaceFiles {
-    pub(super) const fn is_empty(&self) -> bool {
-        self.hashes.is_empty()
-    }
-}
 
 /// Why a file does not give a spectrum or a distribution of heights.
 #[derive(Debug, thiserror::Error)]
@@ -283,7 +195,7 @@ fn psd_of(table: &NumberTable) -> Result<Psd, SurfaceFileError> {
     };
     let column = |name| table.column(name).map(<[f64]>::to_vec);
     let density = column("density");
-    if let (Some(k), Some(density)) = (column("wave_number"), density.clone()) {
+    if let (Some(k), Some(density)) = (column("k"), density.clone()) {
         let table = RadialTable::new(k, density).map_err(|error| failed(error.into()))?;
         return Psd::of_radial_table(table, None).map_err(failed);
     }
@@ -291,7 +203,7 @@ fn psd_of(table: &NumberTable) -> Result<Psd, SurfaceFileError> {
         return Err(wrong_columns(
             table,
             "--psd",
-            "wave_number and density, or kx, ky and density",
+            "k and density, or kx, ky and density",
         ));
     };
     let columns = ky.iter().take_while(|k| **k == ky[0]).count();

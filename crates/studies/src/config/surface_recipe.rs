@@ -2,8 +2,8 @@
 
 use asperity_surface::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
-use super::surface::{MAX_SMOOTHNESS, SlopesName, SpectrumName, SurfaceConfig};
-use super::surface_files::SpectrumChoice;
+use super::surface::{MAX_SMOOTHNESS, SlopesName, SurfaceConfig};
+use super::surface_choices::{SpectrumChoice, SpectrumName};
 use crate::config::error::ConfigError;
 
 /// Correlation length of the amplitude of GGX slopes over that of the surface, unless given.

@@ -33,8 +33,9 @@ impl Psd {
     ///
     /// The periodogram is averaged, with bilinear weights, over the neighbourhoods of nodes that lie at each wave up to 8 waves per side, and at
     /// wave numbers 1.1 times apart beyond, up to the Nyquist wave number. A periodic field is taken as it is; of any other a plane is removed,
-    /// and it is multiplied with a Hann window along both axes. `sigma` is the root mean square height of the whole field, without
-    /// its mean or plane.
+    /// and it is multiplied with a Hann window along both axes. `sigma` is the root mean square height of a periodic
+    /// field; of any other that of the windowed one, divided by the mean square of the window, so that a form which a plane leaves near the
+    /// border raises neither heights nor slopes.
     ///
     /// A surface of `n` correlation areas tells its spectrum as far as `n` numbers can.
     ///
@@ -62,18 +63,23 @@ impl Psd {
         };
         let mut heights = form.remove(field)?.into_heights();
         let sigma = root_mean_square(&heights, shape[1]);
+        // Mean square of the window
+        let mut kept = 1.0;
         if border != Border::Periodic {
-            multiply_by_hann(&mut heights, shape);
+            kept = multiply_by_hann(&mut heights, shape);
         }
         let table = Smoothed::of(&power_plane(&heights, shape), shape);
         let [ny, nx] = shape;
         let [dx, dy] = spacing;
         let waves = |nodes: &[f64], side: f64| nodes.iter().map(|n| TAU * n / side).collect();
+        let area = (nx as f64 * dx) * (ny as f64 * dy);
+        let scale = area / (TAU * (nx * ny) as f64).powi(2) / kept;
+        let densities = table.powers.iter().map(|power| scale * power).collect();
         let psd = PlanePsd::new(
             waves(&table.along_x, nx as f64 * dx),
             waves(&table.along_y, ny as f64 * dy),
-            table.powers,
-            Some(sigma),
+            densities,
+            (border == Border::Periodic).then_some(sigma),
         )?;
         Ok(Self::Plane(psd.sampled_at(spacing)))
     }

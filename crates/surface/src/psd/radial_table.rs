@@ -42,9 +42,7 @@ impl RadialTable {
         }
         let is_ascending = k.windows(2).all(|pair| pair[0] < pair[1]);
         if !(k[0] > 0.0 && is_ascending && k[k.len() - 1].is_finite()) {
-            return Err(PsdTableError::NotAscending {
-                column: "wave_number",
-            });
+            return Err(PsdTableError::NotAscending { column: "k" });
         }
         check_densities(w)
     }

@@ -17,6 +17,12 @@ const OWN_TAU: Unless = Unless {
     is: |psd| !["gaussian", "exponential", "matern"].contains(&psd),
 };
 
+/// Spectra of height maps, whose spacing is that of the map.
+const OWN_SPACING: Unless = Unless {
+    setting: (SECTION, "psd"),
+    is: |psd| psd.starts_with("like:"),
+};
+
 /// Spectra whose root mean square height is that of a file.
 const OWN_SIGMA: Unless = Unless {
     setting: (SECTION, "psd"),
@@ -155,6 +161,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05")), (TRACING, None)])
+    .default_unless(OWN_SPACING)
     .otherwise(
         "tau / 4 for smooth cells, tau / 16 for flat ones, finer for short waves; of structures width / 16, of scratches and cracks / 8",
     ),
