@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::write_bytes;
+use asperity_io::{HeightMapFormat, write_bytes};
 use asperity_optics::Incidence;
 use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
@@ -116,7 +116,8 @@ enum Output<'a> {
 
 impl<'a> Output<'a> {
     fn of(path: &'a Path) -> Result<Self, Failure> {
-        if path.extension().is_none() || path.is_dir() {
+        let is_file = HeightMapFormat::from_path(path).is_some();
+        if path.extension().is_none() || path.is_dir() && !is_file {
             return Ok(Self::Folder(path));
         }
         check_height_map_output(path)?;

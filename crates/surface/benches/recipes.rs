@@ -5,6 +5,8 @@
 //! ```
 //! One thread; medians of interleaved repeats, in the memory of the last surface.
 
+#![allow(clippy::print_stdout, reason = "a benchmark prints what it measures")]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -29,7 +29,7 @@ fn files_hold_the_mean_square_height_and_all_values() {
     let out = folder.path().join("out");
     let field = drawn();
     let results = ResultFolder::open(&out, "inspect", &[]).unwrap();
-    results.check(&texture_files()).unwrap();
+    results.check(texture_files()).unwrap();
     let texture = Texture::of(&field).unwrap();
     let roughness = Roughness::of(&field);
     inspect_report(&results, &field, "drawn", &texture, &roughness).unwrap();

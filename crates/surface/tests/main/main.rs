@@ -1,5 +1,11 @@
 //! All integration tests of the crate, in one binary.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "tests fail as their helpers do, and say what they measured"
+)]
+
 mod roughness;
 mod spline;
 mod structures;
