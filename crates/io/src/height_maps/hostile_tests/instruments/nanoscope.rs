@@ -104,6 +104,13 @@ fn any_three_digits_are_an_ending() {
 }
 
 #[test]
+fn sections_are_bounded() {
+    let many = HEADER.replacen("\\*Scanner list\n", &"\\*Scanner list\n".repeat(300), 1);
+    let bytes = many.replace('\n', "\r\n").into_bytes();
+    refused(Nanoscope, &bytes, "more than 256 sections");
+}
+
+#[test]
 fn headers_are_checked() {
     let with = |from: &str, to: &str| with_header(&HEADER.replace(from, to), 2);
     for (bytes, words) in [

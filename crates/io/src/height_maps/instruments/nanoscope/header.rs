@@ -8,6 +8,9 @@ use crate::text_lines::short;
 /// Longest header.
 const MAX_HEADER: usize = 1 << 20;
 
+/// Most sections; files have some tens.
+const MAX_SECTIONS: usize = 256;
+
 /// A section: `\*name`, then `\field: value` lines.
 pub(super) struct Section {
     name: String,
@@ -73,6 +76,11 @@ impl Header {
                 if name == "file list end" {
                     is_whole = true;
                     break;
+                }
+                if sections.len() == MAX_SECTIONS {
+                    return Err(file.malformed(format_args!(
+                        "its header has more than {MAX_SECTIONS} sections"
+                    )));
                 }
                 sections.push(Section {
                     name,
