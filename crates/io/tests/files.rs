@@ -302,7 +302,9 @@ fn unreadable_files_have_errors_of_their_own() {
     let unknown = error("a.jpg").to_string();
     assert!(unknown.contains("unknown ending `.jpg`"), "{unknown}");
     assert!(
-        unknown.contains(".exr, .npy, .gsf, .x3p, .asc, .txt, .csv, .tif and .tiff"),
+        unknown
+            .contains(".exr, .npy, .gsf, .x3p, .asc, .txt, .csv, .xyz, .dat, .tif, .tiff, .sur,")
+            && unknown.ends_with(" and .gwy"),
         "{unknown}"
     );
     assert!(error("a").to_string().contains("no ending"));
