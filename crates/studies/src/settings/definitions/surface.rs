@@ -196,7 +196,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "psd",
         PSD,
         RANDOM,
-        "Power spectral density: by name, FILE.csv, or like:FILE, that of a height map",
+        "Power spectral density: a name, FILE.csv, or like:FILE",
     )
         .otherwise("gaussian")
         .excludes(&["measured.*"]),
@@ -265,7 +265,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "heights",
         HEIGHTS,
         RANDOM,
-        "Distribution of heights: FILE.csv, or like:FILE, that of a height map",
+        "Distribution of heights: FILE.csv, or like:FILE",
     )
     .otherwise("gaussian, or by skewness and kurtosis")
     .excludes(&["surface.skewness", "surface.kurtosis", "measured.*"]),
