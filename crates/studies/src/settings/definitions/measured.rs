@@ -140,7 +140,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "s_filter",
         Kind::Length,
         INSPECT,
-        "Nesting index of the Gaussian S-filter: removes shorter waves, before the form is removed",
+        "Nesting index of the S-filter: removes shorter waves, before form",
     )
     .range(Range::Above(0.0))
     .otherwise("no S-filter"),
@@ -149,7 +149,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "l_filter",
         Kind::Length,
         INSPECT,
-        "Nesting index of the Gaussian L-filter: removes longer waves, after the form is removed",
+        "Nesting index of the L-filter: removes longer waves, after form",
     )
     .range(Range::Above(0.0))
     .otherwise("no L-filter"),

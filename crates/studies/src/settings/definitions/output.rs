@@ -84,7 +84,7 @@ pub(super) const RESULTS: &[Setting] = &[
         "output",
         Kind::Path,
         INSPECT,
-        "Folder for tables and figures, or height map to write: .exr, .npy, .gsf, .x3p or .png",
+        "Result folder, or height map: .exr, .npy, .gsf, .x3p or .png",
     )
     .short('o')
     .value_name("DIR|FILE")
