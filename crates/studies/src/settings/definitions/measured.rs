@@ -143,7 +143,8 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Nesting index of the S-filter: removes shorter waves, before form",
     )
     .range(Range::Above(0.0))
-    .otherwise("no S-filter"),
+    .otherwise("no S-filter")
+    .flag_only(),
     setting(
         SECTION,
         "l_filter",
@@ -152,5 +153,6 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Nesting index of the L-filter: removes longer waves, after form",
     )
     .range(Range::Above(0.0))
-    .otherwise("no L-filter"),
+    .otherwise("no L-filter")
+    .flag_only(),
 ];
