@@ -45,5 +45,6 @@ pub(super) const SETTINGS: &[Setting] = &[
         COMMANDS,
         "Fraction of light that a Lambertian facet reflects",
     )
-    .range(Range::FromTo(0.0, 1.0)),
+    .range(Range::FromTo(0.0, 1.0))
+    .otherwise("none; lambertian facets need it"),
 ];
