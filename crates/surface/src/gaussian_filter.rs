@@ -35,7 +35,7 @@ pub enum FilterError {
         /// The shorter extent.
         largest: f64,
     },
-    /// The heights that are left make no surface.
+    /// Filtered heights are not finite.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),
 }

@@ -131,11 +131,12 @@ fn fluxes_into(
 /// What the slopes of each region of a surface make of single scattering, beyond those of the whole: the change of Smith's model in a tally of
 /// `spec` if the slopes of the surface were those of the region, to first order.
 ///
-/// `regions`: weights of the cells of `whole`, region by region, two or more. Their mean is what `whole` is made of. By leaving out one
-/// region at a time, and scaling by the number of the others. The mean over regions is zero.
+/// `regions`: weights of the cells of `whole`, region by region, two or more. Their mean is what `whole` is made of. Each region is left
+/// out in turn, and the change is scaled by the number of the others. The mean over regions is zero.
 ///
 /// # Errors
-/// [`ModelError`] for an invalid material or equal indices; [`ModelError::Table`] for weights that are none of the cells.
+/// [`ModelError`] for an invalid material or equal indices; [`ModelError::Table`] if a region does not have one weight per cell
+/// of `whole`, or its weights are invalid.
 ///
 /// # Source
 /// R. G. Miller, The jackknife: a review, Biometrika 61 (1974) 1.

@@ -29,13 +29,13 @@ pub enum ConfigError {
     /// A list is empty.
     #[error("`{0}` is an empty list; give one value or several")]
     EmptyList(&'static str),
-    /// The material is none.
+    /// The material is invalid.
     #[error(transparent)]
     Material(#[from] MaterialError),
-    /// The direction of the light is none.
+    /// The direction of the light is invalid.
     #[error(transparent)]
     Incidence(#[from] IncidenceError),
-    /// The power spectral density is none.
+    /// The power spectral density is invalid.
     #[error(transparent)]
     Psd(#[from] PsdError),
     /// No distribution of heights has the moments.

@@ -111,7 +111,7 @@ pub struct StructureConfig {
 }
 
 impl StructureConfig {
-    /// Refuses settings that the structure does not have, or all if there is none.
+    /// Refuses settings that the chosen structure does not use, and any setting of structures where none is chosen.
     ///
     /// # Errors
     /// [`ConfigError::UnusedByStructure`] and [`ConfigError::NoStructure`].
@@ -165,7 +165,7 @@ impl StructureConfig {
         }
     }
 
-    /// The structure with its parameters, unchecked; `azimuth` in radians. `None` if there is none.
+    /// The chosen structure with its parameters, which are not checked here; `None` where none is chosen. `azimuth`: radians.
     #[must_use]
     pub fn structure(&self, azimuth: f64) -> Option<Structure> {
         let kind = self.structure?;

@@ -23,7 +23,7 @@ pub enum SurfaceFileError {
     /// It cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A name that is no file either.
+    /// Neither a known name nor an existing file.
     #[error(
         "{setting} is {name}, which is neither a file nor one of {names}; a table ends in .csv, a height map is like:FILE"
     )]
@@ -42,9 +42,9 @@ pub enum SurfaceFileError {
         path: PathBuf,
         /// The flag.
         setting: &'static str,
-        /// What is needed.
+        /// The columns that are needed.
         expected: &'static str,
-        /// What there is.
+        /// Names of the columns that the table has.
         found: String,
     },
     /// A wave vector of a table is missing or there twice.
@@ -53,7 +53,7 @@ pub enum SurfaceFileError {
         /// The file.
         path: PathBuf,
     },
-    /// The numbers make no spectrum.
+    /// The numbers of a table do not make a valid spectrum.
     #[error("{}: {error}", path.display())]
     Psd {
         /// The file.
@@ -61,7 +61,7 @@ pub enum SurfaceFileError {
         /// Why.
         error: PsdError,
     },
-    /// A height map has no spectrum.
+    /// The spectrum of a height map cannot be estimated.
     #[error("{}: {error}", path.display())]
     Estimate {
         /// The file.
@@ -69,7 +69,7 @@ pub enum SurfaceFileError {
         /// Why.
         error: EstimateError,
     },
-    /// The numbers make no distribution.
+    /// The numbers of a table do not make a valid distribution.
     #[error("{}: {error}", path.display())]
     Heights {
         /// The file.

@@ -16,14 +16,14 @@ const FIRST_NODES: usize = 8;
 /// Ratio of the wave numbers of neighbouring nodes beyond.
 const RATIO: f64 = 1.1;
 
-/// Why a surface has no power spectral density.
+/// Why the power spectral density of a surface cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EstimateError {
-    /// The spectrum is none: the surface is flat.
+    /// The periodogram is not a valid spectrum: the surface is flat.
     #[error(transparent)]
     Psd(#[from] PsdError),
-    /// Its plane cannot be removed.
+    /// The plane of best fit cannot be removed.
     #[error(transparent)]
     Form(#[from] FormError),
 }

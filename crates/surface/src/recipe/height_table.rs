@@ -20,7 +20,7 @@ pub struct HeightTable {
     kurtosis: f64,
 }
 
-/// Why a table is no distribution.
+/// Why a table is not a valid distribution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightTableError {
@@ -36,13 +36,13 @@ pub enum HeightTableError {
         /// Name of the column.
         column: &'static str,
     },
-    /// A probability is none.
+    /// A cumulative probability is outside 0 to 1.
     #[error("a cumulative probability is {value}; it must be from 0 to 1")]
     BadProbability {
         /// The probability.
         value: f64,
     },
-    /// A density is none.
+    /// A density is negative or not finite, or all are 0.
     #[error("a density is {value}; densities must be finite, not negative, and not all 0")]
     BadDensity {
         /// The density.

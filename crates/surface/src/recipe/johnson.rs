@@ -31,7 +31,7 @@ pub struct Johnson {
     delta: f64,
 }
 
-/// Why there is no distribution.
+/// Why no distribution of Johnson's system has the requested moments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JohnsonError {
@@ -74,7 +74,7 @@ impl Johnson {
     /// The distribution of this skewness and kurtosis (3 of a normal one).
     ///
     /// # Errors
-    /// [`JohnsonError`] if there is none, or it needs heights that jump.
+    /// [`JohnsonError`] if no distribution has these moments, or its heights would jump.
     pub fn of_moments(skewness: f64, kurtosis: f64) -> Result<Self, JohnsonError> {
         let least = skewness * skewness + 1.0;
         if !(kurtosis.is_finite() && kurtosis > least) {

@@ -63,7 +63,7 @@ pub enum StructureError {
         /// Number of features requested.
         requested: usize,
     },
-    /// The grid or the heights make no surface.
+    /// The grid is invalid, or heights are not finite.
     HeightField(#[from] HeightFieldError),
 }
 

@@ -167,19 +167,20 @@ fn pictures_under_the_name_of_an_instrument_are_told() {
     }
 }
 
+/// The ending chooses the reader. `SMALL_FILES=FOLDER` keeps the files there, for other programs to read.
 #[test]
-#[ignore = "writes files for benches/readers"]
-fn small_files_are_written() {
-    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/readers"));
+fn small_files_are_read_by_their_names() {
+    let temporary = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("SMALL_FILES").map(std::path::PathBuf::from);
+    let folder = kept.as_deref().unwrap_or(temporary.path());
     std::fs::create_dir_all(folder).unwrap();
     for format in instruments() {
-        for (k, bytes) in [vec![valid(format)], variants(format)]
-            .concat()
-            .iter()
-            .enumerate()
-        {
-            let ending = format.endings()[0];
-            std::fs::write(folder.join(format!("small-{k}.{ending}")), bytes).unwrap();
+        let files = [vec![valid(format)], variants(format)].concat();
+        for (k, bytes) in files.iter().enumerate() {
+            let path = folder.join(format!("small-{k}.{}", format.endings()[0]));
+            std::fs::write(&path, bytes).unwrap();
+            let map = crate::read_height_map(&path).unwrap();
+            assert_eq!(map.shape(), [3, 4], "{format}");
         }
     }
 }

@@ -121,7 +121,7 @@ struct DataField {
 }
 
 impl DataField {
-    /// `None` if the object is none, or a field without a size.
+    /// `None` if the object is not a `GwyDataField`, or states no size.
     fn read(file: &Bytes<'_>, mut items: Items<'_>) -> Result<Option<Self>, ReadError> {
         if items.object != "GwyDataField" {
             return Ok(None);
