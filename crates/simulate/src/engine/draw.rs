@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 
-use asperity_surface::{HeightField, SlopeMoments, SplineSurface, SplineSynthesis, Synthesis};
+use asperity_surface::{
+    FieldSynthesis, HeightField, Resolution, SlopeMoments, SplineSurface, SplineSynthesis,
+    Synthesis, SynthesisError,
+};
 use asperity_tracer::{BuildAccelerator, SmoothSurface, Surface};
 
 use super::built_surface::Meshes;
 use crate::error::SimulateError;
+use crate::input::cells::Cells;
+use crate::input::random_surfaces::{FieldSurfaces, RandomSurfaces};
 
 /// A recipe of random surfaces of one kind of cells.
 pub(crate) trait Draw {
@@ -33,7 +38,73 @@ pub(crate) trait Draw {
     fn into_memory(surface: Self::Surface) -> Vec<f64>;
 }
 
-impl Draw for Synthesis {
+/// The recipe of all surfaces of a run, planned once.
+pub(crate) enum Drawer<'a> {
+    /// Flat cells on Gaussian heights.
+    Gaussian(Facets<'a, Synthesis>),
+    /// Flat cells on other heights.
+    Fields(Facets<'a, FieldSynthesis>),
+    /// Splines of Gaussian coefficients.
+    GaussianSplines(Box<Splines<'a, SplineSynthesis>>),
+    /// Splines through other heights.
+    SplinesThroughFields(Box<Splines<'a, FieldSynthesis>>),
+}
+
+impl<'a> Drawer<'a> {
+    /// Of surfaces that are refined or not.
+    pub(crate) fn new(surfaces: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
+        Ok(match surfaces {
+            RandomSurfaces::Flat(recipe) => Self::Gaussian(Facets(recipe)),
+            RandomSurfaces::Smooth(recipe) => {
+                Self::GaussianSplines(Box::new(Splines::new(recipe, refine)?))
+            }
+            RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
+                Cells::Flat => Self::Fields(Facets(synthesis)),
+                Cells::Smooth => {
+                    Self::SplinesThroughFields(Box::new(Splines::new(synthesis, refine)?))
+                }
+            },
+        })
+    }
+}
+
+/// Draws heights on a grid.
+pub(crate) trait DrawHeights {
+    /// Those of a seed and number, in the memory given.
+    fn heights(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError>;
+}
+
+impl DrawHeights for Synthesis {
+    fn heights(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError> {
+        self.draw_into(seed, number, memory)
+    }
+}
+
+impl DrawHeights for FieldSynthesis {
+    fn heights(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError> {
+        self.draw_into(seed, number, memory)
+    }
+}
+
+/// Two triangles per cell between the heights that a recipe draws.
+pub(crate) struct Facets<'a, T>(&'a T);
+
+impl<T: DrawHeights> Draw for Facets<'_, T> {
     type Drawn = HeightField;
     type Surface = Surface;
 
@@ -43,7 +114,7 @@ impl Draw for Synthesis {
         number: u64,
         memory: Vec<f64>,
     ) -> Result<HeightField, SimulateError> {
-        Ok(self.draw_into(seed, number, memory)?)
+        Ok(self.0.heights(seed, number, memory)?)
     }
 
     fn slope_moments(field: &HeightField) -> SlopeMoments {
@@ -59,62 +130,88 @@ impl Draw for Synthesis {
     }
 }
 
-impl Draw for SplineSynthesis {
-    type Drawn = SplineSurface;
-    type Surface = SmoothSurface;
-
-    fn draw_into(
+/// Draws splines, and the same surfaces on grids of other spacings.
+pub(crate) trait DrawSpline: Sized {
+    /// That of a seed and number, in the memory given.
+    fn spline(
         &self,
         seed: u64,
         number: u64,
         memory: Vec<f64>,
-    ) -> Result<SplineSurface, SimulateError> {
-        Ok(self.draw_into(seed, number, memory)?)
+    ) -> Result<SplineSurface, SynthesisError>;
+
+    /// Samples `[ny, nx]`.
+    fn shape(&self) -> [usize; 2];
+
+    /// The recipe of the same surfaces on a grid of `scale` times the spacing.
+    fn respaced(&self, scale: f64) -> Result<Self, SynthesisError>;
+}
+
+impl DrawSpline for SplineSynthesis {
+    fn spline(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<SplineSurface, SynthesisError> {
+        self.draw_into(seed, number, memory)
     }
 
-    fn slope_moments(spline: &SplineSurface) -> SlopeMoments {
-        spline.slope_moments()
+    fn shape(&self) -> [usize; 2] {
+        Self::shape(self)
     }
 
-    /// One alone: a spline has no finer mesh than itself.
-    fn meshes(
-        spline: SplineSurface,
-        _refine: bool,
-    ) -> Result<Meshes<SmoothSurface>, SimulateError> {
-        Ok(Meshes::of_one(Arc::new(SmoothSurface::new(spline))))
-    }
-
-    fn into_memory(surface: SmoothSurface) -> Vec<f64> {
-        surface.into_spline().into_coefficients()
+    fn respaced(&self, scale: f64) -> Result<Self, SynthesisError> {
+        let shape = Self::shape(self).map(|n| (n as f64 / scale) as usize);
+        let spacing = self.spacing().map(|d| d * scale);
+        Self::new(self.psd().clone(), shape, spacing, false)
     }
 }
 
-/// Splines through the same waves at several spacings: half the given one, that, and twice it, if that resolves them.
-pub(crate) struct RefinedSplines {
-    finer: SplineSynthesis,
-    given: SplineSynthesis,
-    coarser: Option<SplineSynthesis>,
+impl DrawSpline for FieldSynthesis {
+    fn spline(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<SplineSurface, SynthesisError> {
+        let field = self.draw_into(seed, number, memory)?;
+        Ok(SplineSurface::through(&field))
+    }
+
+    fn shape(&self) -> [usize; 2] {
+        Self::shape(self)
+    }
+
+    fn respaced(&self, scale: f64) -> Result<Self, SynthesisError> {
+        let shape = Self::shape(self).map(|n| (n as f64 / scale) as usize);
+        let spacing = self.spacing().map(|d| d * scale);
+        Self::new(self.recipe().clone(), shape, spacing, Resolution::Splines)
+    }
 }
 
-impl RefinedSplines {
-    /// Of the recipe for the given spacing.
-    pub(crate) fn new(given: &SplineSynthesis) -> Result<Self, SimulateError> {
-        let respaced = |scale: f64| {
-            let shape = given.shape().map(|n| (n as f64 / scale) as usize);
-            let spacing = given.spacing().map(|d| d * scale);
-            SplineSynthesis::new(given.psd().clone(), shape, spacing, false)
-        };
+/// Splines of the given spacing; if they are refined also of half of it, and of twice, if that resolves them.
+pub(crate) struct Splines<'a, T> {
+    finer: Option<T>,
+    given: &'a T,
+    coarser: Option<T>,
+}
+
+impl<'a, T: DrawSpline> Splines<'a, T> {
+    fn new(given: &'a T, refine: bool) -> Result<Self, SimulateError> {
         let is_even = given.shape().iter().all(|n| n % 2 == 0);
         Ok(Self {
-            finer: respaced(0.5)?,
-            given: given.clone(),
-            coarser: respaced(2.0).ok().filter(|_| is_even),
+            finer: refine.then(|| given.respaced(0.5)).transpose()?,
+            given,
+            coarser: (refine && is_even)
+                .then(|| given.respaced(2.0).ok())
+                .flatten(),
         })
     }
 }
 
-impl Draw for RefinedSplines {
-    /// The finest first.
+impl<T: DrawSpline> Draw for Splines<'_, T> {
+    /// The given one alone, or the finest first.
     type Drawn = Vec<SplineSurface>;
     type Surface = SmoothSurface;
 
@@ -124,32 +221,33 @@ impl Draw for RefinedSplines {
         number: u64,
         memory: Vec<f64>,
     ) -> Result<Vec<SplineSurface>, SimulateError> {
-        let mut drawn = vec![
-            self.finer.draw(seed, number)?,
-            self.given.draw_into(seed, number, memory)?,
-        ];
+        let mut drawn = Vec::new();
+        if let Some(finer) = &self.finer {
+            drawn.push(finer.spline(seed, number, Vec::new())?);
+        }
+        drawn.push(self.given.spline(seed, number, memory)?);
         if let Some(coarser) = &self.coarser {
-            drawn.push(coarser.draw(seed, number)?);
+            drawn.push(coarser.spline(seed, number, Vec::new())?);
         }
         Ok(drawn)
     }
 
     /// Those of the surface at the given spacing.
     fn slope_moments(drawn: &Vec<SplineSurface>) -> SlopeMoments {
-        drawn[1].slope_moments()
+        drawn[usize::from(drawn.len() > 1)].slope_moments()
     }
 
+    /// Those drawn: a spline has no finer mesh than itself.
     fn meshes(
         drawn: Vec<SplineSurface>,
         _refine: bool,
     ) -> Result<Meshes<SmoothSurface>, SimulateError> {
-        let surfaces = drawn
-            .into_iter()
-            .map(|spline| Arc::new(SmoothSurface::new(spline)));
+        let surfaces = drawn.into_iter();
+        let surfaces = surfaces.map(|spline| Arc::new(SmoothSurface::new(spline)));
         Ok(Meshes::of_several(surfaces.collect()))
     }
 
     fn into_memory(surface: SmoothSurface) -> Vec<f64> {
-        SplineSynthesis::into_memory(surface)
+        surface.into_spline().into_coefficients()
     }
 }

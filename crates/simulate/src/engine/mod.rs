@@ -13,7 +13,6 @@ pub(crate) mod built_surface;
 pub(crate) mod context;
 pub(crate) mod draft;
 pub(crate) mod draw;
-pub(crate) mod draw_fields;
 mod explanation;
 pub(crate) mod given;
 pub(crate) mod given_run;

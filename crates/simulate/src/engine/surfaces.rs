@@ -14,8 +14,7 @@ use super::block_run::run_blocks;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::{BuiltSurface, SurfaceMeshes};
 use super::context::Context;
-use super::draw::{Draw, RefinedSplines};
-use super::draw_fields::SplinesThroughFields;
+use super::draw::{Draw, Drawer};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
@@ -24,7 +23,7 @@ use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
-use crate::input::random_surfaces::{FieldSurfaces, RandomSurfaces};
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
 use crate::output::chosen_paths::WayOfPaths;
@@ -131,12 +130,13 @@ impl SurfaceGroup<'_> {
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
+        let drawer = Drawer::new(self.surfaces, self.settings.refine)?;
         let next = AtomicU64::new(surfaces.start);
         let watch = self.watch();
         let mut found: Vec<Numbered> = (0..side_by_side)
             .into_par_iter()
             .with_max_len(1)
-            .flat_map_iter(|_| self.run_in_turn(&next, &surfaces, &watch, context))
+            .flat_map_iter(|_| self.run_in_turn(&drawer, &next, &surfaces, &watch, context))
             .collect();
         found.sort_unstable_by_key(|one| one.surface);
         // A surface that a stop cut short counts only if there is no other.
@@ -170,6 +170,7 @@ impl SurfaceGroup<'_> {
     /// fails or the run is to stop.
     fn run_in_turn(
         &self,
+        drawer: &Drawer<'_>,
         next: &AtomicU64,
         surfaces: &Range<u64>,
         watch: &Watch,
@@ -189,7 +190,7 @@ impl SurfaceGroup<'_> {
             if over || surface >= surfaces.end {
                 return all;
             }
-            let one = self.load_or_trace(surface, &mut memory, context);
+            let one = self.load_or_trace(drawer, surface, &mut memory, context);
             match &one.found {
                 Ok(found) if one.complete => watch.add(found, observer),
                 Ok(_) => {}
@@ -202,6 +203,7 @@ impl SurfaceGroup<'_> {
     /// What the store holds of a surface, or what is found on it, which is then saved.
     fn load_or_trace(
         &self,
+        drawer: &Drawer<'_>,
         surface: u64,
         memory: &mut Vec<f64>,
         Context { observer, store }: Context<'_>,
@@ -229,7 +231,7 @@ impl SurfaceGroup<'_> {
                 complete: true,
             };
         }
-        let found = self.trace(surface, memory, observer);
+        let found = self.trace(drawer, surface, memory, observer);
         let complete = found.as_ref().is_ok_and(is_complete);
         if let (Some(store), Ok(found), true) = (store, &found, complete) {
             let saved = SavedSurface::new(
@@ -291,23 +293,18 @@ impl SurfaceGroup<'_> {
     /// Traces all cases on one surface, which is drawn in `memory`.
     fn trace(
         &self,
+        drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
-        match self.surfaces {
-            RandomSurfaces::Flat(recipe) => self.trace_on(recipe, number, memory, observer),
-            RandomSurfaces::Smooth(recipe) if self.settings.refine => {
-                self.trace_on(&RefinedSplines::new(recipe)?, number, memory, observer)
+        match drawer {
+            Drawer::Gaussian(recipe) => self.trace_on(recipe, number, memory, observer),
+            Drawer::Fields(recipe) => self.trace_on(recipe, number, memory, observer),
+            Drawer::GaussianSplines(recipe) => self.trace_on(&**recipe, number, memory, observer),
+            Drawer::SplinesThroughFields(recipe) => {
+                self.trace_on(&**recipe, number, memory, observer)
             }
-            RandomSurfaces::Smooth(recipe) => self.trace_on(recipe, number, memory, observer),
-            RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
-                Cells::Flat => self.trace_on(synthesis, number, memory, observer),
-                Cells::Smooth => {
-                    let recipe = SplinesThroughFields::new(synthesis, self.settings.refine)?;
-                    self.trace_on(&recipe, number, memory, observer)
-                }
-            },
         }
     }
 
