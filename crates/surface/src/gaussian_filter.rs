@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 
+use crate::numerics::columns;
 use crate::{Border, HeightField, HeightFieldError};
 
 /// Lines that one task takes.
@@ -111,9 +112,9 @@ impl GaussianFilter {
         let offset = field.heights()[0];
         let mut heights: Vec<f64> = field.heights().iter().map(|h| h - offset).collect();
         LineFilter::new(nx, index / dx, field.border()).apply(&mut heights);
-        let mut columns = turned(&heights, nx);
-        LineFilter::new(ny, index / dy, field.border()).apply(&mut columns);
-        heights = turned(&columns, ny);
+        let mut turned = columns(&heights, nx);
+        LineFilter::new(ny, index / dy, field.border()).apply(&mut turned);
+        heights = columns(&turned, ny);
         heights.par_iter_mut().for_each(|h| *h += offset);
         Ok(heights)
     }
@@ -224,19 +225,4 @@ impl LineFilter {
             Border::Open => beyond.fill(0.0),
         }
     }
-}
-
-/// Lines of `length` become columns.
-fn turned(lines: &[f64], length: usize) -> Vec<f64> {
-    let count = lines.len() / length;
-    let mut turned = vec![0.0; lines.len()];
-    turned
-        .par_chunks_exact_mut(count)
-        .enumerate()
-        .for_each(|(i, column)| {
-            for (value, line) in column.iter_mut().zip(lines.chunks_exact(length)) {
-                *value = line[i];
-            }
-        });
-    turned
 }

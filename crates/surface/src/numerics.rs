@@ -1,17 +1,19 @@
 //! Numerics: special functions and interpolation for random surfaces.
 
+mod columns;
 mod curve;
 mod half_plane;
 mod hermite;
-mod plane_fft;
+mod normal_moments;
 mod quadrature;
 mod special;
 mod window;
 
+pub(crate) use self::columns::columns;
 pub(crate) use self::curve::Curve;
-pub(crate) use self::half_plane::HalfPlane;
+pub(crate) use self::half_plane::{HalfPlane, power_plane, transform_plane};
 pub(crate) use self::hermite::HermiteSeries;
-pub(crate) use self::plane_fft::{power_plane, transform_plane};
+pub(crate) use self::normal_moments::normal_moments;
 pub(crate) use self::quadrature::{gauss_legendre, root};
 pub(crate) use self::special::{exponential_integral, ln_normal_cdf};
 pub(crate) use self::window::multiply_by_hann;

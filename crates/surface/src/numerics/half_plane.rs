@@ -5,6 +5,8 @@ use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
+use super::columns::columns;
+
 /// The forward transform of a real grid of shape `[ny, nx]`, not normalised, for wave numbers `kx` from 0 to `nx / 2`. The rest
 /// is its complex conjugate.
 pub(crate) struct HalfPlane {
@@ -29,10 +31,13 @@ impl HalfPlane {
                 debug_assert!(done.is_ok(), "buffers have the lengths planned");
             },
         );
-        let mut columns = turned(&rows, half);
+        let mut turned = columns(&rows, half);
         drop(rows);
-        transform(&mut columns, ny, &*FftPlanner::new().plan_fft_forward(ny));
-        Self { shape, columns }
+        transform(&mut turned, ny, &*FftPlanner::new().plan_fft_forward(ny));
+        Self {
+            shape,
+            columns: turned,
+        }
     }
 
     /// The `ny` numbers of each `kx`, in order.
@@ -40,18 +45,45 @@ impl HalfPlane {
         self.columns.par_chunks_exact(self.shape[0])
     }
 
+    /// What `number` makes of the transform of a grid of numbers, at all wave vectors, shape `[ny, nx]`; the same of a number and of its
+    /// complex conjugate.
+    fn whole(
+        numbers: &[f64],
+        shape: [usize; 2],
+        number: impl Fn(Complex<f64>) -> f64 + Sync,
+    ) -> Vec<f64> {
+        let [ny, nx] = shape;
+        let plane = Self::of(shape, |iy, row| {
+            row.copy_from_slice(&numbers[iy * nx..][..nx]);
+        });
+        let mut all = vec![0.0; ny * nx];
+        all.par_chunks_exact_mut(nx)
+            .enumerate()
+            .for_each(|(iy, row)| {
+                for (ix, value) in row.iter_mut().enumerate() {
+                    // Beyond the half plane stands the opposite wave vector
+                    let (kx, ky) = match ix <= nx / 2 {
+                        true => (ix, iy),
+                        false => (nx - ix, (ny - iy) % ny),
+                    };
+                    *value = number(plane.columns[kx * ny + ky]);
+                }
+            });
+        all
+    }
+
     /// The inverse transform of the squared magnitudes, not normalised: the circular autocorrelation times the number of samples
     /// squared, shape `[ny, nx]`.
     pub(crate) fn circular_autocorrelation(self) -> Vec<f64> {
         let [ny, nx] = self.shape;
         let half = nx / 2 + 1;
-        let mut columns = self.columns;
-        columns
+        let mut powers = self.columns;
+        powers
             .par_iter_mut()
             .for_each(|value| *value = value.norm_sqr().into());
-        transform(&mut columns, ny, &*FftPlanner::new().plan_fft_inverse(ny));
-        let mut rows = turned(&columns, ny);
-        drop(columns);
+        transform(&mut powers, ny, &*FftPlanner::new().plan_fft_inverse(ny));
+        let mut rows = columns(&powers, ny);
+        drop(powers);
         let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(nx);
         let mut numbers = vec![0.0; nx * ny];
         numbers
@@ -80,17 +112,13 @@ fn transform(lines: &mut [Complex<f64>], length: usize, fft: &dyn Fft<f64>) {
     );
 }
 
-/// Lines of `length` become columns.
-fn turned(lines: &[Complex<f64>], length: usize) -> Vec<Complex<f64>> {
-    let count = lines.len() / length;
-    let mut turned = vec![Complex::default(); lines.len()];
-    turned
-        .par_chunks_exact_mut(count)
-        .enumerate()
-        .for_each(|(i, column)| {
-            for (value, line) in column.iter_mut().zip(lines.chunks_exact(length)) {
-                *value = line[i];
-            }
-        });
-    turned
+/// The forward transform of real numbers that are the same at `r` and `-r`, rows of `nx`: real, and the same at `k` and `-k`. Not
+/// normalised; the inverse of such numbers is the same sum.
+pub(crate) fn transform_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
+    HalfPlane::whole(numbers, shape, |wave| wave.re)
+}
+
+/// Squared moduli of the forward transform of real numbers, rows of `nx`. Not normalised.
+pub(crate) fn power_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
+    HalfPlane::whole(numbers, shape, |wave| wave.norm_sqr())
 }

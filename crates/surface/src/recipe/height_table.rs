@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::HeightField;
-use crate::numerics::ln_normal_cdf;
+use crate::numerics::{ln_normal_cdf, normal_moments};
 
 /// Nodes per unit of the normal number, and the largest of them.
 const PER_UNIT: i32 = 8;
@@ -154,24 +154,7 @@ impl HeightTable {
 
     /// Mean, variance, skewness and kurtosis, by the trapezium rule over normal numbers.
     fn moments(&self) -> [f64; 4] {
-        let weighted = (-512..=512).map(|i| {
-            let z = f64::from(i) / 64.0;
-            ((-0.5 * z * z).exp(), self.at(z))
-        });
-        let weighted: Vec<(f64, f64)> = weighted.collect();
-        let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
-        let mean_of = |of: &dyn Fn(f64) -> f64| {
-            let terms = weighted.iter().map(|(weight, h)| weight * of(*h));
-            terms.sum::<f64>() / total
-        };
-        let mean = mean_of(&|h| h);
-        let variance = mean_of(&|h| (h - mean).powi(2));
-        [
-            mean,
-            variance,
-            mean_of(&|h| (h - mean).powi(3)) / variance.powf(1.5),
-            mean_of(&|h| (h - mean).powi(4)) / variance.powi(2),
-        ]
+        normal_moments(|z| self.at(z), 1.0 / 64.0, 8.0)
     }
 
     /// Skewness of the distribution.

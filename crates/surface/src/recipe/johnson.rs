@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::root;
+use crate::numerics::{normal_moments, root};
 
 /// A family of Johnson's system: how a number `x` follows from a standard normal number `z`, with `y = (z - gamma) / delta`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,24 +166,7 @@ impl Johnson {
     /// Mean, variance, skewness and kurtosis, by the trapezium rule over normal numbers, which is exact to rounding for smooth
     /// functions.
     fn moments(&self) -> [f64; 4] {
-        const STEP: f64 = 1.0 / 16.0;
-        let nodes = (-192..=192).map(|i| f64::from(i) * STEP);
-        let weighted = nodes.map(|z| ((-0.5 * z * z).exp(), self.raw(z)));
-        let weighted: Vec<(f64, f64)> = weighted.collect();
-        let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
-        let mean = weighted.iter().map(|(weight, x)| weight * x).sum::<f64>() / total;
-        let central = |power: i32| {
-            let terms = weighted.iter();
-            let terms = terms.map(|(weight, x)| weight * (x - mean).powi(power));
-            terms.sum::<f64>() / total
-        };
-        let variance = central(2);
-        [
-            mean,
-            variance,
-            central(3) / variance.powf(1.5),
-            central(4) / (variance * variance),
-        ]
+        normal_moments(|z| self.raw(z), 1.0 / 16.0, 12.0)
     }
 
     pub(super) fn is_valid(&self) -> bool {

@@ -128,10 +128,7 @@ impl PlannedSegments {
     }
 
     pub(super) fn pitches(&self, grid: &Grid) -> Option<[f64; 2]> {
-        match &self.layout {
-            Layout::Lattice(lattice) => Some(lattice.pitches(grid.lengths())),
-            _ => None,
-        }
+        self.layout.pitches(grid)
     }
 
     pub(super) fn expected(&self, grid: &Grid) -> StructureStatistics {

@@ -65,6 +65,14 @@ impl Layout {
         })
     }
 
+    /// Distances between shapes along x and y; none where they lie at random.
+    pub(super) fn pitches(&self, grid: &Grid) -> Option<[f64; 2]> {
+        match self {
+            Self::Lattice(lattice) => Some(lattice.pitches(grid.lengths())),
+            Self::Random(_) | Self::Separate(_) => None,
+        }
+    }
+
     /// Number of shapes.
     pub(super) const fn len(&self) -> usize {
         match self {
