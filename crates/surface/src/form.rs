@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::roughness::mean_height;
-use crate::{HeightField, HeightFieldError};
+use crate::{Border, HeightField, HeightFieldError};
 
 /// The form to remove, by least squares over the samples of one tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,6 +62,16 @@ impl FromStr for Form {
 }
 
 impl Form {
+    /// What is removed before spectra and distributions of heights are measured: the mean where the border is periodic, elsewhere also
+    /// the tilt of the sample.
+    #[must_use]
+    pub(crate) const fn left_out_of_statistics(border: Border) -> Self {
+        match border {
+            Border::Periodic => Self::Mean,
+            Border::Mirrored | Border::Open => Self::Plane,
+        }
+    }
+
     /// Removes this form, and any of lower order, from a surface.
     ///
     /// Grid, unit and border stay. The provenance stays if nothing or the mean is removed, and is

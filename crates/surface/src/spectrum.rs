@@ -58,14 +58,11 @@ impl PowerSpectrum {
     /// [`FormError`] if heights are so large that their sums overflow.
     pub fn of(field: &HeightField) -> Result<Self, FormError> {
         let ([ny, nx], [dx, dy]) = (field.shape(), field.spacing());
-        let (form, is_windowed) = match field.border() {
-            Border::Periodic => (Form::Mean, false),
-            Border::Mirrored | Border::Open => (Form::Plane, true),
-        };
+        let form = Form::left_out_of_statistics(field.border());
         let mut heights = form.remove(field.clone())?.into_heights();
-        let window = match is_windowed {
-            true => multiply_by_hann(&mut heights, [ny, nx]),
-            false => 1.0,
+        let window = match field.border() {
+            Border::Periodic => 1.0,
+            Border::Mirrored | Border::Open => multiply_by_hann(&mut heights, [ny, nx]),
         };
         let mut densities = power_plane(&heights, [ny, nx]);
         let samples = (nx * ny) as f64;
@@ -84,6 +81,14 @@ impl PowerSpectrum {
     #[must_use]
     pub const fn wave_area(&self) -> f64 {
         self.steps[0] * self.steps[1]
+    }
+
+    /// Root mean square height without the form that was removed: exact where no window was applied.
+    #[must_use]
+    pub fn sigma(&self) -> f64 {
+        let rows = self.densities.chunks_exact(self.shape[1]);
+        let sum: f64 = rows.map(|row| row.iter().sum::<f64>()).sum();
+        (sum * self.wave_area()).sqrt()
     }
 
     /// Density of the wave that has `x` and `y` periods on the tile, which wrap around; length units to the fourth.

@@ -99,7 +99,7 @@ impl SurfaceConfig {
                 Some(map) => {
                     let field = self.read_map(map)?;
                     let path = map.to_owned();
-                    Psd::like(field).map_err(|error| SurfaceFileError::Estimate { path, error })?
+                    Psd::like(&field).map_err(|error| SurfaceFileError::Estimate { path, error })?
                 }
                 None => {
                     let names = "gaussian, exponential, matern and power-law";
@@ -130,7 +130,7 @@ impl SurfaceConfig {
         Ok(())
     }
 
-    /// A height map in the unit of the surface, its missing points filled, without form.
+    /// A height map in the unit of the surface, its missing points filled.
     fn read_map(&mut self, path: &Path) -> Result<HeightField, SurfaceFileError> {
         let mut raw = read_height_map(path)?;
         if self.unit == LengthUnit::Arbitrary {
@@ -145,18 +145,8 @@ impl SurfaceConfig {
         let raw = raw
             .in_unit(self.unit)
             .map_err(|error| failed(error.into()))?;
-        let field = raw
-            .into_height_field(MissingPolicy::Fill, Border::Open)
-            .map_err(failed)?;
-        let form = match field.border() {
-            Border::Periodic => asperity_surface::Form::Mean,
-            Border::Mirrored | Border::Open => asperity_surface::Form::Plane,
-        };
-        form.remove(field)
-            .map_err(|error| SurfaceFileError::Estimate {
-                path: path.to_owned(),
-                error: error.into(),
-            })
+        raw.into_height_field(MissingPolicy::Fill, Border::Open)
+            .map_err(failed)
     }
 }
 

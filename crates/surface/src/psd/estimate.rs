@@ -2,13 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use rayon::prelude::*;
-
 use super::Psd;
 use super::error::PsdError;
 use super::plane::{PlanePsd, place};
-use crate::numerics::{multiply_by_hann, power_plane};
-use crate::{Border, Form, FormError, HeightField};
+use crate::{Border, FormError, HeightField, PowerSpectrum};
 
 /// Waves per side of the tile up to which each wave has a node of its own.
 const FIRST_NODES: usize = 8;
@@ -50,62 +47,40 @@ impl Psd {
     /// use asperity_surface::{Psd, Synthesis};
     ///
     /// let measured = Synthesis::new(Psd::gaussian(0.5, 6.0)?, [256, 256], [1.0, 1.0], false)?.draw(1, 0)?;
-    /// let psd = Psd::like(measured)?;
+    /// let psd = Psd::like(&measured)?;
     /// assert!((psd.sigma() - 0.5).abs() < 0.05);
     /// assert!((psd.axis_correlation_lengths()[0] - 6.0).abs() < 0.6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn like(field: HeightField) -> Result<Self, EstimateError> {
-        let (shape, spacing, border) = (field.shape(), field.spacing(), field.border());
-        let form = match border {
-            Border::Periodic => Form::Mean,
-            Border::Mirrored | Border::Open => Form::Plane,
-        };
-        let mut heights = form.remove(field)?.into_heights();
-        let sigma = root_mean_square(&heights, shape[1]);
-        // Mean square of the window
-        let mut kept = 1.0;
-        if border != Border::Periodic {
-            kept = multiply_by_hann(&mut heights, shape);
-        }
-        let table = Smoothed::of(&power_plane(&heights, shape), shape);
-        let [ny, nx] = shape;
-        let [dx, dy] = spacing;
+    pub fn like(field: &HeightField) -> Result<Self, EstimateError> {
+        let spectrum = PowerSpectrum::of(field)?;
+        let [ny, nx] = field.shape();
+        let table = Smoothed::of(&spectrum, [ny, nx]);
+        let [dx, dy] = field.spacing();
         let waves = |nodes: &[f64], side: f64| nodes.iter().map(|n| TAU * n / side).collect();
-        let area = (nx as f64 * dx) * (ny as f64 * dy);
-        let scale = area / (TAU * (nx * ny) as f64).powi(2) / kept;
-        let densities = table.powers.iter().map(|power| scale * power).collect();
+        let is_periodic = field.border() == Border::Periodic;
         let psd = PlanePsd::new(
             waves(&table.along_x, nx as f64 * dx),
             waves(&table.along_y, ny as f64 * dy),
-            densities,
-            (border == Border::Periodic).then_some(sigma),
+            table.densities,
+            is_periodic.then(|| spectrum.sigma()),
         )?;
-        Ok(Self::Plane(psd.sampled_at(spacing)))
+        Ok(Self::Plane(psd.sampled_at([dx, dy])))
     }
 }
 
-/// Sums of rows, so that the result does not depend on threads.
-fn root_mean_square(heights: &[f64], nx: usize) -> f64 {
-    let rows: Vec<f64> = heights
-        .par_chunks_exact(nx)
-        .map(|row| row.iter().map(|h| h * h).sum())
-        .collect();
-    (rows.iter().sum::<f64>() / heights.len() as f64).sqrt()
-}
-
-/// Powers about nodes of the half plane `ky >= 0`.
+/// Densities about nodes of the half plane `ky >= 0`.
 struct Smoothed {
     /// Nodes along each axis, in waves per side of the tile.
     along_x: Vec<f64>,
     along_y: Vec<f64>,
-    /// Mean power about each node, rows of equal `ky`.
-    powers: Vec<f64>,
+    /// Mean density about each node, rows of equal `ky`.
+    densities: Vec<f64>,
 }
 
 impl Smoothed {
-    /// Means with bilinear weights, but for the power at wave number zero, which is that of the mean height.
-    fn of(powers: &[f64], [ny, nx]: [usize; 2]) -> Self {
+    /// Means with bilinear weights, but for wave number zero, which is the mean height.
+    fn of(spectrum: &PowerSpectrum, [ny, nx]: [usize; 2]) -> Self {
         let along_y = nodes(ny / 2);
         let positive = nodes(nx / 2);
         let negative = positive[1..].iter().rev().map(|n| -n);
@@ -119,18 +94,17 @@ impl Smoothed {
                 continue;
             };
             for wave in -half..=half {
-                let ix = wave.rem_euclid(nx as i64) as usize;
                 let Some((column, u)) = place(&along_x, wave as f64) else {
                     continue;
                 };
                 if (wave, iy) == (0, 0) {
                     continue;
                 }
-                let power = powers[iy % ny * nx + ix];
+                let density = spectrum.density([wave, iy as i64]);
                 for (j, along) in [(row, 1.0 - v), (row + 1, v)] {
                     for (i, across) in [(column, 1.0 - u), (column + 1, u)] {
                         let [sum, weights] = &mut sums[j * columns + i];
-                        *sum += along * across * power;
+                        *sum += along * across * density;
                         *weights += along * across;
                     }
                 }
@@ -145,7 +119,7 @@ impl Smoothed {
         Self {
             along_x,
             along_y,
-            powers: means,
+            densities: means,
         }
     }
 }
@@ -184,7 +158,7 @@ mod tests {
     fn the_spectrum_of_a_drawn_surface_is_that_requested() {
         for (border, areas) in [(Border::Periodic, 543.0), (Border::Open, 143.0)] {
             let psds: Vec<Psd> = (0..12)
-                .map(|seed| Psd::like(drawn(seed, border)).unwrap())
+                .map(|seed| Psd::like(&drawn(seed, border)).unwrap())
                 .collect();
             let mean = |of: &dyn Fn(&Psd) -> f64| psds.iter().map(of).sum::<f64>() / 12.0;
             let asked = Psd::anisotropic_gaussian(0.5, 12.0, 6.0, 0.5).unwrap();
@@ -210,12 +184,12 @@ mod tests {
     #[test]
     fn surfaces_like_one_have_its_sigma_and_slopes() {
         let measured = drawn(3, Border::Periodic);
-        let psd = Psd::like(measured).unwrap();
+        let psd = Psd::like(&measured).unwrap();
         let synthesis = Synthesis::new(psd.clone(), [512, 512], [1.0, 1.0], false).unwrap();
         let expected = synthesis.expected_variance().sqrt();
         // Waves of the tile against the integral over all
         assert!((expected / psd.sigma() - 1.0).abs() < 0.01, "{expected}");
-        let again = Psd::like(synthesis.draw(1, 0).unwrap()).unwrap();
+        let again = Psd::like(&synthesis.draw(1, 0).unwrap()).unwrap();
         for (a, b) in again.slope_covariance().iter().zip(psd.slope_covariance()) {
             assert!((a / b - 1.0).abs() < 0.2, "{a} {b}");
         }
@@ -224,7 +198,7 @@ mod tests {
     #[test]
     fn a_flat_surface_has_no_spectrum() {
         let flat = HeightField::new(vec![1.0; 64], [8, 8], [1.0, 1.0]).unwrap();
-        assert!(Psd::like(flat).is_err());
+        assert!(Psd::like(&flat).is_err());
     }
 
     #[test]

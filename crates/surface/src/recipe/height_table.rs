@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::HeightField;
 use crate::numerics::{ln_normal_cdf, normal_moments};
+use crate::{Form, FormError, HeightField};
 
 /// Nodes per unit of the normal number, and the largest of them.
 const PER_UNIT: i32 = 8;
@@ -48,7 +48,10 @@ pub enum HeightTableError {
         /// The density.
         value: f64,
     },
-    /// All heights are one.
+    /// The plane of best fit cannot be removed.
+    #[error(transparent)]
+    Form(#[from] FormError),
+    /// All heights are equal.
     #[error("all heights are equal; a distribution needs some that differ")]
     NoSpread,
 }
@@ -116,12 +119,13 @@ impl HeightTable {
         Self::of_quantiles(|p| interpolated(&sums, &nodes, p))
     }
 
-    /// The distribution of the heights of a surface.
+    /// The distribution of the heights of a surface, without its mean, and without its plane of best fit unless it is periodic.
     ///
     /// # Errors
-    /// [`HeightTableError::NoSpread`] of a flat one.
+    /// [`HeightTableError::NoSpread`] of a flat one, [`HeightTableError::Form`] if sums of heights overflow.
     pub fn like(field: &HeightField) -> Result<Self, HeightTableError> {
-        let mut heights = field.heights().to_vec();
+        let form = Form::left_out_of_statistics(field.border());
+        let mut heights = form.remove(field.clone())?.into_heights();
         heights.sort_by(f64::total_cmp);
         let last = heights.len() - 1;
         Self::of_quantiles(|p| {
