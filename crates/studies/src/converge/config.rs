@@ -275,14 +275,20 @@ impl ConvergeConfig {
         let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
         let spacing = spacing.unwrap_or(self.own_spacing());
         self.shape(spacing)?;
+        let cases = verification.cases()?;
+        // No control variate knows other slopes
+        let is_gaussian = cases.iter().all(|case| case.recipe.gaussian().is_some());
         Ok(Plan {
-            cases: verification.cases()?,
+            cases,
             methods,
             efforts: efforts(config)?,
             repeats: config.repeats.0,
             reference: PlannedReference {
                 method: Method {
-                    estimator: Estimator::Controlled,
+                    estimator: match is_gaussian {
+                        true => Estimator::Controlled,
+                        false => Estimator::Plain,
+                    },
                     sampling: Sampling::QuasiRandom,
                     branching: Branching::Split,
                     accelerator: AcceleratorKind::Auto,

@@ -55,12 +55,12 @@ impl Fit {
         })
     }
 
-    /// The seconds to `error`; none if errors do not fall along the line.
+    /// The seconds to `error`; none if errors do not fall along the line, or so slowly that seconds leave the range of numbers.
     #[must_use]
     pub fn seconds_to(&self, error: f64) -> Option<SecondsTo> {
         let seconds = (error / self.error_at_one_second).powf(1.0 / self.slope);
         let [least, largest] = self.errors;
-        (self.slope < 0.0 && seconds.is_finite()).then_some(SecondsTo {
+        (self.slope < 0.0 && seconds.is_normal()).then_some(SecondsTo {
             seconds,
             extrapolated: !(least..=largest).contains(&error),
         })
@@ -70,6 +70,15 @@ impl Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two points almost side by side lead to 0 or infinite seconds at a tenth and ten times their errors.
+    #[test]
+    fn a_line_that_hardly_falls_gives_no_seconds_out_of_range() {
+        let fit = Fit::over(&[(1.0, 1e-2), (2.0, 0.9999e-2)]).unwrap();
+        assert!(fit.slope < 0.0);
+        assert_eq!(fit.seconds_to(1e-1), None);
+        assert_eq!(fit.seconds_to(1e-3), None);
+    }
 
     #[test]
     fn a_line_of_slope_one_half_gives_back_slope_and_seconds() {
