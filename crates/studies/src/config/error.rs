@@ -73,6 +73,11 @@ pub enum ConfigError {
         /// The name of the structure.
         structure: &'static str,
     },
+    /// A control variate for slopes that none knows.
+    #[error(
+        "no control variate knows the slopes of these surfaces, which are not Gaussian; give --estimators plain"
+    )]
+    NoControl,
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),

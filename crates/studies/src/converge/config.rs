@@ -278,6 +278,10 @@ impl ConvergeConfig {
         let cases = verification.cases()?;
         // No control variate knows other slopes
         let is_gaussian = cases.iter().all(|case| case.recipe.gaussian().is_some());
+        let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
+        if !is_gaussian && methods.iter().any(is_controlled) {
+            return Err(ConfigError::NoControl);
+        }
         Ok(Plan {
             cases,
             methods,
