@@ -22,6 +22,7 @@ mod gonio;
 mod gonio_given;
 mod instrument_files;
 mod interrupts;
+mod lambertian;
 mod layer_models;
 mod lobes;
 mod map;

@@ -81,6 +81,7 @@ pub use models::heitz_polarised::HeitzPolarised;
 pub use models::kinks::Kinks;
 pub use models::model::{BsdfModel, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope};
 pub use models::neumann::{Attenuation, CookTorranceNeumann};
+pub use models::oren_nayar::OrenNayar;
 pub use models::registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use models::smith::Smith;
 pub use models::smith_slopes::SmithSlopes;

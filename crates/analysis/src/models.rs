@@ -5,6 +5,7 @@ pub(crate) mod heitz_polarised;
 pub(crate) mod kinks;
 pub(crate) mod model;
 pub(crate) mod neumann;
+pub(crate) mod oren_nayar;
 pub(crate) mod registry;
 pub(crate) mod smith;
 pub(crate) mod smith_slopes;

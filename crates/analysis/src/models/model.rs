@@ -179,9 +179,14 @@ pub enum ModelError {
     MatchedIndices(f64),
     /// A diffuse material, for a model of facets that reflect as mirrors or refract.
     #[error(
-        "Lambertian facets reflect in all directions; the models describe facets that reflect as mirrors or refract"
+        "Lambertian facets reflect in all directions, and this model describes facets that reflect as mirrors or refract; take oren-nayar"
     )]
     Diffuse,
+    /// A material of facets that reflect as mirrors or refract, for a model of diffuse ones.
+    #[error(
+        "the model {0} is defined for Lambertian facets; for facets that reflect as mirrors or refract use another, such as smith or heitz"
+    )]
+    NotDiffuse(&'static str),
     /// Anisotropic slopes for an isotropic model.
     #[error(
         "the model {0} is defined for isotropic surfaces; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith"

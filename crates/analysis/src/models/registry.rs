@@ -9,6 +9,7 @@ use crate::models::heitz::Heitz;
 use crate::models::heitz_polarised::HeitzPolarised;
 use crate::models::model::{BsdfModel, Constructor, ModelEntry, ModelError, ScatteringModel};
 use crate::models::neumann::CookTorranceNeumann;
+use crate::models::oren_nayar::OrenNayar;
 use crate::models::smith::Smith;
 use crate::models::smith_slopes::SmithSlopes;
 use crate::models::v_cavity::VCavity;
@@ -28,6 +29,7 @@ const REGISTRY: &[ModelEntry] = &[
     VCavity::ENTRY,
     CookTorranceNeumann::ENTRY_GROOVES,
     CookTorranceNeumann::ENTRY_SMITH,
+    OrenNayar::ENTRY,
 ];
 
 /// The names that [`create_model`] accepts.
@@ -143,11 +145,19 @@ mod tests {
         }
     }
 
+    /// A material that the model is for.
+    fn suited(name: &str) -> Material {
+        match name {
+            OrenNayar::NAME => Material::Lambertian { reflectance: 0.8 },
+            _ => Material::Mirror,
+        }
+    }
+
     #[test]
     fn every_name_creates_the_model_of_that_name() {
         for &name in MODEL_NAMES {
             let slopes = SlopeCovariance::isotropic(2.0).unwrap();
-            let model = create_model(name, slopes, Material::Mirror).unwrap();
+            let model = create_model(name, slopes, suited(name)).unwrap();
             assert_eq!(model.name(), name);
             assert!(!model.description().is_empty() && !model.valid_range().is_empty());
             assert!(model.density().is_some() || model.random_walk().is_some());
@@ -171,6 +181,13 @@ mod tests {
             for s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
                 assert!(refusal(name, s, Material::Mirror).contains("smoothness"));
             }
+            let white = Material::Lambertian { reflectance: 1.2 };
+            if name == OrenNayar::NAME {
+                assert!(refusal(name, 2.0, Material::Mirror).contains("Lambertian facets"));
+                assert!(refusal(name, 2.0, white).contains("reflectance"));
+                continue;
+            }
+            assert!(refusal(name, 2.0, white).contains("take oren-nayar"));
             assert!(refusal(name, 2.0, Material::Dielectric { eta: 1.0 }).contains("delta"));
             assert!(refusal(name, 2.0, Material::Dielectric { eta: -1.0 }).contains("eta is -1"));
             let conductor = Material::Conductor {
@@ -178,8 +195,6 @@ mod tests {
                 kappa: f64::NAN,
             };
             assert!(refusal(name, 2.0, conductor).contains("kappa"));
-            let white = Material::Lambertian { reflectance: 0.8 };
-            assert!(refusal(name, 2.0, white).contains("Lambertian"));
         }
     }
 
@@ -190,7 +205,7 @@ mod tests {
             .iter()
             .copied()
             .filter(|name| {
-                let model = create_model(name, slopes, Material::Mirror).unwrap();
+                let model = create_model(name, slopes, suited(name)).unwrap();
                 model.random_walk().is_none()
             })
             .collect();

@@ -19,7 +19,7 @@ pub(crate) mod sweep_case;
 pub(crate) mod trace;
 pub(crate) mod values;
 
-use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
+use asperity_analysis::{DEFAULT_LEVEL, LayerPaths, OrenNayar};
 use asperity_optics::Material;
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
@@ -339,7 +339,8 @@ impl VerifyConfig {
     /// The configuration of a document.
     ///
     /// With a medium the default models, which are of bare surfaces, are replaced by that of a layer between flat faces;
-    /// to none where that ends on a Lambertian bottom. Of Lambertian facets there is no model.
+    /// to none where that ends on a Lambertian bottom. The default model of isotropic Lambertian facets is that of Oren and Nayar; of
+    /// others there is none.
     ///
     /// # Errors
     /// [`ConfigError::Setting`].
@@ -349,7 +350,12 @@ impl VerifyConfig {
             return Ok(config);
         }
         if config.material.kind == MaterialKind::Lambertian {
-            config.compare.models.clear();
+            let is_isotropic =
+                config.surface.tau_y.is_none() && config.surface.structure.structure.is_none();
+            config.compare.models = match is_isotropic {
+                true => vec![OrenNayar::NAME.to_owned()],
+                false => Vec::new(),
+            };
         }
         if let Some(medium) = &config.medium {
             config.compare.models = match medium.bottom {

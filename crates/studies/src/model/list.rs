@@ -1,6 +1,6 @@
 //! The list of all models.
 
-use asperity_analysis::{LayerPaths, MODEL_NAMES, SlopeCovariance, create_model};
+use asperity_analysis::{LayerPaths, MODEL_NAMES, OrenNayar, SlopeCovariance, create_model};
 use asperity_optics::Material;
 
 use super::error::EvaluationError;
@@ -18,7 +18,11 @@ pub fn model_list() -> Result<String, EvaluationError> {
         format!("{name}\n{description}\n{range}\n")
     };
     let of_surface = |name: &&str| -> Result<String, EvaluationError> {
-        let model = create_model(name, slopes, Material::Mirror)?;
+        let material = match *name {
+            OrenNayar::NAME => Material::Lambertian { reflectance: 1.0 },
+            _ => Material::Mirror,
+        };
+        let model = create_model(name, slopes, material)?;
         Ok(entry(name, model.description(), model.valid_range()))
     };
     let of_layer = |paths: LayerPaths| {

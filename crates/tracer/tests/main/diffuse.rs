@@ -124,7 +124,7 @@ impl Pit {
 /// Within a sphere every patch of its wall sheds diffuse light evenly over the whole sphere, since the cosines at both ends are
 /// half the distance over the radius. Of light that a pit reflects, the fraction `f` of the sphere that is wall meets the wall
 /// again, and `1 - f` leaves, whatever the angle of incidence. So order `k` returns `rho^k f^(k - 1) (1 - f)`, and all orders
-/// `rho (1 - f) / (1 - rho f)`. The flat surround reflects `rho` and is not lit by the pit.
+/// `rho (1 - f) / (1 - rho f)`, beyond the first order by the cosine law. The flat surround reflects `rho` and is not lit by the pit.
 ///
 /// Facets at the rim, over about `2 dx / a` of the pit of radius `a`, are inclined between pit and surround: they return
 /// between what each does. Other facets are off by the square of their length over the radius, some 1e-5.
@@ -173,6 +173,18 @@ fn a_spherical_pit_returns_what_the_closed_form_says() {
             let found = statistics.flux(Side::Reflected, component);
             let tolerance = 4.0 * found.se.unwrap() + rim_error;
             println!("{wall} {theta_deg} {component:?}: {found:?} {expected} +- {rim_error}");
+            assert!((found.mean - expected).abs() < tolerance);
+        }
+        // Light between facets arrives evenly at all of the wall, which sheds it evenly in all directions, and so through the opening
+        // by the cosine law, whatever the direction of the light. Of the 54 rings of all pits one lies beyond 4.5 standard errors of 20
+        // batches with a probability of 1 %; the rim is as above.
+        let twice = area * RHO * RHO * wall * (1.0 - wall);
+        let rings = statistics.rings(Side::Reflected, Component::Order(2));
+        for (i, found) in rings.iter().enumerate() {
+            let [from, to] = [i, i + 1].map(|k| (5.0 * k as f64).to_radians().sin().powi(2));
+            let expected = twice * (to - from);
+            let tolerance = 4.5 * found.se.unwrap() + 2.0 / rim * expected;
+            println!("{wall} {theta_deg} ring {i}: {found:?} {expected}");
             assert!((found.mean - expected).abs() < tolerance);
         }
     }
