@@ -3,7 +3,7 @@
 use asperity_simulate::check_memory;
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
-use asperity_surface::{FieldSynthesis, Resolution, Roughness};
+use asperity_surface::{FieldSynthesis, Resolution, Roughness, Unreached};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -71,7 +71,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         || &roughness,
         || {
             let table = realisation_table(&roughness);
-            let note = note_lines(&note);
+            let missed = missed_note(synthesis.unreached());
+            let notes: Vec<String> = note.into_iter().chain(missed).collect();
+            let note = note_lines(&notes);
             wrapped(&format!(
                 "{}: {nx} x {ny} samples, periodic, seed {seed}, realisation {realisation}\n{table}{note}",
                 path.display(),
@@ -79,4 +81,20 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         },
     )?;
     Ok(End::Complete)
+}
+
+/// What heights of a distribution miss of the spectrum requested, if it is a half per cent of the slope variance or of the variance.
+fn missed_note(unreached: Unreached) -> Option<String> {
+    const TOLD: f64 = 0.005;
+    let Unreached {
+        autocorrelation,
+        slope_variance: [x, y],
+    } = unreached;
+    (autocorrelation.max(x.abs()).max(y.abs()) > TOLD).then(|| {
+        format!(
+            "no Gaussian surface turns into these heights with this spectrum: the autocorrelation differs by up to {autocorrelation:.4} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y",
+            100.0 * x,
+            100.0 * y
+        )
+    })
 }

@@ -10,7 +10,7 @@ use self::student::StudentSynthesis;
 use self::transformed::TransformedSynthesis;
 use crate::synthesis::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use crate::synthesis::{MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis, SynthesisError};
-use crate::{HeightField, Provenance, SurfaceRecipe};
+use crate::{HeightField, Provenance, SurfaceRecipe, Unreached};
 
 /// How finely a grid has to resolve the surfaces drawn on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,13 +139,15 @@ impl FieldSynthesis {
         }
     }
 
-    /// The largest difference of the autocorrelation reached from that requested, over the variance: above rounding where heights are
-    /// transformed and no Gaussian surface has the spectrum that would need.
+    /// What is missed of the spectrum requested: above rounding where heights are transformed and no Gaussian surface has the spectrum that
+    /// they would need.
     #[must_use]
-    pub fn unreached(&self) -> f64 {
+    pub fn unreached(&self) -> Unreached {
         match &self.drawer {
             Drawer::Transformed(transformed) => transformed.unreached(),
-            Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => 0.0,
+            Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => {
+                Unreached::default()
+            }
         }
     }
 

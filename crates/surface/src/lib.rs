@@ -55,6 +55,7 @@ mod spectrum;
 mod spline;
 mod structure;
 mod synthesis;
+mod unreached;
 
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use field_synthesis::{FieldSynthesis, Resolution};
@@ -91,3 +92,4 @@ pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
     SynthesisError, UNRESOLVED_SLOPES,
 };
+pub use unreached::Unreached;

@@ -25,6 +25,7 @@ use self::noise::{Noise, Stream};
 use crate::height_field::check_grid;
 use crate::{
     HeightField, HeightFieldError, LengthUnit, Provenance, Psd, StructureError, SurfaceRecipe,
+    Unreached,
 };
 
 mod direct;
@@ -119,10 +120,7 @@ pub enum SynthesisError {
     /// The grid or the heights drawn make no surface.
     HeightField(#[from] HeightFieldError),
     /// No Gaussian surface turns into one of these heights and this spectrum.
-    Unreachable {
-        /// The largest difference of the autocorrelation reached from that requested, over the variance.
-        difference: f64,
-    },
+    Unreachable(Unreached),
 }
 
 impl fmt::Display for SynthesisError {
@@ -179,9 +177,13 @@ impl SynthesisError {
             }
             Self::Structure(error) => error.in_unit(length_unit),
             Self::HeightField(error) => error.to_string(),
-            Self::Unreachable { difference } => format!(
-                "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {:.3} of the variance; take a distribution nearer to the Gaussian, or insist",
-                difference
+            Self::Unreachable(Unreached {
+                autocorrelation,
+                slope_variance: [x, y],
+            }) => format!(
+                "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {autocorrelation:.3} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y; take a distribution nearer to the Gaussian, or insist",
+                100.0 * x,
+                100.0 * y,
             ),
         }
     }

@@ -5,10 +5,7 @@ use rayon::prelude::*;
 use super::centred::centred;
 use crate::numerics::{Curve, HermiteSeries, transform_plane};
 use crate::synthesis::{Synthesis, SynthesisError};
-use crate::{HeightField, TransformedHeights};
-
-/// Largest difference of the autocorrelation reached from that requested, over the variance, that is not refused.
-const MOST_UNREACHED: f64 = 0.01;
+use crate::{HeightField, TransformedHeights, Unreached};
 
 /// A generator of surfaces of transformed heights.
 #[derive(Clone, Debug)]
@@ -17,7 +14,7 @@ pub(super) struct TransformedSynthesis {
     waves: Synthesis,
     /// The height by the normal number.
     height: Curve,
-    unreached: f64,
+    unreached: Unreached,
 }
 
 impl TransformedSynthesis {
@@ -49,11 +46,17 @@ impl TransformedSynthesis {
         let reached = transform_plane(&powers, shape);
         let off = |(rho, requested): (&f64, &f64)| (series.correlation(*rho) - requested).abs();
         let differences = reached.par_iter().zip(&requested).map(off);
-        let unreached = differences.reduce(|| 0.0, f64::max);
-        if fewest.is_some() && unreached > MOST_UNREACHED {
-            return Err(SynthesisError::Unreachable {
-                difference: unreached,
-            });
+        // Slope variance is the fall of the autocorrelation to the next sample
+        let fall = |i: usize| {
+            let reached = 1.0 - series.correlation(reached[i]);
+            reached / (1.0 - requested[i]) - 1.0
+        };
+        let unreached = Unreached {
+            autocorrelation: differences.reduce(|| 0.0, f64::max),
+            slope_variance: [fall(1), fall(shape[1])],
+        };
+        if fewest.is_some() && unreached.is_refused() {
+            return Err(SynthesisError::Unreachable(unreached));
         }
         let sigma = psd.sigma();
         Ok(Self {
@@ -67,7 +70,7 @@ impl TransformedSynthesis {
         &self.waves
     }
 
-    pub(super) const fn unreached(&self) -> f64 {
+    pub(super) const fn unreached(&self) -> Unreached {
         self.unreached
     }
 
