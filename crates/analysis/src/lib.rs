@@ -74,6 +74,7 @@ pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 pub use microfacet::slope_distribution::SlopeDistribution;
 pub use microfacet::slope_grid::{SlopeGrid, SlopeTableError};
+pub use microfacet::slope_mixture::SlopeMixture;
 pub use microfacet::slope_table::SlopeTable;
 pub use microfacet::slopes::{SlopeCovariance, SlopeError};
 pub use models::heitz::Heitz;

@@ -11,6 +11,7 @@ mod normals;
 pub(crate) mod slope_distribution;
 pub(crate) mod slope_frame;
 pub(crate) mod slope_grid;
+pub(crate) mod slope_mixture;
 pub(crate) mod slope_table;
 pub(crate) mod slopes;
 mod visible_normals;

@@ -75,7 +75,7 @@ pub enum SimulateError {
     DiffuseControl,
     /// A control variate for random surfaces whose slopes are not Gaussian.
     #[error(
-        "the controlled estimator knows random surfaces of Gaussian slopes alone; these are not, so take auto or plain"
+        "the controlled estimator needs the distribution of slopes, which is not known for these surfaces; take auto or plain"
     )]
     SlopesControl,
     /// A control variate for light on a triangle mesh.

@@ -10,7 +10,7 @@ use self::student::StudentSynthesis;
 use self::transformed::TransformedSynthesis;
 use crate::synthesis::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use crate::synthesis::{MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis, SynthesisError};
-use crate::{HeightField, Provenance, SurfaceRecipe, Unreached};
+use crate::{HeightField, Provenance, SlopeMixture, SurfaceRecipe, Unreached};
 
 /// How finely a grid has to resolve the surfaces drawn on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +148,22 @@ impl FieldSynthesis {
             Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => {
                 Unreached::default()
             }
+        }
+    }
+
+    /// The distribution of the slopes at a point of the continuous surfaces that waves on this grid make; `None` of structured ones,
+    /// of which it is not known.
+    ///
+    /// Of GGX slopes it includes what the amplitude's own slope adds.
+    #[must_use]
+    pub fn slope_mixture(&self) -> Option<SlopeMixture> {
+        match &self.drawer {
+            Drawer::Gaussian(synthesis) => {
+                Some(SlopeMixture::gaussian(synthesis.psd().slope_covariance()))
+            }
+            Drawer::Transformed(transformed) => Some(transformed.slope_mixture()),
+            Drawer::StudentSlopes(student) => student.slope_mixture(),
+            Drawer::Structured(_) => None,
         }
     }
 

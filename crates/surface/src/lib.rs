@@ -49,6 +49,7 @@ mod recipe;
 mod region_slopes;
 mod resampling;
 mod roughness;
+mod slope_mixture;
 mod slope_moments;
 mod slope_samples;
 mod spectrum;
@@ -79,6 +80,7 @@ pub use roughness::{
     AxisAutocorrelation, Compared, Expectation, Gradients, Realised, RealisedStructure, Roughness,
     SteeperThan, SteepestFacet, Triangle,
 };
+pub use slope_mixture::{SlopeComponent, SlopeMixture};
 pub use slope_moments::SlopeMoments;
 pub use spectrum::{PowerSpectrum, SpectralRing};
 pub use spline::{SplineRoughness, SplineSurface};

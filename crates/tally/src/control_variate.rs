@@ -20,6 +20,38 @@ pub struct UnshadowedFluxes {
     pub absorbed: f64,
 }
 
+impl UnshadowedFluxes {
+    /// No light.
+    #[must_use]
+    pub fn zeros(spec: &TallySpec) -> Self {
+        let grid = spec.grid();
+        Self {
+            bins: vec![0.0; 2 * grid.bins_per_side()],
+            rings: Side::BOTH.map(|_| vec![0.0; grid.n_theta()]),
+            in_plane: Side::BOTH.map(|side| vec![0.0; spec.in_plane_filter(side).len()]),
+            absorbed: 0.0,
+        }
+    }
+
+    /// Adds `weight` times other fluxes.
+    ///
+    /// # Panics
+    /// If they are of other bins.
+    pub fn add(&mut self, weight: f64, other: &Self) {
+        let add = |sums: &mut Vec<f64>, terms: &[f64]| {
+            assert_eq!(sums.len(), terms.len(), "fluxes of another spec");
+            let pairs = sums.iter_mut().zip(terms);
+            pairs.for_each(|(sum, term)| *sum += weight * term);
+        };
+        add(&mut self.bins, &other.bins);
+        for side in 0..2 {
+            add(&mut self.rings[side], &other.rings[side]);
+            add(&mut self.in_plane[side], &other.in_plane[side]);
+        }
+        self.absorbed += weight * other.absorbed;
+    }
+}
+
 /// The fractions of unshadowed single scattering that are expected to be visible: the factors with
 /// which it is subtracted from what is traced, and with which its mean is added again.
 ///

@@ -4,12 +4,13 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{ControlVariate, Side, TallySpec, VisibleFractions};
+use asperity_tally::{ControlVariate, Side, TallySpec, UnshadowedFluxes, VisibleFractions};
 use rayon::prelude::*;
 
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
 use crate::integrals::unshadowed::unshadowed_fluxes;
-use crate::microfacet::beckmann::Masking;
+use crate::microfacet::beckmann::{Beckmann, Masking};
+use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::{ModelError, valid_interface};
@@ -36,16 +37,24 @@ const ROUGH: AllowedError = AllowedError {
 /// The control variate of tallies of `spec` for light from `incidence` on a surface of these slopes: its
 /// unshadowed single scattering, reduced by Smith's masking.
 ///
+/// Fluxes of a mixture are the sum of those of its components, and so are fractions, each with the masking of its own slopes.
+///
 /// # Errors
 /// [`ModelError`] as of [`unshadowed_fluxes`].
 pub fn control_variate(
-    slopes: &SlopeCovariance,
+    slopes: &SlopeMixture,
     material: Material,
     incidence: Incidence,
     spec: &TallySpec,
 ) -> Result<ControlVariate, ModelError> {
     let fractions = visible_fractions(slopes, material, incidence, spec)?;
-    let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
+    let mut fluxes = UnshadowedFluxes::zeros(spec);
+    for (weight, slopes) in slopes.components() {
+        fluxes.add(
+            *weight,
+            &unshadowed_fluxes(slopes, material, incidence, spec)?,
+        );
+    }
     Ok(ControlVariate::new(*spec, fractions, &fluxes))
 }
 
@@ -80,11 +89,52 @@ pub fn unshadowed_control_variate(
 /// # Source
 /// Heitz et al. 2016, as [`Masking::HeightCorrelated`].
 pub fn visible_fractions(
-    slopes: &SlopeCovariance,
+    slopes: &SlopeMixture,
     material: Material,
     incidence: Incidence,
     spec: &TallySpec,
 ) -> Result<VisibleFractions, ModelError> {
+    let of_component = |(weight, slopes): &(f64, SlopeCovariance)| {
+        ring_fluxes(slopes, *weight, material, incidence, spec)
+    };
+    let components = slopes.components().iter().map(of_component);
+    let components = components.collect::<Result<Vec<RingFluxes>, ModelError>>()?;
+    let fraction = |side: usize, ring: usize| {
+        let sum = |part: fn(&RingFluxes) -> &[Vec<f64>; 2]| {
+            let terms = components.iter();
+            terms.map(|fluxes| part(fluxes)[side][ring]).sum::<f64>()
+        };
+        let all = sum(|fluxes| &fluxes.all);
+        if all < MIN_FLUX {
+            1.0
+        } else {
+            rounded_fraction(sum(|fluxes| &fluxes.masked) / all)
+        }
+    };
+    let n = spec.grid().n_theta();
+    let lit = slopes.mean(|slopes| Beckmann::new(*slopes).g1(incidence.wi()));
+    Ok(VisibleFractions {
+        rings: [0, 1].map(|side| (0..n).map(|ring| fraction(side, ring)).collect()),
+        absorbed: rounded_fraction(lit),
+    })
+}
+
+/// Fluxes into the rings of both sides.
+struct RingFluxes {
+    /// Of unshadowed single scattering.
+    all: [Vec<f64>; 2],
+    /// With masking; zero where the other is below [`MIN_FLUX`].
+    masked: [Vec<f64>; 2],
+}
+
+/// Those of Gaussian slopes, times `weight`.
+fn ring_fluxes(
+    slopes: &SlopeCovariance,
+    weight: f64,
+    material: Material,
+    incidence: Incidence,
+    spec: &TallySpec,
+) -> Result<RingFluxes, ModelError> {
     let interface = valid_interface(*slopes, material)?;
     let distribution = &interface.distribution;
     let unshadowed = |wi, wo| interface.unshadowed_bsdf(wi, wo);
@@ -104,24 +154,28 @@ pub fn visible_fractions(
         bsdf: &masked,
         ..scattering
     };
+    let ring = |side: Side, i: usize| {
+        let theta = spec.ring_filter(side).theta(i);
+        let all = ring_flux(&scattering, incidence, side, theta);
+        let visible = match all < MIN_FLUX {
+            true => 0.0,
+            false => ring_flux(&masked, incidence, side, theta),
+        };
+        [all, visible].map(|flux| weight * flux)
+    };
     let n = spec.grid().n_theta();
-    let rings = Side::BOTH.map(|side| {
-        (0..n)
-            .into_par_iter()
-            .map(|i| {
-                let theta = spec.ring_filter(side).theta(i);
-                let all = ring_flux(&scattering, incidence, side, theta);
-                if all < MIN_FLUX {
-                    1.0
-                } else {
-                    rounded_fraction(ring_flux(&masked, incidence, side, theta) / all)
-                }
-            })
-            .collect()
+    let sides = Side::BOTH.map(|side| {
+        let rings: Vec<[f64; 2]> = (0..n).into_par_iter().map(|i| ring(side, i)).collect();
+        rings
     });
-    Ok(VisibleFractions {
-        rings,
-        absorbed: rounded_fraction(distribution.g1(incidence.wi())),
+    let part = |part: usize| {
+        sides
+            .each_ref()
+            .map(|rings| rings.iter().map(|ring| ring[part]).collect())
+    };
+    Ok(RingFluxes {
+        all: part(0),
+        masked: part(1),
     })
 }
 

@@ -121,7 +121,7 @@ impl Draft {
                         MeshErrors::of_random_smooth(&self.method, spec, refinement, by_pilot_run)
                     }
                     RandomSurfaces::Fields(_) => {
-                        MeshErrors::of_random_fields(spec, refinement, by_pilot_run)
+                        MeshErrors::of_random_fields(&self.method, spec, refinement, by_pilot_run)
                     }
                 }
             }

@@ -51,6 +51,9 @@ impl Explained<'_> {
             Some(ControlVariateMean::GaussianSlopes) => {
                 "controlled, since the mean of unshadowed single scattering follows from Gaussian slopes"
             }
+            Some(ControlVariateMean::SlopeMixture) => {
+                "controlled, since the mean of unshadowed single scattering follows from the distribution of slopes"
+            }
             Some(ControlVariateMean::FacetsOfSurface) => {
                 "controlled, since the mean of unshadowed single scattering follows from the facets"
             }
@@ -60,18 +63,18 @@ impl Explained<'_> {
             None if self.case.light.is_polarised() => {
                 "plain, since no control variate covers polarised light"
             }
-            None if has_other_slopes(&self.case.surface) => {
-                "plain, since no control variate knows slopes that are not Gaussian"
+            None if has_structure(&self.case.surface) => {
+                "plain, since the distribution of slopes of structured surfaces is not known"
             }
             None => "plain, since there is no control variate for this case that saves time",
         }
     }
 }
 
-/// Whether surfaces are random and their slopes are not Gaussian.
-fn has_other_slopes(surface: &SurfaceSource) -> bool {
+/// Whether surfaces are random and structured.
+fn has_structure(surface: &SurfaceSource) -> bool {
     match surface {
-        SurfaceSource::Random(surfaces) => surfaces.recipe().gaussian().is_none(),
+        SurfaceSource::Random(surfaces) => surfaces.recipe().structured().is_some(),
         SurfaceSource::Given(_) => false,
     }
 }

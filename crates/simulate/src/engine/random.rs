@@ -27,7 +27,7 @@ use crate::methods::slope_control::{Observed, SlopeControl, SlopeControls};
 use crate::output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
-use crate::slopes::slopes;
+use crate::slopes::{slope_mixture, slopes};
 use crate::store::Stage;
 
 /// What the mesh may add to an error at its target: a third of it, squared.
@@ -86,6 +86,8 @@ impl RandomGroup {
         let recipe = surfaces.recipe();
         // Refused whatever the estimator.
         slopes(recipe)?;
+        let known_slopes = slope_mixture(&surfaces)?;
+        let known_slopes = known_slopes.as_ref();
         let prepared = cases
             .into_par_iter()
             .map(|NumberedCase { number, case }| {
@@ -96,7 +98,7 @@ impl RandomGroup {
                         result: Arc::new(result),
                     })),
                     None => Ok(Prepared::Traced(TracedCase {
-                        method: Arc::new(Method::of_random(&case, recipe, settings)?),
+                        method: Arc::new(Method::of_random(&case, recipe, known_slopes, settings)?),
                         number,
                         case,
                     })),

@@ -111,7 +111,7 @@ impl ErrorBudget {
     /// The errors of a result on one surface, of which `blocks` are the ray blocks.
     pub(crate) fn of_one(blocks: &TallyStatistics, rays: TracedRays<'_>, mesh: MeshErrors) -> Self {
         let explanation = match rays.method.control_variate_mean() {
-            Some(ControlVariateMean::GaussianSlopes) => {
+            Some(ControlVariateMean::GaussianSlopes | ControlVariateMean::SlopeMixture) => {
                 "unknown: one surface has no scatter between surfaces, and its control variate has the mean of the ensemble"
             }
             _ => "none: the result is that of this one surface alone",

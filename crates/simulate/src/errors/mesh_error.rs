@@ -26,6 +26,9 @@ const RANDOM_SMOOTH: &str = "not estimated: --refine traces a finer mesh; of 4 s
 const NOT_GAUSSIAN: &str =
     "not estimated: --refine traces a finer mesh; no quadrature knows slopes that are not Gaussian";
 
+/// Said of what a control variate removes where the slopes of cells are not Gaussian.
+const UNKNOWN_SLOPES_OF_CELLS: &str = "not estimated: the control variate has the slopes of the continuous surface, and no quadrature knows those of the cells";
+
 /// Said of what a control variate removes where cells are smooth.
 const SAME_SLOPES: &str = "none: smooth cells have the slopes of the continuous surface";
 
@@ -118,14 +121,19 @@ impl MeshErrors {
     /// Of random surfaces whose slopes are not Gaussian: what their refinement showed, if they were refined, or else what
     /// the pilot run found, if there was one, in words.
     pub(crate) fn of_random_fields(
+        method: &Method,
         spec: TallySpec,
         refinement: Option<Refinement>,
         by_pilot_run: Option<&str>,
     ) -> Self {
-        match refinement {
+        let mut errors = match refinement {
             Some(refinement) => Self::of_refined(refinement),
             None => Self::unknown(spec, by_pilot_run.unwrap_or(NOT_GAUSSIAN)),
+        };
+        if method.control_variate().is_some() {
+            errors.explanation.removed = UNKNOWN_SLOPES_OF_CELLS.to_owned();
         }
+        errors
     }
 
     /// Of one surface that was refined.
@@ -261,7 +269,7 @@ impl FirstOrder<'_> {
     fn shift_of_rough(&self) -> Result<ByEntry<Option<f64>>, ModelError> {
         let (material, incidence) = (self.case.material, self.case.light.incidence);
         let of_surface = slopes(self.synthesis.recipe())?;
-        let control_variate = control_variate(&of_surface, material, incidence, &self.spec)?;
+        let control_variate = control_variate(&of_surface.into(), material, incidence, &self.spec)?;
         let fluxes = self.fluxes(&self.slopes(self.synthesis)?)?;
         let of_mesh = ControlVariate::new(self.spec, control_variate.fractions().clone(), &fluxes);
         let mut shift = of_mesh

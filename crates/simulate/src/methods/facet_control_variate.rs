@@ -4,7 +4,7 @@
 //! that mean. Only shadowing, masking and multiple scattering of this surface are left to sampling, and the
 //! noise of rays is the only noise.
 
-use asperity_analysis::{ModelError, SlopeCovariance, visible_fractions};
+use asperity_analysis::{ModelError, SlopeCovariance, SlopeMixture, visible_fractions};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
@@ -61,6 +61,7 @@ impl Method {
         // The side that is not recorded has its control variate too.
         let (tally, incidence) = (settings.spec_of(case), case.light.incidence);
         let both = tally.with_sides(Sides::Both);
+        let slopes = SlopeMixture::from(slopes);
         let fractions = match visible_fractions(&slopes, case.material, incidence, &tally) {
             Ok(fractions) => fractions,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
@@ -71,13 +72,7 @@ impl Method {
         let sum = sum_over_all_facets(surface, case.material, &case.light, both);
         let control_variate = ControlVariate::new(tally, fractions, &unshadowed_fluxes(&sum));
         let mean = ControlVariateMean::FacetsOfSurface;
-        Ok(Self::with_control_variate(
-            settings,
-            control_variate,
-            mean,
-            &slopes,
-            incidence,
-        ))
+        Self::with_control_variate(settings, control_variate, mean, &slopes, incidence)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
+use asperity_analysis::{ModelError, SlopeMixture, control_variate};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::SurfaceRecipe;
 use asperity_tally::{
@@ -15,7 +15,6 @@ use crate::error::SimulateError;
 use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
 use crate::input::settings::{Effort, Settings};
-use crate::slopes::slopes;
 
 /// Where paths start, how they branch and end, and what is done with the tallies that they give.
 #[derive(Clone, Debug)]
@@ -34,6 +33,8 @@ pub enum ControlVariateMean {
     /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,
     /// of unshadowed single scattering.
     GaussianSlopes,
+    /// The same over a mixture of Gaussian slopes.
+    SlopeMixture,
     /// The sum over the facets of the one surface that is traced: it removes noise of rays alone.
     FacetsOfSurface,
 }
@@ -90,10 +91,11 @@ impl Method {
         }
     }
 
-    /// The method for a case of random surfaces.
+    /// The method for a case of random surfaces. `known_slopes`: their distribution, where it is known.
     pub(crate) fn of_random(
         case: &Case,
         recipe: &SurfaceRecipe,
+        known_slopes: Option<&SlopeMixture>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let mirror = if settings.fold {
@@ -101,7 +103,7 @@ impl Method {
         } else {
             None
         };
-        let method = Self::with_any_control(case, recipe, settings)?;
+        let method = Self::with_any_control(case, known_slopes, settings)?;
         Ok(Self { mirror, ..method })
     }
 
@@ -111,7 +113,7 @@ impl Method {
     /// mean of others, unless the estimator is named.
     fn with_any_control(
         case: &Case,
-        recipe: &SurfaceRecipe,
+        known_slopes: Option<&SlopeMixture>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let one_surface = matches!(settings.effort, Effort::Rays { surfaces: 1, .. });
@@ -128,21 +130,17 @@ impl Method {
         if case.light.is_polarised() {
             return Self::of_polarised(settings);
         }
-        if recipe.gaussian().is_none() {
-            return Self::of_other_slopes(settings);
-        }
-        let slopes = slopes(recipe)?;
+        let Some(slopes) = known_slopes else {
+            return Self::of_unknown_slopes(settings);
+        };
         let incidence = case.light.incidence;
-        match control_variate(&slopes, case.material, incidence, &settings.spec_of(case)) {
+        match control_variate(slopes, case.material, incidence, &settings.spec_of(case)) {
             Ok(control_variate) => {
-                let mean = ControlVariateMean::GaussianSlopes;
-                Ok(Self::with_control_variate(
-                    settings,
-                    control_variate,
-                    mean,
-                    &slopes,
-                    incidence,
-                ))
+                let mean = match slopes.components() {
+                    [_] => ControlVariateMean::GaussianSlopes,
+                    _ => ControlVariateMean::SlopeMixture,
+                };
+                Self::with_control_variate(settings, control_variate, mean, slopes, incidence)
             }
             // Light that goes straight on through equal indices has no density to integrate.
             Err(ModelError::MatchedIndices(_)) if settings.estimator == Estimator::Auto => {
@@ -168,8 +166,8 @@ impl Method {
         }
     }
 
-    /// The method for random surfaces whose slopes are not Gaussian: no control variate knows their distribution.
-    fn of_other_slopes(settings: &Settings) -> Result<Self, SimulateError> {
+    /// The method for random surfaces whose distribution of slopes is not known.
+    fn of_unknown_slopes(settings: &Settings) -> Result<Self, SimulateError> {
         match settings.estimator {
             Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
             Estimator::Controlled => Err(SimulateError::SlopesControl),
@@ -181,18 +179,19 @@ impl Method {
         settings: &Settings,
         control_variate: ControlVariate,
         mean: ControlVariateMean,
-        slopes: &SlopeCovariance,
+        slopes: &SlopeMixture,
         incidence: Incidence,
-    ) -> Self {
-        let seen: f64 = control_variate.expected().budget().total();
-        let worth = Worth::new(seen, Beckmann::new(*slopes).lambda(incidence.wi()));
-        if seen == 0.0 || settings.estimator == Estimator::Auto && worth.time >= 1.0 {
-            return Self::plain(settings);
-        }
+    ) -> Result<Self, SimulateError> {
         let wi = incidence.wi();
+        let seen: f64 = control_variate.expected().budget().total();
+        let worth = Worth::new(seen, slopes.lambda(wi));
+        if seen == 0.0 || settings.estimator == Estimator::Auto && worth.time >= 1.0 {
+            return Ok(Self::plain(settings));
+        }
+        let slopes = slopes.covariance()?;
         let [x, y] = [wi.x / wi.z, wi.y / wi.z];
         let weight_variance = slopes.xx() * x * x + 2.0 * slopes.xy() * x * y + slopes.yy() * y * y;
-        Self {
+        Ok(Self {
             starts: if weight_variance <= MOST_WEIGHT_VARIANCE {
                 Starts::OnSurface
             } else {
@@ -206,7 +205,7 @@ impl Method {
                 mean,
             )),
             mirror: None,
-        }
+        })
     }
 
     /// The light of a case, as it is sampled by this method.

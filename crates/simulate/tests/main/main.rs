@@ -11,6 +11,7 @@ mod budget;
 mod fold;
 mod lobes;
 mod mesh_error;
+mod other_slopes;
 mod paths;
 mod regions;
 mod resuming;

@@ -73,9 +73,9 @@ pub enum ConfigError {
         /// The name of the structure.
         structure: &'static str,
     },
-    /// A control variate for slopes that none knows.
+    /// A control variate for surfaces whose slopes are not known.
     #[error(
-        "no control variate knows the slopes of these surfaces, which are not Gaussian; give --estimators plain"
+        "the distribution of slopes of structured surfaces is not known, so they have no control variate; give --estimators plain"
     )]
     NoControl,
     /// The in-plane slice is out of range.

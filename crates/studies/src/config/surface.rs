@@ -146,10 +146,11 @@ pub struct SurfaceConfig {
 }
 
 impl SurfaceConfig {
-    /// Whether the surfaces have no direction.
+    /// Whether the surfaces have no direction; also where the spectrum cannot be made, which is refused elsewhere.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
-        let spectrum = self.tau_y.is_none_or(|tau_y| Some(tau_y) == self.tau);
+        let spectrum = self.unit_psd().and_then(|psd| self.turned(psd));
+        let spectrum = spectrum.map_or(true, |psd| psd.is_isotropic());
         match self.structure.structure(self.azimuth.0.to_radians()) {
             Some(structure) => structure.is_isotropic() && (spectrum || self.sigma.is_none()),
             None => spectrum,

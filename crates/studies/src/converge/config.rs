@@ -276,10 +276,9 @@ impl ConvergeConfig {
         let spacing = spacing.unwrap_or(self.own_spacing());
         self.shape(spacing)?;
         let cases = verification.cases()?;
-        // No control variate knows other slopes
-        let is_gaussian = cases.iter().all(|case| case.recipe.gaussian().is_some());
+        let has_control = cases.iter().all(|case| case.recipe.structured().is_none());
         let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
-        if !is_gaussian && methods.iter().any(is_controlled) {
+        if !has_control && methods.iter().any(is_controlled) {
             return Err(ConfigError::NoControl);
         }
         Ok(Plan {
@@ -289,7 +288,7 @@ impl ConvergeConfig {
             repeats: config.repeats.0,
             reference: PlannedReference {
                 method: Method {
-                    estimator: match is_gaussian {
+                    estimator: match has_control {
                         true => Estimator::Controlled,
                         false => Estimator::Plain,
                     },

@@ -158,7 +158,7 @@ pub(crate) fn work_line(work: &SummaryWork) -> String {
     };
     let estimator = match work.control_variate {
         None => "plain",
-        Some(ControlVariateMean::GaussianSlopes) => "controlled",
+        Some(ControlVariateMean::GaussianSlopes | ControlVariateMean::SlopeMixture) => "controlled",
         Some(ControlVariateMean::FacetsOfSurface) => "controlled by the facets of this surface",
     };
     let inside = if work.scatterings > 0 {

@@ -3,11 +3,18 @@
 use rayon::prelude::*;
 
 use super::centred::centred;
-use crate::numerics::{Curve, ln_normal_cdf};
+use crate::numerics::{Curve, ln_normal_cdf, normal_nodes};
 use crate::recipe::FLOOR;
 use crate::synthesis::noise::Stream;
 use crate::synthesis::{Synthesis, SynthesisError};
-use crate::{HeightField, StudentSlopes};
+use crate::{HeightField, SlopeMixture, StudentSlopes};
+
+/// Largest difference of the covariances of two slopes that counts as none, over the sum of the variances.
+const SAME_AXES: f64 = 1e-3;
+
+/// Normal numbers per unit behind amplitudes, and heights, over which slopes are averaged.
+const AMPLITUDES_PER_UNIT: u32 = 32;
+const HEIGHTS_PER_UNIT: u32 = 4;
 
 /// A generator of surfaces of Student slopes.
 #[derive(Clone, Debug)]
@@ -45,6 +52,36 @@ impl StudentSynthesis {
 
     pub(super) const fn base(&self) -> &Synthesis {
         &self.base
+    }
+
+    /// For a given amplitude `a(z)` and height `g` of the Gaussian surface the slopes are `a g' + a' z' g` with independent normal
+    /// slopes `g'` and `z'`; `None` if the two have different axes.
+    pub(super) fn slope_mixture(&self) -> Option<SlopeMixture> {
+        let of_base = self.base.wave_slope_covariance();
+        let of_normal = self.normal.wave_slope_covariance();
+        let [xx, xy, yy] = of_base;
+        let ratio = (of_normal[0] + of_normal[2]) / (xx + yy);
+        let off = |i: usize| (of_normal[i] - ratio * of_base[i]).abs();
+        if [0, 1, 2]
+            .into_iter()
+            .any(|i| off(i) > SAME_AXES * ratio * (xx + yy))
+        {
+            return None;
+        }
+        let variance = self.base.expected_variance();
+        let added = ratio * self.scale * self.scale * variance;
+        let factors = normal_nodes(AMPLITUDES_PER_UNIT).flat_map(|[z, of_amplitude]| {
+            let amplitude = self.amplitude.at(z);
+            let rise = self.amplitude.derivative_at(z);
+            normal_nodes(HEIGHTS_PER_UNIT).map(move |[height, of_height]| {
+                let factor = amplitude * amplitude + added * (rise * height).powi(2);
+                [factor, of_amplitude * of_height]
+            })
+        });
+        Some(SlopeMixture::scaled(
+            [xx, xy, yy],
+            &factors.collect::<Vec<_>>(),
+        ))
     }
 
     pub(super) fn peak_bytes(&self) -> usize {

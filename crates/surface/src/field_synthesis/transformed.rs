@@ -3,9 +3,12 @@
 use rayon::prelude::*;
 
 use super::centred::centred;
-use crate::numerics::{Curve, HermiteSeries, transform_plane};
+use crate::numerics::{Curve, HermiteSeries, normal_nodes, transform_plane};
 use crate::synthesis::{Synthesis, SynthesisError};
-use crate::{HeightField, TransformedHeights, Unreached};
+use crate::{HeightField, SlopeMixture, TransformedHeights, Unreached};
+
+/// Normal numbers per unit, and so four in each cell of a curve, over which the derivative of the height is averaged.
+const NODES_PER_UNIT: u32 = 256;
 
 /// A generator of surfaces of transformed heights.
 #[derive(Clone, Debug)]
@@ -72,6 +75,13 @@ impl TransformedSynthesis {
 
     pub(super) const fn unreached(&self) -> Unreached {
         self.unreached
+    }
+
+    /// For a given number the slopes are those of the waves, times the derivative of the height.
+    pub(super) fn slope_mixture(&self) -> SlopeMixture {
+        let factor = |[z, weight]: [f64; 2]| [self.height.derivative_at(z).powi(2), weight];
+        let factors: Vec<[f64; 2]> = normal_nodes(NODES_PER_UNIT).map(factor).collect();
+        SlopeMixture::scaled(self.waves.wave_slope_covariance(), &factors)
     }
 
     /// The amplitudes of the waves are there in addition to the heights.

@@ -38,14 +38,28 @@ impl Curve {
 
     /// The value at `z`.
     pub(crate) fn at(&self, z: f64) -> f64 {
-        let last = self.nodes.len() - 1;
-        let x = ((z + RANGE) * PER_UNIT).clamp(0.0, last as f64);
-        let i = (x as usize).min(last - 1);
-        let t = x - i as f64;
+        let (i, t) = self.cell(z);
         let [[f0, d0], [f1, d1]] = [self.nodes[i], self.nodes[i + 1]];
         let rise = f1 - f0;
         let (square, cube) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
         f0 + t * (d0 + t * (square + t * cube))
+    }
+
+    /// The derivative at `z`.
+    pub(crate) fn derivative_at(&self, z: f64) -> f64 {
+        let (i, t) = self.cell(z);
+        let [[f0, d0], [f1, d1]] = [self.nodes[i], self.nodes[i + 1]];
+        let rise = f1 - f0;
+        let (square, cube) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
+        PER_UNIT * (d0 + t * (2.0 * square + 3.0 * t * cube))
+    }
+
+    /// Number of the cell that holds `z`, and the place in it.
+    fn cell(&self, z: f64) -> (usize, f64) {
+        let last = self.nodes.len() - 1;
+        let x = ((z + RANGE) * PER_UNIT).clamp(0.0, last as f64);
+        let i = (x as usize).min(last - 1);
+        (i, x - i as f64)
     }
 
     /// Replaces each of `values` by the curve at `scale` times it.
@@ -70,6 +84,7 @@ mod tests {
         for i in -1000..1000 {
             let z = 0.007_93 * f64::from(i);
             assert!((curve.at(z) - z.sin()).abs() < 3e-10, "{z}");
+            assert!((curve.derivative_at(z) - z.cos()).abs() < 1e-7, "{z}");
         }
         assert!((curve.at(1e9) - 8.0_f64.sin()).abs() < 1e-15);
         assert!((curve.at(-1e9) + 8.0_f64.sin()).abs() < 1e-15);

@@ -1,4 +1,14 @@
-//! Moments of functions of a normal number.
+//! Means and moments of functions of a normal number.
+
+/// Numbers from -8 to 8, so many per unit, and their weights: the trapezium rule of a standard normal number. Weights are not
+/// normalised.
+pub(crate) fn normal_nodes(per_unit: u32) -> impl Iterator<Item = [f64; 2]> {
+    let last = 8 * per_unit as i32;
+    (-last..=last).map(move |i| {
+        let z = f64::from(i) / f64::from(per_unit);
+        [z, (-0.5 * z * z).exp()]
+    })
+}
 
 /// Mean, variance, skewness and kurtosis of `function(z)`, `z` a standard normal number: by the trapezium rule in steps of `step` from
 /// `-range` to `range`, exact to rounding for functions that are smooth on that scale.

@@ -33,6 +33,14 @@ impl Synthesis {
         })
     }
 
+    /// Covariance `[xx, xy, yy]` expected of the slopes of the waves themselves, between the samples as well as at them.
+    pub(crate) fn wave_slope_covariance(&self) -> [f64; 3] {
+        self.covariance_of_slopes(|x, y| {
+            let [kx, ky] = [2.0 * x.angle, 2.0 * y.angle];
+            [kx * kx, kx * ky, ky * ky]
+        })
+    }
+
     /// Covariance `[xx, xy, yy]` of slopes, of each wave of unit variance `of_wave`, for cells of unit sides.
     fn covariance_of_slopes(
         &self,
@@ -68,8 +76,9 @@ impl Synthesis {
             let amplitudes = &mut amplitudes[..self.filter.rows(ix, side)];
             self.filter.fill(ix, side, amplitudes);
             for (i, amplitude) in (first..).zip(&*amplitudes) {
-                let HalfTurn { sin, cos } = half_turns[i];
+                let HalfTurn { angle, sin, cos } = half_turns[i];
                 let along_y = HalfTurn {
+                    angle: sign * angle,
                     sin: sign * sin,
                     cos,
                 };
@@ -104,6 +113,8 @@ impl SplineSynthesis {
 /// Half the angle by which a wave turns from sample to sample along an axis.
 #[derive(Clone, Copy)]
 struct HalfTurn {
+    /// Radians.
+    angle: f64,
     sin: f64,
     cos: f64,
 }
@@ -111,8 +122,9 @@ struct HalfTurn {
 impl HalfTurn {
     /// Of wave `i` of `n`.
     fn of(i: usize, n: usize) -> Self {
-        let (sin, cos) = (PI * i as f64 / n as f64).sin_cos();
-        Self { sin, cos }
+        let angle = PI * i as f64 / n as f64;
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, sin, cos }
     }
 }
 

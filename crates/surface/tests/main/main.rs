@@ -7,6 +7,7 @@
 )]
 
 mod roughness;
+mod slope_mixture;
 mod spline;
 mod structures;
 mod student_slopes;

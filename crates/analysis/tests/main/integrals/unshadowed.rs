@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
     Beckmann, BsdfModel, ModelError, ModelInfo, ScatteringModel, Scope, SlopeCovariance,
-    SlopeDistribution, bin_fluxes, control_variate, hemispherical_energy, reflecting_facet,
-    refracting_facet, sidak_z_threshold, unshadowed_fluxes, visible_fractions,
+    SlopeDistribution, SlopeMixture, bin_fluxes, control_variate, hemispherical_energy,
+    reflecting_facet, refracting_facet, sidak_z_threshold, unshadowed_fluxes, visible_fractions,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
 use asperity_tally::{
@@ -401,8 +401,9 @@ fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
         ] {
             let incidence = light(theta, 30.0);
             let slopes = isotropic(s);
-            let fractions = visible_fractions(&slopes, material, incidence, &spec).unwrap();
-            let again = visible_fractions(&slopes, material, incidence, &spec).unwrap();
+            let mixture = SlopeMixture::from(slopes);
+            let fractions = visible_fractions(&mixture, material, incidence, &spec).unwrap();
+            let again = visible_fractions(&mixture, material, incidence, &spec).unwrap();
             assert_eq!(fractions, again);
             let g1 = Beckmann::new(slopes).g1(incidence.wi());
             assert_eq!(fractions.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
@@ -439,8 +440,8 @@ fn isotropic_visible_fractions_do_not_depend_on_the_quadrature() {
     for material in [glass(1.5), glass(1.0 / 1.5)] {
         let incidence = light(60.0, 0.0);
         let near = SlopeCovariance::new(0.5, 0.5 * (1.0 + 1e-9), 0.0).unwrap();
-        let a = visible_fractions(&isotropic(2.0), material, incidence, &spec).unwrap();
-        let b = visible_fractions(&near, material, incidence, &spec).unwrap();
+        let a = visible_fractions(&isotropic(2.0).into(), material, incidence, &spec).unwrap();
+        let b = visible_fractions(&near.into(), material, incidence, &spec).unwrap();
         for (a, b) in a.rings.iter().flatten().zip(b.rings.iter().flatten()) {
             assert!((a - b).abs() < 0.004 || (a - b).abs() > 0.02 && (*a == 1.0 || *b == 1.0));
         }
@@ -454,7 +455,7 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let incidence = light(70.0, 100.0);
     let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &spec).unwrap();
-    let control_variate = control_variate(&slopes, gold, incidence, &spec).unwrap();
+    let control_variate = control_variate(&slopes.into(), gold, incidence, &spec).unwrap();
     let n_phi = spec.grid().n_phi();
     let bins = &control_variate.expected()[spec.grid_entries(Component::Single)];
     for (i, (expected, flux)) in bins.iter().zip(&fluxes.bins).enumerate() {
@@ -476,12 +477,46 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     assert!((0.5..1.0).contains(&(sum + absorbed)), "{sum} {absorbed}");
 }
 
+/// Of a mixture each entry is the sum over components of their fluxes, times one fraction, which lies between those of components.
+#[test]
+fn the_control_variate_of_a_mixture_is_the_sum_over_its_components() {
+    let spec = spec(9, 12);
+    let components = [(0.7, isotropic(3.0)), (0.3, grooved(0.9, 0.3, 25.0))];
+    let gold = Material::conductor(0.21, 3.272).unwrap();
+    let incidence = light(60.0, 20.0);
+    let mixture = SlopeMixture::new(components.iter().map(|(w, s)| (2.0 * w, *s)).collect());
+    let control = control_variate(&mixture, gold, incidence, &spec).unwrap();
+    let of = |slopes: SlopeCovariance| {
+        let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &spec).unwrap();
+        let fractions = visible_fractions(&slopes.into(), gold, incidence, &spec).unwrap();
+        (fluxes, fractions.rings[0].clone())
+    };
+    let [(first, low), (second, high)] = components.map(|(_, slopes)| of(slopes));
+    let bins = &control.expected()[spec.grid_entries(Component::Single)];
+    for i in 0..spec.grid().bins_per_side() {
+        let ring = i / 12;
+        let fraction = control.fraction(Side::Reflected, ring);
+        let expected = fraction * (0.7 * first.bins[i] + 0.3 * second.bins[i]);
+        assert!((bins[i] - expected).abs() < 1e-15, "{i}");
+        let (low, high) = (low[ring].min(high[ring]), low[ring].max(high[ring]));
+        // Fractions of both parts are rounded
+        assert!(
+            (low - 0.06..=high + 0.03).contains(&fraction),
+            "{ring}: {low} {fraction} {high}"
+        );
+    }
+    let absorbed = 0.7 * first.absorbed + 0.3 * second.absorbed;
+    let found = control.expected().budget().absorbed / control.absorbed_fraction();
+    assert!((found - absorbed).abs() < 1e-15);
+}
+
 #[test]
 fn matched_indices_are_refused() {
     let spec = TallySpec::default();
     for eta in [1.0, 1.0 + 1e-6] {
         let refused = unshadowed_fluxes(&isotropic(1.0), glass(eta), light(0.0, 0.0), &spec);
         assert_eq!(refused, Err(ModelError::MatchedIndices(eta)));
-        assert!(control_variate(&isotropic(1.0), glass(eta), light(0.0, 0.0), &spec).is_err());
+        let slopes = isotropic(1.0).into();
+        assert!(control_variate(&slopes, glass(eta), light(0.0, 0.0), &spec).is_err());
     }
 }
