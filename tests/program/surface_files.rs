@@ -28,6 +28,52 @@ fn surfaces_like_a_map_have_its_spectrum_and_its_heights() {
     assert_eq!(read["unit"], "nm");
 }
 
+/// A surface like one that was drawn from the same seed, on the same grid, is another one: heights of both correlate as those of independent
+/// surfaces do, by `sqrt(pi tau^2 / 2) / side`, 0.04, and not by 0.97 as with the same random numbers.
+#[test]
+fn surfaces_like_a_drawn_one_are_independent_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &words("generate --tau 8 --sigma 1 --size 256 --spacing 1 -o first.npy"),
+    );
+    let like = "generate --psd like:first.npy --size 256 --spacing 1 --insist -o second.npy";
+    let output = crate::support::asperity(folder, &words(like));
+    assert!(output.status.success());
+    let heights = |name: &str| {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        let body = &bytes[bytes.len() - 256 * 256 * 8..];
+        let (numbers, _) = body.as_chunks::<8>();
+        numbers
+            .iter()
+            .map(|n| f64::from_le_bytes(*n))
+            .collect::<Vec<f64>>()
+    };
+    let (first, second) = (heights("first.npy"), heights("second.npy"));
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let correlation =
+        product(&first, &second) / (product(&first, &first) * product(&second, &second)).sqrt();
+    println!("{correlation}");
+    assert!(correlation.abs() < 0.2, "{correlation}");
+}
+
+/// A spectrum over the plane has directions: unless told otherwise, light comes from the azimuths given, and random ones are refused.
+#[test]
+fn spectra_over_the_plane_are_lit_from_fixed_azimuths() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let grooves = "generate --tau 24 --tau-y 8 --sigma 1 --size 256 --spacing 2 -o grooves.exr";
+    succeed(folder, &words(grooves));
+    let verify = "verify --psd like:grooves.exr --size 192 --theta 50 --models smith --rays 3e4 --realisations 6 --insist --no-plots";
+    let random = format!("{verify} --light-azimuth random -o random");
+    let message = refused(folder, &words(&random), 2);
+    assert!(message.contains("anisotropic"), "{message}");
+    succeed(folder, &words(&format!("{verify} -o fixed")));
+    let summary = std::fs::read_to_string(folder.join("fixed/summary.json")).unwrap();
+    assert!(!summary.contains("\"verdict\": \"rejected\""), "{summary}");
+}
+
 #[test]
 fn a_table_of_a_spectrum_is_drawn_and_traced() {
     let folder = tempfile::tempdir().unwrap();

@@ -9,6 +9,7 @@ mod plane;
 mod power_law;
 mod prepared;
 mod profile;
+mod projection;
 mod radial;
 mod radial_table;
 #[cfg(test)]
@@ -196,6 +197,17 @@ impl Psd {
             }
             other => other,
         })
+    }
+
+    /// A number that tells spectra of measured tables from each other; `None` of others. It is the same in all units, and for any root
+    /// mean square height.
+    pub(crate) fn mark(&self) -> Option<u32> {
+        match self {
+            Self::Gaussian(_) => None,
+            Self::Radial(radial) => radial.mark(),
+            Self::Plane(plane) => Some(plane.mark()),
+            Self::Sum(sum) => sum.mark(),
+        }
     }
 
     /// `W(kx, ky)` in length units to the fourth; `kx`, `ky` in radians per length unit.

@@ -282,13 +282,14 @@ impl Synthesis {
         if let Some(fewest) = fewest {
             check_resolution(&psd, shape, spacing, fewest)?;
         }
+        let stream = psd.mark().map_or(Stream::Heights, Stream::Measured);
         Ok(Self {
             filter: Filter::new(&psd, shape, spacing, numbers),
             recipe: psd.clone().into(),
             psd,
             shape,
             spacing,
-            stream: Stream::Heights,
+            stream,
             row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
             column_inverse: FftPlanner::new().plan_fft_inverse(ny),
         })

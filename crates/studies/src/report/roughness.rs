@@ -273,7 +273,11 @@ fn gradient_table(gradients: &Gradients) -> String {
         }))
         .column(Column::new("facets", "", |row: &SteeperThan| row.realised))
         .text(gradients.steeper.clone());
-    let [x, y] = gradients.alpha.map(short);
+    let [first, second] = gradients.alpha.map(short);
+    let alpha = match first == second {
+        true => format!("alpha {first}"),
+        false => format!("alpha {first} and {second} along the principal axes"),
+    };
     let largest = short(gradients.largest_difference);
-    format!("{table}alpha {x} along x, {y} along y; fractions differ by at most {largest}\n")
+    format!("{table}{alpha}; fractions differ by at most {largest}\n")
 }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::axes::Axes;
 use super::error::PsdTableError;
 use super::error::{PsdError, positive};
+use super::projection::Projection;
 use super::radial_table::check_densities;
-use crate::numerics::root;
 
 /// Densities on a grid of wave vectors, bilinear between them and zero beyond.
 ///
@@ -69,8 +69,10 @@ impl PlanePsd {
         // The axis of least slope variance is that of the longest correlation
         let azimuth = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f64::consts::FRAC_PI_2;
         let (sin, cos) = azimuth.sin_cos();
-        psd.axes = Axes::new(psd.lag_along(cos, sin), psd.lag_along(-sin, cos), azimuth);
-        psd.along = [psd.lag_along(1.0, 0.0), psd.lag_along(0.0, 1.0)];
+        let directions = [[cos, sin], [-sin, cos], [1.0, 0.0], [0.0, 1.0]];
+        let lags = directions.map(|along| Projection::of(&psd, along).one_over_e_lag());
+        psd.axes = Axes::new(lags[0], lags[1], azimuth);
+        psd.along = [lags[2], lags[3]];
         Ok(psd)
     }
 
@@ -78,6 +80,12 @@ impl PlanePsd {
     pub(super) fn sampled_at(self, spacing: [f64; 2]) -> Self {
         let sampled = Some(spacing);
         Self { sampled, ..self }
+    }
+
+    /// As [`super::Psd::mark`]: the mean square gradient of the table.
+    pub(super) fn mark(&self) -> u32 {
+        let gradient = self.integral(|kx, ky| kx * kx + ky * ky);
+        (gradient as f32).to_bits()
     }
 
     pub(super) const fn sampled(&self) -> Option<[f64; 2]> {
@@ -132,20 +140,27 @@ impl PlanePsd {
     /// Integral of the density of the table times an even function of the wave vector.
     fn integral(&self, weight: impl Fn(f64, f64) -> f64) -> f64 {
         let mut sum = 0.0;
-        for rows in self.ky.windows(2) {
-            for columns in self.kx.windows(2) {
-                let (dx, dy) = (columns[1] - columns[0], rows[1] - rows[0]);
-                for [u, wu] in RULE {
-                    for [v, wv] in RULE {
-                        let (kx, ky) = (columns[0] + u * dx, rows[0] + v * dy);
-                        sum += wu * wv * dx * dy * self.bilinear(kx, ky) * weight(kx, ky);
+        self.for_each_node(|kx, ky, power| sum += power * weight(kx, ky));
+        sum
+    }
+
+    /// Hands on the wave vectors of a quadrature over the table, and the integral of the density about each.
+    pub(super) fn for_each_node(&self, mut each: impl FnMut(f64, f64, f64)) {
+        let sides = if self.is_half() { 2.0 } else { 1.0 };
+        let columns = self.kx.len();
+        for (j, rows) in self.ky.windows(2).enumerate() {
+            let [low, high] = [j, j + 1].map(|j| &self.density[j * columns..][..columns]);
+            for (i, pair) in self.kx.windows(2).enumerate() {
+                let (dx, dy) = (pair[1] - pair[0], rows[1] - rows[0]);
+                for [v, wv] in RULE {
+                    let [west, east] = [i, i + 1].map(|i| low[i] + v * (high[i] - low[i]));
+                    for [u, wu] in RULE {
+                        let density = west + u * (east - west);
+                        let power = sides * wu * wv * dx * dy * density;
+                        each(pair[0] + u * dx, rows[0] + v * dy, power);
                     }
                 }
             }
-        }
-        match self.is_half() {
-            true => 2.0 * sum,
-            false => sum,
         }
     }
 
@@ -193,37 +208,13 @@ impl PlanePsd {
 
     /// Wavelengths along x and y below which waves hold `fraction` of the slope variance along that axis.
     pub(super) fn wavelengths_holding(&self, fraction: f64) -> [f64; 2] {
-        let of = |along: fn(f64, f64) -> f64, reach: f64| {
-            let all = self.integral(|kx, ky| along(kx, ky).powi(2));
-            let beyond = |k: f64| {
-                let within = |kx: f64, ky: f64| match along(kx, ky).abs() > k {
-                    true => along(kx, ky).powi(2),
-                    false => 0.0,
-                };
-                self.integral(within) - fraction * all
-            };
-            TAU / root(beyond, 0.0, reach)
-        };
-        let [reach_x, reach_y] = self.reach();
-        [of(|kx, _| kx, reach_x), of(|_, ky| ky, reach_y)]
+        [[1.0, 0.0], [0.0, 1.0]].map(|axis| Projection::of(self, axis).wavelength_holding(fraction))
     }
 
     /// As [`RadialPsd::correlation_area`](super::radial::RadialPsd).
     pub(super) fn correlation_area(&self) -> f64 {
         let square = self.integral(|kx, ky| self.symmetric(kx, ky));
         2.0 * TAU * TAU * square / (self.total * self.total)
-    }
-
-    /// The lag along a direction at which the autocorrelation first falls to 1/e.
-    fn lag_along(&self, cos: f64, sin: f64) -> f64 {
-        let variance = self.sigma * self.sigma;
-        let below = |r: f64| self.autocorrelation(r * cos, r * sin) / variance - (-1.0_f64).exp();
-        let [reach_x, reach_y] = self.reach();
-        let mut low = 0.5 / reach_x.hypot(reach_y);
-        while below(1.2 * low) > 0.0 {
-            low *= 1.2;
-        }
-        root(below, low, 1.2 * low)
     }
 
     pub(super) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {

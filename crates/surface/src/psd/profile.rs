@@ -23,7 +23,7 @@ pub(crate) enum Profile {
     Table(RadialTable),
 }
 
-/// Panels of a quadrature with a cut-off, at most.
+/// Panels of a quadrature with a cut-off, at most, besides one for each kink.
 const MAX_PANELS: usize = 20_000;
 
 /// Without a cut-off: up to wave numbers of some thousand over the lag.
@@ -113,7 +113,7 @@ impl Profile {
     fn integral(&self, integrand: &dyn Fn(f64) -> f64, longest: f64) -> f64 {
         let (end, breaks) = (self.cut_off(), self.breaks());
         let most = match end.is_finite() {
-            true => MAX_PANELS,
+            true => MAX_PANELS + breaks.len(),
             false => OPEN_PANELS,
         };
         let mut ahead = breaks.iter().copied().peekable();

@@ -114,6 +114,17 @@ impl RadialPsd {
         }
     }
 
+    /// As [`super::Psd::mark`]: the mean square of kappa.
+    pub(super) fn mark(&self) -> Option<u32> {
+        match &self.profile {
+            Profile::Table(_) => {
+                let square = self.profile.total(2) / self.profile.total(0);
+                Some((square as f32).to_bits())
+            }
+            Profile::Matern(_) | Profile::PowerLaw(_) => None,
+        }
+    }
+
     pub(super) fn prepared(&self) -> PreparedRadial {
         let [tau_x, tau_y] = self.axes.lengths();
         PreparedRadial {

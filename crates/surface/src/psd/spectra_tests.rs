@@ -154,6 +154,55 @@ fn tables_integrate_to_their_moments_and_repeat_what_they_tabulate() {
     }
 }
 
+/// A table of so many rows that each lag takes more of them than an autocorrelation of few takes panels.
+#[test]
+fn long_tables_are_integrated_to_their_end() {
+    let tau = 16.0;
+    let rows = 50_000;
+    let wave_number: Vec<f64> = (1..=rows).map(|i| 1e-5 * f64::from(i)).collect();
+    let gaussian = |k: &f64| (-0.25 * (k * tau).powi(2)).exp();
+    let density = wave_number.iter().map(gaussian).collect();
+    let table = RadialTable::new(wave_number, density).unwrap();
+    let psd = Psd::of_radial_table(table, Some(1.0)).unwrap();
+    let [found, _] = psd.correlation_lengths();
+    // What lies beyond the last row is exp(-16)
+    assert!((found / tau - 1.0).abs() < 1e-4, "{found}");
+    let [slopes, _] = psd.slope_variance();
+    assert!((slopes * tau * tau / 2.0 - 1.0).abs() < 1e-4, "{slopes}");
+}
+
+/// A Gaussian over the plane, turned against its grid: lags and waves along axes that are known.
+#[test]
+fn tables_over_the_plane_have_the_lengths_of_what_they_tabulate() {
+    let (tau_x, tau_y, azimuth) = (8.0, 3.0, 0.4);
+    let expected = Psd::anisotropic_gaussian(0.7, tau_x, tau_y, azimuth).unwrap();
+    let k: Vec<f64> = (-120..=120).map(|i| 0.02 * f64::from(i)).collect();
+    let prepared = expected.prepared();
+    let row = |ky: &f64| k.iter().map(|kx| prepared.at(*kx, *ky)).collect::<Vec<_>>();
+    let density = k.iter().flat_map(row).collect();
+    let psd = Psd::of_plane_table(k.clone(), k.clone(), density, None).unwrap();
+    // A cubic hat widens waves by 0.02^2 / 6 of their square, 1e-4 of the longer length
+    for (found, expected) in [
+        (psd.correlation_lengths(), [tau_x, tau_y]),
+        (
+            psd.axis_correlation_lengths(),
+            expected.axis_correlation_lengths(),
+        ),
+    ] {
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected}");
+        }
+    }
+    // Of a Gaussian of variance v along an axis, waves beyond k hold erfc(u) + 2 u exp(-u^2) / sqrt(pi) of the slopes, u^2 = k^2 / (2 v).
+    // Nodes of the quadrature are a third of 0.02 apart, 1 % of this k, whose 6.5th power the fraction falls with
+    let [xx, _, _] = psd.slope_covariance();
+    let variance = xx / psd.sigma().powi(2);
+    let [wavelength, _] = psd.wavelengths_holding(0.05).unwrap();
+    let u = TAU / wavelength / (2.0 * variance).sqrt();
+    let held = libm::erfc(u) + 2.0 * u * (-u * u).exp() / std::f64::consts::PI.sqrt();
+    assert!((held / 0.05 - 1.0).abs() < 0.07, "{held}");
+}
+
 #[test]
 fn sums_add_power() {
     let rough = Psd::gaussian(0.3, 1.0).unwrap();

@@ -54,6 +54,11 @@ impl SumPsd {
         })
     }
 
+    /// As [`Psd::mark`], of the first part that has one.
+    pub(super) fn mark(&self) -> Option<u32> {
+        self.parts.iter().find_map(Psd::mark)
+    }
+
     pub(super) fn parts(&self) -> &[Psd] {
         &self.parts
     }

@@ -66,11 +66,29 @@ impl StudentSlopes {
         self.amplitude_ratio
     }
 
-    /// GGX's `alpha` along x and y: `sqrt(2)` times the root mean square slope of `base`.
+    /// GGX's `alpha` along the two principal axes: `sqrt(2)` times the root mean square slope of `base`.
     #[must_use]
     pub fn alpha(&self) -> [f64; 2] {
-        let [xx, _, yy] = self.base.slope_covariance();
-        [xx, yy].map(|variance| (2.0 * variance).sqrt())
+        let [xx, xy, yy] = self.base.slope_covariance();
+        let (sin, cos) = self.azimuth().sin_cos();
+        let cross = 2.0 * xy * sin * cos;
+        [
+            xx * cos * cos + yy * sin * sin + cross,
+            xx * sin * sin + yy * cos * cos - cross,
+        ]
+        .map(|variance| (2.0 * variance).sqrt())
+    }
+
+    /// From +x to the first principal axis, radians.
+    fn azimuth(&self) -> f64 {
+        self.base.anisotropy().map_or(0.0, |[_, azimuth]| azimuth)
+    }
+
+    /// Square of a gradient in units of `alpha` along each axis.
+    pub(crate) fn square_in_alpha(&self) -> impl Fn([f64; 2]) -> f64 + use<> {
+        let [xx, xy, yy] = self.base.slope_covariance();
+        let determinant = xx * yy - xy * xy;
+        move |[x, y]| 0.5 * (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant
     }
 
     /// Probability that the gradient, in units of `alpha` along each axis, exceeds `t`.
@@ -88,7 +106,7 @@ impl StudentSlopes {
     /// The power spectral density of the normal numbers behind the amplitude, of unit variance.
     pub(crate) fn amplitude_psd(&self) -> Psd {
         let [first, second] = self.base.correlation_lengths();
-        let azimuth = self.base.anisotropy().map_or(0.0, |[_, azimuth]| azimuth);
+        let azimuth = self.azimuth();
         let ratio = self.amplitude_ratio;
         Psd::Gaussian(GaussianPsd {
             sigma: 1.0,

@@ -8,7 +8,7 @@ use crate::{HeightField, StudentSlopes};
 /// Gradients of the facets of a surface of [`StudentSlopes`], in units of `alpha` along each axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gradients {
-    /// GGX's `alpha` along x and y.
+    /// GGX's `alpha` along the two principal axes.
     pub alpha: [f64; 2],
     /// Fractions of facets that are steeper.
     pub steeper: Vec<SteeperThan>,
@@ -38,13 +38,13 @@ const LAST: usize = 800;
 
 impl Gradients {
     pub(super) fn of(field: &HeightField, student: &StudentSlopes) -> Self {
-        let alpha = student.alpha();
+        let square = student.square_in_alpha();
         let [cx, cy] = field.cells();
         let of_row = |iy: usize| {
             let mut counts = vec![0_u32; LAST + 1];
             for ix in 0..cx {
-                for [x, y] in field.facet_slopes(ix, iy) {
-                    let gradient = (x / alpha[0]).hypot(y / alpha[1]);
+                for slope in field.facet_slopes(ix, iy) {
+                    let gradient = square(slope).sqrt();
                     counts[((PER_ALPHA * gradient) as usize).min(LAST)] += 1;
                 }
             }
@@ -72,7 +72,7 @@ impl Gradients {
             beyond -= f64::from(*count);
         }
         Self {
-            alpha,
+            alpha: student.alpha(),
             steeper,
             largest_difference,
         }

@@ -18,13 +18,21 @@ pub(crate) enum Stream {
     Heights,
     /// Amplitude of the slopes of a surface.
     Amplitude,
+    /// Heights of a surface whose spectrum was measured on another, of which this number tells: the measured surface itself may be of the
+    /// same seed.
+    Measured(u32),
 }
 
 impl Stream {
-    const fn key(self) -> &'static [u8; 16] {
+    fn key(self) -> [u8; 16] {
         match self {
-            Self::Heights => b"asperity heights",
-            Self::Amplitude => b"asperity amplit.",
+            Self::Heights => *b"asperity heights",
+            Self::Amplitude => *b"asperity amplit.",
+            Self::Measured(mark) => {
+                let mut key = *b"asper. meas.....";
+                key[12..].copy_from_slice(&mark.to_le_bytes());
+                key
+            }
         }
     }
 }
@@ -69,7 +77,7 @@ impl Noise {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&realisation.to_le_bytes());
-        key[16..].copy_from_slice(stream.key());
+        key[16..].copy_from_slice(&stream.key());
         Self { key }
     }
 
