@@ -270,7 +270,8 @@ fn verify_with(
     })
 }
 
-/// The slopes of the surfaces that were traced, if a model is made of them and they are not known to be Gaussian.
+/// The slopes of the surfaces, if a model is made of them and they are not Gaussian: their distribution, or, where it is not known, those of
+/// the surfaces that were traced.
 fn slope_tables(
     config: &VerifyConfig,
     case: &SweepCase,
@@ -283,18 +284,19 @@ fn slope_tables(
     if !is_requested || case.recipe.gaussian().is_some() {
         return Ok(None);
     }
-    let samples = (0..outcome.surfaces.len() as u64)
-        .into_par_iter()
-        .map(|number| surfaces.slope_samples(outcome.seed, number))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(SimulateError::from)?;
+    if let Some(mixture) = surfaces.slope_mixture().map_err(ModelError::from)? {
+        return Ok(Some(SlopeTables::of_mixture(&mixture)?));
+    }
+    let samples = |number: usize| {
+        let samples = surfaces.slope_samples(outcome.seed, number as u64);
+        Ok(samples.map_err(SimulateError::from)?)
+    };
     let symmetry = match config.any_azimuth() {
         true => SlopeSymmetry::Turned,
         false => SlopeSymmetry::None,
     };
-    let tables =
-        SlopeTables::new(&samples, symmetry, outcome.case.light.from).map_err(ModelError::from)?;
-    Ok(Some(tables))
+    let (count, from) = (outcome.surfaces.len(), outcome.case.light.from);
+    SlopeTables::new(count, samples, symmetry, from).map(Some)
 }
 
 /// The comparison of one case with every model.

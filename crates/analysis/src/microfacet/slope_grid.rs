@@ -12,9 +12,6 @@ const CELLS_PER_DEVIATION: f64 = 32.0;
 /// Width of the centre, in which cells are nearly equal, in units of the spread of slopes; further out they widen with the slope.
 const CENTRE: f64 = 2.0;
 
-/// Fraction of the slopes within the spread, as of Gaussian slopes within their deviation.
-const WITHIN_SPREAD: f64 = 0.683;
-
 /// Smallest spread, over the root mean square.
 const MIN_SPREAD: f64 = 1.0 / 16.0;
 
@@ -75,6 +72,9 @@ pub enum SlopeTableError {
 }
 
 impl SlopeGrid {
+    /// Fraction of the slopes within the spread, as of Gaussian slopes within their deviation.
+    pub(crate) const WITHIN_SPREAD: f64 = 0.683;
+
     /// The cells between `edges` along x and along y.
     ///
     /// # Errors
@@ -99,21 +99,38 @@ impl SlopeGrid {
     /// # Errors
     /// [`SlopeTableError::Empty`] without slopes, or if one is not finite.
     pub fn covering(slopes: &[[f64; 2]]) -> Result<Self, SlopeTableError> {
-        let axis = |axis: usize| -> Result<Vec<f64>, SlopeTableError> {
+        let sizes = |axis: usize| slopes.iter().map(move |slope| slope[axis].abs());
+        let largest = [0, 1].map(|axis| sizes(axis).fold(0.0, f64::max));
+        Self::of_extents(Self::spread(slopes)?, largest)
+    }
+
+    /// The spread along x and y of slopes about zero, as in [`SlopeGrid::covering`].
+    ///
+    /// # Errors
+    /// As [`SlopeGrid::covering`].
+    pub fn spread(slopes: &[[f64; 2]]) -> Result<[f64; 2], SlopeTableError> {
+        let axis = |axis: usize| -> Result<f64, SlopeTableError> {
             let mut sizes: Vec<f64> = slopes.iter().map(|slope| slope[axis].abs()).collect();
             if sizes.is_empty() || !sizes.iter().all(|size| size.is_finite()) {
                 return Err(SlopeTableError::Empty);
             }
             let count = sizes.len();
             let rms = (sizes.iter().map(|size| size * size).sum::<f64>() / count as f64).sqrt();
-            let within = ((WITHIN_SPREAD * count as f64) as usize).min(count - 1);
+            let within = ((Self::WITHIN_SPREAD * count as f64) as usize).min(count - 1);
             let spread = *sizes.select_nth_unstable_by(within, f64::total_cmp).1;
-            let largest = sizes.iter().copied().fold(0.0, f64::max);
-            // Slopes that are all zero along an axis have one narrow cell.
-            let spread = spread.max(MIN_SPREAD * rms).max(f64::MIN_POSITIVE.sqrt());
-            Ok(graded_edges(spread, largest))
+            Ok(spread.max(MIN_SPREAD * rms))
         };
-        Self::new([axis(0)?, axis(1)?])
+        Ok([axis(0)?, axis(1)?])
+    }
+
+    /// The cells for slopes of this `spread` and `largest` size along x and y.
+    ///
+    /// # Errors
+    /// [`SlopeTableError::BadEdges`] if a size is not finite.
+    pub fn of_extents(spread: [f64; 2], largest: [f64; 2]) -> Result<Self, SlopeTableError> {
+        // Slopes that are all zero along an axis have one narrow cell.
+        let spread = spread.map(|spread| spread.max(f64::MIN_POSITIVE.sqrt()));
+        Self::new([0, 1].map(|axis| graded_edges(spread[axis], largest[axis])))
     }
 
     /// Cells along x and y.

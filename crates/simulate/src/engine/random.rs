@@ -27,7 +27,7 @@ use crate::methods::slope_control::{Observed, SlopeControl, SlopeControls};
 use crate::output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
-use crate::slopes::{slope_mixture, slopes};
+use crate::slopes::slopes;
 use crate::store::Stage;
 
 /// What the mesh may add to an error at its target: a third of it, squared.
@@ -86,7 +86,7 @@ impl RandomGroup {
         let recipe = surfaces.recipe();
         // Refused whatever the estimator.
         slopes(recipe)?;
-        let known_slopes = slope_mixture(&surfaces)?;
+        let known_slopes = surfaces.slope_mixture()?;
         let known_slopes = known_slopes.as_ref();
         let prepared = cases
             .into_par_iter()

@@ -1,6 +1,6 @@
 //! Slope tables: slopes of any density of surfaces, or of the regions of one, for models made of them.
 //!
-//! The table that a model is made of is an estimate, from the very surfaces that it is compared with. What the slopes of
+//! Where the distribution of slopes is known, the table is that of the distribution. Otherwise it is an estimate, from the very surfaces that it is compared with. What the slopes of
 //! each surface explain of its light is taken from its tally: the change of the model if that surface alone is left out of the table, times the
 //! number of the others. The mean stays as it is, since the changes sum up to zero, and what is left of the scatter is the error of the difference
 //! between light and model, with that of the table in it.
@@ -9,12 +9,13 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_analysis::{
-    ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError,
-    region_influence,
+    ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeMixture, SlopeTable,
+    SlopeTableError, region_influence,
 };
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{TallySpec, TallyValues};
 use asperity_tracer::HalfSpace;
+use rayon::prelude::*;
 
 /// Azimuths that a slope is turned to where light comes from any.
 const TURNS: usize = 8;
@@ -37,39 +38,56 @@ pub(crate) enum SlopeSymmetry {
 #[derive(Clone, Debug)]
 pub(crate) struct SlopeTables {
     table: Arc<SlopeTable>,
-    /// Weights of the cells of the table by each surface or region, whose sum is one.
+    /// Weights of the cells of the table by each surface or region, whose sum is one; none where the distribution is known.
     weights: Vec<Vec<f64>>,
 }
 
 impl SlopeTables {
-    /// `samples`: slopes of equal areas of each surface or region. `from`: where light comes from; from below, the surface is upside down.
+    /// The slopes of `count` surfaces or regions. `samples`: slopes of equal areas of one of them, by its number; each is requested twice,
+    /// so that those of one at a time are held by a thread. `from`: where light comes from; from below, the surface is upside down.
     ///
     /// # Errors
-    /// [`SlopeTableError`] without slopes.
-    pub(crate) fn new(
-        samples: &[Vec<[f64; 2]>],
+    /// As of `samples`; [`SlopeTableError`] without slopes.
+    pub(crate) fn new<E: From<SlopeTableError> + Send>(
+        count: usize,
+        samples: impl Fn(usize) -> Result<Vec<[f64; 2]>, E> + Sync,
         symmetry: SlopeSymmetry,
         from: HalfSpace,
-    ) -> Result<Self, SlopeTableError> {
-        let level = level(samples, from.sign());
-        let all: Vec<[f64; 2]> = level.iter().flat_map(|s| images(s, symmetry)).collect();
-        let grid = SlopeGrid::covering(&all)?;
-        drop(all);
-        let weights: Vec<Vec<f64>> = level
-            .iter()
-            .map(|samples| {
-                let mut weights = grid.weights(images(samples, symmetry));
-                let sum = weights.iter().sum::<f64>().max(1.0);
-                weights.iter_mut().for_each(|weight| *weight /= sum);
-                weights
-            })
-            .collect();
+    ) -> Result<Self, E> {
+        let found = (0..count).into_par_iter().map(|number| {
+            let samples = samples(number)?;
+            Ok(Extent::of(&samples))
+        });
+        let found = found.collect::<Result<Vec<_>, E>>()?;
+        let (mean, grid) = cells(&found, symmetry)?;
+        let sign = from.sign();
+        let level = |[x, y]: [f64; 2]| [sign * (x - mean[0]), sign * (y - mean[1])];
+        let weights = (0..count).into_par_iter().map(|number| {
+            let samples = samples(number)?;
+            let level = samples.into_iter().map(level);
+            let mut weights = grid.weights(images(level, symmetry));
+            let sum = weights.iter().sum::<f64>().max(1.0);
+            weights.iter_mut().for_each(|weight| *weight /= sum);
+            Ok(weights)
+        });
+        let weights = weights.collect::<Result<Vec<_>, E>>()?;
         let mut mean = vec![0.0; grid.len()];
         for weights in &weights {
             mean.iter_mut().zip(weights).for_each(|(a, b)| *a += b);
         }
         let table = Arc::new(SlopeTable::new(grid, &mean)?);
         Ok(Self { table, weights })
+    }
+
+    /// Slopes whose distribution is known: no surface tells more of them than the others.
+    ///
+    /// # Errors
+    /// As [`SlopeTable::of_mixture`].
+    pub(crate) fn of_mixture(mixture: &SlopeMixture) -> Result<Self, SlopeTableError> {
+        Ok(Self {
+            table: Arc::new(SlopeTable::of_mixture(mixture)?),
+            weights: Vec::new(),
+        })
     }
 
     /// The slopes of all, with their `covariance`.
@@ -105,26 +123,68 @@ impl SlopeTables {
     }
 }
 
-/// Slopes less the mean of all, times `sign`.
-fn level(samples: &[Vec<[f64; 2]>], sign: f64) -> Vec<Vec<[f64; 2]>> {
-    let count = samples.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-    let mean = [0, 1].map(|k| samples.iter().flatten().map(|s| s[k]).sum::<f64>() / count);
-    let level = |s: &[f64; 2]| [0, 1].map(|k| sign * (s[k] - mean[k]));
-    let of_one = |samples: &Vec<[f64; 2]>| samples.iter().map(level).collect();
-    samples.iter().map(of_one).collect()
+/// Slopes of which the spread is found, of each surface or region at most about so many.
+const MOST_FOR_SPREAD: usize = 1 << 16;
+
+/// What the cells of a table depend on, of one surface or region.
+struct Extent {
+    count: usize,
+    sum: [f64; 2],
+    /// Least and largest slope along x and y.
+    range: [[f64; 2]; 2],
+    /// Some of the slopes.
+    some: Vec<[f64; 2]>,
+}
+
+impl Extent {
+    fn of(samples: &[[f64; 2]]) -> Self {
+        let every = 1 + samples.len() / MOST_FOR_SPREAD;
+        let axis = |k: usize| samples.iter().map(move |slope| slope[k]);
+        let range = |k: usize| {
+            let ends = (f64::INFINITY, f64::NEG_INFINITY);
+            let (low, high) = axis(k).fold(ends, |(low, high), s| (low.min(s), high.max(s)));
+            [low, high]
+        };
+        Self {
+            count: samples.len(),
+            sum: [0, 1].map(|k| axis(k).sum()),
+            range: [0, 1].map(range),
+            some: samples.iter().step_by(every).copied().collect(),
+        }
+    }
+}
+
+/// The mean slope of all, and cells for the slopes about it.
+fn cells(
+    found: &[Extent],
+    symmetry: SlopeSymmetry,
+) -> Result<([f64; 2], SlopeGrid), SlopeTableError> {
+    let count = found.iter().map(|one| one.count).sum::<usize>().max(1) as f64;
+    let mean = [0, 1].map(|k| found.iter().map(|one| one.sum[k]).sum::<f64>() / count);
+    let some = found.iter().flat_map(|one| &one.some);
+    let level = some.map(|slope| [0, 1].map(|k| slope[k] - mean[k]));
+    let some: Vec<[f64; 2]> = images(level, symmetry).collect();
+    let spread = SlopeGrid::spread(&some)?;
+    let ends = |k: usize| found.iter().flat_map(move |one| one.range[k]);
+    let largest = [0, 1].map(|k| ends(k).fold(0.0, |most: f64, s| most.max((s - mean[k]).abs())));
+    let largest = match symmetry {
+        SlopeSymmetry::Turned => [largest[0].hypot(largest[1]); 2],
+        SlopeSymmetry::None | SlopeSymmetry::Mirrored => largest,
+    };
+    Ok((mean, SlopeGrid::of_extents(spread, largest)?))
 }
 
 /// All slopes that these stand for.
 fn images(
-    samples: &[[f64; 2]],
+    samples: impl Iterator<Item = [f64; 2]>,
     symmetry: SlopeSymmetry,
-) -> impl Iterator<Item = [f64; 2]> + use<'_> {
+) -> impl Iterator<Item = [f64; 2]> {
     let count = match symmetry {
         SlopeSymmetry::None => 1,
         SlopeSymmetry::Mirrored => 4,
         SlopeSymmetry::Turned => TURNS,
     };
-    samples.iter().enumerate().flat_map(move |(i, &[x, y])| {
+    samples.enumerate().flat_map(move |(i, [x, y])| {
         (0..count).map(move |k| match symmetry {
             SlopeSymmetry::None => [x, y],
             SlopeSymmetry::Mirrored => {
@@ -156,10 +216,16 @@ mod tests {
         (0..4).map(one).collect()
     }
 
+    fn tables(symmetry: SlopeSymmetry, from: HalfSpace) -> SlopeTables {
+        let samples = samples();
+        let one = |i: usize| Ok::<_, SlopeTableError>(samples[i].clone());
+        SlopeTables::new(samples.len(), one, symmetry, from).unwrap()
+    }
+
     #[test]
     fn symmetries_keep_what_they_must() {
         let of = |symmetry| {
-            let tables = SlopeTables::new(&samples(), symmetry, HalfSpace::Above).unwrap();
+            let tables = tables(symmetry, HalfSpace::Above);
             (tables.table.mean(), tables.table.second_moments())
         };
         // Means of the slopes are taken off; cells of a 32nd of the spread move means by less than a tenth of that.
@@ -177,7 +243,7 @@ mod tests {
     #[test]
     fn surfaces_are_upside_down_from_below() {
         let of = |from| {
-            let tables = SlopeTables::new(&samples(), SlopeSymmetry::None, from).unwrap();
+            let tables = tables(SlopeSymmetry::None, from);
             tables.table
         };
         let (above, below) = (of(HalfSpace::Above), of(HalfSpace::Below));

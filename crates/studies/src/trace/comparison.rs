@@ -224,7 +224,8 @@ fn tables(
         Border::Mirrored => SlopeSymmetry::Mirrored,
         Border::Periodic | Border::Open => SlopeSymmetry::None,
     };
-    SlopeTables::new(&samples, symmetry, case.light.from)
+    let one = |number: usize| Ok(samples[number].clone());
+    SlopeTables::new(samples.len(), one, symmetry, case.light.from)
 }
 
 /// The regions with second moments about the mean slope of the surface. Images of a mirrored tile have slopes of both signs: their

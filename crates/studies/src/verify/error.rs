@@ -1,6 +1,6 @@
 //! Why a verification fails.
 
-use asperity_analysis::{ComparisonError, ModelError};
+use asperity_analysis::{ComparisonError, ModelError, SlopeTableError};
 use asperity_simulate::SimulateError;
 
 use crate::comparison::error::CompareError;
@@ -30,6 +30,12 @@ impl From<CompareError> for VerifyError {
             CompareError::Config(error) => Self::Config(error),
             CompareError::Comparison(error) => Self::Comparison(error),
         }
+    }
+}
+
+impl From<SlopeTableError> for VerifyError {
+    fn from(error: SlopeTableError) -> Self {
+        Self::Model(error.into())
     }
 }
 
