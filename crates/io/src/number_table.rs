@@ -37,6 +37,25 @@ impl NumberTable {
         let i = self.names.iter().position(|own| own == name)?;
         Some(&self.columns[i])
     }
+
+    /// The values along both axes of a grid, if the rows are its points: each pair of the columns `x` and `y` once, both ascending, those of
+    /// equal `y` one after the other, two or more along each axis.
+    #[must_use]
+    pub fn grid(&self, [x, y]: [&str; 2]) -> Option<[Vec<f64>; 2]> {
+        let (x, y) = (self.column(x)?, self.column(y)?);
+        let count = y.iter().take_while(|value| **value == y[0]).count();
+        if count == 0 || !x.len().is_multiple_of(count) {
+            return None;
+        }
+        let along_x = &x[..count];
+        let along_y: Vec<f64> = y.iter().step_by(count).copied().collect();
+        let is_grid = x.chunks(count).all(|row| row == along_x)
+            && y.chunks(count)
+                .all(|row| row.iter().all(|value| *value == row[0]));
+        let ascends =
+            |values: &[f64]| values.len() > 1 && values.windows(2).all(|pair| pair[0] < pair[1]);
+        (is_grid && ascends(along_x) && ascends(&along_y)).then(|| [along_x.to_vec(), along_y])
+    }
 }
 
 /// Reads a table: a line of names, then lines of as many numbers, separated by commas. Empty lines and those that begin with `#` do not

@@ -63,7 +63,9 @@ pub use map::{
     JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
-pub use model::{Evaluation, EvaluationError, ModelConfig, Resolution, evaluate_model, model_list};
+pub use model::{
+    Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model, model_list,
+};
 pub use output::{CheckpointError, Completion, SurfaceCheckpoints, wrapped};
 pub use report::areal_parameters::areal_table;
 pub use report::case_report::verify_table;

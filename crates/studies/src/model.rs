@@ -5,6 +5,7 @@ mod directions;
 mod error;
 mod layer_bins;
 mod list;
+mod slopes_of;
 mod surface_bins;
 
 use std::path::Path;
@@ -19,6 +20,7 @@ use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
 use self::layer_bins::LayerBins;
 pub use self::list::model_list;
+pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
 use crate::output::Table;
 use crate::settings::Document;
@@ -148,7 +150,8 @@ fn evaluate_surface(
 }
 
 /// Settings that mean nothing for a flat layer.
-const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
+const OF_ROUGH_SURFACES: [(&str, &str); 7] = [
+    ("surface.slopes_of", "slopes-of"),
     ("surface.smoothness", "smoothness"),
     ("surface.smoothness_y", "smoothness-y"),
     ("run.rays", "rays"),

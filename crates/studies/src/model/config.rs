@@ -1,14 +1,16 @@
 //! The configuration of `asperity model`.
 
 use std::f64::consts::PI;
+use std::path::PathBuf;
 
-use asperity_analysis::SlopeCovariance;
+use asperity_analysis::{SlopeCovariance, SlopeDistribution};
 use asperity_optics::Incidence;
 use asperity_surface::Psd;
 use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
 use serde::Deserialize;
 
 use super::error::EvaluationError;
+use super::slopes_of::slopes_of;
 use crate::config::MaterialConfig;
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
@@ -41,6 +43,7 @@ struct Roughness {
     smoothness: Option<f64>,
     smoothness_y: Option<f64>,
     azimuth: Option<f64>,
+    slopes_of: Option<PathBuf>,
 }
 
 /// The direction towards the light, degrees.
@@ -80,8 +83,11 @@ impl ModelConfig {
     }
 
     /// The slopes of the rough surface that the model `name` is of.
-    pub(super) fn slopes(&self, name: &str) -> Result<SlopeCovariance, EvaluationError> {
+    pub(super) fn slopes(&self, name: &str) -> Result<SlopeDistribution, EvaluationError> {
         let roughness = &self.surface;
+        if let Some(path) = &roughness.slopes_of {
+            return Ok(slopes_of(path)?);
+        }
         let s = roughness.smoothness;
         let s = s.ok_or_else(|| EvaluationError::NoSmoothness {
             name: name.to_owned(),
@@ -90,7 +96,7 @@ impl ModelConfig {
             return Err(EvaluationError::NoSecondSmoothness);
         }
         let Some(s_y) = roughness.smoothness_y.filter(|s_y| *s_y != s) else {
-            return Ok(SlopeCovariance::isotropic(s)?);
+            return Ok(SlopeCovariance::isotropic(s)?.into());
         };
         for s in [s, s_y] {
             SlopeCovariance::isotropic(s)?;
@@ -98,7 +104,7 @@ impl ModelConfig {
         let azimuth = roughness.azimuth.unwrap_or(0.0).to_radians();
         let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth).map_err(ConfigError::from)?;
         let [xx, xy, yy] = psd.slope_covariance();
-        Ok(SlopeCovariance::new(xx, yy, xy)?)
+        Ok(SlopeCovariance::new(xx, yy, xy)?.into())
     }
 }
 

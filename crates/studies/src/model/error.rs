@@ -2,7 +2,16 @@
 
 use asperity_analysis::{FlatLayer, FlatLayerError, MODEL_NAMES, ModelError, SlopeError};
 
+use super::slopes_of::SlopeFileError;
 use crate::config::error::ConfigError;
+
+impl EvaluationError {
+    /// Whether other settings would help, rather than another file.
+    #[must_use]
+    pub const fn is_usage(&self) -> bool {
+        !matches!(self, Self::SlopeFile(_))
+    }
+}
 
 /// Why a model is not evaluated.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +36,7 @@ pub enum EvaluationError {
         name: String,
     },
     /// A model of rough surfaces without roughness.
-    #[error("the model {name} needs a rough surface: give --smoothness")]
+    #[error("the model {name} needs a rough surface: give --smoothness, or --slopes-of")]
     NoSmoothness {
         /// Name of the model.
         name: String,
@@ -86,6 +95,9 @@ pub enum EvaluationError {
     /// A value is out of range, or two contradict each other.
     #[error(transparent)]
     Config(#[from] ConfigError),
+    /// A file has no slopes.
+    #[error(transparent)]
+    SlopeFile(#[from] SlopeFileError),
     /// The roughness is out of range.
     #[error(transparent)]
     Slopes(#[from] SlopeError),

@@ -83,6 +83,19 @@ pub(super) const SETTINGS: &[Setting] = &[
     .otherwise("smoothness"),
     setting(
         SECTION,
+        "slopes_of",
+        Kind::Path,
+        MODEL,
+        "Height map, or table x,y,density in .csv, with the slopes",
+    )
+    .otherwise("Gaussian slopes of the smoothness")
+    .excludes(&[
+        "surface.smoothness",
+        "surface.smoothness_y",
+        "surface.azimuth",
+    ]),
+    setting(
+        SECTION,
         "sigma",
         Kind::Length,
         RANDOM.and(ATTENUATION),
