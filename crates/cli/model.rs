@@ -27,12 +27,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         true => Resolution::Bins,
         false => Resolution::Directions,
     };
-    let model = evaluate_model(&config, document, resolution).map_err(|error| {
-        match error.is_usage() {
+    let model =
+        evaluate_model(&config, document, resolution).map_err(|error| match error.is_usage() {
             true => Failure::usage(error),
             false => Failure::failed(error),
-        }
-    })?;
+        })?;
     if let Some(path) = file {
         model.write_csv(path).map_err(Failure::failed)?;
     }

@@ -189,7 +189,8 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
     }
     fs::write(folder.join("slopes.csv"), text).unwrap();
     let reflected = |roughness: &str| {
-        let flags = format!("model smith-slopes {roughness} --eta 1.5 --theta 50 --bins 9x12 --json");
+        let flags =
+            format!("model smith-slopes {roughness} --eta 1.5 --theta 50 --bins 9x12 --json");
         let found = json(&succeed(folder, &words(&flags)));
         number(&found["energy"]["reflected"]["mean"])
     };
@@ -206,7 +207,11 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
     assert!((smith / gaussian - 1.0).abs() < 2e-3);
 
     fs::write(folder.join("bad.csv"), "x,y,density\n0,0,1\n1,0,1\n0,1,1\n").unwrap();
-    fs::write(folder.join("flat.csv"), "x,y,density\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n").unwrap();
+    fs::write(
+        folder.join("flat.csv"),
+        "x,y,density\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n",
+    )
+    .unwrap();
     for (flags, code, expected) in [
         ("--slopes-of bad.csv", 1, "not those of a grid"),
         ("--slopes-of flat.csv", 1, "flat.csv"),

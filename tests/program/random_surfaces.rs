@@ -77,18 +77,26 @@ fn combinations_that_make_no_sense_get_one_sentence() {
     }
 }
 
-/// Slopes that are not Gaussian take the plain estimator, and refuse the other.
+/// GGX slopes have a control variate, and structures, whose slopes are not known, have none.
 #[test]
-fn slopes_that_are_not_gaussian_are_estimated_plainly() {
+fn slopes_that_are_known_have_a_control_variate() {
     let folder = tempfile::tempdir().unwrap();
-    let flags = "verify --tau 4 --slopes ggx --ggx-alpha 0.3 --size 256 --realisations 2 --rays 2e3 --models smith --no-plots";
-    let line = format!("{flags} --json -o out");
+    let effort = "--realisations 2 --rays 2e3 --no-plots --json";
+    let ggx = "verify --tau 4 --slopes ggx --ggx-alpha 0.1 --size 256 --models smith,smith-slopes";
+    let summary = json(&succeed(
+        folder.path(),
+        &words(&format!("{ggx} {effort} -o ggx")),
+    ));
+    let text = summary.to_string();
+    assert!(
+        text.contains("\"control_variate\":\"slope-mixture\""),
+        "{text}"
+    );
+    let pits = "verify --structure pits --depth 2 --width 16 --size 256 --models none";
+    let line = format!("{pits} {effort} -o pits");
     let summary = json(&succeed(folder.path(), &words(&line)));
     assert!(summary.to_string().contains("\"estimator\":\"plain\""));
-    let line = format!("{flags} --estimator controlled -o other");
+    let line = format!("{pits} {effort} --estimator controlled -o other");
     let said = refused(folder.path(), &words(&line), 2);
-    assert!(
-        said.contains("knows random surfaces of Gaussian slopes alone"),
-        "{said}"
-    );
+    assert!(said.contains("needs the distribution of slopes"), "{said}");
 }

@@ -5,6 +5,7 @@ pub(crate) mod bsdf;
 mod facet_normals;
 pub(crate) mod half_vector;
 pub(crate) mod lambda;
+pub(crate) mod lambda_curve;
 pub(crate) mod lambda_map;
 pub(crate) mod mueller;
 mod normals;

@@ -26,12 +26,10 @@ impl RandomSurfaces {
         let Some(mixture) = fields.synthesis.slope_mixture() else {
             return Ok(None);
         };
-        let components = mixture.components().iter().map(|one| {
-            let slopes = of_covariance(one.covariance, recipe.is_isotropic())?;
-            Ok((one.weight, slopes))
-        });
-        let components = components.collect::<Result<Vec<_>, SlopeError>>()?;
-        Ok(Some(SlopeMixture::new(components)))
+        let slopes = of_covariance(mixture.covariance(), recipe.is_isotropic())?;
+        let components = mixture.components().iter();
+        let factors: Vec<[f64; 2]> = components.map(|one| [one.factor, one.weight]).collect();
+        Ok(Some(SlopeMixture::scaled(&slopes, &factors)?))
     }
 }
 

@@ -64,7 +64,8 @@ pub use map::{
     map_report, map_summary, map_table, summarise,
 };
 pub use model::{
-    Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model, model_list,
+    Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
+    model_list,
 };
 pub use output::{CheckpointError, Completion, SurfaceCheckpoints, wrapped};
 pub use report::areal_parameters::areal_table;

@@ -6,7 +6,7 @@ mod tests;
 
 use std::time::Instant;
 
-use asperity_analysis::{ModelError, SmithSlopes, sidak_level};
+use asperity_analysis::{SmithSlopes, sidak_level};
 use asperity_io::ResultFolder;
 use asperity_simulate::{
     Case, Cells, Deadline, LayerBelow, Light, Lobe, Observer, Outcome, RandomSurfaces,
@@ -19,7 +19,8 @@ use serde_json::json;
 use self::error::VerifyError;
 use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::models::{Compared, ModelOutcome, compare_models};
-use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
+use crate::comparison::other_slopes::OtherSlopes;
+use crate::comparison::slope_tables::SlopeSymmetry;
 use crate::config::VerifyConfig;
 use crate::config::lobes::BinnedLobe;
 use crate::config::sweep_case::SweepCase;
@@ -270,13 +271,12 @@ fn verify_with(
     })
 }
 
-/// The slopes of the surfaces, if a model is made of them and they are not Gaussian: their distribution, or, where it is not known, those of
-/// the surfaces that were traced.
-fn slope_tables(
+/// The slopes of the surfaces, if a model is made of them and they are not Gaussian.
+fn other_slopes(
     config: &VerifyConfig,
     case: &SweepCase,
     outcome: &Outcome,
-) -> Result<Option<SlopeTables>, VerifyError> {
+) -> Result<Option<OtherSlopes>, VerifyError> {
     let is_requested = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
     let SurfaceSource::Random(surfaces) = &outcome.case.surface else {
         return Ok(None);
@@ -284,19 +284,11 @@ fn slope_tables(
     if !is_requested || case.recipe.gaussian().is_some() {
         return Ok(None);
     }
-    if let Some(mixture) = surfaces.slope_mixture().map_err(ModelError::from)? {
-        return Ok(Some(SlopeTables::of_mixture(&mixture)?));
-    }
-    let samples = |number: usize| {
-        let samples = surfaces.slope_samples(outcome.seed, number as u64);
-        Ok(samples.map_err(SimulateError::from)?)
-    };
     let symmetry = match config.any_azimuth() {
         true => SlopeSymmetry::Turned,
         false => SlopeSymmetry::None,
     };
-    let (count, from) = (outcome.surfaces.len(), outcome.case.light.from);
-    SlopeTables::new(count, samples, symmetry, from).map(Some)
+    OtherSlopes::of_random(surfaces, outcome, symmetry).map(Some)
 }
 
 /// The comparison of one case with every model.
@@ -306,10 +298,10 @@ fn judge(
     outcome: Outcome,
 ) -> Result<CaseOutcome, VerifyError> {
     let free_azimuth = config.free_azimuth(&case);
-    let tables = slope_tables(config, &case, &outcome)?;
+    let other = other_slopes(config, &case, &outcome)?;
     let mut surface = case.modelled();
-    if let (Some(tables), Ok(slopes)) = (&tables, &surface.slopes) {
-        surface.slopes = Ok(tables.distribution(slopes.covariance()));
+    if let (Some(other), Ok(slopes)) = (&other, &surface.slopes) {
+        surface.slopes = Ok(other.distribution(slopes.covariance()));
     }
     let compared = Compared {
         config: &config.compare,
@@ -320,7 +312,7 @@ fn judge(
         surface,
         outcome: &outcome,
         regions: None,
-        tables: tables.as_ref(),
+        tables: other.as_ref().and_then(OtherSlopes::tables),
     };
     let (models, tests) = compare_models(&compared)?;
     let level = sidak_level(config.compare.level, tests.max(1));

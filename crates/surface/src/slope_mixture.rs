@@ -2,16 +2,16 @@
 
 use crate::numerics::gauss_rule;
 
-/// Gaussian slopes of one covariance, and the fraction of places that have it.
+/// How much steeper or flatter than others places are, and the fraction of them that is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeComponent {
     /// Fraction of places, over all components 1.
     pub weight: f64,
-    /// Covariance `[xx, xy, yy]`, dimensionless.
-    pub covariance: [f64; 3],
+    /// What the covariance of [`SlopeMixture::covariance`] is multiplied by there.
+    pub factor: f64,
 }
 
-/// The distribution of slopes at a point of random surfaces, as a mixture of Gaussian distributions.
+/// The distribution of slopes at a point of random surfaces, as a mixture of Gaussian distributions whose covariances are multiples of one.
 ///
 /// A height that is a function `T(g)` of a Gaussian surface has the slope `T'(g)` times that of `g`. Height and slope of `g` at a
 /// point are independent, so that slopes are Gaussian for a given `g`, with `T'(g)^2` times the covariance. The distribution of
@@ -30,6 +30,7 @@ pub struct SlopeComponent {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeMixture {
+    covariance: [f64; 3],
     components: Vec<SlopeComponent>,
 }
 
@@ -43,9 +44,10 @@ impl SlopeMixture {
     /// Gaussian slopes.
     pub(crate) fn gaussian(covariance: [f64; 3]) -> Self {
         Self {
+            covariance,
             components: vec![SlopeComponent {
                 weight: 1.0,
-                covariance,
+                factor: 1.0,
             }],
         }
     }
@@ -68,16 +70,20 @@ impl SlopeMixture {
             .collect();
         let components = gauss_rule(&measure, MAX_COMPONENTS)
             .into_iter()
-            .map(|[x, weight]| {
-                let factor = (middle + half * x).exp();
-                SlopeComponent {
-                    weight,
-                    covariance: covariance.map(|term| factor * term),
-                }
+            .map(|[x, weight]| SlopeComponent {
+                weight,
+                factor: (middle + half * x).exp(),
             });
         Self {
+            covariance,
             components: components.collect(),
         }
+    }
+
+    /// Covariance `[xx, xy, yy]`, dimensionless, that components have a multiple of.
+    #[must_use]
+    pub const fn covariance(&self) -> [f64; 3] {
+        self.covariance
     }
 
     /// Its components, from the flattest to the steepest.

@@ -67,6 +67,18 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
             transmitted: of_side(Side::Transmitted),
         };
     }
+    let parts = model.parts();
+    if !parts.is_empty() {
+        let energies = parts.iter().map(|part| hemispherical_energy(*part, wi));
+        let nothing = HemisphericalEnergy {
+            reflected: 0.0,
+            transmitted: 0.0,
+        };
+        return energies.fold(nothing, |sum, part| HemisphericalEnergy {
+            reflected: sum.reflected + part.reflected,
+            transmitted: sum.transmitted + part.transmitted,
+        });
+    }
     let reflected = over_slopes(model, wi, None);
     let transmitted = model
         .material()

@@ -33,8 +33,26 @@ pub(crate) fn bin_fluxes_of(
     if let Some(table) = model.tabulated() {
         return tabulated_bins(table, model.material(), wi, grid, sides);
     }
+    let parts = model.parts();
+    if !parts.is_empty() {
+        let of_parts = parts
+            .iter()
+            .map(|part| bin_fluxes_of(*part, wi, grid, sides));
+        return sum_of(of_parts);
+    }
     let bsdf = |wi, wo| model.bsdf(wi, wo);
     fluxes_into_bins(&Scattering::of(model, &bsdf), wi, grid, sides)
+}
+
+/// Sums of fluxes into the same bins.
+fn sum_of(of_parts: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+    let add = |mut sum: Vec<f64>, part: Vec<f64>| {
+        sum.iter_mut()
+            .zip(part)
+            .for_each(|(sum, flux)| *sum += flux);
+        sum
+    };
+    of_parts.reduce(add).unwrap_or_default()
 }
 
 /// Flux fractions into the bins of `grid`, to about 1e-12, on the given sides, and zero on the other.
@@ -105,6 +123,11 @@ pub fn flux_into(
         };
         return tabulated_flux(table, light, theta, phi);
     }
+    let parts = model.parts();
+    if !parts.is_empty() {
+        let of_part = |part: &&dyn BsdfModel| flux_into(*part, wi, side, theta, phi);
+        return parts.iter().map(of_part).sum();
+    }
     let bsdf = |wi, wo| model.bsdf(wi, wo);
     FluxIntegral::new(&Scattering::of(model, &bsdf), wi, side)
         .map_or(0.0, |mut range| range.over(theta, phi))
@@ -173,6 +196,11 @@ pub(crate) fn in_plane_fluxes(
     spec: &TallySpec,
     side: Side,
 ) -> Vec<f64> {
+    let parts = model.parts();
+    if !parts.is_empty() {
+        let of_part = |part: &&dyn BsdfModel| in_plane_fluxes(*part, incidence, spec, side);
+        return sum_of(parts.iter().map(of_part));
+    }
     let bsdf = |wi, wo| model.bsdf(wi, wo);
     in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, spec, side)
 }

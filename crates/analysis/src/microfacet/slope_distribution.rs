@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::facet_normals::FacetNormals;
+use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slope_table::SlopeTable;
 use crate::microfacet::slopes::SlopeCovariance;
 
@@ -25,6 +26,13 @@ use crate::microfacet::slopes::SlopeCovariance;
 pub enum SlopeDistribution {
     /// Gaussian slopes.
     Gaussian(SlopeCovariance),
+    /// A mixture of Gaussian slopes.
+    Mixture {
+        /// Its components.
+        mixture: Arc<SlopeMixture>,
+        /// The covariance of all slopes.
+        covariance: SlopeCovariance,
+    },
     /// Slopes of any density.
     Table {
         /// The density, with its mean slope at zero.
@@ -39,15 +47,17 @@ impl SlopeDistribution {
     #[must_use]
     pub const fn covariance(&self) -> SlopeCovariance {
         match self {
-            Self::Gaussian(covariance) | Self::Table { covariance, .. } => *covariance,
+            Self::Gaussian(covariance)
+            | Self::Mixture { covariance, .. }
+            | Self::Table { covariance, .. } => *covariance,
         }
     }
 
-    /// The table; `None` of Gaussian slopes.
+    /// The table; `None` of other distributions.
     #[must_use]
     pub fn table(&self) -> Option<&SlopeTable> {
         match self {
-            Self::Gaussian(_) => None,
+            Self::Gaussian(_) | Self::Mixture { .. } => None,
             Self::Table { table, .. } => Some(table),
         }
     }
@@ -57,15 +67,17 @@ impl SlopeDistribution {
     pub fn is_isotropic(&self) -> bool {
         match self {
             Self::Gaussian(covariance) => covariance.is_isotropic(),
+            Self::Mixture { mixture, .. } => mixture.is_isotropic(),
             Self::Table { .. } => false,
         }
     }
 
-    /// Smith's Lambda, of [`Beckmann::lambda`] or [`SlopeTable::lambda`].
+    /// Smith's Lambda, of [`Beckmann::lambda`], [`SlopeMixture::lambda`] or [`SlopeTable::lambda`].
     #[must_use]
     pub fn lambda(&self, w: DVec3) -> f64 {
         match self {
             Self::Gaussian(covariance) => Beckmann::new(*covariance).lambda(w),
+            Self::Mixture { mixture, .. } => mixture.lambda(w),
             Self::Table { table, .. } => table.lambda(w),
         }
     }
@@ -81,6 +93,7 @@ impl FacetNormals for SlopeDistribution {
     fn d(&self, m: DVec3) -> f64 {
         match self {
             Self::Gaussian(covariance) => Beckmann::new(*covariance).d(m),
+            Self::Mixture { mixture, .. } => mixture.d(m),
             Self::Table { table, .. } => table.d(m),
         }
     }

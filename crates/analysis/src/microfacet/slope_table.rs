@@ -7,7 +7,6 @@
 //! # Valid range
 //! Smith's functions take the mean slope as zero, and the height and the slope of a facet as independent of those of all others.
 
-mod of_mixture;
 #[cfg(test)]
 mod tests;
 

@@ -136,6 +136,11 @@ pub trait BsdfModel: ScatteringModel {
         None
     }
 
+    /// The models of Gaussian slopes whose sum this one is; none if it is not made of others. Fluxes are the sum of theirs.
+    fn parts(&self) -> Vec<&dyn BsdfModel> {
+        Vec::new()
+    }
+
     /// Where the density has kinks; quadrature subdivides there.
     fn kinks(&self) -> Kinks {
         Kinks::None

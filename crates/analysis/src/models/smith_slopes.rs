@@ -11,14 +11,18 @@
 //! # Valid range
 //! Single scattering on slopes of any density, with heights and slopes of all facets independent.
 
+use std::sync::Arc;
+
 use asperity_optics::Material;
 use asperity_tally::Sides;
 use glam::DVec3;
 
-use crate::microfacet::beckmann::Masking;
+use crate::microfacet::beckmann::{Beckmann, Masking};
 use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::slope_distribution::SlopeDistribution;
+use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slope_table::SlopeTable;
+use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
     check_material,
@@ -46,6 +50,16 @@ use crate::models::model::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmithSlopes {
     interface: MicrofacetInterface<SlopeDistribution>,
+    /// The components of a mixture; none of other slopes.
+    parts: Vec<MixturePart>,
+}
+
+/// The facets of one component of a mixture, shadowed and masked by those of all.
+#[derive(Clone, Debug, PartialEq)]
+struct MixturePart {
+    weight: f64,
+    interface: MicrofacetInterface<Beckmann>,
+    all: Arc<SlopeMixture>,
 }
 
 const INFO: ModelInfo = ModelInfo {
@@ -73,11 +87,26 @@ impl SmithSlopes {
     /// [`ModelError`] for an invalid material or equal indices.
     pub fn new(slopes: SlopeDistribution, material: Material) -> Result<Self, ModelError> {
         check_material(material)?;
+        let parts = match &slopes {
+            SlopeDistribution::Mixture { mixture, .. } => {
+                let part = |(weight, slopes): &(f64, SlopeCovariance)| MixturePart {
+                    weight: *weight,
+                    interface: MicrofacetInterface {
+                        distribution: Beckmann::new(*slopes),
+                        material,
+                    },
+                    all: Arc::clone(mixture),
+                };
+                mixture.components().iter().map(part).collect()
+            }
+            SlopeDistribution::Gaussian(_) | SlopeDistribution::Table { .. } => Vec::new(),
+        };
         Ok(Self {
             interface: MicrofacetInterface {
                 distribution: slopes,
                 material,
             },
+            parts,
         })
     }
 }
@@ -111,5 +140,38 @@ impl BsdfModel for SmithSlopes {
 
     fn tabulated(&self) -> Option<&SlopeTable> {
         self.interface.distribution.table()
+    }
+
+    fn parts(&self) -> Vec<&dyn BsdfModel> {
+        let parts = self.parts.iter();
+        parts.map(|part| part as &dyn BsdfModel).collect()
+    }
+}
+
+impl ScatteringModel for MixturePart {
+    fn info(&self) -> &'static ModelInfo {
+        &INFO
+    }
+
+    fn material(&self) -> Material {
+        self.interface.material
+    }
+
+    fn slopes(&self) -> SlopeDistribution {
+        SlopeDistribution::Gaussian(*self.interface.distribution.slopes())
+    }
+
+    fn density(&self) -> Option<&dyn BsdfModel> {
+        Some(self)
+    }
+}
+
+impl BsdfModel for MixturePart {
+    fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
+        let of_part = self.interface.bsdf(wi, wo, |_| {
+            let lambdas = [wi, wo].map(|w| self.all.lambda(w));
+            Masking::HeightCorrelated.g2(lambdas, wo.z > 0.0)
+        });
+        self.weight * of_part
     }
 }

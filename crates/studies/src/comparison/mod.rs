@@ -9,6 +9,7 @@ pub(crate) mod conclusion;
 pub(crate) mod error;
 pub(crate) mod json;
 pub(crate) mod models;
+pub(crate) mod other_slopes;
 pub(crate) mod peak;
 mod ray_counts;
 pub(crate) mod region_shifts;

@@ -1,6 +1,6 @@
 //! Slope tables: slopes of any density of surfaces, or of the regions of one, for models made of them.
 //!
-//! Where the distribution of slopes is known, the table is that of the distribution. Otherwise it is an estimate, from the very surfaces that it is compared with. What the slopes of
+//! The table that a model is made of is an estimate, from the very surfaces that it is compared with. What the slopes of
 //! each surface explain of its light is taken from its tally: the change of the model if that surface alone is left out of the table, times the
 //! number of the others. The mean stays as it is, since the changes sum up to zero, and what is left of the scatter is the error of the difference
 //! between light and model, with that of the table in it.
@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use asperity_analysis::{
-    ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeMixture, SlopeTable,
-    SlopeTableError, region_influence,
+    ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError,
+    region_influence,
 };
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{TallySpec, TallyValues};
@@ -38,7 +38,7 @@ pub(crate) enum SlopeSymmetry {
 #[derive(Clone, Debug)]
 pub(crate) struct SlopeTables {
     table: Arc<SlopeTable>,
-    /// Weights of the cells of the table by each surface or region, whose sum is one; none where the distribution is known.
+    /// Weights of the cells of the table by each surface or region, whose sum is one.
     weights: Vec<Vec<f64>>,
 }
 
@@ -77,17 +77,6 @@ impl SlopeTables {
         }
         let table = Arc::new(SlopeTable::new(grid, &mean)?);
         Ok(Self { table, weights })
-    }
-
-    /// Slopes whose distribution is known: no surface tells more of them than the others.
-    ///
-    /// # Errors
-    /// As [`SlopeTable::of_mixture`].
-    pub(crate) fn of_mixture(mixture: &SlopeMixture) -> Result<Self, SlopeTableError> {
-        Ok(Self {
-            table: Arc::new(SlopeTable::of_mixture(mixture)?),
-            weights: Vec::new(),
-        })
     }
 
     /// The slopes of all, with their `covariance`.

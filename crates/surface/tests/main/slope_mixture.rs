@@ -17,8 +17,9 @@ fn mixture(recipe: impl Into<SurfaceRecipe>, size: usize) -> (FieldSynthesis, Sl
 
 /// The fraction of places whose slope along x exceeds `t`, either way.
 fn exceedance(mixture: &SlopeMixture, t: f64) -> f64 {
+    let [xx, ..] = mixture.covariance();
     let components = mixture.components().iter();
-    let fraction = components.map(|one| one.weight * erfc(t / (2.0 * one.covariance[0]).sqrt()));
+    let fraction = components.map(|one| one.weight * erfc(t / (2.0 * one.factor * xx).sqrt()));
     fraction.sum()
 }
 
@@ -35,7 +36,7 @@ fn lognormal_heights_have_lognormal_slope_variances() {
     let (_, mixture) = mixture(heights, 128);
     let moment = |power: f64| {
         let components = mixture.components().iter();
-        let terms = components.map(|one| one.weight * one.covariance[0].powf(power));
+        let terms = components.map(|one| one.weight * one.factor.powf(power));
         terms.sum::<f64>()
     };
     for power in [-2.0, -0.5, 2.0, 3.0_f64] {
@@ -59,7 +60,10 @@ fn ggx_slopes_have_their_closed_form() {
         let found: f64 = mixture
             .components()
             .iter()
-            .map(|one| one.weight * (-0.5 * (t * alpha).powi(2) / one.covariance[0]).exp())
+            .map(|one| {
+                one.weight
+                    * (-0.5 * (t * alpha).powi(2) / (one.factor * mixture.covariance()[0])).exp()
+            })
             .sum();
         let expected = StudentSlopes::exceedance(t);
         println!("{t}: {found:.6} for {expected:.6}");
@@ -128,7 +132,9 @@ fn the_mean_square_is_that_of_the_spectrum() {
         let (_, mixture) = mixture(heights, 256);
         for (i, expected) in [xx, xy, yy].into_iter().enumerate() {
             let components = mixture.components().iter();
-            let found: f64 = components.map(|one| one.weight * one.covariance[i]).sum();
+            let found: f64 = components
+                .map(|one| one.weight * one.factor * mixture.covariance()[i])
+                .sum();
             println!("{found} for {expected}");
             assert!((found - expected).abs() < 0.01 * xx, "{i}");
         }

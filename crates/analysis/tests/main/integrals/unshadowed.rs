@@ -481,10 +481,11 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
 #[test]
 fn the_control_variate_of_a_mixture_is_the_sum_over_its_components() {
     let spec = spec(9, 12);
-    let components = [(0.7, isotropic(3.0)), (0.3, grooved(0.9, 0.3, 25.0))];
+    let base = grooved(0.3, 0.1, 25.0);
+    let components = [(0.7, base), (0.3, grooved(0.9, 0.3, 25.0))];
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let incidence = light(60.0, 20.0);
-    let mixture = SlopeMixture::new(components.iter().map(|(w, s)| (2.0 * w, *s)).collect());
+    let mixture = SlopeMixture::scaled(&base, &[[1.0, 1.4], [9.0, 0.6]]).unwrap();
     let control = control_variate(&mixture, gold, incidence, &spec).unwrap();
     let of = |slopes: SlopeCovariance| {
         let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &spec).unwrap();

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use asperity_analysis::{
     Beckmann, BsdfModel, Masking, SamplingEffort, ScatteringModel, SlopeCovariance,
-    SlopeDistribution, SlopeGrid, SlopeTable, Smith, SmithSlopes, bin_fluxes, expect, flux_into,
-    hemispherical_energy, in_plane_flux, region_influence,
+    SlopeDistribution, SlopeGrid, SlopeMixture, SlopeTable, Smith, SmithSlopes, bin_fluxes, expect,
+    flux_into, hemispherical_energy, in_plane_flux, region_influence,
 };
 use asperity_optics::{Incidence, Material, from_spherical, reflect};
 use asperity_tally::{
@@ -217,6 +217,56 @@ fn gaussian_slopes_are_those_of_smith() {
 
 /// Regions of two kinds of slopes: what each explains is the difference of the tallies that the model has of it and of the whole, to first order
 /// in the difference of the regions; and sums up to zero.
+/// The parts of a mixture add to the model in every direction, and its bins to its energy by integrals over slopes; against a table of the same
+/// slopes in narrow cells.
+#[test]
+fn the_model_of_a_mixture_is_the_sum_of_its_parts() {
+    let base = SlopeCovariance::new(0.02, 0.03, 0.01).unwrap();
+    let mixture = SlopeMixture::scaled(&base, &[[1.0, 0.6], [4.0, 0.3], [12.0, 0.1]]).unwrap();
+    let distribution = SlopeDistribution::Mixture {
+        covariance: mixture.covariance().unwrap(),
+        mixture: Arc::new(mixture.clone()),
+    };
+    let glass = Material::dielectric(1.5).unwrap();
+    let model = SmithSlopes::new(distribution, glass).unwrap();
+    let wi = from_spherical(0.9, 0.3);
+    for wo in [(0.4, 2.8), (1.2, 3.4), (2.7, 3.0), (2.2, 3.9)] {
+        let wo = from_spherical(wo.0, wo.1);
+        let parts: f64 = model.parts().iter().map(|part| part.bsdf(wi, wo)).sum();
+        assert!((parts / model.bsdf(wi, wo) - 1.0).abs() < 1e-12);
+    }
+    let grid = HemisphereGrid::new(6, 12).unwrap();
+    let bins = bin_fluxes(&model, wi, &grid);
+    let energy = hemispherical_energy(&model, wi);
+    let sums = [&bins[..72], &bins[72..]].map(|side| side.iter().sum::<f64>());
+    assert!((sums[0] / energy.reflected - 1.0).abs() < 1e-8);
+    assert!((sums[1] / energy.transmitted - 1.0).abs() < 1e-8);
+    let incidence = Incidence::from_degrees(0.9_f64.to_degrees(), 0.3_f64.to_degrees()).unwrap();
+    let slice = [0.2, 0.7];
+    let whole = in_plane_flux(&model, incidence, 0.1, Side::Reflected, slice);
+    let of_part =
+        |part: &&dyn BsdfModel| in_plane_flux(*part, incidence, 0.1, Side::Reflected, slice);
+    let parts: f64 = model.parts().iter().map(of_part).sum();
+    assert!(whole > 1e-4 && (parts / whole - 1.0).abs() < 1e-12);
+
+    // Cells of 0.01: variances rise by a sixth of their square, 1e-3 of the smallest
+    let edges: Vec<f64> = (-300..=300).map(|i| 0.01 * f64::from(i)).collect();
+    let middle = |i: usize| 0.5 * (edges[i] + edges[i + 1]);
+    let density = |x: f64, y: f64| {
+        let m = DVec3::new(-x, -y, 1.0).normalize();
+        mixture.d(m) * m.z.powi(4)
+    };
+    let rows = (0..600).flat_map(|iy| (0..600).map(move |ix| (ix, iy)));
+    let weights: Vec<f64> = rows
+        .map(|(ix, iy)| density(middle(ix), middle(iy)))
+        .collect();
+    let table = SlopeTable::new(SlopeGrid::new([edges.clone(), edges]).unwrap(), &weights).unwrap();
+    let tabulated = bin_fluxes(&model_of(table, glass), wi, &grid);
+    let off = distance(&bins, &tabulated);
+    println!("{off:e}");
+    assert!(off < 1e-4, "{off}");
+}
+
 #[test]
 fn regions_explain_what_their_slopes_change() {
     let whole = gaussian(8);

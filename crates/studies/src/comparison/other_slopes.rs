@@ -1,0 +1,62 @@
+//! Slopes of random surfaces that are not Gaussian: their distribution where it is known, and otherwise those of the surfaces traced.
+
+use std::sync::Arc;
+
+use asperity_analysis::{
+    ModelError, SlopeCovariance, SlopeDistribution, SlopeMixture, SlopeTableError,
+};
+use asperity_simulate::{Outcome, RandomSurfaces, SimulateError};
+
+use super::slope_tables::{SlopeSymmetry, SlopeTables};
+
+/// What is known of slopes that are not Gaussian.
+pub(crate) enum OtherSlopes {
+    /// Their distribution.
+    Mixture(Arc<SlopeMixture>),
+    /// Those of the surfaces that were traced.
+    Tables(SlopeTables),
+}
+
+impl OtherSlopes {
+    /// Those of the surfaces of an outcome.
+    ///
+    /// # Errors
+    /// If a surface cannot be drawn again, or slopes have no density.
+    pub(crate) fn of_random<E>(
+        surfaces: &RandomSurfaces,
+        outcome: &Outcome,
+        symmetry: SlopeSymmetry,
+    ) -> Result<Self, E>
+    where
+        E: From<ModelError> + From<SimulateError> + From<SlopeTableError> + Send,
+    {
+        if let Some(mixture) = surfaces.slope_mixture().map_err(ModelError::from)? {
+            return Ok(Self::Mixture(Arc::new(mixture)));
+        }
+        let samples = |number: usize| {
+            let samples = surfaces.slope_samples(outcome.seed, number as u64);
+            Ok(samples.map_err(SimulateError::from)?)
+        };
+        let (count, from) = (outcome.surfaces.len(), outcome.case.light.from);
+        SlopeTables::new(count, samples, symmetry, from).map(Self::Tables)
+    }
+
+    /// The distribution that models are made of, with this `covariance`.
+    pub(crate) fn distribution(&self, covariance: SlopeCovariance) -> SlopeDistribution {
+        match self {
+            Self::Mixture(mixture) => SlopeDistribution::Mixture {
+                mixture: Arc::clone(mixture),
+                covariance,
+            },
+            Self::Tables(tables) => tables.distribution(covariance),
+        }
+    }
+
+    /// The slopes of each surface, if they were needed.
+    pub(crate) const fn tables(&self) -> Option<&SlopeTables> {
+        match self {
+            Self::Mixture(_) => None,
+            Self::Tables(tables) => Some(tables),
+        }
+    }
+}
