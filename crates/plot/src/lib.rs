@@ -73,4 +73,5 @@ pub use figures::in_plane_curves::InPlaneCurves;
 pub use figures::log_curves::LogCurves;
 pub use figures::polar_lobes::{PolarLobes, Sides};
 pub use figures::profile_grid::{ProfileComponent, ProfileGrid};
+pub use figures::reliefs::{Relief, Reliefs};
 pub use figures::validity_map::{MappedCell, ValidityMap};

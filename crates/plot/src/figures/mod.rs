@@ -10,4 +10,5 @@ pub(crate) mod in_plane_curves;
 pub(crate) mod log_curves;
 pub(crate) mod polar_lobes;
 pub(crate) mod profile_grid;
+pub(crate) mod reliefs;
 pub(crate) mod validity_map;
