@@ -128,7 +128,18 @@ impl FieldSynthesis {
         }
     }
 
-    /// Bytes that a program holds at the peak of a [`FieldSynthesis::draw`].
+    /// Bytes that a program holds at the peak of [`FieldSynthesis::new`], beyond those that it holds afterwards.
+    #[must_use]
+    pub const fn planning_bytes(recipe: &SurfaceRecipe, shape: [usize; 2]) -> usize {
+        match recipe {
+            SurfaceRecipe::Transformed(_) => TransformedSynthesis::planning_bytes(shape),
+            SurfaceRecipe::Gaussian(_)
+            | SurfaceRecipe::StudentSlopes(_)
+            | SurfaceRecipe::Structured(_) => 0,
+        }
+    }
+
+    /// Bytes that a program holds at the peak of planning and drawing.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
         match &self.drawer {

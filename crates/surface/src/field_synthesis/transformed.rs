@@ -36,8 +36,9 @@ impl TransformedSynthesis {
 
         let powers = waves.powers();
         let variance: f64 = powers.iter().sum();
-        let requested = transform_plane(&powers, shape);
-        let requested: Vec<f64> = requested.iter().map(|c| c / variance).collect();
+        let mut requested = transform_plane(&powers, shape);
+        drop(powers);
+        requested.iter_mut().for_each(|c| *c /= variance);
         let of_normal: Vec<f64> = requested.par_iter().map(|c| series.inverse(*c)).collect();
         let mut powers = transform_plane(&of_normal, shape);
         drop(of_normal);
@@ -87,7 +88,13 @@ impl TransformedSynthesis {
     /// The amplitudes of the waves are there in addition to the heights.
     pub(super) fn peak_bytes(&self) -> usize {
         let [ny, nx] = self.waves.shape();
-        self.waves.peak_bytes() + ny * (nx / 2 + 1) * size_of::<f64>()
+        let drawing = self.waves.peak_bytes() + ny * (nx / 2 + 1) * size_of::<f64>();
+        drawing.max(Self::planning_bytes([ny, nx]))
+    }
+
+    /// Two grids of numbers, and the transform of one with its room.
+    pub(super) const fn planning_bytes([ny, nx]: [usize; 2]) -> usize {
+        4 * ny.saturating_mul(nx).saturating_mul(size_of::<f64>())
     }
 
     pub(super) fn draw_into(
