@@ -31,7 +31,7 @@ impl Levels {
         let range = values.last()? - values.first()?;
         // Numbers that were rounded twice lie in groups of a finer step
         let finest = 1e-9 * range;
-        let apart = [between_groups(&values).unwrap_or(finest), finest];
+        let apart = [between_groups(&values, finest).unwrap_or(finest), finest];
         apart
             .into_iter()
             .find_map(|apart| Self::of_groups(&values, apart, width))
@@ -65,10 +65,10 @@ impl Levels {
     }
 }
 
-/// What parts gaps within groups from gaps between them: the middle of the widest interval of their logarithms.
-fn between_groups(values: &[f64]) -> Option<f64> {
+/// What parts gaps within groups from gaps between them: the middle of the widest interval of the logarithms of those above `finest`.
+fn between_groups(values: &[f64], finest: f64) -> Option<f64> {
     let mut gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    gaps.retain(|gap| *gap > 0.0);
+    gaps.retain(|gap| *gap > finest);
     gaps.sort_by(f64::total_cmp);
     let ratio = |pair: &[f64]| pair[1] / pair[0];
     let widest = gaps
@@ -88,7 +88,8 @@ mod tests {
         let levels = Levels::of(rounded.clone(), 1.0).unwrap();
         assert!((levels.step - 0.7).abs() < 1e-12);
         // Rounded once more, to a hundredth
-        let twice = (0..4000).map(|i| 0.7 * wave(i).round() + 0.007 * f64::from(i % 3));
+        let twice = (0..4000)
+            .map(|i| 100.0 / 3.0 * (0.021 * wave(i).round() + 0.000_21 * f64::from(i % 3)));
         let levels = Levels::of(twice.collect(), 1.0).unwrap();
         assert!((levels.step - 0.7).abs() < 1e-3);
         // As many steps in a bin that none is seen
