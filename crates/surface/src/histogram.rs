@@ -166,11 +166,13 @@ impl Bins {
         for (i, count) in counts[..finer.count].iter().enumerate() {
             let from = (finer.lowest + i as f64 * finer.width - self.lowest) / self.width;
             let to = from + finer.width / self.width;
-            let last = (to.ceil().max(0.0) as usize).min(self.count);
-            for bin in from.max(0.0) as usize..last {
+            let first = from.max(0.0) as usize;
+            let reached = (to.ceil().max(0.0) as usize).saturating_sub(first);
+            let bins = densities.iter_mut().enumerate();
+            for (bin, density) in bins.skip(first).take(reached) {
                 let overlap = to.min(bin as f64 + 1.0) - from.max(bin as f64);
                 let part = *count as f64 * overlap.max(0.0) / (to - from) / total;
-                densities[bin] += part / self.width;
+                *density += part / self.width;
                 inside += part;
             }
         }
