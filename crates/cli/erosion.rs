@@ -1,5 +1,6 @@
 //! Erosion of a height map that was read.
 
+use asperity_simulate::short;
 use asperity_studies::settings::Document;
 use asperity_surface::{Erosion, Etch, HeightField, Slip};
 use serde::Deserialize;
@@ -20,8 +21,11 @@ struct ErosionSettings {
     etch: Option<f64>,
 }
 
-/// `field` after the processes requested, without provenance then; as it is if none is.
-pub(crate) fn eroded(document: &Document, field: HeightField) -> Result<HeightField, Failure> {
+/// `field` after the processes requested, without provenance then, and a note if one changes no shape; as it is if none is requested.
+pub(crate) fn eroded(
+    document: &Document,
+    field: HeightField,
+) -> Result<(HeightField, Option<String>), Failure> {
     // Lengths in the unit of the surface
     let document = document.clone().in_unit(field.unit());
     let document = document.map_err(Failure::usage)?;
@@ -36,9 +40,24 @@ pub(crate) fn eroded(document: &Document, field: HeightField) -> Result<HeightFi
         })
     });
     let etch = erosion.etch.map(|depth| Erosion::Etch(Etch { depth }));
-    let processes = slip.into_iter().chain(etch);
-    processes.into_iter().try_fold(field, |field, process| {
+    let note = erosion.etch.and_then(|depth| shallow_note(depth, &field));
+    let mut processes = slip.into_iter().chain(etch);
+    let field = processes.try_fold(field, |field, process| {
         let eroded = process.of(&field).map_err(Failure::usage)?;
         Ok(eroded.with_provenance(None))
+    })?;
+    Ok((field, note))
+}
+
+/// That a depth of etching reaches no other sample, so that the surface sinks as it is.
+fn shallow_note(depth: f64, field: &HeightField) -> Option<String> {
+    let [dx, dy] = field.spacing();
+    let spacing = dx.min(dy);
+    (depth < spacing).then(|| {
+        let unit = field.unit().suffix();
+        let (depth, spacing) = (short(depth), short(spacing));
+        format!(
+            "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
+        )
     })
 }

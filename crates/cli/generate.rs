@@ -1,9 +1,9 @@
 //! `asperity generate`: a random rough surface.
 
-use asperity_simulate::check_memory;
+use asperity_simulate::{check_memory, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
-use asperity_surface::{FieldSynthesis, Resolution, Roughness, Unreached};
+use asperity_surface::{FieldSynthesis, Resolution, Roughness, SurfaceRecipe, Unreached};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -38,7 +38,7 @@ struct Run {
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut settings: Settings = document.read().map_err(Failure::usage)?;
-    settings.surface.read_files().map_err(Failure::failed)?;
+    let source_notes = settings.surface.read_files().map_err(Failure::failed)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let path = results.required();
     let surface = &settings.surface;
@@ -51,6 +51,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         true => Resolution::Any,
         false => Resolution::Facets,
     };
+    let few_lengths = amplitude_note(&recipe, [nx, ny], surface.spacing());
     let synthesis = FieldSynthesis::new(recipe, shape, surface.spacing(), resolution)
         .map_err(|error| refuse_surface(document.own_unit(), error))?;
     check_height_map_output(&path)?;
@@ -72,7 +73,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         || {
             let table = realisation_table(&roughness);
             let missed = missed_note(synthesis.unreached());
-            let notes: Vec<String> = note.into_iter().chain(missed).collect();
+            let notes: Vec<String> = source_notes.into_iter().chain(note).chain(missed).chain(few_lengths).collect();
             let note = note_lines(&notes);
             wrapped(&format!(
                 "{}: {nx} x {ny} samples, periodic, seed {seed}, realisation {realisation}\n{table}{note}",
@@ -81,6 +82,36 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         },
     )?;
     Ok(End::Complete)
+}
+
+/// Lengths of the amplitude along the side of a tile from which slopes of GGX come near their distribution.
+const AMPLITUDE_LENGTHS: f64 = 16.0;
+
+/// That a tile holds few amplitudes of GGX slopes, if it does, and how many samples hold enough.
+fn amplitude_note(recipe: &SurfaceRecipe, samples: [u64; 2], spacing: [f64; 2]) -> Option<String> {
+    let SurfaceRecipe::StudentSlopes(student) = recipe else {
+        return None;
+    };
+    let lengths = recipe.axis_correlation_lengths();
+    let held = [0, 1].map(|axis| {
+        let side = samples[axis] as f64 * spacing[axis];
+        side / (student.amplitude_ratio() * lengths[axis])
+    });
+    let [x, y] = held.map(short);
+    // Sizes that were computed may lack a rounding
+    let is_few = held
+        .iter()
+        .any(|held| *held < AMPLITUDE_LENGTHS * (1.0 - 1e-9));
+    let enough = [0, 1].map(|axis| {
+        let count = samples[axis] as f64 * (AMPLITUDE_LENGTHS / held[axis]).max(1.0);
+        2 * (0.5 * count).ceil() as u64
+    });
+    is_few.then(|| {
+        format!(
+            "the tile holds {x} amplitude lengths along x and {y} along y: the steepest slopes of GGX come from few places, and many tiles miss them; --size {},{} holds {AMPLITUDE_LENGTHS} of each",
+            enough[0], enough[1]
+        )
+    })
 }
 
 /// What heights of a distribution miss of the spectrum requested, if it is a half per cent of the slope variance or of the variance.

@@ -6,7 +6,7 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, close_resumable};
+use crate::completion::{Cases, close_resumable, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
@@ -22,7 +22,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     if let Some(surface) = &surface {
         config = settings_for(document, surface)?;
     }
-    config.surface.read_files().map_err(Failure::failed)?;
+    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
     let sample = surface
         .map(|surface| {
             Sample::of(

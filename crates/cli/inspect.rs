@@ -76,7 +76,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         _ => None,
     };
     let mut input = read_surface(file, &measured, common)?;
-    input.field = eroded(document, input.field)?;
+    let (field, note) = eroded(document, input.field)?;
+    input.field = field;
+    input.notes.extend(note);
     let cells = surface.cells.of_given();
     let statistics = Statistics::of(&input.field, cells, &lights)?;
     if let (Some(path), Some(format)) = (&results.plot, plot) {

@@ -4,7 +4,7 @@ use asperity_studies::settings::Document;
 use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_table};
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, close_resumable};
+use crate::completion::{Cases, close_resumable, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
@@ -14,7 +14,7 @@ use crate::progress::Progress;
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut config: MapConfig = document.read().map_err(Failure::usage)?;
-    config.surface.read_files().map_err(Failure::failed)?;
+    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced.
     config

@@ -16,7 +16,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     document.check_required().map_err(Failure::usage)?;
     let refuse = |error: &dyn std::fmt::Display| refuse_config(document, error);
     let mut config = VerifyConfig::of_document(document).map_err(Failure::usage)?;
-    config.surface.read_files().map_err(Failure::failed)?;
+    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{json, refused, succeed, unwrapped, words};
 
 /// What `inspect` tells of the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
@@ -99,4 +99,19 @@ fn slopes_that_are_known_have_a_control_variate() {
     let line = format!("{pits} {effort} --estimator controlled -o other");
     let said = refused(folder.path(), &words(&line), 2);
     assert!(said.contains("needs the distribution of slopes"), "{said}");
+}
+
+#[test]
+fn tiles_that_hold_few_amplitudes_of_ggx_slopes_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = |size: &str| {
+        let line = format!(
+            "generate --slopes ggx --ggx-alpha 0.3 --tau 4 --amplitude-ratio 4 --size {size} -o a.exr"
+        );
+        unwrapped(&succeed(folder.path(), &words(&line)))
+    };
+    let few = said("128");
+    assert!(few.contains("holds 8 amplitude lengths along x"), "{few}");
+    assert!(few.contains("--size 256,256 holds 16"), "{few}");
+    assert!(!said("256").contains("amplitude lengths"));
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{json, refused, succeed, unwrapped, words};
 
 /// What `inspect` tells of the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
@@ -58,6 +58,31 @@ fn settings_of_structures_are_drawn_and_read_back() {
     assert!(spread != heights(scratches));
     let pyramids = "--structure inverted-pyramids --randomness";
     assert!(heights(&format!("{pyramids} 0.5")) != heights(&format!("{pyramids} 0.1")));
+}
+
+/// What has no number is left out or said, and never infinite.
+#[test]
+fn statistics_without_a_number_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let hemispheres = "--structure pits --width 16 --depth 8 --arrangement separate";
+    let found = generated(folder, hemispheres);
+    assert_eq!(found["has_vertical_edges"], true);
+    assert!(found["mean_square_slope"]["expected"].is_null());
+    let text = succeed(folder, &words("inspect a.exr"));
+    assert!(
+        text.contains("edges are vertical") && !text.contains("inf "),
+        "{text}"
+    );
+    let shallow = generated(
+        folder,
+        "--structure pits --width 16 --depth 6 --arrangement separate",
+    );
+    assert!(shallow["has_vertical_edges"].is_null());
+    // Of touching pyramids the samples on shared edges lie in the plane
+    let pyramids = "--structure inverted-pyramids --density";
+    assert!(generated(folder, &format!("{pyramids} 1"))["coverage"].is_null());
+    assert!(generated(folder, &format!("{pyramids} 0.5"))["coverage"].is_object());
 }
 
 #[test]
@@ -133,6 +158,14 @@ fn height_maps_are_eroded_by_inspect() {
     let sinks = number(&before, "mean") - number(&etched, "mean");
     assert!(sinks > 2.0 && sinks < 4.0, "{sinks}");
     assert!(folder.join("b.exr").is_file());
+    let said = |depth: &str| {
+        unwrapped(&succeed(
+            folder,
+            &words(&format!("inspect a.exr --etch {depth}")),
+        ))
+    };
+    assert!(said("0.5").contains("less than the spacing of 1 um"));
+    assert!(!said("1").contains("less than the spacing"));
     for (flags, expected) in [
         ("--etch 300", "more than 64 spacings"),
         ("--slip-steps 5", "needs --repose"),

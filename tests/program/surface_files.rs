@@ -1,6 +1,6 @@
 //! Random surfaces with the spectrum and the heights of files.
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{asperity, errors_of, json, refused, succeed, unwrapped, words};
 
 /// A surface of a known spectrum; others like it have its roughness, on a tile of another size, and the heights too.
 #[test]
@@ -127,5 +127,50 @@ fn files_that_give_no_spectrum_get_one_sentence() {
         let said = refused(folder.path(), &words(&line), 1);
         assert!(said.contains(expected), "{flags}: {said}");
         assert!(!folder.path().join("a.exr").exists());
+    }
+}
+
+/// Rows of a text matrix.
+fn matrix(n: i32, height: impl Fn(f64, f64) -> f64) -> String {
+    let row = |y: i32| -> String {
+        let heights = (0..n).map(|x| format!("{:.6} ", height(f64::from(x), f64::from(y))));
+        heights.collect::<String>() + "\n"
+    };
+    (0..n).map(row).collect()
+}
+
+/// What is assumed, filled and removed of the map that surfaces are to be like, and how much it can tell.
+#[test]
+fn what_is_made_of_a_source_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let rough = |x: f64, y: f64| (1.7 * x + 0.3 * y * y).sin() + (2.3 * y - 0.2 * x * x).cos();
+    let text = matrix(48, rough).replacen("1.000000", "nan", 1);
+    std::fs::write(folder.join("a.txt"), text).unwrap();
+    let notes = [
+        "a.txt: the file has no spacing: 1 is assumed",
+        "a.txt: 1 missing point was filled",
+        "a.txt: its plane of best fit is removed",
+        "correlation areas, which tell sigma within about",
+    ];
+    let line = "generate --psd like:a.txt --heights like:a.txt --size 256 -o b.exr";
+    let said = unwrapped(&succeed(folder, &words(line)));
+    for note in notes {
+        assert_eq!(said.matches(note).count(), 1, "{note}: {said}");
+    }
+    let line = "verify --psd like:a.txt --size 64 --models none --rays 100 --realisations 1 --no-plots -o c";
+    let said = unwrapped(&errors_of(&asperity(folder, &words(line))));
+    assert!(said.contains(notes[1]), "{said}");
+}
+
+#[test]
+fn a_source_of_few_samples_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let rough = |x: f64, y: f64| (1.7 * x + y * y).sin();
+    std::fs::write(folder.path().join("small.txt"), matrix(7, rough)).unwrap();
+    for flag in ["--psd", "--heights"] {
+        let line = format!("generate {flag} like:small.txt --size 64 --insist -o a.exr");
+        let said = refused(folder.path(), &words(&line), 1);
+        assert!(said.contains("7 x 7 samples are too few"), "{flag}: {said}");
     }
 }

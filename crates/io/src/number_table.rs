@@ -94,6 +94,12 @@ fn read_from(path: &Path, mut reader: impl BufRead) -> Result<NumberTable, ReadE
         let text = std::str::from_utf8(&bytes)
             .map_err(|_| ReadError::unsupported(path, "it is not text (UTF-8)"))?;
         let text = text.trim_start_matches('\u{feff}').trim_end();
+        if text.contains(|c: char| c.is_control() && c != '\t') {
+            return Err(ReadError::unsupported(
+                path,
+                "it is not text: it holds control characters",
+            ));
+        }
         let line = Line { path, number, text };
         if text.trim().is_empty() || text.starts_with('#') {
             continue;
@@ -182,6 +188,7 @@ mod tests {
             (b"k,W\n1,nan\n", "\"nan\" is no finite number"),
             (b"k,W\n1,x\n", "\"x\" is no finite number"),
             (b"k,W\n\xff,1\n", "not text"),
+            (b"\0\0,\0\n1,1\n", "holds control characters"),
         ] {
             let said = read(text).unwrap_err();
             assert!(said.contains(says), "{said}");

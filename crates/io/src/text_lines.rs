@@ -47,8 +47,26 @@ impl<'a> Line<'a> {
     }
 }
 
-/// At most the first 40 characters, on one line, for messages.
+/// At most the first 40 characters, on one line, for messages; control characters as escapes, `\u{0}`.
 pub(crate) fn short(text: &str) -> String {
-    let visible = |c: char| if c.is_control() { ' ' } else { c };
-    text.trim().chars().map(visible).take(40).collect()
+    let mut shown = String::new();
+    for letter in text.trim().chars().take(40) {
+        match letter {
+            '\t' | '\n' | '\r' => shown.push(' '),
+            letter if letter.is_control() => shown.extend(letter.escape_unicode()),
+            letter => shown.push(letter),
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_text_is_one_line_without_control_characters() {
+        assert_eq!(short(" a\tb\n\0\u{1b}[31m "), "a b \\u{0}\\u{1b}[31m");
+        assert_eq!(short(&"x".repeat(50)).len(), 40);
+    }
 }

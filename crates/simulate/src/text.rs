@@ -1,41 +1,11 @@
-//! Numbers and counts as people read them.
+//! Errors and counts as people read them.
 
-use std::ops::Range;
+pub use asperity_surface::short;
 
 /// An error to three digits, as in `2.31e-5`.
 #[must_use]
 pub fn error_in_short(error: f64) -> String {
     format!("{error:.2e}")
-}
-
-/// At least six significant digits, without trailing zeros; with an exponent, as in `1.5e-150`, where zeros would
-/// make it long.
-#[must_use]
-pub fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    if !PLAIN.contains(&value.abs()) {
-        let text = format!("{value:.5e}");
-        return match text.split_once('e') {
-            Some((mantissa, exponent)) => format!("{}e{exponent}", without_zeros(mantissa)),
-            None => text,
-        };
-    }
-    let digits = (5 - value.abs().log10().floor() as i32).max(0) as usize;
-    without_zeros(&format!("{value:.digits$}")).to_owned()
-}
-
-/// Magnitudes written without an exponent.
-const PLAIN: Range<f64> = 1e-4..1e15;
-
-/// A number without zeros at the end of its fraction.
-fn without_zeros(text: &str) -> &str {
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        text
-    }
 }
 
 /// A count with its noun, as in `1 surface` and `2 surfaces`.
@@ -49,52 +19,12 @@ pub fn counted(count: u64, noun: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::HashSet;
-
     use super::*;
-
-    #[test]
-    fn numbers_are_shortened_for_people() {
-        assert_eq!(short(1.0 / 1.4), "0.714286");
-        assert_eq!(short(2.522), "2.522");
-        assert_eq!(short(30.0), "30");
-        assert_eq!(short(100.0), "100");
-        assert_eq!(short(0.0), "0");
-        assert_eq!(short(1e-9), "1e-9");
-        assert_eq!(short(1e-4), "0.0001");
-        assert_eq!(short(7.728_03e-8), "7.72803e-8");
-    }
 
     #[test]
     fn nouns_agree_with_their_counts() {
         assert_eq!(counted(0, "case"), "0 cases");
         assert_eq!(counted(1, "case"), "1 case");
         assert_eq!(counted(2, "case"), "2 cases");
-    }
-
-    #[test]
-    fn extreme_numbers_stay_short_and_different() {
-        for (value, text) in [
-            (1e200, "1e200"),
-            (-1.5e200, "-1.5e200"),
-            (1e-150, "1e-150"),
-            (1.234_567_8e-150, "1.23457e-150"),
-            (f64::MAX, "1.79769e308"),
-            (5e-324, "4.94066e-324"),
-            (1e15, "1e15"),
-            (9e14, "900000000000000"),
-            (1e-12, "1e-12"),
-            (9.9e-13, "9.9e-13"),
-            (1.5e-12, "1.5e-12"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(short(value), text);
-        }
-        // From one to the next tenth of a decade, over all that a number can be.
-        let all: Vec<String> = (-3070..3080)
-            .map(|i| short(10_f64.powf(f64::from(i) / 10.0)))
-            .collect();
-        assert!(all.iter().all(|text| text.len() <= 20), "{all:?}");
-        assert!(all.iter().collect::<HashSet<_>>().len() == all.len());
     }
 }

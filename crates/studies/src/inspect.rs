@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use asperity_surface::{
     AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, Psd,
-    SpectralRing,
+    SpectralRing, SurfaceRecipe,
 };
 
 pub use self::files::{inspect_report, texture_files};
@@ -45,6 +45,8 @@ pub struct Texture {
     slopes: [Histogram; 2],
     /// Mean squares of the slopes along x and y about zero.
     mean_square_slopes: [f64; 2],
+    /// GGX's `alpha` along x and y that was requested of a generated surface.
+    ggx_alpha: Option<[f64; 2]>,
 }
 
 /// A ring of wave vectors.
@@ -82,6 +84,10 @@ impl Texture {
             heights,
             slopes,
             mean_square_slopes: [xx, yy],
+            ggx_alpha: match recipe {
+                Some(SurfaceRecipe::StudentSlopes(student)) => Some(student.alpha()),
+                _ => None,
+            },
         })
     }
 }
@@ -101,4 +107,10 @@ fn mean_over_azimuths(psd: &Psd, k: f64) -> f64 {
 /// The normal density of mean zero.
 fn normal(value: f64, mean_square: f64) -> f64 {
     (-value * value / (2.0 * mean_square)).exp() / (2.0 * PI * mean_square).sqrt()
+}
+
+/// The density of the slope along one axis of GGX: that of Walter et al. (2007), Eq. 33, integrated over the other axis.
+fn ggx(slope: f64, alpha: f64) -> f64 {
+    let root = (1.0 + (slope / alpha).powi(2)).sqrt();
+    1.0 / (2.0 * alpha * root.powi(3))
 }

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 
+use crate::numbers::{short, short_below};
 use crate::numerics::columns;
 use crate::{Border, HeightField, HeightFieldError};
 
@@ -25,8 +26,11 @@ const REACH: f64 = 1.7;
 pub enum FilterError {
     /// The nesting index is so short that the grid has no waves to remove, or longer than the surface.
     #[error(
-        "invalid nesting index {index}: must be from two samples, {least}, to the extent of the \
-         surface, {largest}"
+        "invalid nesting index {}: must be from two samples, {}, to the extent of the \
+         surface, {}",
+        short(*index),
+        short(*least),
+        short_below(*largest)
     )]
     OutOfRange {
         /// The nesting index.

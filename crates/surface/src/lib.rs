@@ -43,6 +43,7 @@ mod height_field;
 mod histogram;
 mod iso25178;
 mod missing;
+mod numbers;
 mod numerics;
 mod psd;
 mod recipe;
@@ -66,6 +67,7 @@ pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_
 pub use histogram::Histogram;
 pub use iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
+pub use numbers::short;
 pub use psd::{
     EstimateError, GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable,
     SumPsd,

@@ -148,13 +148,14 @@ impl RawHeightMap {
         self.spacing_is_known
     }
 
-    /// The same heights at another spacing `[dx, dy]`.
+    /// The same heights at the spacing `[dx, dy]`. How the surface was generated is forgotten if that is another one.
     ///
     /// # Errors
     /// [`HeightFieldError::BadSpacing`] unless both are positive and finite.
     pub fn with_spacing(self, spacing: [f64; 2]) -> Result<Self, HeightFieldError> {
         check_grid(self.shape, spacing)?;
         Ok(Self {
+            provenance: self.provenance.filter(|_| self.spacing == spacing),
             spacing,
             spacing_is_known: true,
             ..self

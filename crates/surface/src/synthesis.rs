@@ -23,6 +23,7 @@ use rustfft::{Fft, FftPlanner};
 use self::filter::{Filter, Numbers};
 use self::noise::{Noise, Stream};
 use crate::height_field::check_grid;
+use crate::numbers::{short, short_below};
 use crate::{
     HeightField, HeightFieldError, LengthUnit, Provenance, Psd, StructureError, SurfaceRecipe,
     Unreached,
@@ -143,8 +144,11 @@ impl SynthesisError {
                 per_spacing,
                 largest_spacing,
             } => format!(
-                "the correlation length along {axis} is {length}{unit}, only {per_spacing:.2} spacings of {spacing}{unit}: \
-                 take a spacing of at most {largest_spacing}{unit}, or insist"
+                "the correlation length along {axis} is {}{unit}, only {per_spacing:.2} spacings of {}{unit}: \
+                 take a spacing of at most {}{unit}, or insist",
+                short(*length),
+                short(*spacing),
+                short_below(*largest_spacing),
             ),
             Self::UnresolvedWaves {
                 axis,
@@ -153,11 +157,12 @@ impl SynthesisError {
                 fewest,
                 largest_spacing,
             } => format!(
-                "waves shorter than {}{unit} along {axis} hold {} % of the slope variance, and a spacing of {spacing}{unit} resolves waves from {fewest} spacings on: \
+                "waves shorter than {}{unit} along {axis} hold {} % of the slope variance, and a spacing of {}{unit} resolves waves from {fewest} spacings on: \
                  take a spacing of at most {}{unit}, or insist",
-                to_six_digits(*wavelength),
+                short(*wavelength),
                 100.0 * UNRESOLVED_SLOPES,
-                to_six_digits(*largest_spacing),
+                short(*spacing),
+                short_below(*largest_spacing),
             ),
             Self::TooSmallTile {
                 axis,
@@ -166,8 +171,10 @@ impl SynthesisError {
                 per_length,
                 fewest_samples,
             } => format!(
-                "the tile is {side}{unit} long along {axis}, only {per_length:.2} correlation lengths of {length}{unit}: \
-                 take at least {fewest_samples} samples along {axis} at this spacing, or insist"
+                "the tile is {}{unit} long along {axis}, only {per_length:.2} correlation lengths of {}{unit}: \
+                 take at least {fewest_samples} samples along {axis} at this spacing, or insist",
+                short(*side),
+                short(*length),
             ),
             Self::TooManySamples { nx, ny } => format!(
                 "{nx} x {ny} samples are more than the {MAX_SAMPLES} that one surface may have"
@@ -496,13 +503,6 @@ fn check_resolution(
         }
     }
     Ok(())
-}
-
-/// A length that was computed, to six digits, rounded down so that what is allowed is.
-fn to_six_digits(length: f64) -> f64 {
-    let scale = 10_f64.powi(5 - length.abs().log10().floor() as i32);
-    let rounded = (length * scale).floor() / scale;
-    if rounded.is_finite() { rounded } else { length }
 }
 
 /// An empty vector with room for `len`, or an error where `Vec::with_capacity` would abort.

@@ -19,7 +19,8 @@
 //! - the comments of Gwyddion (`# Width: 50 um`, `# Height: 50 um`, `# Value units: nm`): [`gwyddion`];
 //! - the grid of a terrain (`ncols`, `nrows`, `cellsize`, `NODATA_value`): [`esri`].
 //!
-//! Three numbers in each row are a list of points x, y, z where x and y lie on a regular grid: [`points`].
+//! Three numbers in each row are a list of points x, y, z where x and y lie on a regular grid, and always in files that
+//! end in .xyz: [`points`].
 
 mod esri;
 mod gwyddion;
@@ -158,11 +159,15 @@ impl Matrix {
             map.unit = unit;
             return Ok(map);
         }
-        if columns == 3
-            && self.claim() == [None, None]
-            && let Some(list) = points::map_of(path, &self.heights)?
-        {
-            return Ok(list);
+        if self.claim() == [None, None] {
+            if columns == 3
+                && let Some(list) = points::map_of(path, &self.heights)?
+            {
+                return Ok(list);
+            }
+            if points::is_named_as_list(path) {
+                return Err(points::wrong_columns(path, columns));
+            }
         }
         Ok(map(self.heights, spacing)?.with_assumed_spacing())
     }

@@ -1,15 +1,18 @@
 //! `[surface]`: spectra and distributions of heights that come from files.
 
+mod source;
+
 use std::path::{Path, PathBuf};
 
 use asperity_analysis::fnv1a;
-use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table};
+use asperity_io::{NumberTable, ReadError, read_number_table};
 use asperity_surface::{
-    Border, EstimateError, HeightField, HeightTable, HeightTableError, LengthUnit, MissingError,
-    MissingPolicy, Psd, PsdError, RadialTable,
+    EstimateError, HeightTable, HeightTableError, LengthUnit, MissingError, Psd, PsdError,
+    RadialTable,
 };
 use serde::Serialize;
 
+use self::source::Source;
 use super::surface::SurfaceConfig;
 use super::surface_choices::HeightsChoice;
 
@@ -69,6 +72,21 @@ pub enum SurfaceFileError {
         /// Why.
         error: EstimateError,
     },
+    /// A height map has too few samples for a spectrum.
+    #[error(
+        "{}: {nx} x {ny} samples are too few for a spectrum or a distribution; at least {least} x {least} are needed",
+        path.display()
+    )]
+    FewSamples {
+        /// The file.
+        path: PathBuf,
+        /// Samples along x.
+        nx: usize,
+        /// Samples along y.
+        ny: usize,
+        /// Fewest samples along each side.
+        least: usize,
+    },
     /// The numbers of a table do not make a valid distribution.
     #[error("{}: {error}", path.display())]
     Heights {
@@ -89,22 +107,18 @@ pub enum SurfaceFileError {
 
 impl SurfaceConfig {
     /// Reads the files that `psd` and `heights` name, if they do. A surface without a unit takes that of a height map; tables are in the unit
-    /// of the surface.
+    /// of the surface. Returns what a reader of the results should know about height maps.
     ///
     /// # Errors
     /// [`SurfaceFileError`].
-    pub fn read_files(&mut self) -> Result<(), SurfaceFileError> {
+    pub fn read_files(&mut self) -> Result<Vec<String>, SurfaceFileError> {
+        let mut notes = Vec::new();
         if let Some(path) = self.psd.file().map(Path::to_owned) {
             let psd = match like(&path) {
-                Some(map) => {
-                    let field = self.read_map(map)?;
-                    let path = map.to_owned();
-                    Psd::like(&field).map_err(|error| SurfaceFileError::Estimate { path, error })?
-                }
+                Some(map) => self.read_map(map, &mut notes)?.psd,
                 None => {
                     let names = "gaussian, exponential, matern and power-law";
-                    let table = read_table("--psd", names, &path)?;
-                    psd_of(&table)?
+                    psd_of(&read_table("--psd", names, &path)?)?
                 }
             };
             self.files.hashes.push(hash_of(&psd));
@@ -114,39 +128,35 @@ impl SurfaceConfig {
         if let Some(path) = heights.map(Path::to_owned) {
             let heights = match like(&path) {
                 Some(map) => {
-                    let field = self.read_map(map)?;
+                    let field = self.read_map(map, &mut notes)?.field;
                     let path = map.to_owned();
                     HeightTable::like(&field)
                         .map_err(|error| SurfaceFileError::Heights { path, error })?
                 }
-                None => {
-                    let table = read_table("--heights", "gaussian", &path)?;
-                    heights_of(&table)?
-                }
+                None => heights_of(&read_table("--heights", "gaussian", &path)?)?,
             };
             self.files.hashes.push(hash_of(&heights));
             self.files.heights = Some(heights);
         }
-        Ok(())
+        Ok(notes)
     }
 
-    /// A height map in the unit of the surface, its missing points filled.
-    fn read_map(&mut self, path: &Path) -> Result<HeightField, SurfaceFileError> {
-        let mut raw = read_height_map(path)?;
+    /// A height map in the unit of the surface. Adds its notes, those of one map once.
+    fn read_map(
+        &mut self,
+        path: &Path,
+        notes: &mut Vec<String>,
+    ) -> Result<Source, SurfaceFileError> {
+        let source = Source::read(path, self.unit)?;
         if self.unit == LengthUnit::Arbitrary {
-            self.unit = raw.unit;
-        } else if raw.unit == LengthUnit::Arbitrary {
-            raw.unit = self.unit;
+            self.unit = source.field.unit();
         }
-        let failed = |error| SurfaceFileError::Missing {
-            path: path.to_owned(),
-            error,
-        };
-        let raw = raw
-            .in_unit(self.unit)
-            .map_err(|error| failed(error.into()))?;
-        raw.into_height_field(MissingPolicy::Fill, Border::Open)
-            .map_err(failed)
+        for note in &source.notes {
+            if !notes.contains(note) {
+                notes.push(note.clone());
+            }
+        }
+        Ok(source)
     }
 }
 

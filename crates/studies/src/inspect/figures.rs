@@ -3,7 +3,7 @@
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, LogCurves, PlotError, Point, Style};
 use asperity_surface::LengthUnit;
 
-use super::{Texture, normal};
+use super::{Texture, ggx, normal};
 
 /// Names of all figures but the map.
 pub(super) const NAMES: [&str; 4] = ["psd", "autocorrelation", "heights", "slopes"];
@@ -105,7 +105,6 @@ impl Texture {
         let found = |of: &asperity_surface::Histogram| -> Vec<Point> {
             of.middles().map(|(x, y)| Point::exact(x, y)).collect()
         };
-        let mean_square = 0.5 * (self.mean_square_slopes[0] + self.mean_square_slopes[1]);
         let outside = x.outside.max(y.outside);
         let notes = match outside > 0.0 {
             true => vec![format!("Steeper: up to {outside:.1e} of the facets.")],
@@ -116,13 +115,38 @@ impl Texture {
             subtitle: name.to_owned(),
             x: axis("slope"),
             y: axis("probability density"),
-            curves: vec![
-                line("along x", 0, found(x)),
-                line("along y", 1, found(y)),
-                beside("normal, mean of both", [x.lowest, -x.lowest], mean_square),
-            ],
+            curves: [("along x", found(x)), ("along y", found(y))]
+                .into_iter()
+                .enumerate()
+                .map(|(axis, (name, points))| of_axis(name, axis, 0, points))
+                .chain(self.slope_densities(x.lowest))
+                .collect(),
             notes,
         }
+    }
+
+    /// Densities to compare slopes with, from `lowest` to its opposite: normal ones, and those of GGX where they were requested.
+    fn slope_densities(&self, lowest: f64) -> Vec<Curve> {
+        let mut curves = Vec::new();
+        for (axis, mean_square) in self.mean_square_slopes.into_iter().enumerate() {
+            let name = ["normal, same rms along x", "normal, same rms along y"][axis];
+            if mean_square > 0.0 {
+                let points = sampled([lowest, -lowest], |slope| normal(slope, mean_square));
+                curves.push(of_axis(name, axis, 2, points));
+            }
+        }
+        let Some(alpha) = self.ggx_alpha else {
+            return curves;
+        };
+        let names = match alpha[0] == alpha[1] {
+            true => vec!["GGX, requested"],
+            false => vec!["GGX, requested along x", "GGX, requested along y"],
+        };
+        for (axis, name) in names.into_iter().enumerate() {
+            let points = sampled([lowest, -lowest], |slope| ggx(slope, alpha[axis]));
+            curves.push(of_axis(name, 2 + axis, 1, points));
+        }
+        curves
     }
 
     /// The unit as labels have it.
@@ -151,14 +175,29 @@ fn line(name: &str, number: usize, points: Vec<Point>) -> Curve {
     }
 }
 
+/// A line in the colour of an axis, with a dash pattern for what it is.
+fn of_axis(name: &str, axis: usize, dashes: usize, points: Vec<Point>) -> Curve {
+    Curve {
+        name: name.to_owned(),
+        colour: Colour::Nth(axis),
+        style: Style::Line(dashes),
+        points,
+    }
+}
+
 /// The normal density, as a value to compare with.
-fn beside(name: &str, [from, to]: [f64; 2], mean_square: f64) -> Curve {
-    let at = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
-    let point = |i: usize| Point::exact(at(i), normal(at(i), mean_square));
+fn beside(name: &str, range: [f64; 2], mean_square: f64) -> Curve {
     Curve {
         name: name.to_owned(),
         colour: Colour::Nth(0),
         style: Style::Guide,
-        points: (0..=STEPS).map(point).collect(),
+        points: sampled(range, |value| normal(value, mean_square)),
     }
+}
+
+/// Points of a smooth curve.
+fn sampled([from, to]: [f64; 2], density: impl Fn(f64) -> f64) -> Vec<Point> {
+    let at = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
+    let point = |i: usize| Point::exact(at(i), density(at(i)));
+    (0..=STEPS).map(point).collect()
 }

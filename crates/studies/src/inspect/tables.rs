@@ -2,7 +2,7 @@
 
 use asperity_surface::LengthUnit;
 
-use super::{SpectrumRow, Texture, normal};
+use super::{SpectrumRow, Texture, ggx, normal};
 use crate::output::{Column, Table, unit_of_lengths};
 
 /// A lag in whole samples.
@@ -171,6 +171,8 @@ impl Texture {
         let [xx, yy] = self.mean_square_slopes;
         let beside =
             |slope: f64, mean_square: f64| (mean_square > 0.0).then(|| normal(slope, mean_square));
+        let alpha = self.ggx_alpha;
+        let requested = move |slope: f64, axis: usize| alpha.map(|alpha| ggx(slope, alpha[axis]));
         Table::new()
             .column(Column::new(
                 "slope",
@@ -196,6 +198,16 @@ impl Texture {
                 "normal_y",
                 "normal density of the root mean square slope along y",
                 move |row: &SlopeRow| beside(row.slope, yy),
+            ))
+            .column(Column::new(
+                "ggx_x",
+                "density of GGX along x, requested of a surface generated with such slopes",
+                move |row: &SlopeRow| requested(row.slope, 0),
+            ))
+            .column(Column::new(
+                "ggx_y",
+                "density of GGX along y, requested of a surface generated with such slopes",
+                move |row: &SlopeRow| requested(row.slope, 1),
             ))
     }
 

@@ -93,3 +93,47 @@ fn a_flat_surface_is_refused() {
     let flat = HeightField::new(vec![1.0; 9], [3, 3], [1.0, 1.0]).unwrap();
     assert!(matches!(Texture::of(&flat), Err(InspectError::Flat)));
 }
+
+/// GGX in polar coordinates is `2 t dt / (1 + t^2)^2` of `t` over alpha; here it is integrated over lines across the x axis instead.
+#[test]
+fn slopes_of_ggx_along_an_axis_are_those_of_the_plane() {
+    let alpha = 0.3;
+    let in_plane = |x: f64, y: f64| {
+        let square = 1.0 + (x * x + y * y) / (alpha * alpha);
+        1.0 / (PI * alpha * alpha * square * square)
+    };
+    for x in [0.0, 0.2, 1.5] {
+        // y = tan(u) makes the range finite
+        let n = 20_000;
+        let at = |i: i32| {
+            let u = PI * ((f64::from(i) + 0.5) / f64::from(n) - 0.5);
+            in_plane(x, u.tan()) / u.cos().powi(2)
+        };
+        let expected = (0..n).map(at).sum::<f64>() * PI / f64::from(n);
+        assert!((ggx(x, alpha) / expected - 1.0).abs() < 1e-6, "{x}");
+    }
+}
+
+#[test]
+fn the_density_of_ggx_is_in_the_table_where_it_was_requested() {
+    let table = |field: &HeightField| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("slopes.csv");
+        let texture = Texture::of(field).unwrap();
+        texture
+            .slopes_table()
+            .write_csv(&path, texture.slopes())
+            .unwrap();
+        read_text(&path).unwrap()
+    };
+    let student = asperity_surface::StudentSlopes::new(Psd::gaussian(0.5, 4.0).unwrap(), 2.0);
+    let recipe = student.unwrap().into();
+    let resolution = asperity_surface::Resolution::Any;
+    let synthesis =
+        asperity_surface::FieldSynthesis::new(recipe, [64, 64], [1.0, 1.0], resolution).unwrap();
+    let text = table(&synthesis.draw(1, 0).unwrap());
+    // 1 / (2 alpha) at zero, with alpha = 2 sigma / tau
+    let middle = column(&text, "ggx_x")[60];
+    assert!((middle / 2.0 - 1.0).abs() < 1e-12, "{middle}");
+    assert_eq!(column(&table(&drawn()), "ggx_x").len(), 0);
+}

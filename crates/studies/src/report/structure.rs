@@ -48,5 +48,9 @@ pub(super) fn structure_table(structure: &RealisedStructure, unit: LengthUnit) -
             unit = unit.suffix()
         )
     });
-    table + &lattice.unwrap_or_default()
+    let vertical = match structure.has_vertical_edges {
+        true => "edges are vertical: the mean square slope of the continuous surface is infinite\n",
+        false => "",
+    };
+    table + &lattice.unwrap_or_default() + vertical
 }

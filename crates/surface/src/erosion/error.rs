@@ -1,6 +1,7 @@
 //! Erosion error: why a surface cannot be eroded.
 
 use crate::HeightFieldError;
+use crate::numbers::{short, short_below};
 
 /// Largest depth of etching in spacings, the finer of both axes: the work grows with its square.
 pub const MAX_ETCH_SPACINGS: f64 = 64.0;
@@ -17,7 +18,9 @@ pub enum ErosionError {
     BadDepth(f64),
     /// The depth of etching spans too many spacings.
     #[error(
-        "the depth of etching, {depth}, is more than {MAX_ETCH_SPACINGS} spacings; up to {most} is allowed on this grid"
+        "the depth of etching, {}, is more than {MAX_ETCH_SPACINGS} spacings; up to {} is allowed on this grid",
+        short(*depth),
+        short_below(*most)
     )]
     TooDeep {
         /// The depth, length units.

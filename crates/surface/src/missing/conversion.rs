@@ -102,6 +102,15 @@ mod tests {
     }
 
     #[test]
+    fn another_spacing_forgets_how_a_surface_was_generated() {
+        let map = map(LengthUnit::Metre);
+        let same = map.clone().with_spacing(map.spacing).unwrap();
+        assert!(same.provenance.is_some());
+        let other = map.with_spacing([0.5, 4.0]).unwrap();
+        assert!(other.provenance.is_none());
+    }
+
+    #[test]
     fn rows_are_reversed() {
         let flipped = map(LengthUnit::Metre).flipped();
         assert!(flipped.heights[1].is_nan() && flipped.provenance.is_none());

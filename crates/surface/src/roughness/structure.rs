@@ -10,11 +10,15 @@ pub struct RealisedStructure {
     /// Highest to lowest point, length units; without roughness on top.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<Expectation>,
-    /// Fraction of the samples that features cover; of structures in or on a plane, without roughness on top.
+    /// Fraction of the samples that features cover; of structures in or on a plane, without roughness on top. Left out of pyramids that touch,
+    /// where samples on the edges between them lie in the plane.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<Expectation>,
     /// Mean of the squared gradient over both axes together, of the facets.
     pub mean_square_slope: Expectation,
+    /// Whether features meet the plane at right angles, as hemispheres do: the mean square slope of the continuous surface is infinite.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub has_vertical_edges: bool,
     /// Period of grooves, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period: Option<Expectation>,
@@ -52,6 +56,7 @@ impl RealisedStructure {
             (Structure::Grooves(grooves), Some(found)) => Some((grooves, found)),
             _ => None,
         };
+        let square_slope_expected = of_structure.mean_square_slope;
         let adjusted = |requested: f64, realised: f64| Expectation {
             expected: Some(requested),
             realised,
@@ -61,20 +66,38 @@ impl RealisedStructure {
                 expected: of_structure.depth,
                 realised: height,
             }),
-            coverage: (is_bare && grooves.is_none()).then(|| Expectation {
-                expected: of_structure.coverage,
-                realised: coverage_of(field, &structure),
-            }),
+            coverage: (is_bare && grooves.is_none() && !touches(&structure, &synthesis)).then(
+                || Expectation {
+                    expected: of_structure.coverage,
+                    realised: coverage_of(field, &structure),
+                },
+            ),
             mean_square_slope: Expectation {
-                expected: of_structure.mean_square_slope.map(|slope| slope + added),
+                expected: square_slope_expected
+                    .map(|slope| slope + added)
+                    .filter(|slope| slope.is_finite()),
                 realised: square_slope,
             },
+            has_vertical_edges: square_slope_expected == Some(f64::INFINITY),
             period: grooves.map(|(grooves, [period, _])| adjusted(grooves.width, period)),
             azimuth_degrees: grooves.map(|(grooves, [_, azimuth])| {
                 adjusted(grooves.azimuth.to_degrees(), azimuth.to_degrees())
             }),
             pitches: synthesis.pitches(),
         })
+    }
+}
+
+/// Whether the bases of pyramids on a lattice share their sides.
+fn touches(structure: &Structure, synthesis: &StructureSynthesis) -> bool {
+    match structure {
+        Structure::Pyramids(pyramids) | Structure::Inverted(pyramids) => {
+            let touching = pyramids.width * (1.0 + 1e-9);
+            synthesis
+                .pitches()
+                .is_some_and(|pitches| pitches.iter().any(|pitch| *pitch <= touching))
+        }
+        _ => false,
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::limits;
+use crate::numbers::{short, short_below};
 use crate::{HeightFieldError, LengthUnit};
 
 /// Why a structured surface cannot be made.
@@ -102,9 +103,13 @@ impl fmt::Display for Allowed {
         match self {
             Self::Finite => f.write_str("finite"),
             Self::Positive => f.write_str("positive and finite"),
-            Self::FromTo(least, most) => write!(f, "from {least} to {most}"),
-            Self::FromBelow(least, most) => write!(f, "from {least} to below {most}"),
-            Self::Up(most) => write!(f, "above 0, up to {most}"),
+            Self::FromTo(least, most) => {
+                write!(f, "from {} to {}", short(*least), short_below(*most))
+            }
+            Self::FromBelow(least, most) => {
+                write!(f, "from {} to below {}", short(*least), short(*most))
+            }
+            Self::Up(most) => write!(f, "above 0, up to {}", short_below(*most)),
         }
     }
 }
@@ -126,15 +131,21 @@ impl StructureError {
                 name,
                 value,
                 allowed,
-            } => format!("the {name} of {structure} is {value}; it must be {allowed}"),
+            } => format!(
+                "the {name} of {structure} is {}; it must be {allowed}",
+                short(*value)
+            ),
             Self::Unresolved {
                 width,
                 spacing,
                 largest_spacing,
             } => format!(
-                "a feature is {width}{unit} wide, less than {} spacings of {spacing}{unit}: take a \
-                 spacing of at most {largest_spacing}{unit}, or insist",
-                limits::MIN_SPACINGS_PER_WIDTH
+                "a feature is {}{unit} wide, less than {} spacings of {}{unit}: take a \
+                 spacing of at most {}{unit}, or insist",
+                short(*width),
+                limits::MIN_SPACINGS_PER_WIDTH,
+                short(*spacing),
+                short_below(*largest_spacing),
             ),
             Self::NoWholePeriods {
                 axis,
@@ -143,14 +154,16 @@ impl StructureError {
                 nearest: [below, above],
             } => {
                 let sides = if *below > 0.0 {
-                    format!("{below:.6}{unit} or {above:.6}{unit}")
+                    format!("{}{unit} or {}{unit}", short(*below), short(*above))
                 } else {
-                    format!("{above:.6}{unit}")
+                    format!("{}{unit}", short(*above))
                 };
                 format!(
-                    "the tile is {side}{unit} long along {axis} and holds {:.2} periods of {period:.6}{unit}; \
+                    "the tile is {}{unit} long along {axis} and holds {:.2} periods of {}{unit}; \
                      a whole number would change the period by more than {} %: take a side of {sides}",
+                    short(*side),
                     side / period,
+                    short(*period),
                     100.0 * limits::MAX_ADJUSTMENT
                 )
             }
@@ -158,11 +171,14 @@ impl StructureError {
                 period,
                 nearest_period,
             } if nearest_period.is_finite() => format!(
-                "no grooves of period {period}{unit} in this direction repeat with the tile; the nearest \
-                 that do, of period {nearest_period:.6}{unit}, are off by more than {} %: take a larger tile",
+                "no grooves of period {}{unit} in this direction repeat with the tile; the nearest \
+                 that do, of period {}{unit}, are off by more than {} %: take a larger tile",
+                short(*period),
+                short(*nearest_period),
                 100.0 * limits::MAX_ADJUSTMENT
             ),
             Self::NoNearbyGrooves { period, .. } => {
+                let period = short(*period);
                 format!("grooves of period {period}{unit} do not fit the tile: take a larger tile")
             }
             Self::ObliqueRandomGrooves => {

@@ -198,3 +198,22 @@ fn grids_of_terrain_have_their_cell_size_and_missing_points() {
     let field = map.into_height_field(MissingPolicy::Fill, Border::Open);
     assert_eq!(field.unwrap().spacing(), [2.0, 3.0]);
 }
+
+#[test]
+fn files_named_as_lists_of_points_are_lists_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        crate::read_height_map(path)
+    };
+    let square = "0 0 1\n1 0 2\n0 1 3\n1 1 4\n";
+    assert_eq!(read("square.xyz", square).unwrap().shape(), [2, 2]);
+    // One place twice
+    let twice = format!("{square}1 1 5\n");
+    let error = read("twice.XYZ", &twice).unwrap_err().to_string();
+    assert!(error.contains("points x, y, z"), "{error}");
+    assert_eq!(read("twice.txt", &twice).unwrap().shape(), [5, 3]);
+    let error = read("matrix.xyz", "1 2\n3 4\n").unwrap_err().to_string();
+    assert!(error.contains("have 2 numbers, but three"), "{error}");
+}

@@ -57,8 +57,27 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         height_unit: METRE,
         shape: [rows, columns],
         spacing: Some(spacing),
-        notes: Vec::new(),
+        notes: file
+            .note_on_end(end_of_texture(file, &tags))
+            .into_iter()
+            .collect(),
     })
+}
+
+/// Where the picture ends that may follow the depth image; 0 if there is none. It has planes of a byte for each point, rows filled up like
+/// those of the depth image.
+fn end_of_texture(file: &Bytes<'_>, tags: &Fields) -> u64 {
+    let whole = |name| tags.whole(file, name).ok();
+    let counts = ["TextureImageOffset", "NumberOfPlanes", "Rows", "Cols"].map(whole);
+    let [Some(at), Some(planes), Some(rows), Some(columns)] = counts else {
+        return 0;
+    };
+    if at == 0 {
+        return 0;
+    }
+    let row = columns.saturating_add(7) / 8 * 8;
+    let size = row.saturating_mul(rows).saturating_mul(planes);
+    at.saturating_add(size)
 }
 
 fn tags(file: &Bytes<'_>) -> Result<Fields, ReadError> {

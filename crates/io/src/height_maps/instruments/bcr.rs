@@ -10,6 +10,7 @@ use super::fields::{Fields, refuse};
 use super::measured::{Length, Measured, unit_of_length};
 use crate::error::ReadError;
 use crate::height_maps::samples::SampleKind;
+use crate::height_maps::unit::PowerOfMetre;
 
 /// Characters of a header that does not say.
 const DEFAULT_HEADER: usize = 2048;
@@ -21,71 +22,100 @@ const MISSING_SINGLE: f64 = 1.7e38;
 
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     let encoding = Encoding::of(file.all);
-    let fields = encoding.fields(file, DEFAULT_HEADER)?;
-    let size = match fields.get("headersize") {
-        Some(text) => {
-            let size = fields.whole(file, "headersize")?;
-            if size > MAX_HEADER {
-                return Err(refuse(file, "headersize", text, "at most 65536"));
-            }
-            size as usize
-        }
-        None => DEFAULT_HEADER,
-    };
+    let size = header_size(file, &encoding.fields(file, DEFAULT_HEADER)?)?;
     let fields = encoding.fields(file, size)?;
-
-    let format = fields.text(file, "fileformat")?;
-    let (kind, missing) = match format.trim_end_matches("_unicode") {
-        "bcrstm" => (SampleKind::I16, MISSING_WHOLE),
-        "bcrf" => (SampleKind::F32, MISSING_SINGLE),
-        _ => {
-            return Err(refuse(file, "fileformat", format, "bcrstm or bcrf"));
-        }
-    };
-    let step = if kind == SampleKind::I16 && fields.get("bit2nm").is_some() {
-        fields.number(file, "bit2nm")?
-    } else {
-        1.0
-    };
-    let order = match fields.get("intelmode") {
-        Some("0") => ByteOrder::Big,
-        _ => ByteOrder::Little,
-    };
+    let scale = HeightScale::of(file, &fields)?;
     let shape = [
         fields.whole(file, "ypixels")?,
         fields.whole(file, "xpixels")?,
     ];
-    let [ny, nx] = shape;
-    let unit = |name| unit_of_length(file, name, fields.get(name).unwrap_or("nm"));
-    let extent = |name, unit, count: u64| -> Result<Length, ReadError> {
-        let value = fields.number(file, name)? / count as f64;
-        Ok(Length { value, unit })
-    };
-    let spacing = [
-        extent("xlength", unit("xunit")?, nx)?,
-        extent("ylength", unit("yunit")?, ny)?,
-    ];
-    let height_unit = unit("zunit")?;
+    let spacing = spacing(file, &fields, shape)?;
 
+    let order = match fields.get("intelmode") {
+        Some("0") => ByteOrder::Big,
+        _ => ByteOrder::Little,
+    };
     let mut heights = file.in_order(order).samples(&Raster {
         shape,
-        kind,
+        kind: scale.kind,
         at: size * encoding.width(),
     })?;
-    for height in &mut heights {
-        *height = if *height >= missing {
-            f64::NAN
-        } else {
-            *height * step
-        };
-    }
+    scale.apply(&mut heights);
     Ok(Measured {
         heights,
-        height_unit,
+        height_unit: scale.unit,
         shape,
         spacing: Some(spacing),
         notes: Vec::new(),
     })
+}
+
+/// Characters of the header.
+fn header_size(file: &Bytes<'_>, fields: &Fields) -> Result<usize, ReadError> {
+    let Some(text) = fields.get("headersize") else {
+        return Ok(DEFAULT_HEADER);
+    };
+    let size = fields.whole(file, "headersize")?;
+    if size > MAX_HEADER {
+        return Err(refuse(file, "headersize", text, "at most 65536"));
+    }
+    Ok(size as usize)
+}
+
+/// The unit that the field `name` states.
+fn unit(file: &Bytes<'_>, fields: &Fields, name: &str) -> Result<PowerOfMetre, ReadError> {
+    unit_of_length(file, name, fields.get(name).unwrap_or("nm"))
+}
+
+/// Extents over counts.
+fn spacing(file: &Bytes<'_>, fields: &Fields, shape: [u64; 2]) -> Result<[Length; 2], ReadError> {
+    let axis = |extent, unit_name, count: u64| -> Result<Length, ReadError> {
+        Ok(Length {
+            value: fields.number(file, extent)? / count as f64,
+            unit: unit(file, fields, unit_name)?,
+        })
+    };
+    let [ny, nx] = shape;
+    Ok([axis("xlength", "xunit", nx)?, axis("ylength", "yunit", ny)?])
+}
+
+/// From numbers to heights.
+struct HeightScale {
+    kind: SampleKind,
+    step: f64,
+    unit: PowerOfMetre,
+    /// Least number of a missing point.
+    missing: f64,
+}
+
+impl HeightScale {
+    fn of(file: &Bytes<'_>, fields: &Fields) -> Result<Self, ReadError> {
+        let format = fields.text(file, "fileformat")?;
+        let (kind, missing) = match format.trim_end_matches("_unicode") {
+            "bcrstm" => (SampleKind::I16, MISSING_WHOLE),
+            "bcrf" => (SampleKind::F32, MISSING_SINGLE),
+            _ => return Err(refuse(file, "fileformat", format, "bcrstm or bcrf")),
+        };
+        let has_step = kind == SampleKind::I16 && fields.get("bit2nm").is_some();
+        Ok(Self {
+            kind,
+            step: match has_step {
+                true => fields.number(file, "bit2nm")?,
+                false => 1.0,
+            },
+            unit: unit(file, fields, "zunit")?,
+            missing,
+        })
+    }
+
+    fn apply(&self, numbers: &mut [f64]) {
+        for number in numbers {
+            *number = match *number >= self.missing {
+                true => f64::NAN,
+                false => *number * self.step,
+            };
+        }
+    }
 }
 
 /// How the letters of the header are written.

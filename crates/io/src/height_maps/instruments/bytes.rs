@@ -76,6 +76,16 @@ impl<'a> Bytes<'a> {
         ))
     }
 
+    /// The note for a file whose header lists parts up to the byte `end`, if it ends before.
+    pub(super) fn note_on_end(&self, end: u64) -> Option<String> {
+        let lacking = end.checked_sub(self.all.len() as u64)?;
+        (lacking > 0).then(|| {
+            format!(
+                "the file was shortened: it lacks {lacking} bytes of the parts that its header lists; all heights are there"
+            )
+        })
+    }
+
     /// The bytes of a number, lowest first.
     fn little<const N: usize>(&self, at: usize) -> Result<[u8; N], ReadError> {
         let mut bytes = [0; N];

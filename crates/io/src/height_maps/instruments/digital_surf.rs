@@ -2,7 +2,7 @@
 //!
 //! Little endian. A header of 512 bytes, a comment and a private zone, then whole numbers of 16 or 32 bits, row by
 //! row from the top; in a compressed file a table of streams in their place. Heights are `number * dz + offset`.
-//! A number below the least height that the header states is a missing point (Mountains writes that height less 2).
+//! Where the header says that points are missing, they are the least number that it states, less 2.
 
 use std::io::Read;
 
@@ -12,6 +12,7 @@ use super::bytes::{Bytes, Raster};
 use super::measured::{Length, Measured, reverse_rows, unit_of_length};
 use crate::error::ReadError;
 use crate::height_maps::samples::SampleKind;
+use crate::height_maps::unit::PowerOfMetre;
 use crate::limits::{COMPRESSION_LIMIT, check_packed_claim, room};
 
 /// Length of the header.
@@ -22,10 +23,73 @@ const MAX_STREAMS: u32 = 1024;
 const SURFACES: [u16; 6] = [1, 2, 5, 8, 11, 16];
 
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
-    file.check_header(HEADER)?;
-    let objects = file.u16(14)?;
-    let version = file.u16(16)?;
-    let content = file.u16(18)?;
+    let header = Header::read(file)?;
+    let mut heights = match header.is_compressed {
+        true => unpacked(file, &header.raster)?,
+        false => file.samples(&header.raster)?,
+    };
+    header.scale.apply(&mut heights);
+    let shape = header.raster.shape;
+    let mut notes = Vec::new();
+    if header.objects > 1 {
+        notes.push(format!("the first of {} objects is read", header.objects));
+    }
+    notes.extend(turn_back(header.inversion, shape[1] as usize, &mut heights));
+    Ok(Measured {
+        heights,
+        height_unit: header.scale.unit,
+        shape,
+        spacing: Some(header.spacing),
+        notes,
+    })
+}
+
+/// What the header states.
+struct Header {
+    is_compressed: bool,
+    objects: u16,
+    raster: Raster,
+    spacing: [Length; 2],
+    scale: HeightScale,
+    inversion: u16,
+}
+
+impl Header {
+    fn read(file: &Bytes<'_>) -> Result<Self, ReadError> {
+        file.check_header(HEADER)?;
+        check_kind(file)?;
+        let unit = |what: &str, at| unit_of_length(file, what, &file.text(at, 16)?);
+        let axis = |what: &str, step_at, unit_at| -> Result<Length, ReadError> {
+            Ok(Length {
+                value: file.f32(step_at)?,
+                unit: unit(what, unit_at)?,
+            })
+        };
+        let comment = usize::from(file.u16(334)?);
+        let private_zone = usize::from(file.u16(336)?);
+        Ok(Self {
+            is_compressed: file.all.starts_with(b"DSCOMPRESSED"),
+            objects: file.u16(14)?,
+            raster: Raster {
+                kind: kind_of_numbers(file)?,
+                shape: [count(file, "rows", 112)?, count(file, "columns", 108)?],
+                at: HEADER + comment + private_zone,
+            },
+            spacing: [axis("x", 120, 180)?, axis("y", 124, 196)?],
+            scale: HeightScale {
+                step: file.f32(128)?,
+                offset: file.f32(474)?,
+                unit: unit("z", 212)?,
+                missing: (file.u16(86)? == 1).then_some(f64::from(file.i32(100)?) - 2.0),
+            },
+            inversion: file.u16(290)?,
+        })
+    }
+}
+
+/// Refuses other versions and what is no surface.
+fn check_kind(file: &Bytes<'_>) -> Result<(), ReadError> {
+    let [version, content] = [file.u16(16)?, file.u16(18)?];
     if version != 1 {
         return Err(file.unsupported(format_args!("its version is {version}, but 1 is needed")));
     }
@@ -34,66 +98,47 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
             "its content is of type {content}, but a surface is needed (types 1, 2, 5, 8, 11 and 16)"
         )));
     }
-    let kind = match file.u16(98)? {
-        16 => SampleKind::I16,
-        32 => SampleKind::I32,
-        bits => {
-            return Err(file.malformed(format_args!(
-                "its numbers have {bits} bits, but 16 or 32 are needed"
-            )));
-        }
-    };
-    let lowest = file.i32(100)?;
-    let positive = |name: &str, number: i32| {
-        u64::try_from(number).map_err(|_| {
-            file.malformed(format_args!(
-                "its number of {name} is {number}, which is negative"
-            ))
-        })
-    };
-    let columns = positive("columns", file.i32(108)?)?;
-    let rows = positive("rows", file.i32(112)?)?;
-    let [step_x, step_y, step_z] = [file.f32(120)?, file.f32(124)?, file.f32(128)?];
-    let unit = |what: &str, at| unit_of_length(file, what, &file.text(at, 16)?);
-    let [unit_x, unit_y, unit_z] = [unit("x", 180)?, unit("y", 196)?, unit("z", 212)?];
-    let inversion = file.u16(290)?;
-    let at = HEADER + usize::from(file.u16(334)?) + usize::from(file.u16(336)?);
-    let offset = file.f32(474)?;
+    Ok(())
+}
 
-    let raster = Raster {
-        shape: [rows, columns],
-        kind,
-        at,
-    };
-    let mut heights = if file.all.starts_with(b"DSCOMPRESSED") {
-        unpacked(file, &raster)?
-    } else {
-        file.samples(&raster)?
-    };
-    let has_missing = file.u16(86)? == 1;
-    let missing = f64::from(lowest) - 2.0;
-    for height in &mut heights {
-        *height = if has_missing && *height == missing {
-            f64::NAN
-        } else {
-            *height * step_z + offset
-        };
+fn kind_of_numbers(file: &Bytes<'_>) -> Result<SampleKind, ReadError> {
+    match file.u16(98)? {
+        16 => Ok(SampleKind::I16),
+        32 => Ok(SampleKind::I32),
+        bits => Err(file.malformed(format_args!(
+            "its numbers have {bits} bits, but 16 or 32 are needed"
+        ))),
     }
+}
 
-    let mut notes = Vec::new();
-    if objects > 1 {
-        notes.push(format!("the first of {objects} objects is read"));
-    }
-    notes.extend(turn_back(inversion, columns as usize, &mut heights));
-    Ok(Measured {
-        heights,
-        height_unit: unit_z,
-        shape: [rows, columns],
-        spacing: Some(
-            [(step_x, unit_x), (step_y, unit_y)].map(|(value, unit)| Length { value, unit }),
-        ),
-        notes,
+/// A number of rows or columns.
+fn count(file: &Bytes<'_>, what: &str, at: usize) -> Result<u64, ReadError> {
+    let number = file.i32(at)?;
+    u64::try_from(number).map_err(|_| {
+        file.malformed(format_args!(
+            "its number of {what} is {number}, which is negative"
+        ))
     })
+}
+
+/// From numbers to heights.
+struct HeightScale {
+    step: f64,
+    offset: f64,
+    unit: PowerOfMetre,
+    /// The number of missing points, if there are any.
+    missing: Option<f64>,
+}
+
+impl HeightScale {
+    fn apply(&self, numbers: &mut [f64]) {
+        for number in numbers {
+            *number = match Some(*number) == self.missing {
+                true => f64::NAN,
+                false => *number * self.step + self.offset,
+            };
+        }
+    }
 }
 
 /// Undoes the inversion that the header states.

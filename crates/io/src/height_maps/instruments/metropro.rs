@@ -17,6 +17,38 @@ const MISSING: f64 = 2_147_483_640.0;
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     let file = &file.in_order(ByteOrder::Big);
     file.check_header(HEADER)?;
+    let raster = raster(file)?;
+    let mut step = height_step(file)?;
+    let mut notes = Vec::new();
+    if file.i16(232)? != 0 {
+        step = -step;
+        notes.push("the header states an inverted phase: heights change sign".to_owned());
+    }
+    let pixel = file.f32(184)?;
+    let spacing = Length {
+        value: pixel,
+        unit: METRE,
+    };
+
+    let mut heights = file.samples(&raster)?;
+    for height in &mut heights {
+        *height = if *height >= MISSING {
+            f64::NAN
+        } else {
+            *height * step
+        };
+    }
+    Ok(Measured {
+        heights,
+        height_unit: METRE,
+        shape: raster.shape,
+        spacing: (pixel != 0.0).then_some([spacing; 2]),
+        notes,
+    })
+}
+
+/// The phase, which follows the header and the intensities.
+fn raster(file: &Bytes<'_>) -> Result<Raster, ReadError> {
     let header = file.u32(6)? as usize;
     let intensity = file.u32(60)? as usize;
     let [columns, rows] = [file.u16(68)?, file.u16(70)?].map(u64::from);
@@ -29,6 +61,15 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
             "its heights take {size} bytes, but {columns} x {rows} numbers of 4 bytes are needed"
         )));
     }
+    Ok(Raster {
+        shape: [rows, columns],
+        kind: SampleKind::I32,
+        at: header.saturating_add(intensity),
+    })
+}
+
+/// Metres for each step of the phase.
+fn height_step(file: &Bytes<'_>) -> Result<f64, ReadError> {
     let resolution = match file.i16(218)? {
         0 => 4096.0,
         1 => 32768.0,
@@ -40,40 +81,11 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         }
     };
     let [scale, wavelength, obliquity] = [file.f32(164)?, file.f32(168)?, file.f32(176)?];
-    let mut step = scale * obliquity * wavelength / resolution;
-    if !(step.is_finite() && step != 0.0) {
-        return Err(file.malformed(format_args!(
-            "its scale factor {scale}, obliquity {obliquity} and wavelength {wavelength} m give no height"
-        )));
+    let step = scale * obliquity * wavelength / resolution;
+    if step.is_finite() && step != 0.0 {
+        return Ok(step);
     }
-    let mut notes = Vec::new();
-    if file.i16(232)? != 0 {
-        step = -step;
-        notes.push("the header states an inverted phase: heights change sign".to_owned());
-    }
-    let pixel = file.f32(184)?;
-    let spacing = Length {
-        value: pixel,
-        unit: METRE,
-    };
-
-    let mut heights = file.samples(&Raster {
-        shape: [rows, columns],
-        kind: SampleKind::I32,
-        at: header.saturating_add(intensity),
-    })?;
-    for height in &mut heights {
-        *height = if *height >= MISSING {
-            f64::NAN
-        } else {
-            *height * step
-        };
-    }
-    Ok(Measured {
-        heights,
-        height_unit: METRE,
-        shape: [rows, columns],
-        spacing: (pixel != 0.0).then_some([spacing; 2]),
-        notes,
-    })
+    Err(file.malformed(format_args!(
+        "its scale factor {scale}, obliquity {obliquity} and wavelength {wavelength} m give no height"
+    )))
 }

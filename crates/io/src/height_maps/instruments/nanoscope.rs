@@ -58,7 +58,10 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         height_unit: scale.unit,
         shape,
         spacing: Some(spacing),
-        notes: note_on_channels(chosen, &names).into_iter().collect(),
+        notes: note_on_channels(chosen, &names)
+            .into_iter()
+            .chain(file.note_on_end(header.end_of_channels(file)))
+            .collect(),
     })
 }
 

@@ -26,6 +26,13 @@ struct Header {
     kind: u64,
 }
 
+/// Header, numbers and notes.
+struct Content {
+    header: Header,
+    heights: Vec<f64>,
+    notes: Vec<String>,
+}
+
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     let mark = file.text(0, MARK)?;
     let wide = match &mark[1..] {
@@ -38,7 +45,11 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
             )));
         }
     };
-    let (header, mut heights) = if mark.starts_with('a') {
+    let Content {
+        header,
+        mut heights,
+        notes,
+    } = if mark.starts_with('a') {
         text(file)?
     } else {
         binary(file, wide)?
@@ -55,12 +66,12 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         height_unit: METRE,
         shape: header.shape,
         spacing: Some([dx, dy].map(|value| Length { value, unit: METRE })),
-        notes: Vec::new(),
+        notes,
     })
 }
 
-/// Header and numbers of a text file.
-fn text(file: &Bytes<'_>) -> Result<(Header, Vec<f64>), ReadError> {
+/// A text file.
+fn text(file: &Bytes<'_>) -> Result<Content, ReadError> {
     let after_mark = &file.all[MARK..];
     let searched = &after_mark[..after_mark.len().min(MAX_HEADER)];
     let Some(end) = searched.iter().position(|byte| *byte == b'*') else {
@@ -69,48 +80,46 @@ fn text(file: &Bytes<'_>) -> Result<(Header, Vec<f64>), ReadError> {
             "its header does not end in `*`",
         ));
     };
-    let fields = Fields::of_lines(&latin_1(&searched[..end]), &[]);
-    let header = Header {
-        shape: [
-            fields.whole(file, "NumProfiles")?,
-            fields.whole(file, "NumPoints")?,
-        ],
-        steps: [
-            fields.number(file, "Xscale")?,
-            fields.number(file, "Yscale")?,
-            fields.number(file, "Zscale")?,
-        ],
-        compression: match fields.get("Compression") {
-            Some(_) => fields.whole(file, "Compression")?,
-            None => 0,
-        },
-        kind: fields.whole(file, "DataType")?,
-    };
-    header.check(file)?;
-    let [ny, nx] = header.shape;
-    // A digit and a separator are the least size of a number
+    let header = Header::of_fields(file, &Fields::of_lines(&latin_1(&searched[..end]), &[]))?;
     let data = &after_mark[end + 1..];
-    check_claim(file.path, header.shape, 2, file.all.len() as u64)?;
-    let needed = ny * nx;
-    let data_end = data.iter().position(|byte| *byte == b'*');
-    let words = data[..data_end.unwrap_or(data.len())]
-        .split(u8::is_ascii_whitespace)
-        .filter(|word| !word.is_empty());
-    let mut heights = room(file.path, nx, ny)?;
-    let mut count = 0;
-    for word in words {
-        count += 1;
-        if count <= needed {
-            heights.push(number(file, word)?);
-        }
-    }
+    let end = data.iter().position(|byte| *byte == b'*');
+    let heights = numbers(file, header.shape, &data[..end.unwrap_or(data.len())])?;
     // The last number of a file that ends without `*` may be cut
-    if count < needed || data_end.is_none() {
+    let Some(end) = end else {
         return Err(ReadError::truncated(
             file.path,
-            format_args!(
-                "{nx} x {ny} numbers and a `*` were expected, but only {count} numbers are there"
-            ),
+            "its numbers do not end in `*`",
+        ));
+    };
+    let trailer = data[end + 1..].trim_ascii();
+    let is_cut = !trailer.is_empty() && !trailer.ends_with(b"*");
+    let note = "the file was shortened: its trailer does not end in `*`; all heights are there";
+    Ok(Content {
+        header,
+        heights,
+        notes: is_cut.then(|| note.to_owned()).into_iter().collect(),
+    })
+}
+
+/// The numbers in a text, as many as the grid needs.
+fn numbers(file: &Bytes<'_>, shape: [u64; 2], text: &[u8]) -> Result<Vec<f64>, ReadError> {
+    // A digit and a separator are the least size of a number
+    check_claim(file.path, shape, 2, file.all.len() as u64)?;
+    let [ny, nx] = shape;
+    let needed = ny * nx;
+    let mut numbers = room(file.path, nx, ny)?;
+    let mut count = 0;
+    let words = text.split(u8::is_ascii_whitespace);
+    for word in words.filter(|word| !word.is_empty()) {
+        count += 1;
+        if count <= needed {
+            numbers.push(number(file, word)?);
+        }
+    }
+    if count < needed {
+        return Err(ReadError::truncated(
+            file.path,
+            format_args!("{nx} x {ny} numbers were expected, but only {count} numbers are there"),
         ));
     }
     if count > needed {
@@ -118,7 +127,7 @@ fn text(file: &Bytes<'_>) -> Result<(Header, Vec<f64>), ReadError> {
             "{count} numbers were found, but {nx} x {ny} are needed"
         )));
     }
-    Ok((header, heights))
+    Ok(numbers)
 }
 
 fn number(file: &Bytes<'_>, word: &[u8]) -> Result<f64, ReadError> {
@@ -134,8 +143,8 @@ fn number(file: &Bytes<'_>, word: &[u8]) -> Result<f64, ReadError> {
     })
 }
 
-/// Header and numbers of a binary file, whose counts have 32 bits if `wide`, else 16.
-fn binary(file: &Bytes<'_>, wide: bool) -> Result<(Header, Vec<f64>), ReadError> {
+/// A binary file, whose counts have 32 bits if `wide`, else 16.
+fn binary(file: &Bytes<'_>, wide: bool) -> Result<Content, ReadError> {
     const COUNTS: usize = 42;
     let (columns, rows, at) = if wide {
         (file.u32(COUNTS)?, file.u32(COUNTS + 4)?, COUNTS + 8)
@@ -170,10 +179,36 @@ fn binary(file: &Bytes<'_>, wide: bool) -> Result<(Header, Vec<f64>), ReadError>
             *height = f64::NAN;
         }
     }
-    Ok((header, heights))
+    Ok(Content {
+        header,
+        heights,
+        notes: Vec::new(),
+    })
 }
 
 impl Header {
+    /// The header of a text file.
+    fn of_fields(file: &Bytes<'_>, fields: &Fields) -> Result<Self, ReadError> {
+        let header = Self {
+            shape: [
+                fields.whole(file, "NumProfiles")?,
+                fields.whole(file, "NumPoints")?,
+            ],
+            steps: [
+                fields.number(file, "Xscale")?,
+                fields.number(file, "Yscale")?,
+                fields.number(file, "Zscale")?,
+            ],
+            compression: match fields.get("Compression") {
+                Some(_) => fields.whole(file, "Compression")?,
+                None => 0,
+            },
+            kind: fields.whole(file, "DataType")?,
+        };
+        header.check(file)?;
+        Ok(header)
+    }
+
     fn check(&self, file: &Bytes<'_>) -> Result<(), ReadError> {
         if self.compression != 0 {
             return Err(file.unsupported("its heights are compressed"));

@@ -23,73 +23,73 @@ const ARRAY: i16 = 3;
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "OPD", "Raw", "SAMPLE_DATA"];
 
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
-    let blocks = directory(file)?;
-    let arrays: Vec<&Block> = blocks
-        .iter()
-        .filter(|b| b.kind == ARRAY && b.length > 0)
-        .collect();
-    let names: Vec<String> = arrays.iter().map(|block| block.name.clone()).collect();
-    let is_height = |name: &String| HEIGHTS.contains(&name.as_str());
-    let Some(chosen) = names.iter().position(is_height) else {
-        return Err(file.unsupported(format_args!(
-            "it has no array of heights ({})",
-            HEIGHTS.join(", ")
-        )));
-    };
-    let number = |name: &str| {
-        let block = blocks
-            .iter()
-            .find(|block| block.name == name && block.length > 0);
-        block.map(|block| block.number(file)).transpose()
-    };
-    let wavelength = number("Wavelength")?
-        .ok_or_else(|| file.malformed("it has no block `Wavelength`, which scales its heights"))?;
-    let step = wavelength / number("Mult")?.unwrap_or(1.0);
-    if !(step.is_finite() && step > 0.0) {
-        return Err(file.malformed(format_args!(
-            "its wavelength of {wavelength} nm and its divisor `Mult` give no height"
-        )));
-    }
-    let aspect = number("Aspect")?.unwrap_or(1.0);
-    let pixel = number("Pixel_size")?;
-
-    let at = arrays[chosen].at;
-    let [columns, rows] = [file.u16(at)?, file.u16(at + 2)?].map(u64::from);
-    let (kind, missing) = match file.u16(at + 4)? {
-        2 => (SampleKind::I16, 32766.0),
-        4 => (SampleKind::F32, 1e38),
-        other => {
-            return Err(file.unsupported(format_args!(
-                "its heights have {other} bytes each, but 2 or 4 are needed"
-            )));
-        }
-    };
-    let by_column = file.samples(&Raster {
-        shape: [rows, columns],
-        kind,
-        at: at + 6,
-    })?;
-    let [ny, nx] = [rows as usize, columns as usize];
-    let mut heights = room(file.path, columns, rows)?;
-    for iy in 0..ny {
-        for ix in 0..nx {
-            let number = by_column[ix * ny + (ny - 1 - iy)];
-            let is_missing = !number.is_finite() || number >= missing;
-            heights.push(if is_missing { f64::NAN } else { number * step });
-        }
-    }
+    let blocks = Blocks::read(file)?;
+    let (array, note) = blocks.heights(file)?;
+    let step = blocks.step(file)?;
+    let array = Array::read(file, array.at)?;
+    let aspect = blocks.number(file, "Aspect")?.unwrap_or(1.0);
+    let pixel = blocks.number(file, "Pixel_size")?;
     Ok(Measured {
-        heights,
+        heights: array.heights(file, step)?,
         height_unit: PowerOfMetre(-9),
-        shape: [rows, columns],
+        shape: array.raster.shape,
         spacing: pixel.map(|pixel| {
             [pixel, pixel * aspect].map(|value| Length {
                 value,
                 unit: MILLIMETRE,
             })
         }),
-        notes: note_on_channels(chosen, &names).into_iter().collect(),
+        notes: note
+            .into_iter()
+            .chain(file.note_on_end(blocks.end))
+            .collect(),
     })
+}
+
+/// An array: numbers column by column, each from the bottom to the top.
+struct Array {
+    raster: Raster,
+    /// Least number of a missing point.
+    missing: f64,
+}
+
+impl Array {
+    fn read(file: &Bytes<'_>, at: usize) -> Result<Self, ReadError> {
+        let [columns, rows] = [file.u16(at)?, file.u16(at + 2)?].map(u64::from);
+        let (kind, missing) = match file.u16(at + 4)? {
+            2 => (SampleKind::I16, 32766.0),
+            4 => (SampleKind::F32, 1e38),
+            other => {
+                return Err(file.unsupported(format_args!(
+                    "its heights have {other} bytes each, but 2 or 4 are needed"
+                )));
+            }
+        };
+        Ok(Self {
+            raster: Raster {
+                shape: [rows, columns],
+                kind,
+                at: at + 6,
+            },
+            missing,
+        })
+    }
+
+    /// Heights row by row from the top, `step` for each unit of the numbers.
+    fn heights(&self, file: &Bytes<'_>, step: f64) -> Result<Vec<f64>, ReadError> {
+        let by_column = file.samples(&self.raster)?;
+        let [rows, columns] = self.raster.shape;
+        let [ny, nx] = [rows as usize, columns as usize];
+        let mut heights = room(file.path, columns, rows)?;
+        for iy in 0..ny {
+            for ix in 0..nx {
+                let number = by_column[ix * ny + (ny - 1 - iy)];
+                let is_missing = !number.is_finite() || number >= self.missing;
+                heights.push(if is_missing { f64::NAN } else { number * step });
+            }
+        }
+        Ok(heights)
+    }
 }
 
 /// An entry of the directory, with the place of its block.
@@ -116,26 +116,74 @@ impl Block {
     }
 }
 
-fn directory(file: &Bytes<'_>) -> Result<Vec<Block>, ReadError> {
-    let entry = |at: usize| -> Result<Block, ReadError> {
-        Ok(Block {
-            name: file.text(at, 16)?,
-            kind: file.i16(at + 16)?,
-            // Empty blocks may have a negative length
-            length: usize::try_from(file.i32(at + 18)?).unwrap_or(0),
-            at: 0,
+/// The directory.
+struct Blocks {
+    all: Vec<Block>,
+    /// Where the last block ends.
+    end: u64,
+}
+
+impl Blocks {
+    fn read(file: &Bytes<'_>) -> Result<Self, ReadError> {
+        let entry = |at: usize| -> Result<Block, ReadError> {
+            Ok(Block {
+                name: file.text(at, 16)?,
+                kind: file.i16(at + 16)?,
+                // Empty blocks may have a negative length
+                length: usize::try_from(file.i32(at + 18)?).unwrap_or(0),
+                at: 0,
+            })
+        };
+        let length = entry(DIRECTORY)?.length;
+        // All of it is there before room is taken for its entries
+        file.part(DIRECTORY, length)?;
+        let mut at = DIRECTORY + length;
+        let mut all = Vec::new();
+        for k in 1..length / ENTRY {
+            let mut block = entry(DIRECTORY + ENTRY * k)?;
+            block.at = at;
+            at = at.saturating_add(block.length);
+            all.push(block);
+        }
+        Ok(Self {
+            all,
+            end: at as u64,
         })
-    };
-    let length = entry(DIRECTORY)?.length;
-    // All of it is there before room is taken for its entries
-    file.part(DIRECTORY, length)?;
-    let mut at = DIRECTORY + length;
-    let mut blocks = Vec::new();
-    for k in 1..length / ENTRY {
-        let mut block = entry(DIRECTORY + ENTRY * k)?;
-        block.at = at;
-        at = at.saturating_add(block.length);
-        blocks.push(block);
     }
-    Ok(blocks)
+
+    /// The array of heights, and a note if there are others.
+    fn heights(&self, file: &Bytes<'_>) -> Result<(&Block, Option<String>), ReadError> {
+        let is_array = |block: &&Block| block.kind == ARRAY && block.length > 0;
+        let arrays: Vec<&Block> = self.all.iter().filter(is_array).collect();
+        let names: Vec<String> = arrays.iter().map(|block| block.name.clone()).collect();
+        let is_height = |name: &String| HEIGHTS.contains(&name.as_str());
+        match names.iter().position(is_height) {
+            Some(chosen) => Ok((arrays[chosen], note_on_channels(chosen, &names))),
+            None => Err(file.unsupported(format_args!(
+                "it has no array of heights ({})",
+                HEIGHTS.join(", ")
+            ))),
+        }
+    }
+
+    /// The number in the block of that name, if it is there.
+    fn number(&self, file: &Bytes<'_>, name: &str) -> Result<Option<f64>, ReadError> {
+        let mut blocks = self.all.iter();
+        let block = blocks.find(|block| block.name == name && block.length > 0);
+        block.map(|block| block.number(file)).transpose()
+    }
+
+    /// Nanometres for each unit of the numbers.
+    fn step(&self, file: &Bytes<'_>) -> Result<f64, ReadError> {
+        let wavelength = self.number(file, "Wavelength")?.ok_or_else(|| {
+            file.malformed("it has no block `Wavelength`, which scales its heights")
+        })?;
+        let step = wavelength / self.number(file, "Mult")?.unwrap_or(1.0);
+        if step.is_finite() && step > 0.0 {
+            return Ok(step);
+        }
+        Err(file.malformed(format_args!(
+            "its wavelength of {wavelength} nm and its divisor `Mult` give no height"
+        )))
+    }
 }

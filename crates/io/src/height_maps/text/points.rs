@@ -7,8 +7,10 @@ use asperity_surface::RawHeightMap;
 use crate::error::ReadError;
 use crate::limits::room;
 
-/// Rows from which a matrix of three columns is taken for a list of points.
+/// Rows from which three columns are taken for a list of points in a file whose name leaves it open.
 const MIN_ROWS_OF_LIST: usize = 16;
+/// The ending of files that hold lists of points alone.
+const LIST_ENDING: &str = "xyz";
 /// Fewest points of a list: two along each axis.
 const MIN_POINTS: usize = 4;
 /// Most places of the grid for each point of the list.
@@ -22,6 +24,22 @@ pub(super) fn is_heading(line: &str) -> bool {
     names.map(str::to_ascii_lowercase).eq(["x", "y", "z"])
 }
 
+/// Whether the name of the file says that it is a list.
+pub(super) fn is_named_as_list(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ending.eq_ignore_ascii_case(LIST_ENDING))
+}
+
+/// The refusal of a file that is named as a list and has another number of columns.
+pub(super) fn wrong_columns(path: &Path, columns: usize) -> ReadError {
+    ReadError::unsupported(
+        path,
+        format_args!(
+            "its rows have {columns} numbers, but three are needed: .xyz holds points x, y, z, and matrices are read from .txt, .csv and .asc"
+        ),
+    )
+}
+
 /// The map of a list of rows x, y, z; `None` where they rather are a matrix of three columns.
 ///
 /// Row 0 of the map has the least y. Places of the grid that no point is on are missing.
@@ -33,7 +51,7 @@ pub(super) fn map_of(path: &Path, rows: &[f64]) -> Result<Option<RawHeightMap>, 
                 .map(Some)
                 .map_err(ReadError::surface(path))
         }
-        None if rows.len() < MIN_ROWS_OF_LIST => Ok(None),
+        None if rows.len() < MIN_ROWS_OF_LIST && !is_named_as_list(path) => Ok(None),
         None => Err(ReadError::unsupported(
             path,
             format_args!(

@@ -1,5 +1,6 @@
 //! A laid-out figure and its two renderers, which replay the same items, so that SVG and PNG agree.
 
+mod joins;
 mod png;
 mod svg;
 
@@ -7,6 +8,7 @@ use plotters::backend::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
 
+use self::joins::Pixel;
 use super::geometry::Xy;
 use super::scene::{Align, Item, Scene, TextItem};
 use super::text;
@@ -54,6 +56,16 @@ struct Replay<'a, B> {
     size_per_em: f64,
     /// Depth of the baseline below the anchor, over the em.
     baseline_per_em: f64,
+    joins: Joins,
+}
+
+/// Who rounds the corners of lines.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Joins {
+    /// The viewer of the file.
+    Viewer,
+    /// Discs at sharp corners.
+    Discs,
 }
 
 impl<B: DrawingBackend> Replay<'_, B> {
@@ -75,8 +87,7 @@ impl<B: DrawingBackend> Replay<'_, B> {
                 if path.len() < 2 {
                     return Ok(());
                 }
-                let style = self.stroke(*colour, *width);
-                self.backend.draw_path(path, &style)
+                return self.draw_line(path, self.stroke(*colour, *width));
             }
             Item::Polygon { corners, colour } => {
                 let style = ShapeStyle::from(*colour).filled();
@@ -105,6 +116,25 @@ impl<B: DrawingBackend> Replay<'_, B> {
             Item::Text(item) => return self.draw_text(item),
         }
         .map_err(backend_error)
+    }
+
+    fn draw_line(&mut self, path: Vec<Pixel>, style: ShapeStyle) -> Result<(), PlotError> {
+        if self.joins == Joins::Viewer {
+            return self.backend.draw_path(path, &style).map_err(backend_error);
+        }
+        let pieces = joins::gentle_pieces(&path);
+        for (i, piece) in pieces.iter().enumerate() {
+            if i > 0 {
+                let radius = style.stroke_width / 2;
+                let round = self
+                    .backend
+                    .draw_circle(piece[0], radius, &style.filled(), true);
+                round.map_err(backend_error)?;
+            }
+            let drawn = self.backend.draw_path(piece.iter().copied(), &style);
+            drawn.map_err(backend_error)?;
+        }
+        Ok(())
     }
 
     fn draw_text(&mut self, item: &TextItem) -> Result<(), PlotError> {

@@ -3,7 +3,7 @@
 use plotters::backend::BitMapBackend;
 use plotters::style::RGBColor;
 
-use super::{Replay, backend_error};
+use super::{Joins, Replay, backend_error};
 use crate::PlotError;
 use crate::elements::scene::{Picture, Scene};
 use crate::elements::{text, theme};
@@ -24,6 +24,7 @@ pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
             scale: f64::from(scale),
             size_per_em: text::LINE_HEIGHT_PER_EM,
             baseline_per_em: 0.5 * text::LINE_HEIGHT_PER_EM,
+            joins: Joins::Discs,
         }
         .all(&scene.items)?;
     }
@@ -99,6 +100,29 @@ fn average_blocks(pixels: &[u8], stride: usize, n: usize) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::scene::Pen;
+
+    /// Two segments that double back, a few degrees apart: no pixel may be inked beyond half the width of the line about its vertices.
+    #[test]
+    fn sharp_corners_have_no_spikes() {
+        let mut scene = Scene::new("");
+        (scene.width, scene.height) = (200, 200);
+        let pen = Pen::solid(theme::INK, 2.0);
+        for i in 0..40 {
+            let x = 100.0 + 0.5 * f64::from(i) - 10.0;
+            scene.line(&[(100.0, 150.0), (x, 50.0), (101.0, 150.0)], pen);
+        }
+        let file = super::render(&scene).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&file))
+            .read_info()
+            .unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        let inked = |rows: &[u8]| rows.iter().any(|value| *value < 255);
+        let row = |y: usize| y * 400 * 3;
+        assert!(inked(&pixels[row(110)..row(290)]));
+        assert!(!inked(&pixels[..row(97)]) && !inked(&pixels[row(303)..]));
+    }
 
     #[test]
     fn averaging_keeps_the_mean_of_each_channel() {

@@ -2,7 +2,7 @@
 
 use plotters::backend::SVGBackend;
 
-use super::{Replay, backend_error};
+use super::{Joins, Replay, backend_error};
 use crate::PlotError;
 use crate::elements::scene::{Picture, Scene};
 use crate::elements::theme;
@@ -20,6 +20,7 @@ pub(super) fn render(scene: &Scene) -> Result<String, PlotError> {
             scale: f64::from(units),
             size_per_em: 1.24,
             baseline_per_em: 0.76,
+            joins: Joins::Viewer,
         }
         .all(&scene.items)?;
     }

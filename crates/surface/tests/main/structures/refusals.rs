@@ -112,8 +112,8 @@ fn periods_that_do_not_fit_name_those_that_do() {
     }));
     assert_eq!(
         error.in_unit(LengthUnit::Micrometre),
-        "the tile is 256 um long along y and holds 2.56 periods of 100.000000 um; a whole number would change the period by \
-         more than 10 %: take a side of 200.000000 um or 300.000000 um"
+        "the tile is 256 um long along y and holds 2.56 periods of 100 um; a whole number would change the period by \
+         more than 10 %: take a side of 200 um or 300 um"
     );
     let lattice = Pyramids {
         width: 150.0,

@@ -105,3 +105,17 @@ fn tags_are_checked() {
         refused(Alicona, &bytes, words);
     }
 }
+
+#[test]
+fn a_file_without_its_picture_is_read_with_a_note() {
+    let mut tags = TAGS.to_vec();
+    tags[6] = ("DepthImageOffset", "793");
+    tags.extend([("NumberOfPlanes", "3"), ("TextureImageOffset", "841")]);
+    let mut bytes = al3d(&tags, &image());
+    assert_eq!(bytes.len(), 841);
+    // Three planes of three rows of 8 bytes
+    let notes = read(Alicona, &bytes).unwrap().notes;
+    assert!(notes[0].contains("lacks 72 bytes"), "{notes:?}");
+    bytes.extend([0; 72]);
+    assert_eq!(read(Alicona, &bytes).unwrap().notes.len(), 0);
+}

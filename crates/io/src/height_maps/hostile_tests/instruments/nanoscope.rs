@@ -152,3 +152,16 @@ fn headers_are_checked() {
         refused(Nanoscope, &bytes, words);
     }
 }
+
+#[test]
+fn a_file_without_its_last_channel_is_read_with_a_note() {
+    let header = HEADER.replace(
+        "\\*File list end",
+        "\\*Ciao image list\n\\Data offset: 2096\n\\Data length: 24\n\\*File list end",
+    );
+    let mut bytes = with_header(&header, 2);
+    let notes = read(Nanoscope, &bytes).unwrap().notes;
+    assert!(notes[1].contains("lacks 24 bytes"), "{notes:?}");
+    bytes.extend([0; 24]);
+    assert_eq!(read(Nanoscope, &bytes).unwrap().notes.len(), 1);
+}

@@ -132,3 +132,14 @@ fn headers_are_checked() {
         refused(Sdf, &bytes, words);
     }
 }
+
+#[test]
+fn a_trailer_that_does_not_end_is_noted() {
+    let notes = |trailer: &str| {
+        let text = format!("{TEXT}\n{trailer}");
+        read(Sdf, text.as_bytes()).unwrap().notes
+    };
+    assert_eq!(notes("<PartName> S2 </PartName>\n*\n").len(), 0);
+    let notes = notes("<PartName> S");
+    assert!(notes[0].contains("trailer"), "{notes:?}");
+}

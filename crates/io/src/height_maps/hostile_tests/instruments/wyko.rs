@@ -120,3 +120,14 @@ fn directories_are_checked() {
         refused(Wyko, &bytes, words);
     }
 }
+
+#[test]
+fn a_file_without_its_last_blocks_is_read_with_a_note() {
+    let mut blocks = blocks();
+    blocks.push(("Title", 5, b"a title".to_vec()));
+    let whole = opd(&blocks);
+    let notes = |bytes: &[u8]| read(Wyko, bytes).unwrap().notes;
+    assert_eq!(notes(&whole).len(), 1);
+    let notes = notes(&whole[..whole.len() - 5]);
+    assert!(notes[1].contains("lacks 5 bytes"), "{notes:?}");
+}

@@ -114,6 +114,15 @@ impl Header {
         self.sections.iter().filter(|section| section.is_channel())
     }
 
+    /// Where the last of the channels ends that say so.
+    pub(super) fn end_of_channels(&self, file: &Bytes<'_>) -> u64 {
+        let end = |channel: &Section| {
+            let whole = |name| channel.fields.whole(file, name).ok();
+            whole("Data offset")?.checked_add(whole("Data length")?)
+        };
+        self.channels().filter_map(end).max().unwrap_or(0)
+    }
+
     /// A field of the scan.
     pub(super) fn scan(&self, name: &str) -> Option<&str> {
         self.find(Section::is_scan, name)
