@@ -78,6 +78,9 @@ pub enum ConfigError {
         "the distribution of slopes of structured surfaces is not known, so they have no control variate; give --estimators plain"
     )]
     NoControl,
+    /// A control variate for facets that reflect diffusely.
+    #[error("Lambertian facets have no control variate; give --estimators plain")]
+    DiffuseControl,
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),
