@@ -5,7 +5,7 @@ use asperity_surface::SurfaceRecipe;
 
 use crate::input::random_surfaces::RandomSurfaces;
 
-/// Slopes of the continuous surface: their covariance, which is all there is to tell of them if they are Gaussian.
+/// Covariance of the slopes of the continuous surface; if they are Gaussian, it determines their distribution.
 ///
 /// # Errors
 /// [`SlopeError`] if the slopes have no density.
