@@ -61,7 +61,7 @@ pub struct ConvergenceConfig {
     pub bins: HemisphereGrid,
     /// The sides over whose bins errors are taken.
     pub side: Sides,
-    /// Errors to which the seconds are asked.
+    /// Errors for which run times are computed.
     pub errors: OneOrMany<Number>,
 }
 
@@ -366,13 +366,10 @@ fn check_effort(effort: RunEffort) -> Result<(), ConfigError> {
 }
 
 fn check_accelerator(accelerator: AcceleratorKind) -> Result<(), ConfigError> {
-    if accelerator != AcceleratorKind::Flat {
-        return Ok(());
+    match accelerator {
+        AcceleratorKind::Flat => Err(ConfigError::FlatAccelerator),
+        _ => Ok(()),
     }
-    Err(ConfigError::Contradiction(
-        "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto"
-            .into(),
-    ))
 }
 
 /// Refuses a list that names a value twice.
