@@ -10,14 +10,14 @@ use crate::common::{Common, Results};
 use crate::completion::say_notes;
 use crate::end::{Again, End, EndedRun, finished};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_verification};
+use crate::input::{read_surface_files, refuse_config, refuse_verification};
 use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut config: ConvergeConfig = document.read().map_err(Failure::usage)?;
-    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
+    say_notes(&read_surface_files(&mut config.surface)?);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.check().map_err(|error| match error {

@@ -10,7 +10,8 @@ use crate::common::{Common, Results};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{
-    check_height_map_output, refuse_config, refuse_surface, samples, write_surface,
+    check_height_map_output, read_surface_files, refuse_config, refuse_surface, samples,
+    write_surface,
 };
 use crate::output::note_lines;
 use crate::output_files::check_outputs;
@@ -38,7 +39,7 @@ struct Run {
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut settings: Settings = document.read().map_err(Failure::usage)?;
-    let source_notes = settings.surface.read_files().map_err(Failure::failed)?;
+    let source_notes = read_surface_files(&mut settings.surface)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let path = results.required();
     let surface = &settings.surface;

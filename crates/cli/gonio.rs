@@ -10,7 +10,7 @@ use crate::completion::{Cases, close_resumable, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
-use crate::input::{refuse_config, refuse_simulation, refuse_verification};
+use crate::input::{read_surface_files, refuse_config, refuse_simulation, refuse_verification};
 use crate::output::result_folder;
 use crate::progress::Progress;
 
@@ -22,7 +22,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     if let Some(surface) = &surface {
         config = settings_for(document, surface)?;
     }
-    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
+    say_notes(&read_surface_files(&mut config.surface)?);
     let sample = surface
         .map(|surface| {
             Sample::of(

@@ -5,12 +5,15 @@ use std::path::Path;
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
 };
-use asperity_simulate::{SimulateError, counted};
+use asperity_simulate::{SimulateError, counted, short};
 use asperity_studies::settings::{Command, Document};
-use asperity_studies::{ASSUMED_BORDER, FilteringError, MeasuredConfig, VerifyError, border_notes};
+use asperity_studies::{
+    ASSUMED_BORDER, FilteringError, MeasuredConfig, SurfaceConfig, SurfaceFileError, VerifyError,
+    border_notes,
+};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
-    SynthesisError,
+    StructureError, SynthesisError,
 };
 use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
@@ -72,7 +75,7 @@ pub(crate) fn read_surface(
     let border = field.border();
     notes.extend(border_notes(&field, is_border_known));
     common.say(|| {
-        let [dx, dy] = field.spacing();
+        let [dx, dy] = field.spacing().map(short);
         format!(
             "{}: {} x {} samples, spacing {dx} x {dy}{}, {border} border, {filled} points filled",
             path.display(),
@@ -210,13 +213,24 @@ pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<S
     )
 }
 
+/// Reads the files that random surfaces are described by, and returns what a reader should know of them. A name that stands for neither a
+/// file nor a choice is wrong usage.
+pub(crate) fn read_surface_files(surface: &mut SurfaceConfig) -> Result<Vec<String>, Failure> {
+    surface.read_files().map_err(|error| match error {
+        SurfaceFileError::Unknown { .. } => Failure::usage(error),
+        _ => Failure::failed(error),
+    })
+}
+
 /// The sentence for surfaces that are refused, with the flag that insists on them.
 /// Lengths of random surfaces are in `unit`.
 pub(crate) fn refuse_surface(unit: LengthUnit, error: SynthesisError) -> Failure {
     match error {
         SynthesisError::Unresolved { .. }
         | SynthesisError::UnresolvedWaves { .. }
-        | SynthesisError::TooSmallTile { .. } => {
+        | SynthesisError::TooSmallTile { .. }
+        | SynthesisError::Structure(StructureError::Unresolved { .. })
+        | SynthesisError::Unreachable(_) => {
             let sentence = error.in_unit(unit);
             Failure::usage(format!("{sentence} with --insist"))
         }

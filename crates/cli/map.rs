@@ -7,14 +7,15 @@ use crate::common::{Common, Results};
 use crate::completion::{Cases, close_resumable, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_verification};
+use crate::input::{read_surface_files, refuse_config, refuse_verification};
 use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut config: MapConfig = document.read().map_err(Failure::usage)?;
-    say_notes(&config.surface.read_files().map_err(Failure::failed)?);
+    say_notes(&read_surface_files(&mut config.surface)?);
+    config.choose_models(document);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced.
     config

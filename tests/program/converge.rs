@@ -240,14 +240,15 @@ fn the_example_is_understood() {
     config.check().unwrap();
 }
 
-/// No control variate knows the slopes of these surfaces, so that the reference is plain as well.
+/// No control variate is known for these slopes or facets, so that the reference is plain as well.
 #[test]
-fn surfaces_whose_slopes_are_not_gaussian_converge_with_plain_rays() {
+fn surfaces_without_a_control_variate_converge_with_plain_rays() {
     let folder = tempfile::tempdir().unwrap();
     let effort = "--rays 64,256 --surfaces 2 --repeats 2 --reference-rays 1024 --reference-surfaces 2 --no-plots";
     for (i, surface) in [
         "--structure pits --depth 4 --width 16",
         "--slopes ggx --ggx-alpha 0.2 --tau 4 --size 256 --insist",
+        "--material lambertian --reflectance 0.5",
     ]
     .into_iter()
     .enumerate()
@@ -256,7 +257,12 @@ fn surfaces_whose_slopes_are_not_gaussian_converge_with_plain_rays() {
         let summary = json(&succeed(folder.path(), &words(&line)));
         assert_eq!(summary["methods"][0]["estimator"], "plain");
     }
-    let line = format!("converge --structure pits --depth 4 --width 16 {effort} -o other");
-    let said = refused(folder.path(), &words(&line), 2);
-    assert!(said.contains("give --estimators plain"), "{said}");
+    for flags in [
+        "--structure pits --depth 4 --width 16",
+        "--material lambertian --reflectance 0.5",
+    ] {
+        let line = format!("converge {flags} {effort} -o other");
+        let said = refused(folder.path(), &words(&line), 2);
+        assert!(said.contains("give --estimators plain"), "{said}");
+    }
 }

@@ -156,6 +156,9 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
         folder,
         &words("generate --tau 8 --smoothness 3 --size 40 --spacing 1 --insist -o small.npy"),
     );
+    let brushed =
+        "generate --tau 4 --tau-y 12 --smoothness 3 --size 512 --spacing 1 -o brushed.npy";
+    succeed(folder, &words(brushed));
     for (surface, more, expected) in [
         (
             "mesh.ply",
@@ -183,9 +186,47 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
             "unpolarised",
         ),
         ("rough.npy", "--models smith --level 0", "level"),
+        (
+            "brushed.npy",
+            "--border periodic --models xu-sun",
+            "for anisotropic ones use another",
+        ),
+        (
+            "brushed.npy",
+            "--border periodic --material lambertian --reflectance 0.8 --models oren-nayar",
+            "no model describes anisotropic Lambertian facets",
+        ),
     ] {
         let command = format!("trace {surface} {more}");
         let error = refused(folder, &words(&command), 2);
         assert!(error.contains(expected), "{more}: {error}");
     }
+}
+
+/// Slope variances of one surface are never equal; within their errors they are those of an isotropic one.
+#[test]
+fn isotropic_models_take_surfaces_that_are_isotropic_within_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    rough(folder, "3");
+    for flags in [
+        "--models xu-sun",
+        "--material lambertian --reflectance 0.8 --models oren-nayar",
+    ] {
+        let light = "--theta 40 --rays 20000 --bins 9x12 --model-rays 20000 --no-plots";
+        let line = format!("trace rough.npy --border periodic {light} {flags} --json -o out");
+        let summary = json(&succeed(folder, &words(&line)));
+        let said = summary["warnings"].to_string();
+        let name = flags.split_whitespace().last().unwrap();
+        assert!(
+            said.contains(&format!("isotropic models ({name})")),
+            "{said}"
+        );
+        assert!(
+            summary["comparison"].to_string().contains(name),
+            "{summary}"
+        );
+    }
+    let both = trace(folder, "--models smith -o smith");
+    assert!(!both.contains("isotropic models"), "{both}");
 }

@@ -102,6 +102,25 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         ("--structure pits --depth 9", "above 0, up to 8"),
         ("--structure pits --smoothness 3", "excludes"),
         ("--structure pits --tau-y 3", "needs --sigma"),
+        ("--structure pits --tau 4", "needs --sigma"),
+        ("--structure pits --azimuth 60", "no direction"),
+        (
+            "--structure pits --sigma 1 --tau 4 --azimuth 60",
+            "no direction",
+        ),
+        ("--azimuth 60", "no direction"),
+        (
+            "--structure sine-grooves --edge-radius 1",
+            "sine-grooves have no edge radius; leave out --edge-radius",
+        ),
+        (
+            "--structure blazed-grooves --depth 9",
+            "the depth of blazed grooves is 9",
+        ),
+        (
+            "--structure pits --sigma 1 --heights gaussian",
+            "leave out --slopes, --heights",
+        ),
         (
             "--structure pits --sigma 1 --slopes ggx",
             "leave out --slopes",
@@ -112,6 +131,16 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         let line = format!("generate {flags} --size 256 -o a.exr");
         let said = refused(folder.path(), &words(&line), 2);
         assert!(said.contains(expected), "{flags}: {said}");
+    }
+}
+
+/// Roughness on top has a correlation length by default, and with a direction it gives one to the surface.
+#[test]
+fn roughness_on_top_of_a_structure_needs_its_height_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    for flags in ["--sigma 0.1", "--sigma 0.1 --tau 4 --tau-y 8 --azimuth 60"] {
+        let line = format!("generate --structure pits --size 256 {flags} -o a.exr");
+        succeed(folder.path(), &words(&line));
     }
 }
 

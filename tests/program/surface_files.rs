@@ -110,7 +110,6 @@ fn files_that_give_no_spectrum_get_one_sentence() {
     write("grid.csv", "kx,ky,density\n0,0,1\n1,0,1\n0,1,1\n2,1,1\n");
     write("low.csv", "height,probability\n1,0\n2,1.5\n");
     for (flags, expected) in [
-        ("--psd gausian", "neither a file nor one of gaussian"),
         ("--psd none.csv", "none.csv"),
         ("--psd like:none.exr", "none.exr"),
         ("--psd other.csv", "needs the columns k and density"),
@@ -128,6 +127,13 @@ fn files_that_give_no_spectrum_get_one_sentence() {
         assert!(said.contains(expected), "{flags}: {said}");
         assert!(!folder.path().join("a.exr").exists());
     }
+    // A name that is misspelt is wrong usage, as that of any other choice
+    let line = "generate --psd gausian --size 64 -o a.exr";
+    let said = refused(folder.path(), &words(line), 2);
+    assert!(
+        said.contains("neither a file nor one of gaussian"),
+        "{said}"
+    );
 }
 
 /// Rows of a text matrix.

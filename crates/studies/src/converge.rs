@@ -113,7 +113,7 @@ pub struct Reference {
     /// Samples `[nx, ny]` of a surface.
     pub size: [usize; 2],
     /// Rays on each surface.
-    pub rays_a_surface: u64,
+    pub rays_per_surface: u64,
     /// Surfaces.
     pub surfaces: u64,
     /// What its own standard errors are expected to add to every error.
@@ -128,7 +128,7 @@ pub struct Reference {
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
     /// Rays on each surface.
-    pub rays_a_surface: u64,
+    pub rays_per_surface: u64,
     /// Surfaces of a run.
     pub surfaces: u64,
     /// Runs.
@@ -220,7 +220,7 @@ pub struct ConvergeWork {
 pub struct ConvergeOutcome {
     /// The configuration that was run.
     pub config: ConvergeConfig,
-    /// Errors to which the seconds are asked.
+    /// Errors for which run times are computed.
     pub errors: Vec<f64>,
     /// The cases.
     pub cases: Vec<ConvergedCase>,
@@ -341,7 +341,7 @@ impl Measurement {
             values.map(|values| RepeatedError::over(&values))
         };
         Self {
-            rays_a_surface: samples[0].rays_a_surface,
+            rays_per_surface: samples[0].rays_per_surface,
             surfaces: effort.surfaces,
             repeats: samples.len() as u64,
             seconds: 0.5 * (seconds[middle] + seconds[(seconds.len() - 1) / 2]),
@@ -371,7 +371,7 @@ impl MethodOutcome {
     /// The same rays at the rate of a peer, whose surfaces take no time.
     fn of_peer(&self, rate: f64) -> Self {
         let timed = |own: &Measurement| {
-            let seconds = (own.rays_a_surface * own.surfaces) as f64 / rate;
+            let seconds = (own.rays_per_surface * own.surfaces) as f64 / rate;
             Measurement {
                 seconds,
                 seconds_min: seconds,

@@ -4,12 +4,15 @@ mod comparison;
 mod comparison_text;
 mod description;
 mod files;
+mod isotropy;
 mod region_plan;
 mod text;
 
+use asperity_analysis::ModelError;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, StoppedBy, Stopping,
+    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, StoppedBy,
+    Stopping, short,
 };
 use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
@@ -80,6 +83,20 @@ pub enum TraceError {
         x: f64,
         /// Its width along y, in correlation lengths.
         y: f64,
+    },
+    /// The slopes of the surface are not isotropic, and a model is of isotropic ones.
+    #[error(
+        "--models: slope variances of {name} along its principal axes, {} and {}, differ by more than their errors: {error}",
+        short(.variances[0]),
+        short(.variances[1])
+    )]
+    Anisotropic {
+        /// The name of the surface.
+        name: String,
+        /// The variances, the larger first.
+        variances: [f64; 2],
+        /// The refusal of the model.
+        error: ModelError,
     },
     /// The surface cannot be compared with models.
     #[error(transparent)]

@@ -22,6 +22,7 @@ use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::comparison::other_slopes::OtherSlopes;
 use crate::comparison::slope_tables::SlopeSymmetry;
 use crate::config::VerifyConfig;
+use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::Seconds;
@@ -157,7 +158,10 @@ impl VerifyConfig {
 
     fn recipe(&self, case: &SweepCase) -> Result<RandomSurfaces, VerifyError> {
         let surface = &self.surface;
-        let (shape, spacing) = (surface.shape()?, surface.spacing());
+        let (shape, spacing) = (
+            surface.shape().map_err(ConfigError::from)?,
+            surface.spacing(),
+        );
         let surfaces = RandomSurfaces::new(
             surface.cells(),
             case.recipe.clone(),

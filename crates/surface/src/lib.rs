@@ -74,7 +74,8 @@ pub use psd::{
 };
 pub use recipe::{
     HeightDistribution, HeightTable, HeightTableError, Johnson, JohnsonError, JohnsonFamily,
-    Provenance, StructuredSurface, StudentSlopes, SurfaceRecipe, TransformedHeights,
+    MeasuredStructure, Provenance, StructuredSurface, StudentSlopes, SurfaceRecipe,
+    TransformedHeights,
 };
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};

@@ -1,4 +1,4 @@
-//! Surface recipe: what random surfaces are drawn by, but for grid, seed and number.
+//! Surface recipe: what random surfaces are drawn by, except grid, seed and number.
 
 mod height_distribution;
 mod height_table;
@@ -13,12 +13,12 @@ pub use self::height_distribution::HeightDistribution;
 pub use self::height_table::{HeightTable, HeightTableError};
 pub use self::heights::TransformedHeights;
 pub use self::johnson::{Johnson, JohnsonError, JohnsonFamily};
-pub use self::structured::StructuredSurface;
+pub use self::structured::{MeasuredStructure, StructuredSurface};
 pub(crate) use self::student::FLOOR;
 pub use self::student::StudentSlopes;
 use crate::Psd;
 
-/// What random surfaces are drawn by, but for grid, seed and number.
+/// What random surfaces are drawn by, except grid, seed and number.
 ///
 /// [`FieldSynthesis`](crate::FieldSynthesis) draws any; [`Synthesis`](crate::Synthesis) and
 /// [`SplineSynthesis`](crate::SplineSynthesis) draw Gaussian ones.
@@ -73,7 +73,7 @@ impl From<StructuredSurface> for SurfaceRecipe {
 impl SurfaceRecipe {
     /// The power spectral density, if heights and slopes are Gaussian; `None` of all other surfaces.
     ///
-    /// What holds for Gaussian slopes alone (models, control variates, analytic results) asks here.
+    /// What holds for Gaussian slopes alone (models, control variates, analytic results) takes this.
     #[must_use]
     pub const fn gaussian(&self) -> Option<&Psd> {
         match self {

@@ -81,7 +81,11 @@ impl Structure {
         match self {
             Self::Pits(_) => "pits",
             Self::Caps(_) => "caps",
-            Self::Grooves(_) => "grooves",
+            Self::Grooves(grooves) => match grooves.profile {
+                GrooveProfile::V => "V grooves",
+                GrooveProfile::Sine => "sine grooves",
+                GrooveProfile::Blazed => "blazed grooves",
+            },
             Self::Scratches(_) => "scratches",
             Self::Cracks(_) => "cracks",
             Self::Pyramids(_) => "pyramids",

@@ -1,4 +1,4 @@
-//! ControlVariate variate of an estimate: unshadowed single scattering, weighted with the fraction of it that is
+//! Control variate of an estimate: unshadowed single scattering, weighted with the fraction of it that is
 //! expected to be visible.
 
 use std::f64::consts::{PI, TAU};

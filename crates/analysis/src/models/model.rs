@@ -197,11 +197,24 @@ pub enum ModelError {
         "the model {0} is defined for isotropic surfaces; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith"
     )]
     Anisotropic(&'static str),
+    /// Anisotropic slopes for the model of Lambertian facets.
+    #[error(
+        "the model {0} is defined for isotropic surfaces, and no model describes anisotropic Lambertian facets; take none"
+    )]
+    AnisotropicDiffuse(&'static str),
     /// A model of one side, requested for both.
     #[error(
         "the model {0} describes reflected light alone; request the reflected side alone, or use another model for transmitted light"
     )]
     ReflectionAlone(&'static str),
+}
+
+impl ModelError {
+    /// Whether the slopes are refused because they are not isotropic.
+    #[must_use]
+    pub const fn is_anisotropic(&self) -> bool {
+        matches!(self, Self::Anisotropic(_) | Self::AnisotropicDiffuse(_))
+    }
 }
 
 /// One line of the registry of models.

@@ -35,7 +35,6 @@ use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     Constructor, ModelEntry, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope,
-    smoothness_of,
 };
 
 /// A rough surface of Lambertian facets.
@@ -84,7 +83,9 @@ impl OrenNayar {
     /// # Errors
     /// [`ModelError`] for slopes that are not isotropic, and for materials other than Lambertian ones.
     pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
-        smoothness_of(&slopes, Self::NAME)?;
+        if !slopes.is_isotropic() {
+            return Err(ModelError::AnisotropicDiffuse(Self::NAME));
+        }
         let Material::Lambertian { reflectance } = material else {
             return Err(ModelError::NotDiffuse(Self::NAME));
         };

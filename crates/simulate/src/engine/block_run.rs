@@ -192,10 +192,10 @@ mod tests {
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
-    /// Lets a run go on for its first `questions` questions whether to stop, then stops it.
+    /// Lets a run go on for its first `limit` checks, then stops it.
     struct Patience {
-        questions: u64,
-        asked: AtomicU64,
+        limit: u64,
+        checks: AtomicU64,
         advanced: AtomicU64,
     }
 
@@ -206,13 +206,13 @@ mod tests {
         }
         fn end(&self) {}
         fn stop(&self) -> Option<StoppedBy> {
-            let asked = self.asked.fetch_add(1, Ordering::Relaxed);
-            (asked >= self.questions).then_some(StoppedBy::Time)
+            let checks = self.checks.fetch_add(1, Ordering::Relaxed);
+            (checks >= self.limit).then_some(StoppedBy::Time)
         }
     }
 
     /// Runs 20 blocks of 9 rays that are told to stop at the question after so many, and counts those that were traced.
-    fn blocks_until(questions: u64, sampling: Sampling) -> u64 {
+    fn blocks_until(limit: u64, sampling: Sampling) -> u64 {
         let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
         let surface = Surface::new(field);
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
@@ -246,8 +246,8 @@ mod tests {
             strata: 3,
         };
         let progress = Patience {
-            questions,
-            asked: AtomicU64::new(0),
+            limit,
+            checks: AtomicU64::new(0),
             advanced: AtomicU64::new(0),
         };
         let way = WayOfPaths::of(&Method::plain(&settings));
@@ -263,12 +263,12 @@ mod tests {
         traced
     }
 
-    /// Each block but the first two asks once before it begins, so a run that is told to stop at the
+    /// Each block except the first two checks once before it begins, so a run that is told to stop at the
     /// question after `n` has traced `2 + n` blocks, whatever the threads; all of them are handed on.
     #[test]
     fn a_stopped_run_begins_no_block_but_the_first_two() {
-        for (questions, expected) in [(0, 2), (5, 7), (u64::MAX, 20)] {
-            assert_eq!(blocks_until(questions, Sampling::Random), expected);
+        for (limit, expected) in [(0, 2), (5, 7), (u64::MAX, 20)] {
+            assert_eq!(blocks_until(limit, Sampling::Random), expected);
         }
     }
 
@@ -278,8 +278,8 @@ mod tests {
         let values = Settings::default().tally.len();
         let together = (1 << 17) / values as u64;
         assert!((2..20).contains(&together));
-        for (questions, expected) in [(0, together), (1, 20)] {
-            assert_eq!(blocks_until(questions, Sampling::Stratified), expected);
+        for (limit, expected) in [(0, together), (1, 20)] {
+            assert_eq!(blocks_until(limit, Sampling::Stratified), expected);
         }
     }
 }

@@ -22,7 +22,7 @@ pub struct Errors {
     pub mesh: Option<f64>,
     /// Standard error of that, where it was measured.
     pub mesh_se: Option<f64>,
-    /// What the mesh would have added but for the control variate: a shift with its sign.
+    /// What the mesh would have added without the control variate: a shift with its sign.
     pub mesh_removed: Option<f64>,
     /// Root of the sum of the squares of rays, surfaces and mesh, as far as they are known.
     pub total: Option<f64>,
@@ -274,21 +274,24 @@ impl ErrorBudget {
 /// Totals by name, and where they stand, if they are requested.
 fn totals(spec: &TallySpec) -> [(&'static str, Option<Entry>); 5] {
     let [reflected, transmitted] = Side::BOTH;
-    let asked = |side: Side, entry: Entry| spec.records(side).then_some(entry);
+    let recorded = |side: Side, entry: Entry| spec.records(side).then_some(entry);
     [
-        ("reflected", asked(reflected, TallySpec::BUDGET.reflected)),
+        (
+            "reflected",
+            recorded(reflected, TallySpec::BUDGET.reflected),
+        ),
         (
             "transmitted",
-            asked(transmitted, TallySpec::BUDGET.transmitted),
+            recorded(transmitted, TallySpec::BUDGET.transmitted),
         ),
         ("absorbed", Some(TallySpec::BUDGET.absorbed)),
         (
             "multiple_reflected",
-            asked(reflected, spec.flux_entry(reflected, Component::Multiple)),
+            recorded(reflected, spec.flux_entry(reflected, Component::Multiple)),
         ),
         (
             "multiple_transmitted",
-            asked(
+            recorded(
                 transmitted,
                 spec.flux_entry(transmitted, Component::Multiple),
             ),

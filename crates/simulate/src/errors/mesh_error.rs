@@ -24,10 +24,10 @@ const RANDOM_SMOOTH: &str = "not estimated: --refine traces a finer mesh; of 4 s
 
 /// Said of random surfaces whose slopes are not Gaussian and that are not refined.
 const NOT_GAUSSIAN: &str =
-    "not estimated: --refine traces a finer mesh; no quadrature knows slopes that are not Gaussian";
+    "not estimated: it is computed for Gaussian slopes alone; --refine traces a finer mesh";
 
 /// Said of what a control variate removes where the slopes of cells are not Gaussian.
-const UNKNOWN_SLOPES_OF_CELLS: &str = "not estimated: the control variate has the slopes of the continuous surface, and no quadrature knows those of the cells";
+const UNKNOWN_SLOPES_OF_CELLS: &str = "not estimated: the control variate has the slopes of the continuous surface, and those of the cells are not known in closed form";
 
 /// Said of what a control variate removes where cells are smooth.
 const SAME_SLOPES: &str = "none: smooth cells have the slopes of the continuous surface";
@@ -44,7 +44,7 @@ const LEAST_SLOPE_VARIANCE: f64 = 1e-12;
 pub(crate) struct MeshErrors {
     /// What the mesh adds, where that is known.
     pub(crate) remaining: ByEntry<Option<f64>>,
-    /// What it would add but for the control variate.
+    /// What it would add without the control variate.
     pub(crate) removed: Option<TallyValues>,
     /// How both were estimated, or why not.
     pub(crate) explanation: MeshExplanation,
@@ -169,7 +169,7 @@ impl MeshErrors {
             }
             None if case.layer.is_some() => {
                 let said = &mut errors.explanation.remaining;
-                said.push_str("; with a medium below no quadrature tells it");
+                said.push_str("; it is not computed for surfaces over a medium");
             }
             None if refinement.is_none() => first_order.remaining_in(&mut errors),
             None => {}

@@ -1,4 +1,4 @@
-//! ControlVariate variate of one given surface: its own unshadowed single scattering, summed over its facets.
+//! Control variate of one given surface: its own unshadowed single scattering, summed over its facets.
 //!
 //! A given surface belongs to no ensemble whose mean could be taken. The sum over all facets takes the place of
 //! that mean. Only shadowing, masking and multiple scattering of this surface are left to sampling, and the
@@ -103,21 +103,7 @@ fn sum_over_all_facets(
 /// Mean squares and products of the facets' slopes, from which visible fractions are estimated; the same along all
 /// directions where they are not those of a surface, as of grooves; `None` without any.
 fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
-    let [cx, cy] = field.cells();
-    let facets = 2.0 * (cx * cy) as f64;
-    let sums: Vec<[f64; 3]> = (0..cy)
-        .into_par_iter()
-        .map(|iy| {
-            let mut sum = [0.0; 3];
-            for ix in 0..cx {
-                for [x, y] in field.facet_slopes(ix, iy) {
-                    sum = [sum[0] + x * x, sum[1] + x * y, sum[2] + y * y];
-                }
-            }
-            sum
-        })
-        .collect();
-    let [xx, xy, yy] = [0, 1, 2].map(|i| sums.iter().map(|row| row[i]).sum::<f64>() / facets);
+    let [xx, xy, yy] = field.slope_moments().second;
     SlopeCovariance::new(xx, yy, xy)
         .or_else(|_| SlopeCovariance::new(0.5 * (xx + yy), 0.5 * (xx + yy), 0.0))
         .ok()

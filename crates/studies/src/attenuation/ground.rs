@@ -1,4 +1,4 @@
-//! Ground: what a survey asks of a surface, of flat and of smooth cells alike.
+//! Ground: what a survey needs of a surface, of flat and of smooth cells alike.
 
 use asperity_optics::Incidence;
 use asperity_tracer::{BuildAccelerator, Horizon, VisibilityRay};

@@ -120,7 +120,7 @@ fn survey_of<G: Ground>(
     }))
 }
 
-/// One surface, and what is asked of it.
+/// One surface, and what is measured on it.
 struct Site<'a, G: Ground> {
     config: &'a AttenuationConfig,
     plan: &'a Plan,

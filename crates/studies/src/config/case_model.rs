@@ -14,6 +14,9 @@ use crate::config::error::ConfigError;
 pub(crate) struct ModelledSurface {
     /// Its slopes, if they have a density.
     pub(crate) slopes: Result<SlopeDistribution, SlopeError>,
+    /// Whether models of isotropic surfaces take the mean of the slope variances along both axes, which differ by no more than they are
+    /// known to.
+    pub(crate) is_nearly_isotropic: bool,
     pub(crate) material: Material,
     /// What lies below, if there is anything.
     pub(crate) layer: Option<Layer>,
@@ -21,11 +24,24 @@ pub(crate) struct ModelledSurface {
 
 impl ModelledSurface {
     /// The same with Gaussian slopes of this covariance.
-    pub(crate) const fn with_slopes(&self, slopes: SlopeCovariance) -> Self {
+    pub(crate) fn with_slopes(&self, slopes: SlopeCovariance) -> Self {
         Self {
             slopes: Ok(SlopeDistribution::Gaussian(slopes)),
-            material: self.material,
-            layer: self.layer,
+            ..self.clone()
+        }
+    }
+
+    /// The model of that name of the bare surface.
+    fn model(&self, name: &str) -> Result<Box<dyn ScatteringModel>, ModelError> {
+        let slopes = self.slopes.clone()?;
+        match create_model(name, slopes.clone(), self.material) {
+            Err(error) if error.is_anisotropic() && self.is_nearly_isotropic => {
+                let covariance = slopes.covariance();
+                let mean = 0.5 * (covariance.xx() + covariance.yy());
+                let isotropic = SlopeDistribution::from(SlopeCovariance::new(mean, mean, 0.0)?);
+                create_model(name, isotropic, self.material)
+            }
+            model => model,
         }
     }
 }
@@ -41,26 +57,19 @@ pub enum CaseModel {
 impl CaseModel {
     /// The model of that name for a surface, its material and the medium below.
     pub(crate) fn of(name: &str, surface: &ModelledSurface) -> Result<Self, ConfigError> {
-        let refuse = |reason: String| Err(ConfigError::Contradiction(reason));
         let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
         match (&surface.layer, surface.material) {
             (Some(layer), Material::Dielectric { eta }) if of_layers => {
-                match FlatLayer::by_name(name, eta, layer) {
-                    Ok(model) => Ok(Self::Layer(model)),
-                    Err(error) => refuse(error.to_string()),
-                }
+                let model = FlatLayer::by_name(name, eta, layer);
+                Ok(Self::Layer(model.map_err(ConfigError::LayerModel)?))
             }
-            (Some(_), _) if MODEL_NAMES.contains(&name) => refuse(format!(
-                "the model {name} describes a surface without a medium below it; with a medium, take {}",
-                FlatLayer::NAMES.join(" or ")
-            )),
-            (None, _) if of_layers => refuse(format!(
-                "the model {name} describes a medium below the surface, but there is none"
-            )),
-            _ => {
-                let slopes = surface.slopes.clone().map_err(ModelError::from)?;
-                Ok(Self::Surface(create_model(name, slopes, surface.material)?))
-            }
+            (Some(_), _) if MODEL_NAMES.contains(&name) => Err(ConfigError::ModelOfBareSurface {
+                name: name.to_owned(),
+            }),
+            (None, _) if of_layers => Err(ConfigError::ModelOfLayer {
+                name: name.to_owned(),
+            }),
+            _ => Ok(Self::Surface(surface.model(name)?)),
         }
     }
 

@@ -50,29 +50,22 @@ impl VerifyConfig {
     }
 
     fn check(&self, cases: &[SweepCase]) -> Result<(), ConfigError> {
-        let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let settings = self.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.recipe.is_isotropic());
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
-            return contradiction(
-                "on an anisotropic surface the azimuth of the light matters; it cannot be random",
-            );
+            return Err(ConfigError::RandomAzimuth);
         }
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
         if self.run.accelerator == AcceleratorKind::Flat {
-            return contradiction(
-                "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto",
-            );
+            return Err(ConfigError::FlatAccelerator);
         }
         let mut folders = BTreeSet::new();
         for case in cases {
-            if !folders.insert((case.folder(), short(case.incidence.phi_deg()))) {
-                return Err(ConfigError::Contradiction(format!(
-                    "two cases would share the same folder {}; give each value once, and values that differ in six digits",
-                    case.folder()
-                )));
+            let folder = case.folder();
+            if !folders.insert((folder.clone(), short(case.incidence.phi_deg()))) {
+                return Err(ConfigError::SameFolder { folder });
             }
             check_sides(self.run.side, case.material, case.layer.as_ref())?;
             if let Some(target) = settings.target() {
@@ -92,9 +85,7 @@ pub(crate) fn check_models(
 ) -> Result<(), ConfigError> {
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) {
-            return Err(ConfigError::Contradiction(format!(
-                "the model {name} is named twice"
-            )));
+            return Err(ConfigError::ModelTwice { name: name.clone() });
         }
         let model = CaseModel::of(name, surface)?;
         let transmits = surface.material.transmitting_index().is_some();
@@ -112,7 +103,7 @@ pub(crate) fn check_models(
 /// Checks that light of `material` can leave on the recorded sides.
 ///
 /// # Errors
-/// [`ConfigError::Contradiction`] if transmitted light alone is asked of a surface that transmits none.
+/// [`ConfigError::NothingBelowLayer`] and [`ConfigError::NothingTransmitted`] if transmitted light alone is recorded, and there is none.
 pub fn check_sides(
     sides: Sides,
     material: Material,
@@ -122,33 +113,24 @@ pub fn check_sides(
         return Ok(());
     }
     if layer.is_some_and(|layer| !layer.transmits()) {
-        return Err(ConfigError::Contradiction(
-            "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; take side reflected or both".into(),
-        ));
+        return Err(ConfigError::NothingBelowLayer);
     }
-    if material.transmitting_index().is_some() {
-        return Ok(());
+    match material.transmitting_index() {
+        Some(_) => Ok(()),
+        None => Err(ConfigError::NothingTransmitted { material }),
     }
-    Err(ConfigError::Contradiction(
-        "nothing is transmitted by a conductor or a mirror; take side reflected or both".into(),
-    ))
 }
 
 /// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
 ///
 /// # Errors
-/// [`ConfigError::Contradiction`] if it comes from below, or a control variate is requested.
+/// [`ConfigError::LightInMedium`] and [`ConfigError::MediumControl`].
 pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
-    let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
     if incident == HalfSpace::Below {
-        return contradiction(
-            "the medium lies below the surface, so the light must come from above",
-        );
+        return Err(ConfigError::LightInMedium);
     }
     if estimator == Estimator::Controlled {
-        return contradiction(
-            "the controlled estimator does not support a medium below the surface; take auto or plain",
-        );
+        return Err(ConfigError::MediumControl);
     }
     Ok(())
 }
@@ -234,7 +216,10 @@ mod tests {
                 "[run]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",
                 "nothing is transmitted",
             ),
-            ("[surface]\ntau_y = 8", "isotropic"),
+            (
+                "[surface]\ntau_y = 8\n[compare]\nmodels = \"xu-sun\"",
+                "isotropic",
+            ),
             ("[compare]\nmodel_rays = 0", "1 or more"),
             (
                 "[run]\ntarget_error = 0",

@@ -1,14 +1,16 @@
 //! Why a configuration is refused.
 
-use asperity_analysis::ModelError;
+use asperity_analysis::{FlatLayer, FlatLayerError, ModelError};
 use asperity_optics::{
-    IncidenceError, LayerError, MaterialError, ParticipatingMediumError, PhaseFunctionError,
+    IncidenceError, LayerError, Material, MaterialError, ParticipatingMediumError,
+    PhaseFunctionError,
 };
-use asperity_simulate::TargetError;
-use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
+use asperity_simulate::{TargetError, short};
+use asperity_surface::PsdError;
 use asperity_tally::SpecError;
 use asperity_tracer::PathSettingsError;
 
+use super::surface_error::SurfaceError;
 use crate::settings::SettingError;
 
 /// Why a configuration is refused.
@@ -21,11 +23,6 @@ pub enum ConfigError {
     /// Two keys that exclude each other, or none of two that are needed.
     #[error("{0}")]
     Contradiction(String),
-    /// Facets so level that lobes are narrower than quadrature resolves.
-    #[error(
-        "smoothness is {0:e}; up to 1e6 is allowed, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects as well"
-    )]
-    TooSmooth(f64),
     /// A list is empty.
     #[error("`{0}` is an empty list; give one value or several")]
     EmptyList(&'static str),
@@ -38,46 +35,112 @@ pub enum ConfigError {
     /// The power spectral density is invalid.
     #[error(transparent)]
     Psd(#[from] PsdError),
-    /// No distribution of heights has the moments.
+    /// No surfaces can be drawn from `[surface]`.
     #[error(transparent)]
-    Heights(#[from] JohnsonError),
-    /// The structure cannot be made.
-    #[error("{}", structure_sentence(.error, *.unit))]
-    Structure {
-        /// Why.
-        error: StructureError,
-        /// The unit of lengths.
-        unit: LengthUnit,
-    },
-    /// A setting of structures, without a structure.
-    #[error("{setting} is that of a structure: name one by --structure, or leave it out")]
-    NoStructure {
-        /// The key.
-        setting: &'static str,
-    },
-    /// A spectrum of roughness on top of a structure, without its height.
+    Surface(#[from] SurfaceError),
+    /// Matrices in a map.
     #[error(
-        "roughness on top of a structure needs --sigma; without it leave out its spectrum, heights and slopes"
+        "--polarisation mueller: a map compares fluxes alone; take tracked, averaged or both, or verify for the matrices"
     )]
-    NoRoughness,
-    /// Roughness on top of a structure that is not Gaussian.
+    MapOfMatrices,
+    /// A map without models.
+    #[error("a map needs models to compare with; name one or several")]
+    MapWithoutModels,
+    /// A map of surfaces that no model describes.
     #[error(
-        "roughness on top of a structure is Gaussian; leave out --slopes, --skewness and --kurtosis"
+        "no model describes anisotropic Lambertian facets, and a map needs one; verify and gonio do not"
     )]
-    OtherRoughness,
-    /// A setting that this structure does not have.
-    #[error("{structure} have no {setting}; leave it out")]
-    UnusedByStructure {
-        /// The key.
-        setting: &'static str,
-        /// The name of the structure.
-        structure: &'static str,
+    NoModelToMap,
+    /// A tolerance of a map that is out of range.
+    #[error("the tolerance {name} is {}; it must be above 0 and finite", short(*.tolerance))]
+    Tolerance {
+        /// What is tolerated.
+        name: &'static str,
+        /// The tolerance.
+        tolerance: f64,
     },
+    /// Too many combinations of the values of lists.
+    #[error("the lists make {count:.0e} cases; at most {most:.0e} are possible")]
+    TooManyCases {
+        /// Combinations.
+        count: f64,
+        /// Most that are possible.
+        most: f64,
+    },
+    /// Two cases with one name.
+    #[error(
+        "two cases would share the same folder {folder}; give each value once, and values that differ in six digits"
+    )]
+    SameFolder {
+        /// The name.
+        folder: String,
+    },
+    /// A random azimuth where it matters.
+    #[error("on an anisotropic surface the azimuth of the light matters; it cannot be random")]
+    RandomAzimuth,
+    /// The accelerator of flat surfaces for rough ones.
+    #[error("the accelerator flat is for flat surfaces, but those drawn here are rough; take auto")]
+    FlatAccelerator,
+    /// A model that is named twice.
+    #[error("the model {name} is named twice")]
+    ModelTwice {
+        /// Its name.
+        name: String,
+    },
+    /// A model of a layer that cannot be made.
+    #[error(transparent)]
+    LayerModel(FlatLayerError),
+    /// A model of bare surfaces, with a medium below.
+    #[error(
+        "the model {name} describes a surface without a medium below it; with a medium, take {}",
+        FlatLayer::NAMES.join(" or ")
+    )]
+    ModelOfBareSurface {
+        /// Its name.
+        name: String,
+    },
+    /// A model of a layer, without one.
+    #[error("the model {name} describes a medium below the surface, but there is none")]
+    ModelOfLayer {
+        /// Its name.
+        name: String,
+    },
+    /// Transmitted light alone, of a layer that transmits none.
+    #[error(
+        "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; take side reflected or both"
+    )]
+    NothingBelowLayer,
+    /// Transmitted light alone, of a material that transmits none.
+    #[error(
+        "nothing is transmitted by {}; take side reflected or both",
+        opaque(*.material)
+    )]
+    NothingTransmitted {
+        /// The material.
+        material: Material,
+    },
+    /// A medium below a material that transmits no light.
+    #[error("no light enters a medium below {}: take a dielectric", opaque(*.material))]
+    MediumBelow {
+        /// The material.
+        material: Material,
+    },
+    /// A medium below, with light from below.
+    #[error("the medium lies below the surface, so the light must come from above")]
+    LightInMedium,
+    /// A control variate for a surface over a medium.
+    #[error(
+        "the controlled estimator does not support a medium below the surface; take auto or plain"
+    )]
+    MediumControl,
     /// A control variate for surfaces whose slopes are not known.
     #[error(
         "the distribution of slopes of structured surfaces is not known, so they have no control variate; give --estimators plain"
     )]
     NoControl,
+    /// A control variate for facets that reflect diffusely.
+    #[error("Lambertian facets have no control variate; give --estimators plain")]
+    DiffuseControl,
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),
@@ -101,11 +164,11 @@ pub enum ConfigError {
     Layer(#[from] LayerError),
 }
 
-/// Why a structure cannot be made, with the flag that draws it all the same.
-fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
-    let sentence = error.in_unit(unit);
-    match error {
-        StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
-        _ => sentence,
+/// A material that transmits no light, as messages call it.
+const fn opaque(material: Material) -> &'static str {
+    match material {
+        Material::Conductor { .. } => "a conductor",
+        Material::Lambertian { .. } => "Lambertian facets",
+        _ => "a mirror",
     }
 }

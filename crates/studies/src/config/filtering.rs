@@ -1,5 +1,6 @@
 //! Filters and form removal of a given surface, in the order of ISO 25178-3.
 
+use asperity_simulate::short;
 use asperity_surface::{FilterError, FormError, GaussianFilter, HeightField, LengthUnit};
 
 use super::measured::MeasuredConfig;
@@ -18,7 +19,7 @@ pub enum FilteringError {
         flag: &'static str,
     },
     /// The S-filter would remove all that the L-filter leaves.
-    #[error("--s-filter {s} must be below --l-filter {l}")]
+    #[error("--s-filter {} must be below --l-filter {}", short(*.s), short(*.l))]
     Order {
         /// Nesting index of the S-filter, in the unit of the surface.
         s: f64,

@@ -115,9 +115,7 @@ impl MediumConfig {
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn layer(&self, material: Material) -> Result<Layer, ConfigError> {
         let Material::Dielectric { eta } = material else {
-            return refuse(
-                "no light enters a medium below a conductor or a mirror: take a dielectric",
-            );
+            return Err(ConfigError::MediumBelow { material });
         };
         let medium = self.participating_medium()?;
         let bottom = self.bottom(eta)?;

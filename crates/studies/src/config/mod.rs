@@ -3,15 +3,18 @@
 pub(crate) mod case_model;
 pub(crate) mod case_text;
 pub(crate) mod cases;
+pub(crate) mod default_models;
 pub(crate) mod error;
 pub(crate) mod filtering;
 pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;
 pub(crate) mod structure;
+mod structure_memo;
 pub(crate) mod structure_recipe;
 pub(crate) mod surface;
 mod surface_choices;
+pub(crate) mod surface_error;
 mod surface_files;
 mod surface_recipe;
 pub(crate) mod sweep;
@@ -19,7 +22,7 @@ pub(crate) mod sweep_case;
 pub(crate) mod trace;
 pub(crate) mod values;
 
-use asperity_analysis::{DEFAULT_LEVEL, LayerPaths, OrenNayar};
+use asperity_analysis::DEFAULT_LEVEL;
 use asperity_optics::Material;
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
@@ -27,7 +30,7 @@ use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Polarisation, Sampl
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
-use crate::config::medium::{BottomKind, MediumConfig};
+use crate::config::medium::MediumConfig;
 pub use crate::config::surface::SurfaceConfig;
 pub use crate::config::surface_choices::{HeightsChoice, SpectrumChoice, SurfaceFiles};
 pub use crate::config::surface_files::SurfaceFileError;
@@ -333,36 +336,9 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        Self::of_document(&Document::of_text(Command::Verify, text)?)
-    }
-
-    /// The configuration of a document.
-    ///
-    /// With a medium the default models, which are of bare surfaces, are replaced by that of a layer between flat faces;
-    /// to none where that ends on a Lambertian bottom. The default model of isotropic Lambertian facets is that of Oren and Nayar; of
-    /// others there is none.
-    ///
-    /// # Errors
-    /// [`ConfigError::Setting`].
-    pub fn of_document(document: &Document) -> Result<Self, ConfigError> {
+        let document = Document::of_text(Command::Verify, text)?;
         let mut config: Self = document.read()?;
-        if document.is_given("compare.models") {
-            return Ok(config);
-        }
-        if config.material.kind == MaterialKind::Lambertian {
-            let is_isotropic =
-                config.surface.tau_y.is_none() && config.surface.structure.structure.is_none();
-            config.compare.models = match is_isotropic {
-                true => vec![OrenNayar::NAME.to_owned()],
-                false => Vec::new(),
-            };
-        }
-        if let Some(medium) = &config.medium {
-            config.compare.models = match medium.bottom {
-                Some(BottomKind::Lambertian) => Vec::new(),
-                _ => vec![LayerPaths::All.name().to_owned()],
-            };
-        }
+        config.choose_models(&document);
         Ok(config)
     }
 

@@ -5,7 +5,7 @@ use asperity_surface::{
 };
 use serde::{Deserialize, Serialize};
 
-use crate::config::error::ConfigError;
+use super::surface_error::SurfaceError;
 use crate::config::values::Number;
 
 /// Width of features where it is not given, length units.
@@ -114,8 +114,8 @@ impl StructureConfig {
     /// Refuses settings that the chosen structure does not use, and any setting of structures where none is chosen.
     ///
     /// # Errors
-    /// [`ConfigError::UnusedByStructure`] and [`ConfigError::NoStructure`].
-    pub fn check(&self) -> Result<(), ConfigError> {
+    /// [`SurfaceError::UnusedByStructure`] and [`SurfaceError::NoStructure`].
+    pub fn check(&self) -> Result<(), SurfaceError> {
         let given = [
             (
                 Parameter::Length,
@@ -149,7 +149,7 @@ impl StructureConfig {
                 .into_iter()
                 .chain(given.map(|(_, name, is)| (name, is)));
             return match all.into_iter().find(|(_, is_given)| *is_given) {
-                Some((setting, _)) => Err(ConfigError::NoStructure { setting }),
+                Some((setting, _)) => Err(SurfaceError::NoStructure { setting }),
                 None => Ok(()),
             };
         };
@@ -157,7 +157,7 @@ impl StructureConfig {
             .into_iter()
             .find(|(parameter, _, is_given)| *is_given && !kind.parameters().contains(parameter));
         match unused {
-            Some((_, setting, _)) => Err(ConfigError::UnusedByStructure {
+            Some((_, setting, _)) => Err(SurfaceError::UnusedByStructure {
                 setting,
                 structure: kind.name(),
             }),
@@ -240,6 +240,15 @@ impl StructureConfig {
             StructureKind::Pyramids => Structure::Pyramids(pyramids(Arrangement::Random)),
             StructureKind::InvertedPyramids => Structure::Inverted(pyramids(Arrangement::Lattice)),
         })
+    }
+
+    /// Whether it has a direction that the azimuth turns.
+    pub(super) const fn has_direction(&self) -> bool {
+        use StructureKind::{BlazedGrooves, Scratches, SineGrooves, VGrooves};
+        matches!(
+            self.structure,
+            Some(VGrooves | SineGrooves | BlazedGrooves | Scratches)
+        )
     }
 
     /// Length units per sample where that is not given: a sixteenth of the width, an eighth of that of long features.

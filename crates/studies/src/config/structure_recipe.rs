@@ -1,11 +1,11 @@
 //! `[surface]`: what surfaces with a structure are drawn by.
 
 use asperity_simulate::check_memory;
-use asperity_surface::{Psd, StructureSynthesis, StructuredSurface, SurfaceRecipe};
+use asperity_surface::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
 
-use super::structure::StructureConfig;
 use super::surface::{SlopesName, SurfaceConfig};
 use super::surface_choices::SpectrumName;
+use super::surface_error::SurfaceError;
 use crate::config::error::ConfigError;
 
 impl SurfaceConfig {
@@ -16,55 +16,52 @@ impl SurfaceConfig {
     pub(super) fn structured(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         let roughness = self.roughness_on_top()?;
         let synthesis = self.structure_synthesis()?;
-        check_memory("this surface", synthesis.peak_bytes())
-            .map_err(|error| ConfigError::Contradiction(error.to_string()))?;
-        let surface = StructuredSurface::new(&synthesis, roughness).map_err(|error| {
-            ConfigError::Structure {
-                error,
-                unit: self.unit,
-            }
-        })?;
+        check_memory("this surface", synthesis.peak_bytes()).map_err(SurfaceError::Memory)?;
+        let measured = self.measured.measured(synthesis);
+        let surface = measured
+            .map_err(|error| self.refused(error))?
+            .with(roughness);
         let recipe = SurfaceRecipe::from(surface);
         let [xx, _, yy] = recipe.slope_covariance();
         Ok((2.0 / (xx + yy).sqrt(), recipe))
     }
 
     /// What draws the structure.
-    pub(super) fn structure_synthesis(&self) -> Result<StructureSynthesis, ConfigError> {
+    pub(super) fn structure_synthesis(&self) -> Result<StructureSynthesis, SurfaceError> {
         let azimuth = self.azimuth.0.to_radians();
         let Some(structure) = self.structure.structure(azimuth) else {
-            return Err(ConfigError::NoStructure { setting: "depth" });
+            return Err(SurfaceError::NoStructure { setting: "depth" });
         };
         let (shape, spacing) = (self.shape()?, self.spacing());
-        StructureSynthesis::new(structure, shape, spacing, self.insist).map_err(|error| {
-            ConfigError::Structure {
-                error,
-                unit: self.unit,
-            }
-        })
+        let synthesis = StructureSynthesis::new(structure, shape, spacing, self.insist);
+        synthesis.map_err(|error| self.refused(error))
+    }
+
+    const fn refused(&self, error: StructureError) -> SurfaceError {
+        SurfaceError::Structure {
+            error,
+            unit: self.unit,
+        }
     }
 
     /// The spectrum of the roughness on top, if sigma is given.
     fn roughness_on_top(&self) -> Result<Option<Psd>, ConfigError> {
         if self.sigma.is_none() {
             let has_spectrum = self.psd != SpectrumName::Gaussian
+                || self.tau.is_some()
                 || self.tau_y.is_some()
                 || self.second_sigma.is_some()
                 || self.second_tau.is_some()
                 || self.has_heights();
             return match has_spectrum {
-                true => Err(ConfigError::NoRoughness),
+                true => Err(SurfaceError::NoRoughness.into()),
                 false => Ok(None),
             };
         }
         if self.has_heights() {
-            return Err(ConfigError::OtherRoughness);
+            return Err(SurfaceError::OtherRoughness.into());
         }
-        let alone = Self {
-            structure: StructureConfig::default(),
-            ..self.clone()
-        };
-        let (_, recipe) = alone.recipe()?;
+        let (_, recipe) = self.transformed_spectrum()?;
         Ok(recipe.gaussian().cloned())
     }
 

@@ -4,13 +4,17 @@ use asperity_simulate::Cells;
 use asperity_surface::{LengthUnit, Psd, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
+use super::structure_memo::StructureMemo;
 use super::surface_choices::{HeightsChoice, SpectrumChoice, SpectrumName, SurfaceFiles};
-use crate::config::error::ConfigError;
+use super::surface_error::SurfaceError;
 use crate::config::structure::StructureConfig;
 use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
 
 /// Correlation lengths along the side of a tile whose size is not given.
 const TILE: f64 = 32.0;
+
+/// Correlation length of the amplitude of GGX slopes over that of the surface, unless given.
+const DEFAULT_AMPLITUDE_RATIO: f64 = 8.0;
 
 /// Largest smoothness. Lobes are then a few millionths of a radian wide; quadrature does not resolve narrower ones.
 pub(crate) const MAX_SMOOTHNESS: f64 = 1e6;
@@ -143,6 +147,9 @@ pub struct SurfaceConfig {
     pub cells: CellsChoice,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
+    /// What was measured of the structure.
+    #[serde(skip)]
+    pub(super) measured: StructureMemo,
 }
 
 impl SurfaceConfig {
@@ -198,9 +205,9 @@ impl SurfaceConfig {
     #[must_use]
     pub fn size(&self) -> [u64; 2] {
         let [_, longer] = self.correlation_lengths();
-        let lengths = match (self.slopes, self.amplitude_ratio) {
-            (SlopesName::Gaussian, _) => TILE,
-            (SlopesName::Ggx, ratio) => 0.5 * TILE * ratio.map_or(8.0, |ratio| ratio.0),
+        let lengths = match self.slopes {
+            SlopesName::Gaussian => TILE,
+            SlopesName::Ggx => 0.5 * TILE * self.amplitude_ratio(),
         };
         let tile = match self.structure.structure {
             Some(_) => self.structure.tile(),
@@ -211,17 +218,20 @@ impl SurfaceConfig {
         given.unwrap_or_else(|| self.spacing().map(spans))
     }
 
+    /// Correlation length of the amplitude of GGX slopes over that of the surface.
+    pub(super) fn amplitude_ratio(&self) -> f64 {
+        self.amplitude_ratio
+            .map_or(DEFAULT_AMPLITUDE_RATIO, |ratio| ratio.0)
+    }
+
     /// Samples `[ny, nx]` of each surface.
     ///
     /// # Errors
-    /// [`ConfigError::Contradiction`] if a number does not fit into memory.
-    pub fn shape(&self) -> Result<[usize; 2], ConfigError> {
+    /// [`SurfaceError::TooManySamples`].
+    pub fn shape(&self) -> Result<[usize; 2], SurfaceError> {
         let [x, y] = self.size();
-        let samples = |count: u64| {
-            usize::try_from(count).map_err(|_| {
-                ConfigError::Contradiction(format!("{count} samples do not fit into memory"))
-            })
-        };
+        let samples =
+            |count: u64| usize::try_from(count).map_err(|_| SurfaceError::TooManySamples(count));
         Ok([samples(y)?, samples(x)?])
     }
 

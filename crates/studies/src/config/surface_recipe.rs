@@ -4,18 +4,19 @@ use asperity_surface::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHe
 
 use super::surface::{MAX_SMOOTHNESS, SlopesName, SurfaceConfig};
 use super::surface_choices::{SpectrumChoice, SpectrumName};
+use super::surface_error::SurfaceError;
+use super::values::Number;
 use crate::config::error::ConfigError;
 
-/// Correlation length of the amplitude of GGX slopes over that of the surface, unless given.
-const AMPLITUDE_RATIO: f64 = 8.0;
-
-fn refused<T>(text: impl Into<String>) -> Result<T, ConfigError> {
-    Err(ConfigError::Contradiction(text.into()))
-}
-
 /// A value that a choice needs.
-fn needed(value: Option<f64>, flag: &str, choice: &str) -> Result<f64, ConfigError> {
-    value.map_or_else(|| refused(format!("{choice} needs --{flag}")), Ok)
+fn needed(
+    value: Option<Number>,
+    flag: &'static str,
+    choice: &'static str,
+) -> Result<f64, SurfaceError> {
+    value
+        .map(|number| number.0)
+        .ok_or(SurfaceError::Needs { choice, flag })
 }
 
 impl SurfaceConfig {
@@ -26,14 +27,40 @@ impl SurfaceConfig {
     pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         self.check_choices()?;
         self.structure.check()?;
+        self.check_azimuth()?;
         if self.structure.structure.is_some() {
             return self.structured();
         }
         if self.slopes == SlopesName::Ggx {
-            return self.student();
+            return Ok(self.student()?);
         }
+        self.transformed_spectrum()
+    }
+
+    /// Surfaces of a spectrum, Gaussian or with other heights.
+    pub(super) fn transformed_spectrum(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         let unit = self.unit_psd()?;
         let [tau, _] = unit.correlation_lengths();
+        let (smoothness, sigma) = self.smoothness_and_sigma(tau)?;
+        let psd = match unit {
+            Psd::Gaussian(_) => {
+                let tau_y = self.tau_y.map_or(tau, |t| t.0);
+                let azimuth = self.azimuth.0.to_radians();
+                Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth).map_err(SurfaceError::from)?
+            }
+            other => self.turned(other.with_sigma(sigma).map_err(SurfaceError::from)?)?,
+        };
+        let Some(second) = self.second()? else {
+            return Ok((smoothness, self.transformed(psd)?));
+        };
+        let sum = psd.plus(second);
+        let [tau, _] = sum.correlation_lengths();
+        Ok((tau / sum.sigma(), self.transformed(sum)?))
+    }
+
+    /// The smoothness and the root mean square height of surfaces of the correlation length `tau`: one is given and the other follows, or
+    /// both follow from the file of the spectrum.
+    fn smoothness_and_sigma(&self, tau: f64) -> Result<(f64, f64), ConfigError> {
         let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
             (Some(smoothness), None) => {
                 let smoothness = smoothness.one("smoothness")?.0;
@@ -44,40 +71,25 @@ impl SurfaceConfig {
                 (tau / sigma, sigma)
             }
             (None, None) if let Some(psd) = &self.files.psd => (tau / psd.sigma(), psd.sigma()),
-            _ => return refused("give either smoothness or sigma: smoothness = tau / sigma"),
+            _ => return Err(SurfaceError::NoHeight.into()),
         };
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
         let smoother = smoothness * ratio.max(1.0);
         if smoother > MAX_SMOOTHNESS {
-            return Err(ConfigError::TooSmooth(smoother));
+            return Err(SurfaceError::TooSmooth(smoother).into());
         }
         if !(smoothness.is_finite() && smoothness > 0.0) {
-            return refused(format!(
-                "smoothness is {smoothness}; tau / sigma must be positive and finite"
-            ));
+            return Err(SurfaceError::BadSmoothness(smoothness).into());
         }
-        let azimuth = self.azimuth.0.to_radians();
-        let psd = match unit {
-            Psd::Gaussian(_) => {
-                let tau_y = self.tau_y.map_or(tau, |t| t.0);
-                Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?
-            }
-            other => self.turned(other.with_sigma(sigma)?)?,
-        };
-        let Some(second) = self.second()? else {
-            return Ok((smoothness, self.transformed(psd)?));
-        };
-        let sum = psd.plus(second);
-        let [tau, _] = sum.correlation_lengths();
-        Ok((tau / sum.sigma(), self.transformed(sum)?))
+        Ok((smoothness, sigma))
     }
 
     /// Surfaces of a spectrum with the skewness and kurtosis requested, if any are.
-    fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, ConfigError> {
+    fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, SurfaceError> {
         let has_moments = self.skewness.is_some() || self.kurtosis.is_some();
         if let Some(heights) = &self.files.heights {
             return match has_moments {
-                true => refused("give either heights or skewness and kurtosis"),
+                true => Err(SurfaceError::HeightsTwice),
                 false => Ok(TransformedHeights::of(psd, heights.clone()).into()),
             };
         }
@@ -91,48 +103,47 @@ impl SurfaceConfig {
     }
 
     /// The spectrum of root mean square height 1, along one axis.
-    pub(super) fn unit_psd(&self) -> Result<Psd, ConfigError> {
-        let number = |value: Option<super::values::Number>| value.map(|number| number.0);
-        let tau = || match self.tau {
-            Some(tau) => Ok(tau.0),
-            None => refused("tau is missing"),
-        };
-        let cut_off = number(self.cut_off);
-        let SpectrumChoice::Named(name) = self.psd else {
-            return match &self.files.psd {
-                Some(_) if self.tau.is_some() || self.tau_y.is_some() => refused(
-                    "the correlation length of a spectrum from a file is its own; leave out tau and tau_y",
-                ),
+    pub(super) fn unit_psd(&self) -> Result<Psd, SurfaceError> {
+        match self.psd {
+            SpectrumChoice::Named(name) => self.named_psd(name),
+            SpectrumChoice::File(_) => match &self.files.psd {
+                Some(_) if self.tau.is_some() || self.tau_y.is_some() => {
+                    Err(SurfaceError::TauOfFile)
+                }
                 Some(psd) => Ok(psd.clone().with_sigma(1.0)?),
-                None => refused("the file of the spectrum has not been read"),
-            };
-        };
+                None => Err(SurfaceError::UnreadSpectrum),
+            },
+        }
+    }
+
+    /// A spectrum that has a name, of root mean square height 1.
+    fn named_psd(&self, name: SpectrumName) -> Result<Psd, SurfaceError> {
+        let tau = || self.tau.map(|tau| tau.0).ok_or(SurfaceError::NoTau);
         Ok(match name {
             SpectrumName::Gaussian => Psd::gaussian(1.0, tau()?)?,
             SpectrumName::Exponential => {
-                let cut_off = needed(cut_off, "cut-off", "--psd exponential")?;
+                let cut_off = needed(self.cut_off, "cut-off", "--psd exponential")?;
                 Psd::exponential(1.0, tau()?, cut_off)?
             }
             SpectrumName::Matern => {
-                let nu = needed(number(self.nu), "nu", "--psd matern")?;
+                let nu = needed(self.nu, "nu", "--psd matern")?;
+                let cut_off = self.cut_off.map(|cut_off| cut_off.0);
                 Psd::matern(1.0, tau()?, nu, cut_off)?
             }
+            SpectrumName::PowerLaw if self.tau.is_some() => {
+                return Err(SurfaceError::TauOfPowerLaw);
+            }
             SpectrumName::PowerLaw => {
-                if self.tau.is_some() {
-                    return refused(
-                        "the correlation length of a power law follows from --hurst, --roll-off and --cut-off; leave out tau",
-                    );
-                }
-                let choice = "--psd power-law";
-                let hurst = needed(number(self.hurst), "hurst", choice)?;
-                let roll_off = needed(number(self.roll_off), "roll-off", choice)?;
-                Psd::power_law(1.0, hurst, roll_off, needed(cut_off, "cut-off", choice)?)?
+                let of_law = |value, flag| needed(value, flag, "--psd power-law");
+                let hurst = of_law(self.hurst, "hurst")?;
+                let roll_off = of_law(self.roll_off, "roll-off")?;
+                Psd::power_law(1.0, hurst, roll_off, of_law(self.cut_off, "cut-off")?)?
             }
         })
     }
 
     /// The spectrum with its second axis.
-    pub(super) fn turned(&self, psd: Psd) -> Result<Psd, ConfigError> {
+    pub(super) fn turned(&self, psd: Psd) -> Result<Psd, SurfaceError> {
         match self.tau_y {
             Some(tau_y) => Ok(psd.stretched(tau_y.0, self.azimuth.0.to_radians())?),
             None => Ok(psd),
@@ -140,43 +151,34 @@ impl SurfaceConfig {
     }
 
     /// The second scale, if there is one.
-    fn second(&self) -> Result<Option<Psd>, ConfigError> {
+    fn second(&self) -> Result<Option<Psd>, SurfaceError> {
         match (self.second_sigma, self.second_tau) {
             (None, None) => Ok(None),
             (Some(sigma), Some(tau)) => Ok(Some(Psd::gaussian(sigma.0, tau.0)?)),
-            _ => refused("a second scale needs both --second-sigma and --second-tau"),
+            _ => Err(SurfaceError::HalfASecondScale),
         }
     }
 
     /// Surfaces of GGX slopes.
-    fn student(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        let Some(alpha) = self.ggx_alpha else {
-            return refused("--slopes ggx needs --ggx-alpha, in place of smoothness and sigma");
-        };
+    fn student(&self) -> Result<(f64, SurfaceRecipe), SurfaceError> {
+        let alpha = self.ggx_alpha.ok_or(SurfaceError::NoAlpha)?;
         if self.second()?.is_some() {
-            return refused(
-                "--slopes ggx has no second scale; leave out --second-sigma and --second-tau",
-            );
+            return Err(SurfaceError::GgxOfTwoScales);
         }
-        if self.skewness.is_some() || self.kurtosis.is_some() {
-            return refused(
-                "--slopes ggx decides the heights as well; leave out --skewness and --kurtosis",
-            );
+        if self.skewness.is_some() || self.kurtosis.is_some() || self.files.heights.is_some() {
+            return Err(SurfaceError::GgxHeights);
         }
         let unit = self.turned(self.unit_psd()?)?;
         // alpha^2 is twice the slope variance along the first axis
         let [tau, _] = unit.correlation_lengths();
         let along = self.unit_psd()?.slope_covariance()[0];
         let base = unit.with_sigma(alpha.0 / (2.0 * along).sqrt())?;
-        let ratio = self
-            .amplitude_ratio
-            .map_or(AMPLITUDE_RATIO, |ratio| ratio.0);
-        let recipe: SurfaceRecipe = StudentSlopes::new(base, ratio)?.into();
+        let recipe: SurfaceRecipe = StudentSlopes::new(base, self.amplitude_ratio())?.into();
         Ok((tau / recipe.sigma(), recipe))
     }
 
     /// Refuses parameters that no choice takes.
-    fn check_choices(&self) -> Result<(), ConfigError> {
+    fn check_choices(&self) -> Result<(), SurfaceError> {
         use SpectrumName::{Exponential, Matern, PowerLaw};
         let taken = [
             ("nu", self.nu.is_some(), &[Matern][..]),
@@ -188,22 +190,29 @@ impl SurfaceConfig {
                 &[Exponential, Matern, PowerLaw],
             ),
         ];
-        for (flag, given, psds) in taken {
-            if given && !psds.iter().any(|psd| self.psd == *psd) {
-                let names: Vec<&str> = psds.iter().map(|psd| psd.name()).collect();
-                let psd = self.psd.name();
-                return refused(format!(
-                    "--{flag} is for --psd {}; the spectrum is {psd}",
-                    names.join(", ")
-                ));
+        for (flag, given, spectra) in taken {
+            if given && !spectra.iter().any(|spectrum| self.psd == *spectrum) {
+                return Err(SurfaceError::OfOtherSpectra {
+                    flag,
+                    spectra,
+                    spectrum: self.psd.name(),
+                });
             }
         }
         let of_ggx = self.ggx_alpha.is_some() || self.amplitude_ratio.is_some();
         match self.slopes {
-            SlopesName::Gaussian if of_ggx => {
-                refused("--ggx-alpha and --amplitude-ratio are for --slopes ggx")
-            }
+            SlopesName::Gaussian if of_ggx => Err(SurfaceError::OfGgxSlopes),
             _ => Ok(()),
+        }
+    }
+
+    /// Refuses an azimuth where nothing has a direction that it would turn.
+    fn check_azimuth(&self) -> Result<(), SurfaceError> {
+        let azimuth = self.azimuth.0;
+        let has_direction = self.tau_y.is_some() || self.structure.has_direction();
+        match azimuth != 0.0 && !has_direction {
+            true => Err(SurfaceError::NoDirection { azimuth }),
+            false => Ok(()),
         }
     }
 }

@@ -71,9 +71,10 @@ impl Sweep {
             .map(|(_, values)| values.len() as f64)
             .product();
         if count > MAX_CASES {
-            return Err(ConfigError::Contradiction(format!(
-                "the lists make {count:.0e} cases; at most {MAX_CASES:.0e} are possible"
-            )));
+            return Err(ConfigError::TooManyCases {
+                count,
+                most: MAX_CASES,
+            });
         }
         let configs =
             lists

@@ -90,6 +90,7 @@ impl SweepCase {
     pub(crate) fn modelled(&self) -> ModelledSurface {
         ModelledSurface {
             slopes: slopes(&self.recipe).map(Into::into),
+            is_nearly_isotropic: false,
             material: self.material,
             layer: self.layer,
         }

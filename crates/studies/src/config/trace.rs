@@ -141,6 +141,7 @@ impl TraceConfig {
         }
         let any = ModelledSurface {
             slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
+            is_nearly_isotropic: false,
             material,
             layer,
         };

@@ -61,7 +61,7 @@ pub struct ConvergenceConfig {
     pub bins: HemisphereGrid,
     /// The sides over whose bins errors are taken.
     pub side: Sides,
-    /// Errors to which the seconds are asked.
+    /// Errors for which run times are computed.
     pub errors: OneOrMany<Number>,
 }
 
@@ -276,10 +276,12 @@ impl ConvergeConfig {
         let spacing = spacing.unwrap_or(self.own_spacing());
         self.shape(spacing)?;
         let cases = verification.cases()?;
-        let has_control = cases.iter().all(|case| case.recipe.structured().is_none());
+        let uncontrolled = cases.iter().find_map(why_uncontrolled);
         let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
-        if !has_control && methods.iter().any(is_controlled) {
-            return Err(ConfigError::NoControl);
+        if let Some(error) = &uncontrolled
+            && methods.iter().any(is_controlled)
+        {
+            return Err(error.clone());
         }
         Ok(Plan {
             cases,
@@ -288,9 +290,9 @@ impl ConvergeConfig {
             repeats: config.repeats.0,
             reference: PlannedReference {
                 method: Method {
-                    estimator: match has_control {
-                        true => Estimator::Controlled,
-                        false => Estimator::Plain,
+                    estimator: match uncontrolled {
+                        None => Estimator::Controlled,
+                        Some(_) => Estimator::Plain,
                     },
                     sampling: Sampling::QuasiRandom,
                     branching: Branching::Split,
@@ -307,6 +309,14 @@ impl ConvergeConfig {
             seed: config.seed,
         })
     }
+}
+
+/// Why no control variate is known for a case, if none is.
+fn why_uncontrolled(case: &SweepCase) -> Option<ConfigError> {
+    if case.material.is_diffuse() {
+        return Some(ConfigError::DiffuseControl);
+    }
+    case.recipe.structured().map(|_| ConfigError::NoControl)
 }
 
 fn coarsest(spacing: PerAxis<Number>) -> f64 {
@@ -356,13 +366,10 @@ fn check_effort(effort: RunEffort) -> Result<(), ConfigError> {
 }
 
 fn check_accelerator(accelerator: AcceleratorKind) -> Result<(), ConfigError> {
-    if accelerator != AcceleratorKind::Flat {
-        return Ok(());
+    match accelerator {
+        AcceleratorKind::Flat => Err(ConfigError::FlatAccelerator),
+        _ => Ok(()),
     }
-    Err(ConfigError::Contradiction(
-        "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto"
-            .into(),
-    ))
 }
 
 /// Refuses a list that names a value twice.

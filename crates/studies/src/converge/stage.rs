@@ -51,7 +51,7 @@ struct Prepared {
 /// What one run found and took.
 pub(super) struct Run {
     pub(super) statistics: TallyStatistics,
-    pub(super) rays_a_surface: u64,
+    pub(super) rays_per_surface: u64,
     pub(super) work: SummaryWork,
 }
 
@@ -146,7 +146,7 @@ impl<'a> Stage<'a> {
         surfaces.for_each(|tally| statistics.push(tally));
         Ok(Run {
             statistics,
-            rays_a_surface: outcome.work.rays / effort.surfaces,
+            rays_per_surface: outcome.work.rays / effort.surfaces,
             work: outcome.work,
         })
     }
@@ -188,7 +188,7 @@ impl<'a> Stage<'a> {
         Reference {
             method,
             size: self.prepared(&method).size,
-            rays_a_surface: run.rays_a_surface,
+            rays_per_surface: run.rays_per_surface,
             surfaces: effort.surfaces,
             error: targets.reference.own_error(&standard_errors),
             error_exact: exact.map(|exact| exact.relative_rms(&self.fluxes(run))),
@@ -257,7 +257,7 @@ impl<'a> Stage<'a> {
         let exact = targets.exact.as_ref();
         RunSample {
             seconds: run.work.seconds,
-            rays_a_surface: run.rays_a_surface,
+            rays_per_surface: run.rays_per_surface,
             error: targets.reference.relative_rms(&fluxes),
             error_exact: exact.map(|exact| exact.relative_rms(&fluxes)),
             energy_error: self.returns_all_light().then_some(left - 1.0),
@@ -266,10 +266,10 @@ impl<'a> Stage<'a> {
 
     /// Whether all light must be found on the sides that are recorded.
     fn returns_all_light(&self) -> bool {
-        let asks = |side| self.plan.spec.records(side);
+        let records = |side| self.plan.spec.records(side);
         match self.case.material {
-            Material::Mirror => asks(Side::Reflected),
-            Material::Dielectric { .. } => asks(Side::Reflected) && asks(Side::Transmitted),
+            Material::Mirror => records(Side::Reflected),
+            Material::Dielectric { .. } => records(Side::Reflected) && records(Side::Transmitted),
             _ => false,
         }
     }
@@ -310,7 +310,7 @@ impl<'a> Stage<'a> {
 /// What one run gives to a measurement.
 pub(super) struct RunSample {
     pub(super) seconds: f64,
-    pub(super) rays_a_surface: u64,
+    pub(super) rays_per_surface: u64,
     pub(super) error: f64,
     pub(super) error_exact: Option<f64>,
     pub(super) energy_error: Option<f64>,

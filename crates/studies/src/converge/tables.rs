@@ -103,7 +103,7 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
             unit => unit.suffix(),
         },
         reference.surfaces,
-        reference.rays_a_surface,
+        reference.rays_per_surface,
         reference.method.estimator,
         reference.method.sampling,
         significant(reference.seconds),
@@ -244,7 +244,7 @@ fn with_measurements<'a>(
     };
     table
         .column(count("rays_a_surface", "rays per surface", |m| {
-            m.rays_a_surface
+            m.rays_per_surface
         }))
         .column(count("surfaces", "surfaces", |m| m.surfaces))
         .column(count(
@@ -303,7 +303,7 @@ fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
             row.measurement.surfaces
         }))
         .column(Column::new("rays each", "", |row: &Row<'_>| {
-            row.measurement.rays_a_surface
+            row.measurement.rays_per_surface
         }))
         .column(Column::new("seconds", "", seconds))
         .column(Column::new("relative error", "", |row: &Row<'_>| {

@@ -21,7 +21,7 @@ fn measured(seconds: &[f64], error: f64) -> Measurement {
         .iter()
         .map(|&seconds| RunSample {
             seconds,
-            rays_a_surface: 64,
+            rays_per_surface: 64,
             error,
             error_exact: None,
             energy_error: Some(1e-9),
@@ -78,7 +78,7 @@ fn gains_are_over_plain_random_rays_on_the_same_grid() {
         reference: Reference {
             method: controlled,
             size: [512; 2],
-            rays_a_surface: 1,
+            rays_per_surface: 1,
             surfaces: 2,
             error: 1e-3,
             error_exact: None,

@@ -130,10 +130,10 @@ impl MeasuredComponent {
     /// Flux into bin `bin` of the grid; `None` if its side was not requested.
     #[must_use]
     pub fn bin(&self, spec: &TallySpec, bin: usize) -> Option<Estimate> {
-        let asked = spec.recorded_bins();
-        asked
+        let recorded = spec.recorded_bins();
+        recorded
             .contains(&bin)
-            .then(|| self.bins.estimate(bin - asked.start))
+            .then(|| self.bins.estimate(bin - recorded.start))
     }
 
     /// Flux into in-plane bin `i` of `side`; `None` if it was not requested.
@@ -180,11 +180,11 @@ impl DirectionResults {
 
     /// Whether a run with this spec may have found these numbers: they are fluxes and add up.
     pub(super) fn is_sound(&self, spec: &TallySpec) -> bool {
-        let asked = spec.recorded_bins().len();
+        let recorded = spec.recorded_bins().len();
         let sides = spec.sides().count();
         let lengths = |component: &MeasuredComponent| {
             component.sides.is_sound(sides)
-                && component.bins.is_sound(asked)
+                && component.bins.is_sound(recorded)
                 && component.in_plane.is_sound(sides * spec.in_plane_len())
         };
         let names = self

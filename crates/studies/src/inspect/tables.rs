@@ -1,7 +1,5 @@
 //! The tables of an inspected surface.
 
-use asperity_surface::LengthUnit;
-
 use super::{SpectrumRow, Texture, ggx, normal};
 use crate::output::{Column, Table, unit_of_lengths};
 
@@ -27,14 +25,8 @@ pub(super) struct SlopeRow {
 impl Texture {
     /// Columns of psd.csv.
     pub(super) fn spectrum_table(&self) -> Table<'_, SpectrumRow> {
-        let [k, density] = match self.unit {
-            LengthUnit::Kilometre => ["rad/km", "km^4"],
-            LengthUnit::Metre => ["rad/m", "m^4"],
-            LengthUnit::Millimetre => ["rad/mm", "mm^4"],
-            LengthUnit::Micrometre => ["rad/um", "um^4"],
-            LengthUnit::Nanometre => ["rad/nm", "nm^4"],
-            _ => ["rad/length", "length^4"],
-        };
+        let length = unit_of_lengths(self.unit);
+        let [k, density] = [format!("rad/{length}"), format!("{length}^4")];
         Table::new()
             .column(
                 Column::new(
@@ -50,7 +42,7 @@ impl Texture {
                     "mean power spectral density, two-sided",
                     |row: &SpectrumRow| row.ring.density,
                 )
-                .unit(density),
+                .unit(density.clone()),
             )
             .column(Column::new(
                 "waves",
@@ -74,14 +66,7 @@ impl Texture {
     /// Columns of autocorrelation.csv.
     pub(super) fn correlation_table(&self) -> Table<'_, LagRow> {
         let length = unit_of_lengths(self.unit);
-        let squared = match self.unit {
-            LengthUnit::Kilometre => "km^2",
-            LengthUnit::Metre => "m^2",
-            LengthUnit::Millimetre => "mm^2",
-            LengthUnit::Micrometre => "um^2",
-            LengthUnit::Nanometre => "nm^2",
-            _ => "length^2",
-        };
+        let squared = format!("{length}^2");
         let [dx, dy] = self.spacing;
         Table::new()
             .column(
@@ -96,7 +81,7 @@ impl Texture {
                     "autocorrelation of heights at lag_x along x",
                     |row: &LagRow| row.along_x,
                 )
-                .unit(squared),
+                .unit(squared.clone()),
             )
             .column(
                 Column::new("lag_y", "lag along y", move |row: &LagRow| {
@@ -125,14 +110,8 @@ impl Texture {
 
     /// Columns of heights.csv.
     pub(super) fn heights_table(&self) -> Table<'_, HeightRow> {
-        let per_length = match self.unit {
-            LengthUnit::Kilometre => "1/km",
-            LengthUnit::Metre => "1/m",
-            LengthUnit::Millimetre => "1/mm",
-            LengthUnit::Micrometre => "1/um",
-            LengthUnit::Nanometre => "1/nm",
-            _ => "1/length",
-        };
+        let length = unit_of_lengths(self.unit);
+        let per_length = format!("1/{length}");
         let mean_square = self.sq * self.sq;
         Table::new()
             .column(
@@ -141,7 +120,7 @@ impl Texture {
                     "middle of the bin, about the mean height",
                     |row: &HeightRow| row.height,
                 )
-                .unit(unit_of_lengths(self.unit)),
+                .unit(length),
             )
             .column(
                 Column::new(
@@ -149,7 +128,7 @@ impl Texture {
                     "fraction of samples over the width of the bin",
                     |row: &HeightRow| row.density,
                 )
-                .unit(per_length),
+                .unit(per_length.clone()),
             )
             .column(
                 Column::new(

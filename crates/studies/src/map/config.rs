@@ -4,13 +4,14 @@ use asperity_simulate::check_results;
 use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
+use crate::config::default_models::Described;
 use crate::config::error::ConfigError;
 use crate::config::sweep::SweptCase;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::Number;
 use crate::config::{
-    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
-    VerifyConfig,
+    CompareConfig, LightConfig, MaterialConfig, MaterialKind, OutputConfig, RunConfig,
+    SurfaceConfig, VerifyConfig,
 };
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;
@@ -70,7 +71,20 @@ impl MapConfig {
     /// # Errors
     /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        Ok(Document::of_text(Command::Map, text)?.read()?)
+        let document = Document::of_text(Command::Map, text)?;
+        let mut config: Self = document.read()?;
+        config.choose_models(&document);
+        Ok(config)
+    }
+
+    /// Chooses the default models, as [`VerifyConfig::choose_models`] does.
+    pub fn choose_models(&mut self, document: &Document) {
+        let described = Described {
+            surface: &self.surface,
+            material: self.material.kind,
+            medium: None,
+        };
+        described.choose(&mut self.compare, document);
     }
 
     /// Checks everything that can be known before a ray is traced.
@@ -96,25 +110,23 @@ impl MapConfig {
 
     /// The cells, in the order of [`VerifyConfig::cases`].
     pub(super) fn cells(&self) -> Result<Vec<CellPlan>, ConfigError> {
-        let contradiction = |text: String| Err(ConfigError::Contradiction(text));
         if self.run.polarisation == Polarisation::Mueller {
-            return contradiction(
-                "--polarisation mueller: a map compares fluxes alone; take tracked, averaged or both, or verify for the matrices".into(),
-            );
+            return Err(ConfigError::MapOfMatrices);
         }
         if self.compare.models.is_empty() {
-            return contradiction("a map needs models to compare with; name one or several".into());
+            let is_lambertian = self.material.kind == MaterialKind::Lambertian;
+            return Err(match is_lambertian && !self.surface.is_isotropic() {
+                true => ConfigError::NoModelToMap,
+                false => ConfigError::MapWithoutModels,
+            });
         }
         for (name, tolerance) in [
-            ("total_variation", self.map.total_variation),
-            ("energy", self.map.energy),
-            ("peak", self.map.peak),
+            ("total_variation", self.map.total_variation.0),
+            ("energy", self.map.energy.0),
+            ("peak", self.map.peak.0),
         ] {
-            if !(tolerance.0.is_finite() && tolerance.0 > 0.0) {
-                return contradiction(format!(
-                    "the tolerance {name} is {}; it must be above 0 and finite",
-                    tolerance.0
-                ));
+            if !(tolerance.is_finite() && tolerance > 0.0) {
+                return Err(ConfigError::Tolerance { name, tolerance });
             }
         }
         let all = VerifyConfig {
@@ -156,6 +168,58 @@ mod tests {
                 assert_eq!(cell.case, case);
                 assert_eq!(cell.config.cases().unwrap(), [case]);
             }
+        }
+    }
+
+    /// Defaults can be run: of every structure, material and medium.
+    #[test]
+    fn default_models_describe_their_surfaces() {
+        let structures = [
+            "pits",
+            "caps",
+            "v-grooves",
+            "sine-grooves",
+            "blazed-grooves",
+            "scratches",
+            "cracks",
+            "pyramids",
+            "inverted-pyramids",
+        ];
+        let structures =
+            structures.map(|name| format!("[surface]\nstructure = \"{name}\"\nsize = 384\n"));
+        let spectra = [
+            "",
+            "[surface]\ntau_y = 8\n",
+            "[surface]\npsd = \"exponential\"\ncut_off = 4\ntau_y = 32\n",
+        ];
+        for surface in structures.into_iter().chain(spectra.map(str::to_owned)) {
+            let of = |rest: &str| format!("{surface}{rest}");
+            let verify = |rest: &str| {
+                let config = VerifyConfig::from_toml(&of(rest)).unwrap();
+                config.cases().map(|_| config.compare.models).unwrap()
+            };
+            let map = |rest: &str| {
+                let config = MapConfig::from_toml(&of(rest)).unwrap();
+                config.count().map(|_| config.compare.models)
+            };
+            let glass = verify("");
+            assert!(glass.contains(&"smith".to_owned()), "{surface}");
+            assert_eq!(map("").unwrap(), glass, "{surface}");
+            let white = "[material]\nkind = \"lambertian\"\nreflectance = 0.8";
+            match (verify(white), map(white)) {
+                (models, Ok(of_map)) => {
+                    assert_eq!([models, of_map], [["oren-nayar"], ["oren-nayar"]])
+                }
+                (models, Err(error)) => {
+                    assert!(models.is_empty(), "{surface}");
+                    assert!(error.to_string().contains("no model"), "{surface}: {error}");
+                }
+            }
+            assert_eq!(
+                verify("[medium]\nscattering = 1"),
+                ["flat-layer"],
+                "{surface}"
+            );
         }
     }
 

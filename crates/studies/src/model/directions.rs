@@ -113,7 +113,7 @@ impl Evaluation for Directions {
     }
 }
 
-/// The directions that are asked for.
+/// The requested directions.
 fn directions(
     selection: &Selection,
     incidence: Incidence,

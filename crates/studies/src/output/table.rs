@@ -99,7 +99,7 @@ enum Kind {
 pub(crate) struct Column<'a, R> {
     name: Cow<'a, str>,
     kind: Kind,
-    unit: &'static str,
+    unit: Cow<'a, str>,
     about: &'static str,
     heading: Option<Cow<'a, str>>,
     format: Format,
@@ -116,7 +116,7 @@ impl<'a, R> Column<'a, R> {
         Self {
             name: name.into(),
             kind: Kind::Value,
-            unit: "",
+            unit: Cow::Borrowed(""),
             about,
             heading: None,
             format: Format::Short,
@@ -137,8 +137,8 @@ impl<'a, R> Column<'a, R> {
     }
 
     /// With a unit, as `deg`; empty for pure numbers and text.
-    pub(crate) fn unit(mut self, unit: &'static str) -> Self {
-        self.unit = unit;
+    pub(crate) fn unit(mut self, unit: impl Into<Cow<'a, str>>) -> Self {
+        self.unit = unit.into();
         self
     }
 
@@ -288,7 +288,7 @@ impl<'a, R> Table<'a, R> {
     /// Name, unit and description of each column of a CSV file, as JSON.
     pub(crate) fn description(&self) -> Value {
         let describe = |column: &Column<'a, R>| {
-            let unit = Some(column.unit).filter(|unit| !unit.is_empty());
+            let unit = Some(&column.unit).filter(|unit| !unit.is_empty());
             let entry = |name: &str, about: &str| json!({ "name": name, "unit": unit, "description": about });
             let value = entry(&column.name, column.about);
             match column.kind {

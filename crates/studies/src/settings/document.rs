@@ -267,13 +267,15 @@ impl Document {
         let of_section = |other: &&&str| other.split('.').next() == Some(setting.section);
         let mut excluded_in_section = setting.excludes.iter().filter(of_section);
         let excluded = excluded_in_section.any(|other| self.is_given(other));
-        let overruled = setting
-            .default_unless
-            .is_some_and(|Unless { setting, is }| {
-                let other = self.entries.get(&setting);
-                other.is_some_and(|entry| entry.value.as_str().is_some_and(is))
-            });
-        if setting.default_yields && excluded || overruled {
+        let overruled = |unless: &Unless| {
+            let is = |entry: &Entry| entry.value.as_str().is_some_and(unless.is);
+            self.entries.get(&unless.setting).is_some_and(is)
+                && unless
+                    .but_with
+                    .is_none_or(|other| !self.entries.contains_key(&other))
+        };
+        let is_overruled = setting.default_unless.iter().any(overruled);
+        if setting.default_yields && excluded || is_overruled {
             return None;
         }
         let text = setting.default_of(self.command)?;

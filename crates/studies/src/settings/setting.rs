@@ -43,8 +43,8 @@ pub struct Setting {
     pub otherwise: &'static str,
     /// Whether the default does not hold once a setting of the same section that excludes it is given.
     pub default_yields: bool,
-    /// Another setting with whose values its default does not hold.
-    pub default_unless: Option<Unless>,
+    /// Values of other settings with which its default does not hold.
+    pub default_unless: &'static [Unless],
     /// Settings that cannot be given together with it, as `section.key` or `section.*`; it clears those of a lower layer.
     pub excludes: &'static [&'static str],
     /// Settings of a lower layer that it clears.
@@ -58,6 +58,8 @@ pub struct Unless {
     pub setting: (&'static str, &'static str),
     /// Whether its text is such a value.
     pub is: fn(&str) -> bool,
+    /// A further setting, as section and key, with which the default holds all the same.
+    pub but_with: Option<(&'static str, &'static str)>,
 }
 
 /// The flag of a setting.
@@ -115,7 +117,7 @@ pub(super) const fn setting(
         default_in: &[],
         otherwise: "",
         default_yields: false,
-        default_unless: None,
+        default_unless: &[],
         excludes: &[],
         clears: &[],
     }
@@ -140,8 +142,8 @@ impl Setting {
         self
     }
 
-    pub(super) const fn default_unless(mut self, unless: Unless) -> Self {
-        self.default_unless = Some(unless);
+    pub(super) const fn default_unless(mut self, unless: &'static [Unless]) -> Self {
+        self.default_unless = unless;
         self
     }
 

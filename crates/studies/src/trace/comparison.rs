@@ -14,6 +14,7 @@ use asperity_tracer::Polarisation;
 use serde_json::{Value, json};
 
 use super::TraceError;
+use super::isotropy::Isotropy;
 use super::region_plan::{RegionPlan, TooSmall};
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::compared_case::ComparedCase;
@@ -22,7 +23,7 @@ use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::CompareConfig;
-use crate::config::case_model::ModelledSurface;
+use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::given::{GivenShape, GivenSurface};
@@ -55,9 +56,52 @@ pub(super) struct Slopes {
     pub(super) shifts: RegionShifts,
     /// Slopes of any density, if a model is made of them.
     pub(super) tables: Option<SlopeTables>,
+    isotropy: Isotropy,
 }
 
 impl Slopes {
+    /// What models of the case are made for.
+    fn modelled(&self, case: &Case) -> ModelledSurface {
+        ModelledSurface {
+            slopes: Ok(self.distribution()),
+            is_nearly_isotropic: self.isotropy.is_near,
+            material: case.material,
+            layer: case.layer.map(|below| below.layer),
+        }
+    }
+
+    /// Those of the `models` that are of isotropic surfaces and take the mean of the slope variances.
+    ///
+    /// # Errors
+    /// [`TraceError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
+    fn isotropic_models<'a>(
+        &self,
+        models: &'a [String],
+        case: &Case,
+        surface: &str,
+    ) -> Result<Vec<&'a str>, TraceError> {
+        let modelled = self.modelled(case);
+        let anisotropic = ModelledSurface {
+            is_nearly_isotropic: false,
+            ..modelled.clone()
+        };
+        let mut isotropic = Vec::new();
+        for name in models {
+            CaseModel::of(name, &modelled).map_err(|error| match error {
+                ConfigError::Model(error) if error.is_anisotropic() => TraceError::Anisotropic {
+                    name: surface.to_owned(),
+                    variances: self.isotropy.variances,
+                    error,
+                },
+                error => error.into(),
+            })?;
+            if CaseModel::of(name, &anisotropic).is_err() {
+                isotropic.push(name.as_str());
+            }
+        }
+        Ok(isotropic)
+    }
+
     fn distribution(&self) -> SlopeDistribution {
         let covariance = self.shifts.covariance();
         match &self.tables {
@@ -116,8 +160,18 @@ impl PlannedComparison {
             .transpose()
             .map_err(ModelError::from)
             .map_err(ConfigError::from)?;
+        let slopes = Slopes {
+            isotropy: Isotropy::of(shifts.elements()),
+            plan,
+            shifts,
+            tables,
+        };
+        let isotropic = slopes.isotropic_models(&config.compare.models, case, &surface.name)?;
+        if !isotropic.is_empty() {
+            warnings.push(slopes.isotropy.note(&isotropic));
+        }
         let settings = Settings {
-            regions: Some(plan.regions),
+            regions: Some(slopes.plan.regions),
             estimator: Estimator::Plain,
             refine: false,
             effort: Effort::rays(Effort::DEFAULT_RAYS),
@@ -126,11 +180,7 @@ impl PlannedComparison {
         Ok(Some(Self {
             config: config.compare.clone(),
             seed: config.run.seed,
-            slopes: Slopes {
-                plan,
-                shifts,
-                tables,
-            },
+            slopes,
             simulation: Simulation::new(std::slice::from_ref(case), &settings)?,
             case: case.clone(),
             settings,
@@ -170,11 +220,7 @@ impl PlannedComparison {
             spec: outcome.statistics.spec(),
             incidence: self.case.light.incidence,
             free_azimuth: false,
-            surface: ModelledSurface {
-                slopes: Ok(self.slopes.distribution()),
-                material: self.case.material,
-                layer: self.case.layer.map(|below| below.layer),
-            },
+            surface: self.slopes.modelled(&self.case),
             outcome: &outcome,
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
@@ -279,6 +325,7 @@ impl TraceComparison {
             plan,
             shifts,
             tables,
+            ..
         } = &self.slopes;
         let [xx, xy, yy] = shifts.elements();
         value["slopes"] = json!({

@@ -39,6 +39,7 @@ fn slopes_line(comparison: &TraceComparison) -> String {
         plan,
         shifts,
         tables,
+        ..
     } = comparison.slopes();
     let [xx, xy, yy] = shifts.elements().map(with_error);
     let [wide, deep] = plan.widths().map(|width| format!("{width:.1}"));

@@ -49,7 +49,7 @@ pub enum JohnsonError {
     },
     /// The distribution is too close to one of two heights, or its tails are too long.
     #[error(
-        "the skewness {skewness} and the kurtosis {kurtosis} need heights with cliffs or spikes between almost all and almost none; take a kurtosis nearer to that of a lognormal distribution, {lognormal:.4}"
+        "the skewness {skewness} and the kurtosis {kurtosis} are too extreme: nearly all heights would lie on two plateaus with cliffs between them, or on one plane with rare spikes; take a kurtosis nearer to that of a lognormal distribution, {lognormal:.4}"
     )]
     Extreme {
         /// The skewness.
@@ -64,7 +64,7 @@ pub enum JohnsonError {
 /// Least and largest `delta`: below, heights jump; beyond, the distribution is normal.
 const DELTA: [f64; 2] = [0.3, 1e3];
 
-/// Least `delta` of the unbounded family, whose kurtosis is some ten thousand there.
+/// Least `delta` of the unbounded family, whose kurtosis without skewness is 1818 there.
 const LEAST_UNBOUNDED_DELTA: f64 = 0.7;
 
 /// Largest distance of moments from those requested.
@@ -290,6 +290,6 @@ mod tests {
         let said = |s: f64, k: f64| Johnson::of_moments(s, k).unwrap_err().to_string();
         assert!(said(1.0, 2.0).contains("must exceed the square of the skewness by more than 1"));
         assert!(said(0.0, f64::NAN).starts_with("no distribution"));
-        assert!(said(0.0, 1.05).contains("cliffs or spikes"));
+        assert!(said(0.0, 1.05).contains("cliffs between them, or"));
     }
 }

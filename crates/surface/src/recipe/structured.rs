@@ -25,15 +25,22 @@ pub struct StructuredSurface {
     slope_covariance: [f64; 3],
 }
 
-impl StructuredSurface {
-    /// The surfaces that `synthesis` draws, with heights of the power spectral density `roughness` added.
+/// A structure without roughness, with its statistics measured on two surfaces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredStructure {
+    structure: Structure,
+    /// Variance of heights, length units squared.
+    variance: f64,
+    /// Second moments `[xx, xy, yy]` of slopes.
+    slopes: [f64; 3],
+}
+
+impl MeasuredStructure {
+    /// Draws two surfaces of `synthesis` and measures them.
     ///
     /// # Errors
     /// As [`StructureSynthesis::draw`].
-    pub fn new(
-        synthesis: &StructureSynthesis,
-        roughness: Option<Psd>,
-    ) -> Result<Self, StructureError> {
+    pub fn of(synthesis: &StructureSynthesis) -> Result<Self, StructureError> {
         let (mut variance, mut slopes) = (0.0, [0.0; 3]);
         for realisation in 0..MEASURED {
             // Of a seed of its own, so that surfaces of the run are as independent of it as of each other
@@ -44,17 +51,41 @@ impl StructuredSurface {
             let moments = field.slope_moments();
             slopes = [0, 1, 2].map(|i| slopes[i] + part * moments.second[i]);
         }
+        Ok(Self {
+            structure: *synthesis.structure(),
+            variance,
+            slopes,
+        })
+    }
+
+    /// Surfaces with this structure, and with heights of the power spectral density `roughness` added.
+    #[must_use]
+    pub fn with(&self, roughness: Option<Psd>) -> StructuredSurface {
+        let (mut variance, mut slopes) = (self.variance, self.slopes);
         if let Some(psd) = &roughness {
             variance += psd.sigma() * psd.sigma();
             let added = psd.slope_covariance();
             slopes = [0, 1, 2].map(|i| slopes[i] + added[i]);
         }
-        Ok(Self {
-            structure: *synthesis.structure(),
+        StructuredSurface {
+            structure: self.structure,
             roughness,
             sigma: variance.sqrt(),
-            slope_covariance: with_density(slopes, synthesis.structure().is_isotropic()),
-        })
+            slope_covariance: with_density(slopes, self.structure.is_isotropic()),
+        }
+    }
+}
+
+impl StructuredSurface {
+    /// The surfaces that `synthesis` draws, with heights of the power spectral density `roughness` added.
+    ///
+    /// # Errors
+    /// As [`StructureSynthesis::draw`].
+    pub fn new(
+        synthesis: &StructureSynthesis,
+        roughness: Option<Psd>,
+    ) -> Result<Self, StructureError> {
+        Ok(MeasuredStructure::of(synthesis)?.with(roughness))
     }
 
     /// The structure.

@@ -14,7 +14,7 @@ pub(super) const COMPARE: &[Setting] = &[
         "models",
         Kind::Models,
         VERIFY.and(MAP_COMMAND),
-        "Models to compare with; with a medium the default is flat-layer",
+        "Models to compare with; the default depends on the surface",
     )
     .value_name("NAMES")
     .default("xu-sun,smith,heitz"),

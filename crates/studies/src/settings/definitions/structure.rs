@@ -64,7 +64,7 @@ pub(super) const EDGE_RADIUS: Setting = of_structure(
 pub(super) const RANDOMNESS: Setting = of_structure(
     "randomness",
     Kind::Number,
-    "Sizes are uniform within 1 +- this, in means; not of cracks",
+    "Half the range of sizes over their mean; cracks have none",
 )
 .range(Range::FromBelow(0.0, 1.0))
 .otherwise("0");

@@ -15,18 +15,28 @@ const SECTION: &str = "surface";
 const OWN_TAU: Unless = Unless {
     setting: (SECTION, "psd"),
     is: |psd| !["gaussian", "exponential", "matern"].contains(&psd),
+    but_with: None,
+};
+
+/// Structures without roughness on top, which has a correlation length.
+const NO_ROUGHNESS: Unless = Unless {
+    setting: (SECTION, "structure"),
+    is: |_| true,
+    but_with: Some((SECTION, "sigma")),
 };
 
 /// Spectra of height maps, whose spacing is that of the map.
 const OWN_SPACING: Unless = Unless {
     setting: (SECTION, "psd"),
     is: |psd| psd.starts_with("like:"),
+    but_with: None,
 };
 
 /// Spectra whose root mean square height is that of a file.
 const OWN_SIGMA: Unless = Unless {
     setting: (SECTION, "psd"),
     is: |psd| !PSD.choices().iter().any(|choice| choice.name == psd),
+    but_with: None,
 };
 
 pub(super) const SETTINGS: &[Setting] = &[
@@ -39,7 +49,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .range(Range::Above(0.0))
     .default("16")
-    .default_unless(OWN_TAU)
+    .default_unless(&[OWN_TAU, NO_ROUGHNESS])
     .default_in(&[(ATTENUATION, Some("0.5"))])
     .excludes(&["measured.*"]),
     setting(
@@ -65,7 +75,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
     .default_yields()
-    .default_unless(OWN_SIGMA)
+    .default_unless(&[OWN_SIGMA])
     .excludes(&[
         "surface.sigma",
         "surface.ggx_alpha",
@@ -174,7 +184,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05")), (TRACING, None)])
-    .default_unless(OWN_SPACING)
+    .default_unless(&[OWN_SPACING])
     .otherwise(
         "tau / 4 for smooth cells, tau / 16 for flat ones, finer for short waves; of structures width / 16, of scratches and cracks / 8",
     ),
@@ -211,6 +221,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         RANDOM,
         "Power spectral density: a name, FILE.csv, or like:FILE",
     )
+        .value_name("NAME|FILE")
         .otherwise("gaussian")
         .excludes(&["measured.*"]),
     setting(
@@ -251,7 +262,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Wavelength of the shortest waves of a spectrum",
     )
     .range(Range::Above(0.0))
-    .otherwise("none; needed, but by matern with nu above 1")
+    .otherwise("none; required, except for matern with nu above 1")
     .excludes(&["measured.*"]),
     setting(
         SECTION,
@@ -280,6 +291,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         RANDOM,
         "Distribution of heights: FILE.csv, or like:FILE",
     )
+    .value_name("NAME|FILE")
     .otherwise("gaussian, or by skewness and kurtosis")
     .excludes(&["surface.skewness", "surface.kurtosis", "measured.*"]),
     setting(
@@ -298,7 +310,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         RANDOM,
         "Kurtosis of the heights, 3 if Gaussian; above skewness^2 + 1",
     )
-    .range(Range::AboveTo(1.0, 1e4))
+    .range(Range::Above(1.0))
     .otherwise("that of a lognormal distribution of the skewness")
     .excludes(&["measured.*"]),
     setting(SECTION, "slopes", SLOPES, RANDOM, "Distribution of slopes")

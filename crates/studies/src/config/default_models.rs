@@ -1,0 +1,54 @@
+//! Default models: those that random surfaces are compared with where none are named.
+
+use asperity_analysis::{Heitz, LayerPaths, OrenNayar, Smith};
+
+use crate::config::medium::{BottomKind, MediumConfig};
+use crate::config::{CompareConfig, MaterialKind, SurfaceConfig, VerifyConfig};
+use crate::settings::Document;
+
+/// What decides which models describe a surface.
+pub(crate) struct Described<'a> {
+    pub(crate) surface: &'a SurfaceConfig,
+    pub(crate) material: MaterialKind,
+    pub(crate) medium: Option<&'a MediumConfig>,
+}
+
+impl Described<'_> {
+    /// The models in place of those of isotropic surfaces of mirrors or refracting facets; `None` where these hold.
+    ///
+    /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Of isotropic Lambertian facets, Oren
+    /// and Nayar; of others there is none. Of other anisotropic surfaces, Smith and Heitz: the model of Xu and Sun is isotropic.
+    fn models(&self) -> Option<Vec<String>> {
+        let is_isotropic = self.surface.is_isotropic();
+        let names: &[&str] = match (self.medium, self.material) {
+            (Some(medium), _) if medium.bottom == Some(BottomKind::Lambertian) => &[],
+            (Some(_), _) => &[LayerPaths::All.name()],
+            (None, MaterialKind::Lambertian) if is_isotropic => &[OrenNayar::NAME],
+            (None, MaterialKind::Lambertian) => &[],
+            (None, _) if is_isotropic => return None,
+            (None, _) => &[Smith::NAME_CORRELATED, Heitz::NAME],
+        };
+        Some(names.iter().map(|&name| name.to_owned()).collect())
+    }
+
+    /// Puts the default models in place, unless `document` names models.
+    pub(crate) fn choose(&self, compare: &mut CompareConfig, document: &Document) {
+        if !document.is_given("compare.models")
+            && let Some(models) = self.models()
+        {
+            compare.models = models;
+        }
+    }
+}
+
+impl VerifyConfig {
+    /// Chooses the default models unless `document` names models; after the files of the surface are read, which may give it a direction.
+    pub fn choose_models(&mut self, document: &Document) {
+        let described = Described {
+            surface: &self.surface,
+            material: self.material.kind,
+            medium: self.medium.as_ref(),
+        };
+        described.choose(&mut self.compare, document);
+    }
+}
