@@ -39,6 +39,7 @@ pub use config::error::ConfigError;
 pub use config::filtering::FilteringError;
 pub use config::measured::{MeasuredConfig, UnitError};
 pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
+pub use config::surface_error::SurfaceError;
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
