@@ -6,7 +6,7 @@ use asperity_surface::{
 use serde::{Deserialize, Serialize};
 
 use super::surface_error::SurfaceError;
-use crate::config::values::Number;
+use crate::config::values::{Number, OneOrMany};
 
 /// Width of features where it is not given, length units.
 const WIDTH: f64 = 16.0;
@@ -79,14 +79,14 @@ impl StructureKind {
 }
 
 /// The structure of `[surface]`, if it has one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StructureConfig {
     /// Its name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure: Option<StructureKind>,
-    /// Depth of features, length units.
+    /// Depth of features, one or several, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth: Option<Number>,
+    pub depth: Option<OneOrMany<Number>>,
     /// Width of features, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<Number>,
@@ -165,13 +165,15 @@ impl StructureConfig {
         }
     }
 
-    /// The chosen structure with its parameters, which are not checked here; `None` where none is chosen. `azimuth`: radians.
+    /// The chosen structure with its parameters, which are not checked here, and the first of several depths; `None` where none is chosen.
+    /// `azimuth`: radians.
     #[must_use]
     pub fn structure(&self, azimuth: f64) -> Option<Structure> {
         let kind = self.structure?;
         let or = |value: Option<Number>, otherwise: f64| value.map_or(otherwise, |v| v.0);
         let width = self.width();
-        let depth = |otherwise| or(self.depth, otherwise);
+        let depth = self.depth.as_ref().and_then(OneOrMany::first);
+        let depth = |otherwise| or(depth, otherwise);
         let density = |otherwise| or(self.density, otherwise);
         let edge_radius = or(self.edge_radius, 0.0);
         let randomness = or(self.randomness, 0.0);

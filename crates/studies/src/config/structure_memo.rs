@@ -40,6 +40,7 @@ impl StructureMemo {
 mod tests {
     use super::*;
     use crate::config::VerifyConfig;
+    use crate::config::values::{Number, OneOrMany};
 
     #[test]
     fn copies_of_a_configuration_share_what_is_measured() {
@@ -54,7 +55,7 @@ mod tests {
         // A marked measurement comes back for the same structure, and another one is measured anew
         let synthesis = config.surface.structure_synthesis().unwrap();
         let mut other = config.clone();
-        other.surface.structure.depth = Some(crate::config::values::Number(2.0));
+        other.surface.structure.depth = Some(OneOrMany::One(Number(2.0)));
         let foreign = MeasuredStructure::of(&other.surface.structure_synthesis().unwrap()).unwrap();
         *memo.0.lock().unwrap() = Some((synthesis, foreign.clone()));
         assert_eq!(memo.measured(synthesis).unwrap(), foreign);

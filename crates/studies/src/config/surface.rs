@@ -110,9 +110,9 @@ pub struct SurfaceConfig {
     /// Distribution of slopes.
     #[serde(default, skip_serializing_if = "SlopesName::is_gaussian")]
     pub slopes: SlopesName,
-    /// Roughness of GGX slopes; instead of `smoothness`.
+    /// Roughness of GGX slopes, one or several; instead of `smoothness`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ggx_alpha: Option<Number>,
+    pub ggx_alpha: Option<OneOrMany<Number>>,
     /// Correlation length of the amplitude of GGX slopes over that of the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_ratio: Option<Number>,

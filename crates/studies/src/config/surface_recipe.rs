@@ -32,7 +32,7 @@ impl SurfaceConfig {
             return self.structured();
         }
         if self.slopes == SlopesName::Ggx {
-            return Ok(self.student()?);
+            return self.student();
         }
         self.transformed_spectrum()
     }
@@ -160,20 +160,23 @@ impl SurfaceConfig {
     }
 
     /// Surfaces of GGX slopes.
-    fn student(&self) -> Result<(f64, SurfaceRecipe), SurfaceError> {
-        let alpha = self.ggx_alpha.ok_or(SurfaceError::NoAlpha)?;
+    fn student(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
+        let alpha = self.ggx_alpha.as_ref().ok_or(SurfaceError::NoAlpha)?;
+        let alpha = alpha.one("ggx_alpha")?;
         if self.second()?.is_some() {
-            return Err(SurfaceError::GgxOfTwoScales);
+            return Err(SurfaceError::GgxOfTwoScales.into());
         }
         if self.skewness.is_some() || self.kurtosis.is_some() || self.files.heights.is_some() {
-            return Err(SurfaceError::GgxHeights);
+            return Err(SurfaceError::GgxHeights.into());
         }
         let unit = self.turned(self.unit_psd()?)?;
         // alpha^2 is twice the slope variance along the first axis
         let [tau, _] = unit.correlation_lengths();
         let along = self.unit_psd()?.slope_covariance()[0];
-        let base = unit.with_sigma(alpha.0 / (2.0 * along).sqrt())?;
-        let recipe: SurfaceRecipe = StudentSlopes::new(base, self.amplitude_ratio())?.into();
+        let sigma = alpha.0 / (2.0 * along).sqrt();
+        let base = unit.with_sigma(sigma).map_err(SurfaceError::from)?;
+        let student = StudentSlopes::new(base, self.amplitude_ratio());
+        let recipe: SurfaceRecipe = student.map_err(SurfaceError::from)?.into();
         Ok((tau / recipe.sigma(), recipe))
     }
 

@@ -17,9 +17,11 @@ const MAX_CASES: f64 = 1e6;
 type Dimension = fn(&mut VerifyConfig) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.
-const DIMENSIONS: [(&str, Dimension); 11] = [
+const DIMENSIONS: [(&str, Dimension); 13] = [
     ("smoothness", |config| config.surface.smoothness.as_mut()),
     ("sigma", |config| config.surface.sigma.as_mut()),
+    ("ggx_alpha", |config| config.surface.ggx_alpha.as_mut()),
+    ("depth", |config| config.surface.structure.depth.as_mut()),
     ("eta", |config| config.material.eta.as_mut()),
     ("mean_free_path", |config| {
         config.medium.as_mut()?.mean_free_path.as_mut()
@@ -165,6 +167,29 @@ mod tests {
             ]
         );
         assert_eq!(names[15], "s2_n1.5_theta30_mfp0.5_albedo1");
+    }
+
+    #[test]
+    fn roughness_of_ggx_slopes_and_depths_of_structures_are_lists_too() {
+        for (surface, folders) in [
+            (
+                "slopes = \"ggx\"\nggx_alpha = [0.4, 0.1]",
+                ["s1.98609_n1.5_theta30", "s7.94435_n1.5_theta30"],
+            ),
+            (
+                "structure = \"v-grooves\"\ndepth = [4, 2]",
+                ["s4_n1.5_theta30", "s8_n1.5_theta30"],
+            ),
+        ] {
+            let text = format!("[surface]\nsize = 128\n{surface}\n[compare]\nmodels = []");
+            let sweep = Sweep::of(&VerifyConfig::from_toml(&text).unwrap()).unwrap();
+            let found: Vec<String> = sweep
+                .cases
+                .iter()
+                .map(|swept| swept.case.folder())
+                .collect();
+            assert_eq!(found, folders);
+        }
     }
 
     #[test]

@@ -95,6 +95,14 @@ impl<T: Copy> OneOrMany<T> {
         }
     }
 
+    /// The first value, for what does not depend on which it is; `None` of an empty list, which is refused elsewhere.
+    pub(crate) fn first(&self) -> Option<T> {
+        match self {
+            Self::One(value) => Some(*value),
+            Self::Many(values) => values.first().copied(),
+        }
+    }
+
     /// All values; `name` is that of the setting.
     ///
     /// # Errors

@@ -1,10 +1,10 @@
 //! `[surface]`: structures.
 
-use super::RANDOM;
 use super::choices::{ARRANGEMENT, STRUCTURE};
+use super::{RANDOM, SWEEPS};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Setting, setting};
+use crate::settings::setting::{Arity, Setting, setting};
 
 const SECTION: &str = "surface";
 
@@ -27,6 +27,7 @@ pub(super) const DEPTH: Setting = of_structure(
     "Mean depth of features; height of caps and pyramids",
 )
 .range(Range::Above(0.0))
+.arity(Arity::ListIn(SWEEPS))
 .otherwise("width / 4; of pyramids width / sqrt 2: facets at 54.74 degrees");
 
 pub(super) const WIDTH: Setting = of_structure(

@@ -324,6 +324,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Roughness of GGX slopes, in place of smoothness",
     )
     .range(Range::AboveTo(0.0, 10.0))
+    .arity(Arity::ListIn(SWEEPS))
     .otherwise("none; --slopes ggx needs it")
     .excludes(&["surface.smoothness", "surface.sigma", "measured.*"]),
     setting(
