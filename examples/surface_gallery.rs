@@ -97,7 +97,7 @@ const STRUCTURES: [(&str, &str); 10] = [
 ];
 
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
-    let measured = std::env::args().nth(1);
+    let measured = std::env::args().nth(1).filter(|name| name.contains('.'));
     let mut random = Vec::new();
     for (caption, keys) in RANDOM {
         random.push(relief(caption, &drawn(keys)?));

@@ -38,6 +38,7 @@ examples! {
     polarisation_axes: "../../examples/polarisation_axes.rs",
     profile_against_model: "../../examples/profile_against_model.rs",
     smooth_cells: "../../examples/smooth_cells.rs",
+    surface_gallery: "../../examples/surface_gallery.rs",
     target_error: "../../examples/target_error.rs",
     trace_a_bump: "../../examples/trace_a_bump.rs",
 }

@@ -1,13 +1,11 @@
 //! Random surfaces: the recipe that draws them, by the cells that they consist of.
 
-use asperity_analysis::{SlopeError, SlopeMixture};
 use asperity_surface::{
     FieldSynthesis, HeightField, Resolution, SlopeMoments, SplineSurface, SplineSynthesis,
     SurfaceRecipe, Synthesis, SynthesisError,
 };
 
 use super::cells::Cells;
-use crate::slopes::{of_covariance, slopes};
 
 /// Random surfaces, by the cells that they consist of.
 #[derive(Clone, Debug)]
@@ -110,24 +108,6 @@ impl RandomSurfaces {
             Self::Smooth(synthesis) => Some(synthesis.expected_slope_moments()),
             Self::Fields(_) => None,
         }
-    }
-
-    /// The distribution of the slopes of the continuous surface at a point; `None` where it is not known.
-    ///
-    /// # Errors
-    /// As [`slopes`].
-    pub fn slope_mixture(&self) -> Result<Option<SlopeMixture>, SlopeError> {
-        let recipe = self.recipe();
-        let Self::Fields(fields) = self else {
-            return Ok(Some(slopes(recipe)?.into()));
-        };
-        let Some(mixture) = fields.synthesis.slope_mixture() else {
-            return Ok(None);
-        };
-        let slopes = of_covariance(mixture.covariance(), recipe.is_isotropic())?;
-        let components = mixture.components().iter();
-        let factors: Vec<[f64; 2]> = components.map(|one| [one.factor, one.weight]).collect();
-        Ok(Some(SlopeMixture::scaled(&slopes, &factors)?))
     }
 
     /// The same surfaces of the same tile with about `scale` times the spacing, as whole cells allow; `None` if the grid

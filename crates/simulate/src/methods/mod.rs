@@ -2,5 +2,6 @@
 
 pub(crate) mod analytic;
 pub(crate) mod facet_control_variate;
+mod known_slopes;
 pub(crate) mod method;
 pub(crate) mod slope_control;

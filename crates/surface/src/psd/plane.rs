@@ -70,7 +70,7 @@ impl PlanePsd {
         let azimuth = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f64::consts::FRAC_PI_2;
         let (sin, cos) = azimuth.sin_cos();
         let directions = [[cos, sin], [-sin, cos], [1.0, 0.0], [0.0, 1.0]];
-        let lags = directions.map(|along| Projection::of(&psd, along).one_over_e_lag());
+        let lags = directions.map(|along| psd.projection(along).one_over_e_lag());
         psd.axes = Axes::new(lags[0], lags[1], azimuth);
         psd.along = [lags[2], lags[3]];
         Ok(psd)
@@ -145,7 +145,7 @@ impl PlanePsd {
     }
 
     /// Hands on the wave vectors of a quadrature over the table, and the integral of the density about each.
-    pub(super) fn for_each_node(&self, mut each: impl FnMut(f64, f64, f64)) {
+    fn for_each_node(&self, mut each: impl FnMut(f64, f64, f64)) {
         let sides = if self.is_half() { 2.0 } else { 1.0 };
         let columns = self.kx.len();
         for (j, rows) in self.ky.windows(2).enumerate() {
@@ -162,6 +162,11 @@ impl PlanePsd {
                 }
             }
         }
+    }
+
+    /// The power by the wave number along a direction.
+    fn projection(&self, along: [f64; 2]) -> Projection {
+        Projection::of(along, self.reach(), |each| self.for_each_node(each))
     }
 
     pub(super) fn with_sigma(self, sigma: f64) -> Self {
@@ -208,7 +213,7 @@ impl PlanePsd {
 
     /// Wavelengths along x and y below which waves hold `fraction` of the slope variance along that axis.
     pub(super) fn wavelengths_holding(&self, fraction: f64) -> [f64; 2] {
-        [[1.0, 0.0], [0.0, 1.0]].map(|axis| Projection::of(self, axis).wavelength_holding(fraction))
+        [[1.0, 0.0], [0.0, 1.0]].map(|axis| self.projection(axis).wavelength_holding(fraction))
     }
 
     /// As [`RadialPsd::correlation_area`](super::radial::RadialPsd).

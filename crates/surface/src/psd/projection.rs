@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use super::plane::PlanePsd;
 use crate::numerics::root;
 
 /// Steps of the wave number up to the largest: the autocorrelation is off by less than 1e-5 up to lags of a hundred of the shortest
@@ -17,12 +16,16 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    pub(super) fn of(psd: &PlanePsd, [cos, sin]: [f64; 2]) -> Self {
-        let [reach_x, reach_y] = psd.reach();
+    /// `reach`: largest wave numbers along x and y. `for_each_node`: hands on wave vectors, and the power of each.
+    pub(super) fn of(
+        [cos, sin]: [f64; 2],
+        [reach_x, reach_y]: [f64; 2],
+        for_each_node: impl FnOnce(&mut dyn FnMut(f64, f64, f64)),
+    ) -> Self {
         let reach = (reach_x * cos).abs() + (reach_y * sin).abs();
         let step = reach / STEPS as f64;
         let mut powers = vec![0.0; STEPS + 2];
-        psd.for_each_node(|kx, ky, power| {
+        for_each_node(&mut |kx, ky, power| {
             let place = (kx * cos + ky * sin).abs() / step;
             let i = (place as usize).min(STEPS);
             let along = place - i as f64;

@@ -90,7 +90,7 @@ fn parameters_out_of_range_are_named() {
     assert!(
         refused(Structure::Grooves(blazed))
             .to_string()
-            .starts_with("the depth of grooves")
+            .starts_with("the depth of blazed grooves")
     );
     let sine = Grooves {
         profile: GrooveProfile::Sine,
