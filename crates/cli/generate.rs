@@ -53,6 +53,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         false => Resolution::Facets,
     };
     let few_lengths = amplitude_note(&recipe, [nx, ny], surface.spacing());
+    let planning = FieldSynthesis::planning_bytes(&recipe, shape);
+    check_memory("planning these surfaces", planning).map_err(Failure::failed)?;
     let synthesis = FieldSynthesis::new(recipe, shape, surface.spacing(), resolution)
         .map_err(|error| refuse_surface(document.own_unit(), error))?;
     check_height_map_output(&path)?;

@@ -10,8 +10,9 @@ use asperity_analysis::{SmithSlopes, sidak_level};
 use asperity_io::ResultFolder;
 use asperity_simulate::{
     Case, Cells, Deadline, LayerBelow, Light, Lobe, Observer, Outcome, RandomSurfaces,
-    SimulateError, Simulation, StoppedBy, Stopping, SurfaceSource,
+    SimulateError, Simulation, StoppedBy, Stopping, SurfaceSource, check_memory,
 };
+use asperity_surface::FieldSynthesis;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::json;
@@ -162,6 +163,8 @@ impl VerifyConfig {
             surface.shape().map_err(ConfigError::from)?,
             surface.spacing(),
         );
+        let planning = FieldSynthesis::planning_bytes(&case.recipe, shape);
+        check_memory("planning these surfaces", planning)?;
         let surfaces = RandomSurfaces::new(
             surface.cells(),
             case.recipe.clone(),
