@@ -73,7 +73,7 @@ fn the_content_of_a_file_decides() {
         ("cut.dat", "its header takes 834 bytes, but it has 6"),
         (
             "picture.sur",
-            "is named as Digital Surf file but begins like a PNG image",
+            "its name says Digital Surf file, but it begins like a PNG image",
         ),
         ("text.plu", "its header takes 508 bytes, but it has 12"),
         ("scan.042", "its header does not end in `\\*File list end`"),

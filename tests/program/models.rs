@@ -206,12 +206,40 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
     let smith = number(&json(&succeed(folder, &words(flags)))["energy"]["reflected"]["mean"]);
     assert!((smith / gaussian - 1.0).abs() < 2e-3);
 
+    // Isotropic models take slopes that are nearly so, and a histogram has no single directions
+    for model in ["xu-sun", "smith"] {
+        let flags =
+            format!("model {model} --slopes-of gaussian.exr --eta 1.5 --theta 50 --bins 9x12");
+        let text = succeed(folder, &words(&flags));
+        assert!(
+            text.contains("taken off") && text.contains("taken as isotropic"),
+            "{text}"
+        );
+    }
+    let flags = "model smith-slopes --slopes-of gaussian.exr --eta 1.5 --theta 50 --step 5";
+    assert!(refused(folder, &words(flags), 2).contains("take --bins"));
+    let table = succeed(
+        folder,
+        &words("model smith-slopes --slopes-of gaussian.exr --eta 1.5"),
+    );
+    assert!(table.contains("reflected by order"), "{table}");
+
+    succeed(
+        folder,
+        &words("generate --structure v-grooves --size 64 --spacing 1 -o grooves.exr"),
+    );
     fs::write(folder.join("bad.csv"), "x,y,density\n0,0,1\n1,0,1\n0,1,1\n").unwrap();
     fs::write(
         folder.join("flat.csv"),
         "x,y,density\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n",
     )
     .unwrap();
+    let flags = "model smith --slopes-of grooves.exr --eta 1.5 --theta 50";
+    assert!(refused(folder, &words(flags), 1).contains("lie along one direction"));
+    succeed(
+        folder,
+        &words("model smith-slopes --slopes-of grooves.exr --eta 1.5"),
+    );
     for (flags, code, expected) in [
         ("--slopes-of bad.csv", 1, "not those of a grid"),
         ("--slopes-of flat.csv", 1, "flat.csv"),

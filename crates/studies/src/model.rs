@@ -98,16 +98,16 @@ pub fn evaluate_model(
         let model = layer_model(name, config, material)?;
         return evaluate_layer(config, model, incidence, resolution);
     }
-    let model = rough_model(name, config, material)?;
-    evaluate_surface(config, model, incidence, resolution)
+    let (model, notes) = rough_model(name, config, material)?;
+    evaluate_surface(config, model, notes, incidence, resolution)
 }
 
-/// The model `name` of a rough surface.
+/// The model `name` of a rough surface, and what a reader should know about its slopes.
 fn rough_model(
     name: &str,
     config: &ModelConfig,
     material: Material,
-) -> Result<Box<dyn ScatteringModel>, EvaluationError> {
+) -> Result<(Box<dyn ScatteringModel>, Vec<String>), EvaluationError> {
     let name = name.to_owned();
     if !MODEL_NAMES.contains(&name.as_str()) {
         return Err(EvaluationError::Unknown { name });
@@ -115,37 +115,45 @@ fn rough_model(
     if config.medium.is_some() {
         return Err(EvaluationError::SurfaceAlone { name });
     }
-    let model = create_model(&name, config.slopes(&name)?, material)?;
+    let (slopes, notes) = config.slopes(&name)?;
+    let model = create_model(&name, slopes, material)?;
     let follows_rays = model.random_walk().is_some();
     if !follows_rays && (config.run.rays.is_some() || config.run.seed.is_some()) {
         return Err(EvaluationError::NoRays { name });
     }
-    Ok(model)
+    Ok((model, notes))
 }
 
 fn evaluate_surface(
     config: &ModelConfig,
     model: Box<dyn ScatteringModel>,
+    notes: Vec<String>,
     incidence: Incidence,
     resolution: Resolution,
 ) -> Result<Box<dyn Evaluation>, EvaluationError> {
     let follows_rays = model.random_walk().is_some();
-    match model.density() {
+    let density = model.density();
+    let asks_for_directions = config.model.step.is_some() || config.model.sphere;
+    // A histogram has as many values as cells, and means over bins alone
+    if asks_for_directions && density.is_some_and(|density| density.tabulated().is_some()) {
+        return Err(EvaluationError::Histogram {
+            name: model.name().to_owned(),
+        });
+    }
+    match density.filter(|density| density.tabulated().is_none()) {
         Some(density) if resolution == Resolution::Directions && !follows_rays => {
             let about = About {
                 description: model.description(),
-                notes: Vec::new(),
+                notes,
             };
             let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
             let directions = Directions::of(&config.model, incidence, about, bsdf)?;
             Ok(Box::new(directions))
         }
-        _ if config.model.step.is_some() || config.model.sphere => {
-            Err(EvaluationError::NoDensity {
-                name: model.name().to_owned(),
-            })
-        }
-        _ => Ok(Box::new(SurfaceBins::of(config, model, incidence)?)),
+        _ if asks_for_directions => Err(EvaluationError::NoDensity {
+            name: model.name().to_owned(),
+        }),
+        _ => Ok(Box::new(SurfaceBins::of(config, model, notes, incidence)?)),
     }
 }
 

@@ -15,6 +15,9 @@ const CENTRE: f64 = 2.0;
 /// Smallest spread, over the root mean square.
 const MIN_SPREAD: f64 = 1.0 / 16.0;
 
+/// Smallest spread along an axis, over that along the other.
+const NARROWEST: f64 = 1e-6;
+
 /// Rectangular cells of slopes along x and y, between edges that ascend.
 ///
 /// # Examples
@@ -128,8 +131,10 @@ impl SlopeGrid {
     /// # Errors
     /// [`SlopeTableError::BadEdges`] if a size is not finite.
     pub fn of_extents(spread: [f64; 2], largest: [f64; 2]) -> Result<Self, SlopeTableError> {
-        // Slopes that are all zero along an axis have one narrow cell.
-        let spread = spread.map(|spread| spread.max(f64::MIN_POSITIVE.sqrt()));
+        // Slopes that are all zero along an axis have one narrow cell, about zero: light that it sends onto the edge of two bins is
+        // divided between them.
+        let widest = spread[0].max(spread[1]).max(f64::MIN_POSITIVE.sqrt());
+        let spread = spread.map(|spread| spread.max(NARROWEST * widest));
         Self::new([0, 1].map(|axis| graded_edges(spread[axis], largest[axis])))
     }
 

@@ -65,7 +65,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// The content is not what the ending says.
-    #[error("`{}` is named as {expected} but begins like {found}", .path.display())]
+    #[error("`{}`: its name says {expected}, but it begins like {found}", .path.display())]
     WrongFormat {
         /// The file.
         path: PathBuf,

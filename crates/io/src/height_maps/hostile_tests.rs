@@ -189,7 +189,7 @@ fn content_of_another_format_is_reported() {
     let error = read(HeightMapFormat::Gsf, &valid(HeightMapFormat::Exr)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "`in memory.gsf` is named as GSF field but begins like an EXR image"
+        "`in memory.gsf`: its name says GSF field, but it begins like an EXR image"
     );
 }
 

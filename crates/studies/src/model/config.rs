@@ -10,7 +10,7 @@ use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
 use serde::Deserialize;
 
 use super::error::EvaluationError;
-use super::slopes_of::slopes_of;
+use super::slopes_of::FileSlopes;
 use crate::config::MaterialConfig;
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
@@ -82,12 +82,21 @@ impl ModelConfig {
         Ok(TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH)?)
     }
 
-    /// The slopes of the rough surface that the model `name` is of.
-    pub(super) fn slopes(&self, name: &str) -> Result<SlopeDistribution, EvaluationError> {
+    /// The slopes of the rough surface that the model `name` is of, and what a reader of the results should know about them.
+    pub(super) fn slopes(
+        &self,
+        name: &str,
+    ) -> Result<(SlopeDistribution, Vec<String>), EvaluationError> {
+        let Some(path) = &self.surface.slopes_of else {
+            return Ok((self.gaussian_slopes(name)?.into(), Vec::new()));
+        };
+        let mut slopes = FileSlopes::read(path)?;
+        Ok((slopes.of_model(name)?, slopes.notes))
+    }
+
+    /// Gaussian slopes of the smoothness.
+    fn gaussian_slopes(&self, name: &str) -> Result<SlopeCovariance, EvaluationError> {
         let roughness = &self.surface;
-        if let Some(path) = &roughness.slopes_of {
-            return Ok(slopes_of(path)?);
-        }
         let s = roughness.smoothness;
         let s = s.ok_or_else(|| EvaluationError::NoSmoothness {
             name: name.to_owned(),
@@ -96,7 +105,7 @@ impl ModelConfig {
             return Err(EvaluationError::NoSecondSmoothness);
         }
         let Some(s_y) = roughness.smoothness_y.filter(|s_y| *s_y != s) else {
-            return Ok(SlopeCovariance::isotropic(s)?.into());
+            return Ok(SlopeCovariance::isotropic(s)?);
         };
         for s in [s, s_y] {
             SlopeCovariance::isotropic(s)?;
@@ -104,7 +113,7 @@ impl ModelConfig {
         let azimuth = roughness.azimuth.unwrap_or(0.0).to_radians();
         let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth).map_err(ConfigError::from)?;
         let [xx, xy, yy] = psd.slope_covariance();
-        Ok(SlopeCovariance::new(xx, yy, xy)?.into())
+        Ok(SlopeCovariance::new(xx, yy, xy)?)
     }
 }
 

@@ -50,6 +50,14 @@ pub enum EvaluationError {
         /// Name of the model.
         name: String,
     },
+    /// Single directions of a histogram of slopes.
+    #[error(
+        "the model {name} of a file is a histogram of slopes, which means something over bins alone; take --bins in place of --step and --sphere"
+    )]
+    Histogram {
+        /// Name of the model.
+        name: String,
+    },
     /// Single directions of a model that follows rays.
     #[error(
         "the model {name} follows rays and has no value at a single direction; take --bins in place of --step and --sphere"

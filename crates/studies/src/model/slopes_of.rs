@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use asperity_analysis::{
-    SlopeCovariance, SlopeDistribution, SlopeError, SlopeGrid, SlopeTable, SlopeTableError,
+    SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError, SmithSlopes,
 };
 use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table};
+use asperity_simulate::short;
 use asperity_surface::{Border, MissingError, MissingPolicy};
 
 /// Why a file gives no slopes.
@@ -46,48 +47,118 @@ pub enum SlopeFileError {
         /// Why.
         error: SlopeTableError,
     },
-    /// The slopes have no covariance, as those of a flat surface and of grooves.
-    #[error("{}: models need slopes along x and along y: {error}", path.display())]
-    Covariance {
+    /// A flat surface; or grooves, for a model of Gaussian slopes.
+    #[error(
+        "{}: the slopes lie along one direction at most, which smith-slopes alone takes, unless all are zero",
+        path.display()
+    )]
+    OneDirection {
         /// The file.
         path: PathBuf,
-        /// Why.
-        error: SlopeError,
     },
 }
 
-/// The slopes that a height map has, of its facets and less their mean, or those of a table that ends in `.csv`. The table is a density
-/// over the slopes along x and y at points of a grid, on any scale.
-pub(super) fn slopes_of(path: &Path) -> Result<SlopeDistribution, SlopeFileError> {
-    let owned = || path.to_owned();
-    let is_table = path
-        .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
-    let table = match is_table {
-        true => table_of(&read_number_table(path)?)?,
-        false => {
-            let field = read_height_map(path)?
-                .into_height_field(MissingPolicy::Fill, Border::Open)
-                .map_err(|error| SlopeFileError::Missing {
-                    path: owned(),
-                    error,
-                })?;
-            let slopes = field.slope_samples([1, 1]).concat();
-            SlopeTable::of_slopes(&slopes).map_err(|error| SlopeFileError::Table {
-                path: owned(),
-                error,
-            })?
-        }
-    };
-    let [xx, xy, yy] = table.second_moments();
-    let covariance =
-        SlopeCovariance::new(xx, yy, xy).map_err(|error| SlopeFileError::Covariance {
-            path: owned(),
-            error,
+/// What a file says of slopes.
+pub(super) struct FileSlopes {
+    path: PathBuf,
+    /// Their density.
+    table: SlopeTable,
+    covariance: SlopeCovariance,
+    /// What a reader of the results should know.
+    pub(super) notes: Vec<String>,
+}
+
+/// Difference of slope variances, and product of slopes along x and y, over the mean variance, up to which slopes count as isotropic.
+const ISOTROPIC: f64 = 0.05;
+
+/// Slope variance across grooves, over the sum of both, below which there is none.
+const GROOVES: f64 = 1e-6;
+
+impl FileSlopes {
+    /// The slopes that a height map has, of its facets and less their mean, or those of a table that ends in `.csv`. The table is a density
+    /// over the slopes along x and y at points of a grid, on any scale.
+    pub(super) fn read(path: &Path) -> Result<Self, SlopeFileError> {
+        let is_table = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        let mut notes = Vec::new();
+        let table = match is_table {
+            true => table_of(&read_number_table(path)?)?,
+            false => table_of_map(path, &mut notes)?,
+        };
+        let [xx, xy, yy] = table.second_moments();
+        let covariance = SlopeCovariance::new(xx, yy, xy);
+        let covariance = covariance.map_err(|_| SlopeFileError::OneDirection {
+            path: path.to_owned(),
         })?;
-    Ok(SlopeDistribution::Table {
-        table: Arc::new(table),
-        covariance,
+        Ok(Self {
+            path: path.to_owned(),
+            table,
+            covariance,
+            notes,
+        })
+    }
+
+    /// What the model `name` is made for: the density, or for models of Gaussian slopes their covariance, the same along all directions if
+    /// it nearly is.
+    ///
+    /// # Errors
+    /// [`SlopeFileError::OneDirection`] of grooves, whose slopes have no covariance that a model of Gaussian slopes could take.
+    pub(super) fn of_model(&mut self, name: &str) -> Result<SlopeDistribution, SlopeFileError> {
+        let covariance = self.covariance;
+        if name == SmithSlopes::NAME {
+            return Ok(SlopeDistribution::Table {
+                table: Arc::new(self.table.clone()),
+                covariance,
+            });
+        }
+        let determinant = covariance.xx() * covariance.yy() - covariance.xy().powi(2);
+        if determinant < GROOVES * (covariance.xx() + covariance.yy()).powi(2) {
+            let path = self.path.clone();
+            return Err(SlopeFileError::OneDirection { path });
+        }
+        let mean = 0.5 * (covariance.xx() + covariance.yy());
+        let off = (covariance.xx() - covariance.yy())
+            .abs()
+            .max(covariance.xy().abs());
+        Ok(match SlopeCovariance::new(mean, mean, 0.0) {
+            Ok(isotropic) if off <= ISOTROPIC * mean => {
+                self.notes.push(format!(
+                    "slopes are taken as isotropic: their variances differ by {:.1} %",
+                    100.0 * off / mean
+                ));
+                isotropic.into()
+            }
+            _ => covariance.into(),
+        })
+    }
+}
+
+/// Missing points are filled; beyond the border of a map lies nothing.
+fn table_of_map(path: &Path, notes: &mut Vec<String>) -> Result<SlopeTable, SlopeFileError> {
+    let mut raw = read_height_map(path)?;
+    notes.append(&mut raw.notes);
+    if !raw.spacing_is_known() {
+        notes.push("the file has no spacing: 1 is assumed".to_owned());
+    }
+    if raw.missing() > 0 {
+        notes.push(format!("missing points, {}, were filled", raw.missing()));
+    }
+    let field = raw.into_height_field(MissingPolicy::Fill, Border::Open);
+    let field = field.map_err(|error| SlopeFileError::Missing {
+        path: path.to_owned(),
+        error,
+    })?;
+    let slopes = field.slope_samples([1, 1]).concat();
+    let mean = |axis: usize| slopes.iter().map(|s| s[axis]).sum::<f64>() / slopes.len() as f64;
+    notes.push(format!(
+        "the mean slopes, {} along x and {} along y, are taken off",
+        short(mean(0)),
+        short(mean(1))
+    ));
+    SlopeTable::of_slopes(&slopes).map_err(|error| SlopeFileError::Table {
+        path: path.to_owned(),
+        error,
     })
 }
 

@@ -34,6 +34,7 @@ const DEFAULT_RAYS: u64 = 1_000_000;
 /// A model of a rough surface over bins, and its energies by order.
 pub(super) struct SurfaceBins {
     model: Box<dyn ScatteringModel>,
+    notes: Vec<String>,
     expectation: Expectation,
 }
 
@@ -46,6 +47,7 @@ impl SurfaceBins {
     pub(super) fn of(
         config: &ModelConfig,
         model: Box<dyn ScatteringModel>,
+        notes: Vec<String>,
         incidence: Incidence,
     ) -> Result<Self, ConfigError> {
         let spec = config.spec()?.with_sides(model.sides());
@@ -58,6 +60,7 @@ impl SurfaceBins {
         Ok(Self {
             expectation: expect(model.as_ref(), incidence, &spec, azimuth, effort),
             model,
+            notes,
         })
     }
 }
@@ -70,6 +73,10 @@ impl Evaluation for SurfaceBins {
 
     fn rows(&self) -> String {
         format!("{} bins", self.expectation.spec().recorded_bins().len())
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     fn description(&self) -> &'static str {

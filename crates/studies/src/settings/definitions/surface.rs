@@ -98,6 +98,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         MODEL,
         "Height map, or table x,y,density in .csv, with the slopes",
     )
+    .value_name("FILE")
     .otherwise("Gaussian slopes of the smoothness")
     .excludes(&[
         "surface.smoothness",
