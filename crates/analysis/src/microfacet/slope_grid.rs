@@ -16,7 +16,7 @@ const CENTRE: f64 = 2.0;
 const MIN_SPREAD: f64 = 1.0 / 16.0;
 
 /// Smallest spread along an axis, over that along the other.
-const NARROWEST: f64 = 1e-6;
+const NARROWEST: f64 = 1e-4;
 
 /// Rectangular cells of slopes along x and y, between edges that ascend.
 ///
