@@ -91,7 +91,10 @@ fn mean(values: &[f64]) -> [f64; 2] {
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let all = arguments.first().is_some_and(|first| first == "all");
-    let surfaces: u64 = arguments.get(1).map_or(Ok(8), |n| n.parse())?;
+    let surfaces: u64 = match arguments.get(1) {
+        Some(number) if all => number.parse()?,
+        _ => 8,
+    };
     if surfaces < 2 {
         return Err("errors take two surfaces at least".into());
     }

@@ -173,7 +173,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
         ("--flat", "--models smith", "all equal"),
         ("rough.npy", "--models smith,smith", "named twice"),
         ("rough.npy", "--models ggx", "ggx"),
-        ("rough.npy", "--models flat-layer", "there is none"),
+        ("rough.npy", "--models flat-layer", "no medium is given"),
         ("rough.npy", "--models cook-torrance-neumann", "reflect"),
         (
             "rough.npy",

@@ -199,7 +199,7 @@ fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
         ),
         (
             "--models flat-layer",
-            "a medium below the surface, but there is none",
+            "a medium below the surface, but no medium is given",
         ),
         ("--scattering 0.1 --models ggx", "unknown model `ggx`"),
         (

@@ -4,7 +4,6 @@ mod comparison;
 mod comparison_text;
 mod description;
 mod files;
-mod isotropy;
 mod region_plan;
 mod text;
 

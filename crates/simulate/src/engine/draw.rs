@@ -40,10 +40,8 @@ pub(crate) trait Draw {
 
 /// The recipe of all surfaces of a run, planned once.
 pub(crate) enum Drawer<'a> {
-    /// Flat cells on Gaussian heights.
-    Gaussian(Facets<'a, Synthesis>),
-    /// Flat cells on other heights.
-    Fields(Facets<'a, FieldSynthesis>),
+    /// Flat cells.
+    Facets(Facets<'a>),
     /// Splines of Gaussian coefficients.
     GaussianSplines(Box<Splines<'a, SplineSynthesis>>),
     /// Splines through other heights.
@@ -54,12 +52,12 @@ impl<'a> Drawer<'a> {
     /// Of surfaces that are refined or not.
     pub(crate) fn new(surfaces: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
         Ok(match surfaces {
-            RandomSurfaces::Flat(recipe) => Self::Gaussian(Facets(recipe)),
+            RandomSurfaces::Flat(recipe) => Self::Facets(Facets::OfGaussian(recipe)),
             RandomSurfaces::Smooth(recipe) => {
                 Self::GaussianSplines(Box::new(Splines::new(recipe, refine)?))
             }
             RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
-                Cells::Flat => Self::Fields(Facets(synthesis)),
+                Cells::Flat => Self::Facets(Facets::OfOther(synthesis)),
                 Cells::Smooth => {
                     Self::SplinesThroughFields(Box::new(Splines::new(synthesis, refine)?))
                 }
@@ -68,43 +66,15 @@ impl<'a> Drawer<'a> {
     }
 }
 
-/// Draws heights on a grid.
-pub(crate) trait DrawHeights {
-    /// Those of a seed and number, in the memory given.
-    fn heights(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<HeightField, SynthesisError>;
-}
-
-impl DrawHeights for Synthesis {
-    fn heights(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<HeightField, SynthesisError> {
-        self.draw_into(seed, number, memory)
-    }
-}
-
-impl DrawHeights for FieldSynthesis {
-    fn heights(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<HeightField, SynthesisError> {
-        self.draw_into(seed, number, memory)
-    }
-}
-
 /// Two triangles per cell between the heights that a recipe draws.
-pub(crate) struct Facets<'a, T>(&'a T);
+pub(crate) enum Facets<'a> {
+    /// Gaussian heights.
+    OfGaussian(&'a Synthesis),
+    /// Heights of any other recipe.
+    OfOther(&'a FieldSynthesis),
+}
 
-impl<T: DrawHeights> Draw for Facets<'_, T> {
+impl Draw for Facets<'_> {
     type Drawn = HeightField;
     type Surface = Surface;
 
@@ -114,7 +84,10 @@ impl<T: DrawHeights> Draw for Facets<'_, T> {
         number: u64,
         memory: Vec<f64>,
     ) -> Result<HeightField, SimulateError> {
-        Ok(self.0.heights(seed, number, memory)?)
+        Ok(match self {
+            Self::OfGaussian(recipe) => recipe.draw_into(seed, number, memory)?,
+            Self::OfOther(recipe) => recipe.draw_into(seed, number, memory)?,
+        })
     }
 
     fn slope_moments(field: &HeightField) -> SlopeMoments {
@@ -147,6 +120,14 @@ pub(crate) trait DrawSpline: Sized {
     fn respaced(&self, scale: f64) -> Result<Self, SynthesisError>;
 }
 
+/// Shape and spacing of the same tile at `scale` times the spacing.
+fn respaced(shape: [usize; 2], spacing: [f64; 2], scale: f64) -> ([usize; 2], [f64; 2]) {
+    (
+        shape.map(|n| (n as f64 / scale) as usize),
+        spacing.map(|d| d * scale),
+    )
+}
+
 impl DrawSpline for SplineSynthesis {
     fn spline(
         &self,
@@ -162,8 +143,7 @@ impl DrawSpline for SplineSynthesis {
     }
 
     fn respaced(&self, scale: f64) -> Result<Self, SynthesisError> {
-        let shape = Self::shape(self).map(|n| (n as f64 / scale) as usize);
-        let spacing = self.spacing().map(|d| d * scale);
+        let (shape, spacing) = respaced(Self::shape(self), self.spacing(), scale);
         Self::new(self.psd().clone(), shape, spacing, false)
     }
 }
@@ -184,8 +164,7 @@ impl DrawSpline for FieldSynthesis {
     }
 
     fn respaced(&self, scale: f64) -> Result<Self, SynthesisError> {
-        let shape = Self::shape(self).map(|n| (n as f64 / scale) as usize);
-        let spacing = self.spacing().map(|d| d * scale);
+        let (shape, spacing) = respaced(Self::shape(self), self.spacing(), scale);
         Self::new(self.recipe().clone(), shape, spacing, Resolution::Splines)
     }
 }

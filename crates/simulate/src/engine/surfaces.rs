@@ -299,8 +299,7 @@ impl SurfaceGroup<'_> {
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
         match drawer {
-            Drawer::Gaussian(recipe) => self.trace_on(recipe, number, memory, observer),
-            Drawer::Fields(recipe) => self.trace_on(recipe, number, memory, observer),
+            Drawer::Facets(recipe) => self.trace_on(recipe, number, memory, observer),
             Drawer::GaussianSplines(recipe) => self.trace_on(&**recipe, number, memory, observer),
             Drawer::SplinesThroughFields(recipe) => {
                 self.trace_on(&**recipe, number, memory, observer)

@@ -2,7 +2,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, Cells, ControlVariateMean, Effort, Estimator, Light, RandomSurfaces, Settings, Silent,
+    Case, Cells, ControlVariateMean, Estimator, Light, RandomSurfaces, Settings, Silent,
     SimulateError, SurfaceSource, simulate,
 };
 use asperity_surface::{
@@ -12,27 +12,17 @@ use asperity_surface::{
 use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
-use crate::support::{glass, run};
+use crate::support::{effort, glass, lit, run};
 
 fn case(recipe: impl Into<SurfaceRecipe>, size: usize, material: Material, theta: f64) -> Case {
     let surfaces = RandomSurfaces::new(Cells::Smooth, recipe, [size; 2], [1.0; 2], false).unwrap();
-    let light = Light {
-        incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
-        from: HalfSpace::Above,
-        random_azimuth: true,
-        stokes: [0.0; 3],
-    };
-    Case::new(SurfaceSource::random(surfaces), material, light)
+    lit(surfaces, material, theta)
 }
 
 fn settings(estimator: Estimator, surfaces: u64, rays: u64) -> Settings {
     Settings {
         estimator,
-        effort: Effort::Rays {
-            total: rays,
-            surfaces,
-        },
-        ..Settings::default()
+        ..effort(surfaces, rays)
     }
 }
 

@@ -1,37 +1,17 @@
 //! Random surfaces of smooth cells.
 
-use asperity_optics::{Incidence, Material};
-use asperity_simulate::{
-    Case, Cells, Effort, Estimator, Light, Outcome, Quantity, RandomSurfaces, Settings,
-    SurfaceSource,
-};
+use asperity_optics::Material;
+use asperity_simulate::{Case, Cells, Estimator, Outcome, Quantity, RandomSurfaces, Settings};
 use asperity_surface::Psd;
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
-use asperity_tracer::HalfSpace;
 
-use crate::support::{glass, run, target};
+use crate::support::{effort, glass, lit, run, target};
 
 /// Light at `theta` on surfaces of `size` cells per side, four to a correlation length.
 fn case(cells: Cells, smoothness: f64, size: usize, material: Material, theta: f64) -> Case {
     let psd = Psd::gaussian(4.0 / smoothness, 4.0).unwrap();
     let surfaces = RandomSurfaces::new(cells, psd, [size; 2], [1.0; 2], false).unwrap();
-    let light = Light {
-        incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
-        from: HalfSpace::Above,
-        random_azimuth: true,
-        stokes: [0.0; 3],
-    };
-    Case::new(SurfaceSource::random(surfaces), material, light)
-}
-
-fn settings(surfaces: u64, rays: u64) -> Settings {
-    Settings {
-        effort: Effort::Rays {
-            total: rays,
-            surfaces,
-        },
-        ..Settings::default()
-    }
+    lit(surfaces, material, theta)
 }
 
 fn reflected(outcome: &Outcome) -> [f64; 2] {
@@ -47,7 +27,7 @@ fn smooth_cells_at_four_per_correlation_length_have_the_reflectance_of_fine_mesh
     let leaving = Material::dielectric(1.0 / 1.5).unwrap();
     let off = |cells: Cells| {
         let case = case(cells, 1.0, 64, leaving, 0.0);
-        let [mean, se] = reflected(&run(case, &settings(96, 400_000)));
+        let [mean, se] = reflected(&run(case, &effort(96, 400_000)));
         println!("{cells}: {mean:.5} +- {se:.5}");
         (mean - LIMIT) / se
     };
@@ -62,7 +42,7 @@ fn controlled_and_plain_means_agree_on_smooth_cells() {
         let found = [Estimator::Plain, Estimator::Controlled].map(|estimator| {
             let settings = Settings {
                 estimator,
-                ..settings(64, 200_000)
+                ..effort(64, 200_000)
             };
             run(
                 case(Cells::Smooth, smoothness, 32, glass(), theta),
@@ -120,7 +100,7 @@ fn smooth_cells_are_refined_by_fourth_order() {
         let settings = Settings {
             refine: true,
             estimator: Estimator::Plain,
-            ..settings(32, 200_000)
+            ..effort(32, 200_000)
         };
         let leaving = Material::dielectric(1.0 / 1.5).unwrap();
         run(case(cells, 1.0, 32, leaving, 0.0), &settings)
@@ -156,9 +136,9 @@ fn flat_and_smooth_cells_do_not_share_surfaces() {
     assert_eq!(smooth.surface, smooth.surface.clone());
     let together = asperity_simulate::simulate(
         &[flat, smooth.clone()],
-        &settings(4, 4000),
+        &effort(4, 4000),
         &asperity_simulate::Silent,
     );
-    let alone = run(smooth, &settings(4, 4000));
+    let alone = run(smooth, &effort(4, 4000));
     assert_eq!(together.unwrap()[1].surfaces, alone.surfaces);
 }

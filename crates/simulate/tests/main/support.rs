@@ -2,8 +2,8 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, Deadline, Effort, Light, Outcome, Quantity, Settings, Silent, SurfaceSource, Target,
-    simulate,
+    Case, Deadline, Effort, Light, Outcome, Quantity, RandomSurfaces, Settings, Silent,
+    SurfaceSource, Target, simulate,
 };
 use asperity_surface::{Psd, Synthesis};
 use asperity_tracer::HalfSpace;
@@ -42,13 +42,29 @@ impl Rough {
     ) -> Case {
         let psd = Psd::gaussian(self.sigma, self.tau).unwrap();
         let synthesis = Synthesis::new(psd, [ny, nx], spacing, false).unwrap();
-        let light = Light {
-            incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
-            from: HalfSpace::Above,
-            random_azimuth: true,
-            stokes: [0.0; 3],
-        };
-        Case::new(SurfaceSource::random(synthesis), material, light)
+        lit(synthesis, material, theta)
+    }
+}
+
+/// Light of random azimuth on random surfaces.
+pub(crate) fn lit(surfaces: impl Into<RandomSurfaces>, material: Material, theta: f64) -> Case {
+    let light = Light {
+        incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
+        from: HalfSpace::Above,
+        random_azimuth: true,
+        stokes: [0.0; 3],
+    };
+    Case::new(SurfaceSource::random(surfaces), material, light)
+}
+
+/// So many rays in total, on so many surfaces.
+pub(crate) fn effort(surfaces: u64, rays: u64) -> Settings {
+    Settings {
+        effort: Effort::Rays {
+            total: rays,
+            surfaces,
+        },
+        ..Settings::default()
     }
 }
 

@@ -112,7 +112,7 @@ impl SlopeTables {
     }
 }
 
-/// Slopes of which the spread is found, of each surface or region at most about so many.
+/// About the most slopes of each surface or region that the spread is estimated from.
 const MOST_FOR_SPREAD: usize = 1 << 16;
 
 /// What the cells of a table depend on, of one surface or region.

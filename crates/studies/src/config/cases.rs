@@ -103,7 +103,8 @@ pub(crate) fn check_models(
 /// Checks that light of `material` can leave on the recorded sides.
 ///
 /// # Errors
-/// [`ConfigError::NothingBelowLayer`] and [`ConfigError::NothingTransmitted`] if transmitted light alone is recorded, and there is none.
+/// [`ConfigError::NothingBelowLayer`] and [`ConfigError::NothingTransmitted`] if only transmitted light is recorded, but the layer or the
+/// material transmits none.
 pub fn check_sides(
     sides: Sides,
     material: Material,

@@ -16,8 +16,9 @@ pub(crate) struct Described<'a> {
 impl Described<'_> {
     /// The models in place of those of isotropic surfaces of mirrors or refracting facets; `None` where these hold.
     ///
-    /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Of isotropic Lambertian facets, Oren
-    /// and Nayar; of others there is none. Of other anisotropic surfaces, Smith and Heitz: the model of Xu and Sun is isotropic.
+    /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Isotropic Lambertian facets get Oren and
+    /// Nayar; anisotropic ones have no default. Anisotropic surfaces of other materials get Smith and Heitz, since the model of Xu and Sun is
+    /// isotropic.
     fn models(&self) -> Option<Vec<String>> {
         let is_isotropic = self.surface.is_isotropic();
         let names: &[&str] = match (self.medium, self.material) {

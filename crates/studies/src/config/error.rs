@@ -100,7 +100,7 @@ pub enum ConfigError {
         name: String,
     },
     /// A model of a layer, without one.
-    #[error("the model {name} describes a medium below the surface, but there is none")]
+    #[error("the model {name} describes a medium below the surface, but no medium is given")]
     ModelOfLayer {
         /// Its name.
         name: String,

@@ -6,6 +6,7 @@ pub(crate) mod cases;
 pub(crate) mod default_models;
 pub(crate) mod error;
 pub(crate) mod filtering;
+pub(crate) mod isotropy;
 pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;

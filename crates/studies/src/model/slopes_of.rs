@@ -9,6 +9,9 @@ use asperity_analysis::{
 use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table};
 use asperity_simulate::short;
 use asperity_surface::{Border, MissingError, MissingPolicy};
+use asperity_tally::Estimate;
+
+use crate::config::isotropy::Isotropy;
 
 /// Why a file gives no slopes.
 #[derive(Debug, thiserror::Error)]
@@ -68,10 +71,7 @@ pub(super) struct FileSlopes {
     pub(super) notes: Vec<String>,
 }
 
-/// Difference of slope variances, and product of slopes along x and y, over the mean variance, up to which slopes count as isotropic.
-const ISOTROPIC: f64 = 0.05;
-
-/// Slope variance across grooves, over the sum of both, below which there is none.
+/// Ratio of the determinant of the slope covariance to the square of its trace below which slopes count as those of grooves.
 const GROOVES: f64 = 1e-6;
 
 impl FileSlopes {
@@ -117,15 +117,14 @@ impl FileSlopes {
             let path = self.path.clone();
             return Err(SlopeFileError::OneDirection { path });
         }
+        let terms = [covariance.xx(), covariance.xy(), covariance.yy()];
+        let isotropy = Isotropy::of(terms.map(|mean| Estimate { mean, se: None }));
         let mean = 0.5 * (covariance.xx() + covariance.yy());
-        let off = (covariance.xx() - covariance.yy())
-            .abs()
-            .max(covariance.xy().abs());
         Ok(match SlopeCovariance::new(mean, mean, 0.0) {
-            Ok(isotropic) if off <= ISOTROPIC * mean => {
+            Ok(isotropic) if isotropy.is_near => {
+                let [larger, smaller] = isotropy.variances.map(short);
                 self.notes.push(format!(
-                    "slopes are taken as isotropic: their variances differ by {:.1} %",
-                    100.0 * off / mean
+                    "slopes are taken as isotropic: their variances along the principal axes are {larger} and {smaller}"
                 ));
                 isotropic.into()
             }

@@ -14,7 +14,6 @@ use asperity_tracer::Polarisation;
 use serde_json::{Value, json};
 
 use super::TraceError;
-use super::isotropy::Isotropy;
 use super::region_plan::{RegionPlan, TooSmall};
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::compared_case::ComparedCase;
@@ -25,6 +24,7 @@ use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::CompareConfig;
 use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
+use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
 use crate::given::{GivenShape, GivenSurface};
 use crate::output::SurfaceCheckpoints;

@@ -1,6 +1,6 @@
 //! Means and moments of functions of a normal number.
 
-/// Numbers from -8 to 8, so many per unit, and their weights: the trapezium rule of a standard normal number. Weights are not
+/// Nodes from -8 to 8, `per_unit` of them per unit, and weights of the trapezium rule for a standard normal number. Weights are not
 /// normalised.
 pub(crate) fn normal_nodes(per_unit: u32) -> impl Iterator<Item = [f64; 2]> {
     let last = 8 * per_unit as i32;

@@ -154,7 +154,7 @@ fn tables_integrate_to_their_moments_and_repeat_what_they_tabulate() {
     }
 }
 
-/// A table of so many rows that each lag takes more of them than an autocorrelation of few takes panels.
+/// A table with more rows than the quadrature of a closed-form spectrum has panels.
 #[test]
 fn long_tables_are_integrated_to_their_end() {
     let tau = 16.0;

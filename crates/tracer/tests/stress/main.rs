@@ -100,7 +100,7 @@ const FULL: Effort = Effort {
 type Named<G> = (String, Box<dyn Accelerator<G>>);
 
 #[test]
-#[ignore = "takes minutes; prints the table"]
+#[ignore = "full size, takes minutes: run by hand, see CONTRIBUTING.md"]
 fn flat_facets_at_full_size() {
     let rows = full::<Surface>();
     report_full::<Surface>(&[rows, vec![in_other_units(FULL)]].concat());
@@ -110,7 +110,7 @@ fn flat_facets_at_full_size() {
 }
 
 #[test]
-#[ignore = "takes minutes; prints the table"]
+#[ignore = "full size, takes minutes: run by hand, see CONTRIBUTING.md"]
 fn smooth_cells_at_full_size() {
     report_full::<SmoothSurface>(&full::<SmoothSurface>());
 }

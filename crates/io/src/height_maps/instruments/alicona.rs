@@ -64,8 +64,8 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     })
 }
 
-/// Where the picture ends that may follow the depth image; 0 if there is none. It has planes of a byte for each point, rows filled up like
-/// those of the depth image.
+/// End of the texture image behind the depth image, in bytes from the start of the file; 0 without one. It has one byte per point and
+/// plane, rows padded like those of the depth image.
 fn end_of_texture(file: &Bytes<'_>, tags: &Fields) -> u64 {
     let whole = |name| tags.whole(file, name).ok();
     let counts = ["TextureImageOffset", "NumberOfPlanes", "Rows", "Cols"].map(whole);

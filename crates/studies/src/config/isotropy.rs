@@ -16,14 +16,14 @@ const CHI_SQUARED: f64 = 5.99;
 
 /// Slope variances along the principal axes, the larger first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Isotropy {
-    pub(super) variances: [f64; 2],
-    pub(super) is_near: bool,
+pub(crate) struct Isotropy {
+    pub(crate) variances: [f64; 2],
+    pub(crate) is_near: bool,
 }
 
 impl Isotropy {
     /// Of the elements xx, xy and yy of a slope covariance.
-    pub(super) fn of([xx, xy, yy]: [Estimate; 3]) -> Self {
+    pub(crate) fn of([xx, xy, yy]: [Estimate; 3]) -> Self {
         let mean = 0.5 * (xx.mean + yy.mean);
         let (along, across) = (0.5 * (xx.mean - yy.mean), xy.mean);
         let half = along.hypot(across);
@@ -40,7 +40,7 @@ impl Isotropy {
     }
 
     /// Said where these models, which are of isotropic surfaces, take the mean of both variances.
-    pub(super) fn note(&self, models: &[&str]) -> String {
+    pub(crate) fn note(&self, models: &[&str]) -> String {
         let [larger, smaller] = self.variances.map(short);
         format!(
             "slope variances along the principal axes, {larger} and {smaller}, differ by no more than their errors or 5 %: isotropic models ({}) are made for their mean",
