@@ -119,12 +119,10 @@ impl EdgeFinder {
             sides[k] = exits.side[i].index() as u32;
             keys[k] = ring_key(exits.side[i], exits.wo[2][i]);
         }
-        let found = self.rings.find_all(&sides, &keys);
-        for (k, i) in range.enumerate() {
-            exits.ring[i] = found[k];
-            if !self.rings.is_sure(sides[k], keys[k], found[k]) {
-                exits.ring[i] = self.grid.ring_of(exits.side[i], exits.wo(i)) as u32;
-            }
+        let (found, is_sure) = self.rings.find_all(&sides, &keys);
+        exits.ring[range.clone()].copy_from_slice(&found[..range.len()]);
+        for (i, _) in range.zip(is_sure).filter(|(_, is_sure)| !is_sure) {
+            exits.ring[i] = self.grid.ring_of(exits.side[i], exits.wo(i)) as u32;
         }
     }
 
@@ -132,20 +130,23 @@ impl EdgeFinder {
     fn locate_sectors(&self, exits: &mut ExitColumns, range: Range<usize>) {
         let mut keys = [0.0; BLOCK];
         let mut sides = [0; BLOCK];
-        let [x, y, _] = &exits.wo;
-        for (k, i) in range.clone().enumerate() {
-            sides[k] = exits.side[i].index() as u32;
-            keys[k] = turned_key(x[i], y[i]);
+        let side = &exits.side[range.clone()];
+        let [x, y, _] = exits.wo.each_ref().map(|column| &column[range.clone()]);
+        for (k, side) in side.iter().enumerate() {
+            sides[k] = side.index() as u32;
+            keys[k] = turned_key(x[k], y[k]);
         }
-        let found = self.sectors.find_all(&sides, &keys);
-        for (k, i) in range.enumerate() {
-            let is_sure = self.sectors.is_sure(sides[k], keys[k], found[k]);
-            exits.sector[i] = if is_sure && is_clear(keys[k], x[i], y[i]) {
-                self.sector_after(sides[k], found[k])
-            } else {
-                let wo = DVec3::new(x[i], y[i], 0.0);
-                self.grid.sector_of(exits.side[i], wo) as u32
-            };
+        let (found, mut is_sure) = self.sectors.find_all(&sides, &keys);
+        let sectors = &mut exits.sector[range];
+        for (k, sector) in sectors.iter_mut().enumerate() {
+            *sector = self.sector_after(sides[k], found[k]);
+            is_sure[k] &= is_clear(keys[k], x[k], y[k]);
+        }
+        for (k, sector) in sectors.iter_mut().enumerate() {
+            if !is_sure[k] {
+                let wo = DVec3::new(x[k], y[k], 0.0);
+                *sector = self.grid.sector_of(side[k], wo) as u32;
+            }
         }
     }
 }
@@ -200,27 +201,11 @@ impl SortedKeys {
     /// How many keys of a side do not exceed `key`.
     #[inline(always)]
     fn find(&self, side: u32, key: f64) -> u32 {
-        let first = side * self.padded;
         let mut found = 0;
         let mut step = self.padded / 2;
         while step > 0 {
-            let at = self.keys[(first + found + step - 1) as usize];
-            found += if at <= key { step } else { 0 };
-            step /= 2;
-        }
-        found
-    }
-
-    /// The same for many, step by step.
-    #[inline(always)]
-    fn find_all(&self, sides: &[u32; BLOCK], keys: &[f64; BLOCK]) -> [u32; BLOCK] {
-        let mut found = [0; BLOCK];
-        let mut step = self.padded / 2;
-        while step > 0 {
-            for k in 0..BLOCK {
-                let at = self.keys[(sides[k] * self.padded + found[k] + step - 1) as usize];
-                found[k] += if at <= keys[k] { step } else { 0 };
-            }
+            let at = self.keys[(side * self.padded + found + step - 1) as usize];
+            found += step * u32::from(at <= key);
             step /= 2;
         }
         found
@@ -233,6 +218,52 @@ impl SortedKeys {
         let is_before = key < self.keys[next] - MARGIN;
         let is_after = found == 0 || key > self.keys[next - 1] + MARGIN;
         is_before && is_after
+    }
+
+    /// [`SortedKeys::find`] and [`SortedKeys::is_sure`] for many.
+    #[inline(always)]
+    fn find_all(&self, sides: &[u32; BLOCK], keys: &[f64; BLOCK]) -> ([u32; BLOCK], [bool; BLOCK]) {
+        // Where the number of keys is known, their indices need no check, and loops take vector instructions.
+        match self.keys.len() {
+            ..=64 => self.find_all_of::<64>(sides, keys),
+            ..=128 => self.find_all_of::<128>(sides, keys),
+            ..=256 => self.find_all_of::<256>(sides, keys),
+            ..=1024 => self.find_all_of::<1024>(sides, keys),
+            _ => {
+                let found = std::array::from_fn(|k| self.find(sides[k], keys[k]));
+                let is_sure = std::array::from_fn(|k| self.is_sure(sides[k], keys[k], found[k]));
+                (found, is_sure)
+            }
+        }
+    }
+
+    /// The same for at most `N` keys, a power of two, step by step.
+    #[inline(always)]
+    fn find_all_of<const N: usize>(
+        &self,
+        sides: &[u32; BLOCK],
+        keys: &[f64; BLOCK],
+    ) -> ([u32; BLOCK], [bool; BLOCK]) {
+        let mut all = [f64::INFINITY; N];
+        all[..self.keys.len()].copy_from_slice(&self.keys);
+        let key = |i: u32| all[i as usize % N];
+        let mut found = [0; BLOCK];
+        let mut step = self.padded / 2;
+        while step > 0 {
+            for k in 0..BLOCK {
+                let at = key(sides[k] * self.padded + found[k] + step - 1);
+                found[k] += step * u32::from(at <= keys[k]);
+            }
+            step /= 2;
+        }
+        let mut is_sure = [true; BLOCK];
+        for k in 0..BLOCK {
+            let next = sides[k] * self.padded + found[k];
+            let is_before = keys[k] < key(next) - MARGIN;
+            let is_after = (found[k] == 0) | (keys[k] > key(next.wrapping_sub(1)) + MARGIN);
+            is_sure[k] = is_before & is_after;
+        }
+        (found, is_sure)
     }
 }
 
