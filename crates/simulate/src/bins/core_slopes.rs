@@ -139,17 +139,32 @@ fn core_factor(slopes: &[WeightedSlope], [xx, xy, yy]: [f64; 3], all: f64) -> f6
         .iter()
         .map(|one| [square(one.slope), one.weight])
         .collect();
-    squares.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut below = 0.0;
-    let reached = squares.iter().find(|[_, weight]| {
-        below += weight;
-        below >= CORE * all
-    });
     let of_gaussian = -2.0 * (1.0 - CORE).ln();
-    match reached {
-        Some([square, _]) if *square > 0.0 => (square / of_gaussian).sqrt().min(1.0),
+    match first_to_reach(&mut squares, CORE * all) {
+        Some(square) if square > 0.0 => (square / of_gaussian).sqrt().min(1.0),
         // Most of the surface is level: what is not says how wide the lobe is.
         _ => 1.0,
+    }
+}
+
+/// The value, of pairs of a value and its weight, at which the weights of smaller ones reach `part`.
+fn first_to_reach(pairs: &mut [[f64; 2]], part: f64) -> Option<f64> {
+    let by_value = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]);
+    // Few are as small as that: only these are put in order.
+    let mut few = (4.0 * CORE * pairs.len() as f64) as usize;
+    loop {
+        few = few.clamp(1, pairs.len());
+        pairs.select_nth_unstable_by(few - 1, by_value);
+        pairs[..few].sort_unstable_by(by_value);
+        let mut below = 0.0;
+        let reached = pairs[..few].iter().find(|[_, weight]| {
+            below += weight;
+            below >= part
+        });
+        match reached {
+            None if few < pairs.len() => few *= 2,
+            _ => return reached.map(|[value, _]| *value),
+        }
     }
 }
 
@@ -218,6 +233,30 @@ mod tests {
         assert!(found.deviation(0.0) > 0.1);
         let level = CoreSlopes::of_slopes(&slopes(|_| 0.0), false);
         assert_eq!(level.deviation(0.0), 0.0);
+    }
+
+    #[test]
+    fn values_that_reach_a_part_of_the_weight_are_found_among_the_smallest() {
+        // Weights that lie where values are large, small, or anywhere
+        for exponent in [-8, 0, 8] {
+            let weight = |i: usize| ((i as f64 + 0.5) / 1000.0).powi(exponent);
+            let value = |i: usize| ((i * 607) % 1000) as f64;
+            let mut pairs: Vec<[f64; 2]> = (0..1000)
+                .map(|i| [value(i), weight(value(i) as usize)])
+                .collect();
+            let all: f64 = (0..1000).map(weight).sum();
+            for part in [1e-3, CORE, 0.5, 0.999] {
+                let mut below = 0.0;
+                let expected = (0..1000).find(|&i| {
+                    below += weight(i);
+                    below >= part * all
+                });
+                let found = first_to_reach(&mut pairs, part * all);
+                assert_eq!(found, expected.map(|i| i as f64), "{exponent} {part}");
+            }
+            assert_eq!(first_to_reach(&mut pairs, 2.0 * all), None);
+        }
+        assert_eq!(first_to_reach(&mut [[3.0, 1.0]], 0.5), Some(3.0));
     }
 
     /// Of what is correlated, facets without a slope across deviate less: the deviation is that of the section through zero.
