@@ -3,6 +3,8 @@
 //! `height_field` is a grid of heights as triangles, `smooth` a grid of curved cells, `mesh` any triangles, and
 //! `export.rs` writes a list of triangles.
 
+mod ahead;
+mod blocks;
 pub(crate) mod export;
 pub(crate) mod grid;
 mod height_bounds;
@@ -10,8 +12,8 @@ pub(crate) mod height_field;
 pub(crate) mod mesh;
 mod nearby;
 mod outlooks;
-mod slope_bounds;
 pub(crate) mod smooth;
+mod windows;
 
 use std::fmt::Debug;
 
@@ -93,7 +95,7 @@ pub trait Geometry: Sized + Send + Sync {
         false
     }
 
-    /// Whether bounds on the slopes ahead exclude that a ray in `half_space` meets any facet at all, in
+    /// Whether bounds on what lies ahead exclude that a ray in `half_space` meets any facet at all, in
     /// this tile or beyond it.
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape>;
 
@@ -109,7 +111,7 @@ pub trait Geometry: Sized + Send + Sync {
                 match self.escapes(&ray, half_space) {
                     None => Outlook::Unknown,
                     Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                    Some(Escape::SteeperThanNear) => Outlook::SteeperThanNear,
+                    Some(Escape::AboveAhead) => Outlook::AboveAhead,
                 }
             };
         }
@@ -173,8 +175,8 @@ pub enum Outlook {
     Unknown,
     /// It escapes: [`Escape::SteeperThanAll`].
     SteeperThanAll,
-    /// It escapes: [`Escape::SteeperThanNear`].
-    SteeperThanNear,
+    /// It escapes: [`Escape::AboveAhead`].
+    AboveAhead,
     /// It begins in another tile, above all heights or below them, or nowhere.
     Elsewhere,
 }
@@ -210,6 +212,6 @@ pub(crate) fn is_outside(
 pub enum Escape {
     /// It is steeper, in its direction, than any facet of the surface.
     SteeperThanAll,
-    /// It is steeper, in its direction, than any facet that it passes before it is above (below) all.
-    SteeperThanNear,
+    /// It is steeper, in its direction, than the facets nearby, and above (below) all that lies farther on.
+    AboveAhead,
 }

@@ -1,32 +1,31 @@
-//! Outlooks: what slope bounds tell of rays over a height field before they are searched.
+//! Outlooks: what is known of rays over a height field before they are searched, by what they have ahead.
 
-use super::slope_bounds::SlopeBounds;
+use super::ahead::{Ahead, VIEWED};
 use super::{Escape, Geometry, Outlook};
 use crate::ray::{HalfSpace, RayColumns, TileRay};
 
-/// Whether bounds exclude that a ray in `half_space` meets a facet of a height field: see [`Geometry::escapes`].
+/// Whether it is excluded that a ray in `half_space` meets a facet of a height field: see [`Geometry::escapes`].
 #[inline(always)]
 pub(crate) fn escapes_by<G: Geometry>(
-    bounds: &SlopeBounds,
+    ahead: &Ahead,
     geometry: &G,
     ray: &TileRay,
     half_space: HalfSpace,
 ) -> Option<Escape> {
     let q = half_space.sign();
-    let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
+    let (rise, u) = (q * ray.direction.z, ray.direction.truncate());
     if rise <= 0.0 {
         return None;
     }
-    if bounds.is_below_all(u, rise) {
+    if rise > ahead.steepest_along(q * u) {
         return Some(Escape::SteeperThanAll);
     }
-    // Until it is above the highest point (below the lowest one).
-    let [_, reach] = geometry.z_range();
-    let t = (reach - q * ray.origin.z) / rise;
     let place = ray.origin.truncate();
     let [cx, cy] = geometry.extent();
     let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
-    (within && bounds.is_below_near(place, u, rise, t)).then_some(Escape::SteeperThanNear)
+    let view = ahead.view([place.x, place.y], [u.x, u.y], q).map(f64::from);
+    (within && ahead.is_clear(&view, q * ray.origin.z, [u.x, u.y, rise]))
+        .then_some(Escape::AboveAhead)
 }
 
 /// Rays of a block: a few loads of lanes.
@@ -35,7 +34,7 @@ const BLOCK: usize = 64;
 /// [`Geometry::outlooks`] of a height field, whose heights lie within `reach` of zero.
 #[inline(always)]
 pub(crate) fn find_outlooks(
-    bounds: &SlopeBounds,
+    ahead: &Ahead,
     [cx, cy]: [f64; 2],
     reach: f64,
     rays: RayColumns<'_>,
@@ -47,40 +46,40 @@ pub(crate) fn find_outlooks(
     let (side, aspect) = (&rays.side[..n], rays.aspect);
     for first in (0..n).step_by(BLOCK) {
         let last = (first + BLOCK).min(n);
-        let mut places = [(0, 0); BLOCK];
-        for (place, i) in places.iter_mut().zip(first..last) {
-            let q = side[i];
-            let u = [q * dx[i], q * (dy[i] * aspect)];
-            // Until it is above the highest point (below the lowest one).
-            let t = (reach - q * z[i]) / (q * dz[i]);
-            *place = bounds.place_near([x[i], y[i]], u, t);
+        // Look up
+        let mut views = [[0_u16; BLOCK]; VIEWED];
+        let mut steepest = [[0.0; BLOCK]; 2];
+        for (k, i) in (first..last).enumerate() {
+            let (q, u) = (side[i], [dx[i], dy[i]]);
+            let view = ahead.view([x[i], y[i]], u, q);
+            for (column, steps) in views.iter_mut().zip(view) {
+                column[k] = *steps;
+            }
+            let [axis, diagonal] = ahead.steepest_about([q * u[0], q * (u[1] * aspect)]);
+            (steepest[0][k], steepest[1][k]) = (axis, diagonal);
         }
-        let mut rises = [[0.0; 4]; BLOCK];
-        for (rises, (block, sector)) in rises.iter_mut().zip(places) {
-            *rises = bounds.rises(block, sector);
-        }
-        for (outlook, (i, [near_axis, near_diagonal, axis, diagonal])) in outlooks[first..last]
-            .iter_mut()
-            .zip((first..last).zip(rises))
-        {
+        // Decide in lanes
+        for (k, outlook) in outlooks[first..last].iter_mut().enumerate() {
+            let i = first + k;
             let q = side[i];
-            let (ux, uy) = ((q * dx[i]).abs(), (q * (dy[i] * aspect)).abs());
+            let (ux, uy) = (dx[i], dy[i] * aspect);
             let rise = q * dz[i];
-            let along_axis = (ux - uy).abs();
-            let along_diagonal = if ux < uy { ux } else { uy };
-            let is_below_all = rise > along_axis * axis + along_diagonal * diagonal;
-            let is_below_near = rise > along_axis * near_axis + along_diagonal * near_diagonal;
+            let (across, along) = (ux.abs(), uy.abs());
+            let shorter = if across < along { across } else { along };
+            let all = (across - along).abs() * steepest[0][k] + shorter * steepest[1][k];
+            let view = views.each_ref().map(|column| f64::from(column[k]));
+            let is_clear = ahead.is_clear(&view, q * z[i], [ux, uy, rise]);
             let within = (0.0 <= x[i])
                 & (x[i] < cx)
                 & (0.0 <= y[i])
                 & (y[i] < cy)
                 & (-reach <= z[i])
                 & (z[i] <= reach);
-            let escapes = rise > 0.0;
-            let known = if escapes & is_below_all {
+            let rises = rise > 0.0;
+            let known = if rises & (rise > all) {
                 Outlook::SteeperThanAll
-            } else if escapes & is_below_near {
-                Outlook::SteeperThanNear
+            } else if rises & is_clear {
+                Outlook::AboveAhead
             } else {
                 Outlook::Unknown
             };

@@ -162,13 +162,12 @@ impl<G: Geometry> Tracer<'_, G> {
         let flux = &batch.segments.flux[..n];
         for (i, (&outlook, &flux)) in batch.outlooks[..n].iter().zip(flux).enumerate() {
             let is_alive = flux > 0.0;
-            let escapes =
-                (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::SteeperThanNear);
+            let escapes = (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::AboveAhead);
             batch.searched[searched] = i as u32;
             searched += usize::from(is_alive & (outlook == Outlook::Unknown));
             batch.escaped[escaped] = i as u32;
             escaped += usize::from(is_alive & escapes);
-            near += u64::from(is_alive & (outlook == Outlook::SteeperThanNear));
+            near += u64::from(is_alive & (outlook == Outlook::AboveAhead));
             if is_alive & (outlook == Outlook::Elsewhere) {
                 batch.elsewhere.push(i as u32);
             }

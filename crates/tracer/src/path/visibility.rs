@@ -29,7 +29,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 self.trace_visibility(at, state, batch);
             } else {
                 batch.work.segments_skipped += 1;
-                let is_near = *outlook == Outlook::SteeperThanNear;
+                let is_near = *outlook == Outlook::AboveAhead;
                 batch.work.segments_skipped_nearby += u64::from(is_near);
                 batch.arrivals.push(&at, &state);
             }

@@ -202,7 +202,7 @@ fn rays_that_escape_by_slopes_meet_nothing() {
             let expected = match escape {
                 None => Outlook::Unknown,
                 Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::SteeperThanNear) => Outlook::SteeperThanNear,
+                Some(Escape::AboveAhead) => Outlook::AboveAhead,
             };
             if *outlook != Outlook::Elsewhere {
                 assert_eq!(*outlook, expected, "{name}: {query:?}");

@@ -12,11 +12,12 @@ use glam::DVec3;
 
 use self::cell::{Cell, Size};
 
+use crate::geometry::ahead::Ahead;
+use crate::geometry::blocks::Block;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::nearby::find_nearby;
 use crate::geometry::outlooks::{escapes_by, find_outlooks};
-use crate::geometry::slope_bounds::SlopeBounds;
 use crate::geometry::{Escape, Geometry, Nearby, Outlook, Triangles, bounds_of};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
@@ -38,7 +39,7 @@ pub struct Surface {
     extent: [f64; 2],
     /// `dx / dy`.
     aspect: f64,
-    slope_bounds: SlopeBounds,
+    ahead: Ahead,
     /// Made for surfaces with a medium below.
     height_bounds: OnceLock<HeightBounds>,
 }
@@ -76,12 +77,12 @@ impl Surface {
         let half_range = (0.5 * high - 0.5 * low) * scale.per_column;
         // Differences of heights are rounded by a few 2^-53 of their range.
         let margin = 1e-14 * half_range;
-        let slope_bounds =
-            SlopeBounds::of_triangles(field.cells(), field.border(), margin, |iy, row| {
-                row.clear();
-                row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
-                row.push(scale.z(field.height(field.cells()[0], iy)));
-            });
+        let blocks = Block::of_triangles(field.cells(), |iy, row| {
+            row.clear();
+            row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
+            row.push(scale.z(field.height(field.cells()[0], iy)));
+        });
+        let ahead = Ahead::new(field.cells(), field.border(), half_range, margin, blocks);
         let [dx, dy] = field.spacing();
         Self {
             extent: field.cells().map(|n| n as f64),
@@ -90,10 +91,10 @@ impl Surface {
             scale,
             size: Size {
                 reach: half_range,
-                steepest: slope_bounds.steepest(),
+                steepest: ahead.steepest(),
             },
             mean: scale.z(mean),
-            slope_bounds,
+            ahead,
             height_bounds: OnceLock::new(),
         }
     }
@@ -108,6 +109,12 @@ impl Surface {
     #[must_use]
     pub fn into_field(self) -> HeightField {
         self.field
+    }
+
+    /// What rays have ahead of them.
+    #[cfg(test)]
+    pub(in crate::geometry) const fn ahead(&self) -> &Ahead {
+        &self.ahead
     }
 
     /// Cells of the tile, `[columns, rows]`: its extent in tile coordinates.
@@ -337,18 +344,12 @@ impl Geometry for Surface {
 
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
-        escapes_by(&self.slope_bounds, self, ray, half_space)
+        escapes_by(&self.ahead, self, ray, half_space)
     }
 
     #[inline(always)]
     fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(
-            &self.slope_bounds,
-            self.extent,
-            self.size.reach,
-            rays,
-            outlooks,
-        );
+        find_outlooks(&self.ahead, self.extent, self.size.reach, rays, outlooks);
     }
 
     #[inline(always)]

@@ -9,11 +9,11 @@ use asperity_surface::SplineSurface;
 use rayon::prelude::*;
 
 use super::patch::Patch;
-use crate::geometry::slope_bounds::{SMALLEST, Support};
+use crate::geometry::blocks::{Block, FINEST, Support};
 use crate::vector::{Instructions, Stage};
 
 /// Numbers of neighbouring cells: as many as a block of slope bounds has columns.
-type Cells = [f64; SMALLEST];
+type Cells = [f64; FINEST];
 
 /// The patch of a cell, in the unit of the surface.
 #[inline(always)]
@@ -44,19 +44,46 @@ pub(super) fn cell_ranges(spline: &SplineSurface, offset: f64) -> Vec<[f64; 2]> 
     ranges
 }
 
-/// How steep the blocks of some rows of cells are, heights being measured in units of `1 / per_unit`.
-pub(super) fn supports(spline: &SplineSurface, rows: Range<usize>, per_unit: f64) -> Vec<Support> {
+/// The finest blocks of all cells, row by row, heights being measured in units of `1 / per_unit`; `ranges` are those of the cells.
+pub(super) fn blocks(spline: &SplineSurface, ranges: &[[f64; 2]], per_unit: f64) -> Vec<Block> {
+    let [_, cy] = spline.cells();
+    let rows = (0..cy.div_ceil(FINEST)).into_par_iter();
+    rows.flat_map_iter(|row| {
+        let rows = row * FINEST..((row + 1) * FINEST).min(cy);
+        row_of_blocks(spline, rows, ranges, per_unit)
+    })
+    .collect()
+}
+
+/// One row of the finest blocks, `rows` being its rows of cells.
+fn row_of_blocks(
+    spline: &SplineSurface,
+    rows: Range<usize>,
+    ranges: &[[f64; 2]],
+    per_unit: f64,
+) -> Vec<Block> {
     let [cx, _] = spline.cells();
-    let mut blocks = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(SMALLEST)];
+    let mut rises = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(FINEST)];
     Instructions::best().run(RisesOfRows {
         spline,
-        rows,
-        blocks: &mut blocks,
+        rows: rows.clone(),
+        blocks: &mut rises,
     });
     let in_units = |ends: [f64; 2]| ends.map(|rise| rise * per_unit);
-    let blocks = blocks.into_iter();
+    let blocks = rises.into_iter().enumerate();
     blocks
-        .map(|block| Support::from_extremes(block.map(in_units)))
+        .map(|(block, rises)| {
+            let columns = block * FINEST..((block + 1) * FINEST).min(cx);
+            let of_cells = rows
+                .clone()
+                .flat_map(|iy| &ranges[iy * cx..][columns.clone()]);
+            Block {
+                support: Support::from_extremes(rises.map(in_units)),
+                range: of_cells.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], cell| {
+                    [lesser(low, cell[0]), greater(high, cell[1])]
+                }),
+            }
+        })
         .collect()
 }
 
@@ -71,8 +98,8 @@ struct RangesOfRow<'a> {
 impl Stage for RangesOfRow<'_> {
     #[inline(always)]
     fn run(self) {
-        for (block, ranges) in self.ranges.chunks_mut(SMALLEST).enumerate() {
-            let points = bezier_points(self.spline, [block * SMALLEST, self.iy], self.offset);
+        for (block, ranges) in self.ranges.chunks_mut(FINEST).enumerate() {
+            let points = bezier_points(self.spline, [block * FINEST, self.iy], self.offset);
             let mut extremes = Extremes::NONE;
             for along_y in &points {
                 for point in along_y {
@@ -100,11 +127,11 @@ impl Stage for RisesOfRows<'_> {
         for (block, rises) in self.blocks.iter_mut().enumerate() {
             let mut extremes = [Extremes::NONE; 4];
             for iy in self.rows.start..self.rows.end {
-                let points = bezier_points(self.spline, [block * SMALLEST, iy], 0.0);
+                let points = bezier_points(self.spline, [block * FINEST, iy], 0.0);
                 add_rises(&points, &mut extremes);
             }
             for (rise, extremes) in rises.iter_mut().zip(&extremes) {
-                for cell in 0..SMALLEST {
+                for cell in 0..FINEST {
                     *rise = [
                         lesser(rise[0], extremes.low[cell]),
                         greater(rise[1], extremes.high[cell]),
@@ -119,9 +146,9 @@ impl Stage for RisesOfRows<'_> {
 #[inline(always)]
 fn add_rises(points: &[[Cells; 4]; 4], [x, y, diagonal, other]: &mut [Extremes; 4]) {
     // Both derivatives as cubics in x and y, so that they can be added
-    let mut of_x = [[[0.0; SMALLEST]; 4]; 4];
+    let mut of_x = [[[0.0; FINEST]; 4]; 4];
     for l in 0..4 {
-        let mut steps = [[0.0; SMALLEST]; 3];
+        let mut steps = [[0.0; FINEST]; 3];
         for k in 0..3 {
             steps[k] = step(&points[k][l], &points[k + 1][l]);
             x.add(&steps[k]);
@@ -132,15 +159,15 @@ fn add_rises(points: &[[Cells; 4]; 4], [x, y, diagonal, other]: &mut [Extremes; 
         }
     }
     for k in 0..4 {
-        let mut steps = [[0.0; SMALLEST]; 3];
+        let mut steps = [[0.0; FINEST]; 3];
         for l in 0..3 {
             steps[l] = step(&points[k][l], &points[k][l + 1]);
             y.add(&steps[l]);
         }
         let raised = raised(&steps);
         for l in 0..4 {
-            let (mut sum, mut difference) = ([0.0; SMALLEST], [0.0; SMALLEST]);
-            for cell in 0..SMALLEST {
+            let (mut sum, mut difference) = ([0.0; FINEST], [0.0; FINEST]);
+            for cell in 0..FINEST {
                 sum[cell] = of_x[k][l][cell] + raised[l][cell];
                 difference[cell] = of_x[k][l][cell] - raised[l][cell];
             }
@@ -157,13 +184,13 @@ fn bezier_points(spline: &SplineSurface, [ix, iy]: [usize; 2], offset: f64) -> [
     let (coefficients, stride) = (spline.coefficients(), spline.stride());
     let last = spline.cells()[0] - 1;
     // Along y, of the four columns of coefficients of each cell
-    let mut columns = [[[0.0; SMALLEST]; 4]; 4];
+    let mut columns = [[[0.0; FINEST]; 4]; 4];
     for (k, column) in columns.iter_mut().enumerate() {
-        let mut rows = [[0.0; SMALLEST]; 4];
+        let mut rows = [[0.0; FINEST]; 4];
         for (l, row) in rows.iter_mut().enumerate() {
             let first = (iy + l) * stride + k;
-            if ix + SMALLEST <= last + 1 {
-                row.copy_from_slice(&coefficients[first + ix..first + ix + SMALLEST]);
+            if ix + FINEST <= last + 1 {
+                row.copy_from_slice(&coefficients[first + ix..first + ix + FINEST]);
             } else {
                 for (cell, coefficient) in row.iter_mut().enumerate() {
                     *coefficient = coefficients[first + (ix + cell).min(last)];
@@ -175,7 +202,7 @@ fn bezier_points(spline: &SplineSurface, [ix, iy]: [usize; 2], offset: f64) -> [
         }
         *column = bezier(&rows);
     }
-    let mut points = [[[0.0; SMALLEST]; 4]; 4];
+    let mut points = [[[0.0; FINEST]; 4]; 4];
     for l in 0..4 {
         let along_x = bezier(&[columns[0][l], columns[1][l], columns[2][l], columns[3][l]]);
         for k in 0..4 {
@@ -190,8 +217,8 @@ fn bezier_points(spline: &SplineSurface, [ix, iy]: [usize; 2], offset: f64) -> [
 fn bezier([a, b, c, d]: &[Cells; 4]) -> [Cells; 4] {
     const THIRD: f64 = 1.0 / 3.0;
     const SIXTH: f64 = 1.0 / 6.0;
-    let mut points = [[0.0; SMALLEST]; 4];
-    for i in 0..SMALLEST {
+    let mut points = [[0.0; FINEST]; 4];
+    for i in 0..FINEST {
         points[0][i] = (a[i] + 4.0 * b[i] + c[i]) * SIXTH;
         points[1][i] = (2.0 * b[i] + c[i]) * THIRD;
         points[2][i] = (b[i] + 2.0 * c[i]) * THIRD;
@@ -203,8 +230,8 @@ fn bezier([a, b, c, d]: &[Cells; 4]) -> [Cells; 4] {
 /// A Bernstein coefficient of the derivative of a cubic, from two that follow each other.
 #[inline(always)]
 fn step(from: &Cells, to: &Cells) -> Cells {
-    let mut step = [0.0; SMALLEST];
-    for i in 0..SMALLEST {
+    let mut step = [0.0; FINEST];
+    for i in 0..FINEST {
         step[i] = 3.0 * (to[i] - from[i]);
     }
     step
@@ -214,8 +241,8 @@ fn step(from: &Cells, to: &Cells) -> Cells {
 #[inline(always)]
 fn raised([a, b, c]: &[Cells; 3]) -> [Cells; 4] {
     const THIRD: f64 = 1.0 / 3.0;
-    let mut raised = [*a, [0.0; SMALLEST], [0.0; SMALLEST], *c];
-    for i in 0..SMALLEST {
+    let mut raised = [*a, [0.0; FINEST], [0.0; FINEST], *c];
+    for i in 0..FINEST {
         raised[1][i] = (a[i] + 2.0 * b[i]) * THIRD;
         raised[2][i] = (2.0 * b[i] + c[i]) * THIRD;
     }
@@ -231,8 +258,8 @@ struct Extremes {
 
 impl Extremes {
     const NONE: Self = Self {
-        low: [f64::INFINITY; SMALLEST],
-        high: [f64::NEG_INFINITY; SMALLEST],
+        low: [f64::INFINITY; FINEST],
+        high: [f64::NEG_INFINITY; FINEST],
     };
 
     #[inline(always)]
@@ -295,7 +322,8 @@ mod tests {
             let [cx, cy] = spline.cells();
             let ranges = cell_ranges(&spline, 0.25);
             for iy in 0..cy {
-                let mut steepest = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(16)];
+                let mut steepest =
+                    vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(FINEST)];
                 RisesOfRows {
                     spline: &spline,
                     rows: iy..iy + 1,
@@ -308,13 +336,13 @@ mod tests {
                     let [found_low, found_high] = ranges[iy * cx + ix];
                     assert!((found_low - (low - 0.25)).abs() < 1e-13);
                     assert!((found_high - (high - 0.25)).abs() < 1e-13);
-                    for (block, cell) in steepest[ix / 16].iter().zip(along) {
+                    for (block, cell) in steepest[ix / FINEST].iter().zip(along) {
                         assert!(block[0] <= cell[0] + 1e-13 && block[1] >= cell[1] - 1e-13);
                     }
                 }
                 // They are not wider than those of eight places of the steepest cell by far.
                 for (column, block) in steepest.iter().enumerate() {
-                    let cells = 16 * column..(16 * column + 16).min(cx);
+                    let cells = FINEST * column..(FINEST * column + FINEST).min(cx);
                     for (direction, ends) in block.iter().enumerate() {
                         let of_cell = |ix| {
                             let patch = patch_of(&spline, [ix as u32, iy as u32]);

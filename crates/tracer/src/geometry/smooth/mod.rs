@@ -17,16 +17,16 @@ use std::sync::OnceLock;
 use asperity_surface::{Border, SplineSurface};
 use glam::DVec3;
 
-use self::extremes::{cell_ranges, patch_of, supports};
+use self::extremes::{blocks, cell_ranges, patch_of};
 use self::first_root::first_root;
 use self::gaps::{gaps, place, snapped, without_first};
 use self::patch::Patch;
 use self::stretch::Stretch;
+use crate::geometry::ahead::Ahead;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::nearby::find_nearby;
 use crate::geometry::outlooks::{escapes_by, find_outlooks};
-use crate::geometry::slope_bounds::SlopeBounds;
 use crate::geometry::{Escape, Geometry, Nearby, Outlook};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
@@ -58,7 +58,7 @@ pub struct SmoothSurface {
     aspect: f64,
     /// Bounds of z in each cell, row by row.
     ranges: Vec<[f64; 2]>,
-    slope_bounds: SlopeBounds,
+    ahead: Ahead,
     /// Steepest rise of any cell.
     steepest: f64,
     /// Made for surfaces with a medium below.
@@ -97,9 +97,8 @@ impl SmoothSurface {
             *high = (*high - middle) * per_column + ROUNDING * reach;
         }
         let border = spline.border();
-        let slope_bounds = SlopeBounds::new(spline.cells(), border, ROUNDING * reach, |rows| {
-            supports(&spline, rows, per_column)
-        });
+        let blocks = blocks(&spline, &ranges, per_column);
+        let ahead = Ahead::new(spline.cells(), border, reach, ROUNDING * reach, blocks);
         Self {
             extent: spline.cells().map(|n| n as f64),
             aspect: dx / dy,
@@ -109,8 +108,8 @@ impl SmoothSurface {
             per_column,
             reach,
             ranges,
-            steepest: slope_bounds.steepest(),
-            slope_bounds,
+            steepest: ahead.steepest(),
+            ahead,
             height_bounds: OnceLock::new(),
         }
     }
@@ -303,12 +302,12 @@ impl Geometry for SmoothSurface {
 
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
-        escapes_by(&self.slope_bounds, self, ray, half_space)
+        escapes_by(&self.ahead, self, ray, half_space)
     }
 
     #[inline(always)]
     fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(&self.slope_bounds, self.extent, self.reach, rays, outlooks);
+        find_outlooks(&self.ahead, self.extent, self.reach, rays, outlooks);
     }
 
     #[inline(always)]
