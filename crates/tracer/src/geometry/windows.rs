@@ -4,7 +4,7 @@ use asperity_surface::Border;
 
 /// What is known of a block, and can be joined with what is known of others.
 pub(super) trait Joined: Copy {
-    /// That of the unknown land beyond an open border.
+    /// What is taken to lie beyond an open border: more than is known of any block.
     const BEYOND: Self;
     /// That of two blocks together.
     fn joined(self, other: Self) -> Self;

@@ -12,7 +12,7 @@ use super::patch::Patch;
 use crate::geometry::blocks::{Block, FINEST, Support};
 use crate::vector::{Instructions, Stage};
 
-/// Numbers of neighbouring cells: as many as a block of slope bounds has columns.
+/// Numbers of neighbouring cells: as many as the finest blocks have columns.
 type Cells = [f64; FINEST];
 
 /// The patch of a cell, in the unit of the surface.
