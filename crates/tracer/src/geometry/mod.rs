@@ -65,10 +65,15 @@ pub trait Geometry: Sized + Send + Sync {
     /// height field the one above or below.
     fn snap(&self, facet: Self::Facet, p: DVec3) -> DVec3;
 
-    /// The facet over `(x, y)` of the tile, and its point there; `None` where the geometry does not
-    /// have exactly one over every place.
-    fn over(&self, _x: f64, _y: f64) -> Option<(Self::Facet, DVec3)> {
+    /// The facet over `(x, y)` of the tile; `None` where the geometry does not have exactly one over every place.
+    fn facet_over(&self, _x: f64, _y: f64) -> Option<Self::Facet> {
         None
+    }
+
+    /// That facet, and its point there.
+    fn over(&self, x: f64, y: f64) -> Option<(Self::Facet, DVec3)> {
+        let facet = self.facet_over(x, y)?;
+        Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
     }
 
     /// Ray parameter at which a ray in `half_space` passes through `facet` to the other side.

@@ -314,8 +314,9 @@ impl Geometry for Surface {
         cell.intersect(facet, ray, half_space, &self.size)
     }
 
-    fn over(&self, x: f64, y: f64) -> Option<(Facet, DVec3)> {
-        let cell = |p: f64, count: usize| (p as usize).min(count - 1) as u32;
+    #[inline(always)]
+    fn facet_over(&self, x: f64, y: f64) -> Option<Facet> {
+        let cell = |p: f64, count: usize| (p as u32).min(count as u32 - 1);
         let [cx, cy] = self.cells();
         let (ix, iy) = (cell(x, cx), cell(y, cy));
         let triangle = if x - f64::from(ix) > y - f64::from(iy) {
@@ -323,8 +324,7 @@ impl Geometry for Surface {
         } else {
             Triangle::Upper
         };
-        let facet = Facet { iy, ix, triangle };
-        Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
+        Some(Facet { iy, ix, triangle })
     }
 
     fn prepare_nearby(&self) {

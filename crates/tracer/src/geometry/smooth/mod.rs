@@ -246,14 +246,14 @@ impl Geometry for SmoothSurface {
         DVec3::new(x, y, z)
     }
 
-    fn over(&self, x: f64, y: f64) -> Option<(SmoothCell, DVec3)> {
-        let index = |p: f64, count: usize| (p as usize).min(count - 1) as u32;
+    #[inline(always)]
+    fn facet_over(&self, x: f64, y: f64) -> Option<SmoothCell> {
+        let index = |p: f64, count: usize| (p as u32).min(count as u32 - 1);
         let [cx, cy] = self.spline.cells();
-        let cell = SmoothCell {
+        Some(SmoothCell {
             ix: index(x, cx),
             iy: index(y, cy),
-        };
-        Some((cell, self.snap(cell, DVec3::new(x, y, 0.0))))
+        })
     }
 
     /// A ray passes where its signed height above the patch becomes negative. One that enters the cell on the
