@@ -3,14 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
-use rand::{Rng, RngExt};
+use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
+use self::jitter::Jitter;
 use self::net::Net;
 use crate::random::{PathStream, Step, Use};
 use crate::sampling::morton::morton_place;
 use crate::vector::Instructions;
 
+mod jitter;
 pub(crate) mod morton;
 mod net;
 mod strata;
@@ -85,8 +87,6 @@ pub(crate) struct Places {
     order: Order,
     any_azimuth: bool,
     stream: PathStream,
-    /// Number of the next start, where there is one batch.
-    next: u32,
 }
 
 enum Order {
@@ -127,7 +127,6 @@ impl Places {
             order,
             any_azimuth,
             stream,
-            next: 0,
         }
     }
 
@@ -139,37 +138,37 @@ impl Places {
         starts: &mut Vec<Start>,
     ) {
         starts.clear();
-        if let (Order::Stratified(strata), false) = (&mut self.order, self.any_azimuth) {
-            strata.draw_many(count, self.stream, instructions, starts);
-        } else {
-            starts.extend(std::iter::from_fn(|| self.draw()).take(count));
-        }
-    }
-
-    /// The next start; `None` after the last.
-    #[inline]
-    pub(crate) fn draw(&mut self) -> Option<Start> {
-        let any_azimuth = self.any_azimuth;
-        let ray = self.next;
-        let rng = &mut self.stream.draws(ray, Step::START, Use::Start);
-        let place = match &mut self.order {
-            Order::Stratified(strata) => return strata.draw(self.stream, any_azimuth),
+        let (stream, any_azimuth) = (self.stream, self.any_azimuth);
+        let size = match &mut self.order {
             Order::Random(shuffle) => {
-                let [u, v] = shuffle.draw(rng)?;
-                let azimuth = if any_azimuth { rng.random() } else { 0.0 };
-                [u, v, azimuth]
+                let draw = || shuffle.draw(stream, any_azimuth);
+                starts.extend(std::iter::from_fn(draw).take(count));
+                return;
             }
-            Order::QuasiRandom(net) => net.draw(any_azimuth, rng)?,
+            Order::Stratified(strata) => {
+                starts.extend(strata.by_ref().take(count));
+                [strata.width(), strata.width(), 1.0]
+            }
+            Order::QuasiRandom(net) => {
+                starts.extend(net.by_ref().take(count));
+                [net.width(); 3]
+            }
         };
-        self.next += 1;
-        Some(Start { place, ray })
+        instructions.run(Jitter {
+            stream,
+            size,
+            any_azimuth,
+            starts,
+        });
     }
-}
 
-/// A random number between `index` and `index + 1`, in units of `width`.
-#[inline]
-fn jittered<R: Rng>(index: impl Into<f64>, width: f64, rng: &mut R) -> f64 {
-    (index.into() + rng.random::<f64>()) * width
+    /// All starts that are left.
+    #[cfg(test)]
+    fn draw_all(mut self) -> Vec<Start> {
+        let mut starts = Vec::new();
+        self.draw_many(usize::MAX, Instructions::best(), &mut starts);
+        starts
+    }
 }
 
 /// Independent uniform points of the unit square, as if drawn and then sorted along a Morton curve,
@@ -180,7 +179,9 @@ fn jittered<R: Rng>(index: impl Into<f64>, width: f64, rng: &mut R) -> f64 {
 /// `(1 - t) U^(1 / left)` above it, where `U` is uniform (Bentley and Saxe, ACM Trans. Math. Softw. 6,
 /// 359 (1980)). The curve is followed to squares of `2^-16`; within one, points are anywhere.
 struct Shuffle {
-    left: u64,
+    count: u64,
+    /// Number of the next start.
+    next: u32,
     /// One minus the parameter.
     above: f64,
 }
@@ -191,21 +192,30 @@ impl Shuffle {
 
     const fn new(count: u64) -> Self {
         Self {
-            left: count,
+            count,
+            next: 0,
             above: 1.0,
         }
     }
 
-    fn draw<R: Rng>(&mut self, rng: &mut R) -> Option<[f64; 2]> {
-        if self.left == 0 {
+    /// The next start; `None` after the last.
+    fn draw(&mut self, stream: PathStream, any_azimuth: bool) -> Option<Start> {
+        let ray = self.next;
+        let left = self.count - u64::from(ray);
+        if left == 0 {
             return None;
         }
-        self.above *= rng.random::<f64>().powf(1.0 / self.left as f64);
-        self.left -= 1;
+        self.next += 1;
+        let rng = &mut stream.draws(ray, Step::START, Use::Start);
+        self.above *= rng.random::<f64>().powf(1.0 / left as f64);
         let squares = (1_u64 << (2 * Self::LEVELS)) as f64;
         let square = ((1.0 - self.above) * squares).min(squares - 1.0);
         let width = 1.0 / f64::from(1 << Self::LEVELS);
-        Some(morton_place(square as u64).map(|place| jittered(place, width, rng)))
+        let [u, v] = morton_place(square as u64)
+            .map(|index| (f64::from(index) + rng.random::<f64>()) * width);
+        let azimuth = if any_azimuth { rng.random() } else { 0.0 };
+        let place = [u, v, azimuth];
+        Some(Start { place, ray })
     }
 }
 
@@ -229,8 +239,9 @@ mod tests {
 
     fn starts_with(sampling: Sampling, strata: u32, any_azimuth: bool, seed: u64) -> Vec<[f64; 3]> {
         let rays = BatchedRays::of_one(strata);
-        let mut starts = Places::new(sampling, &rays, any_azimuth, PathStream::new(seed, 0));
-        std::iter::from_fn(|| starts.draw().map(|start| start.place)).collect()
+        let places = Places::new(sampling, &rays, any_azimuth, PathStream::new(seed, 0));
+        let starts = places.draw_all();
+        starts.into_iter().map(|start| start.place).collect()
     }
 
     /// `(x - dof) / sqrt(2 dof)` of a chi-squared of counts that are all expected to be equal; near to

@@ -16,15 +16,18 @@
 //! That is why no library is used: those at hand hash instead of drawing, in single precision, and end
 //! at `2^16` points.
 
+use std::iter::Enumerate;
+use std::vec::IntoIter;
+
 use rand::{Rng, RngExt};
 
-use super::jittered;
+use super::Start;
 use crate::sampling::morton::morton_code;
 
 /// The scrambled points of a batch, in the order in which they are handed out.
 pub(super) struct Net {
-    /// First digits of each point, as whole numbers.
-    points: std::vec::IntoIter<[u32; 3]>,
+    /// First digits of each point, as whole numbers, and its number.
+    points: Enumerate<IntoIter<[u32; 3]>>,
     /// Two to the minus number of digits.
     width: f64,
 }
@@ -48,18 +51,28 @@ impl Net {
             points[stratum as usize] = [u, v, along_azimuth[i]];
         }
         Self {
-            points: points.into_iter(),
+            points: points.into_iter().enumerate(),
             width: 1.0 / count as f64,
         }
     }
 
-    /// The next point; the third dimension is 0 unless `all`.
-    pub(super) fn draw<R: Rng>(&mut self, all: bool, rng: &mut R) -> Option<[f64; 3]> {
-        let [u, v, azimuth] = self.points.next()?;
-        let mut jitter = |x| jittered(x, self.width, rng);
-        let (u, v) = (jitter(u), jitter(v));
-        let azimuth = if all { jitter(azimuth) } else { 0.0 };
-        Some([u, v, azimuth])
+    /// What the first digits count in.
+    pub(super) const fn width(&self) -> f64 {
+        self.width
+    }
+}
+
+/// Starts at the first digits of their points.
+impl Iterator for Net {
+    type Item = Start;
+
+    #[inline]
+    fn next(&mut self) -> Option<Start> {
+        let (number, point) = self.points.next()?;
+        Some(Start {
+            place: point.map(f64::from),
+            ray: number as u32,
+        })
     }
 }
 

@@ -2,12 +2,9 @@
 
 use std::ops::Range;
 
-use rand::RngExt;
-
-use super::{Start, jittered};
-use crate::random::{PathStream, Step, Use};
+use super::Start;
+use crate::random::PathStream;
 use crate::sampling::morton::MortonSquare;
-use crate::vector::{Instructions, Stage};
 
 /// Rays of several batches that are traced together: those of the same strata of each.
 ///
@@ -119,31 +116,9 @@ impl Strata {
         }
     }
 
-    /// The next starts, at most `count`, without azimuths; `starts` is empty.
-    pub(super) fn draw_many(
-        &mut self,
-        count: usize,
-        stream: PathStream,
-        instructions: Instructions,
-        starts: &mut Vec<Start>,
-    ) {
-        starts.extend(self.by_ref().take(count));
-        instructions.run(Jitter {
-            stream,
-            width: self.width,
-            starts,
-        });
-    }
-
-    /// The next start.
-    pub(super) fn draw(&mut self, stream: PathStream, any_azimuth: bool) -> Option<Start> {
-        let Start { place, ray } = self.next()?;
-        let [column, row, _] = place;
-        let rng = &mut stream.draws(ray, Step::START, Use::Start);
-        let [u, v] = [column, row].map(|index| jittered(index, self.width, rng));
-        let azimuth = if any_azimuth { rng.random() } else { 0.0 };
-        let place = [u, v, azimuth];
-        Some(Start { place, ray })
+    /// Side of a stratum.
+    pub(super) const fn width(&self) -> f64 {
+        self.width
     }
 }
 
@@ -168,33 +143,13 @@ impl Iterator for Strata {
     }
 }
 
-/// Moves starts from the corners of their strata to random places in them.
-struct Jitter<'a> {
-    stream: PathStream,
-    /// Side of a stratum.
-    width: f64,
-    starts: &'a mut [Start],
-}
-
-impl Stage for Jitter<'_> {
-    #[inline(always)]
-    fn run(self) {
-        for start in self.starts {
-            let along = self.stream.pair(start.ray, Step::START, Use::Start);
-            for (place, along) in start.place.iter_mut().zip(along) {
-                *place = (*place + along) * self.width;
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::{Places, Sampling};
 
     fn starts(rays: &BatchedRays, stream: PathStream) -> Vec<Start> {
-        let mut strata = Strata::new(rays);
-        std::iter::from_fn(|| strata.draw(stream, false)).collect()
+        Places::new(Sampling::Stratified, rays, false, stream).draw_all()
     }
 
     /// Each batch has the starts that it has alone, whatever it is traced with and however its strata are divided.
