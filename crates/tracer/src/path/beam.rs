@@ -6,7 +6,9 @@ use glam::{DVec2, DVec3};
 
 use super::window::Window;
 use crate::geometry::Geometry;
-use crate::periodic::{Heading, mirror_image};
+use crate::periodic::Heading;
+#[cfg(test)]
+use crate::periodic::mirror_image;
 use crate::ray::HalfSpace;
 
 /// Light that falls evenly on a window of one period of a surface.
@@ -57,39 +59,9 @@ impl Beam {
         }
     }
 
-    /// The direction towards light whose azimuth is turned by the angle of which `turn` holds cosine and
-    /// sine.
-    #[inline(always)]
-    fn wi(&self, turn: DVec2) -> DVec3 {
-        turn.rotate(self.wi.truncate()).extend(self.wi.z)
-    }
-
-    /// The ray that would meet the mean plane at `[u, v]` of the window.
-    pub(crate) fn ray(&self, [u, v]: [f64; 2], turn: DVec2) -> Heading {
-        Heading {
-            origin: self.origin([u, v], turn),
-            direction: self.direction(turn),
-            mirrored: [false; 2],
-        }
-    }
-
-    /// Where that ray begins.
-    #[inline(always)]
-    pub(crate) fn origin(&self, [u, v]: [f64; 2], turn: DVec2) -> DVec3 {
-        let wi = self.wi(turn);
-        let DVec2 { x, y } = self.place([u, v]);
-        DVec3::new(
-            x + self.to_mean_plane * wi.x,
-            y + self.to_mean_plane * wi.y * self.aspect,
-            self.z,
-        )
-    }
-
-    /// Where `[u, v]` of the window is.
-    #[inline(always)]
-    fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
-        let ([x, y], [width, depth]) = (self.corner, self.size);
-        DVec2::new(x + u * width, y + v * depth)
+    /// Unit vector towards the light, before it is turned by the azimuth of a start.
+    pub(crate) const fn wi(&self) -> DVec3 {
+        self.wi
     }
 
     /// Whether its rays are vertical.
@@ -97,38 +69,76 @@ impl Beam {
         self.wi.truncate() == DVec2::ZERO
     }
 
-    /// The direction of all rays whose light is turned by `turn`.
-    #[inline(always)]
-    pub(crate) fn direction(&self, turn: DVec2) -> DVec3 {
-        -self.wi(turn)
+    /// The ray that would meet the mean plane at `[u, v]` of the window, from light whose azimuth is turned by the angle of
+    /// which `turn` holds cosine and sine.
+    pub(crate) fn ray(&self, place: [f64; 2], turn: DVec2) -> Heading {
+        let direction = turned(-self.wi, turn);
+        Heading {
+            origin: self.origin(place, [direction.x, direction.y]),
+            direction,
+            mirrored: [false; 2],
+        }
     }
 
-    /// The light that comes to the point of the surface at `[u, v]` of the window if nothing is in its
-    /// way, the facet there, and the flux that falls on it, `max(0, wi . m) / (cos theta_m cos theta_i)`
-    /// of a ray; `None` where the facet faces away from the light.
+    /// Where the ray of that place begins whose direction has the components `[dx, dy]`.
+    #[inline(always)]
+    pub(crate) fn origin(&self, place: [f64; 2], [dx, dy]: [f64; 2]) -> DVec3 {
+        let [x, y] = self.place(place);
+        DVec3::new(
+            x - self.to_mean_plane * dx,
+            y - self.to_mean_plane * dy * self.aspect,
+            self.z,
+        )
+    }
+
+    /// Where `[u, v]` of the window is.
+    #[inline(always)]
+    pub(crate) fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let ([x, y], [width, depth]) = (self.corner, self.size);
+        [x + u * width, y + v * depth]
+    }
+
+    /// The flux that falls on a facet with the upward normal `m` from light in the direction `wi`, as a fraction of that of a ray:
+    /// `max(0, wi . m) / (cos theta_m cos theta_i)`.
     ///
     /// # Source
     /// Xu and Sun 2008, the weight of Eq. 26.
+    #[inline(always)]
+    pub(crate) fn flux_on(&self, wi: DVec3, m: DVec3) -> f64 {
+        let m = self.incident.sign() * m;
+        let facing = wi.dot(m);
+        let flux = facing / (m.z * self.wi.z);
+        if facing > 0.0 { flux } else { 0.0 }
+    }
+
+    /// The light that comes to the point of the surface at `[u, v]` of the window if nothing is in its way, the facet there, and
+    /// the flux that falls on it: what [`super::surface_starts::StartOnSurface`] finds for many.
+    #[cfg(test)]
     pub(crate) fn point<G: Geometry>(
         &self,
         surface: &G,
         place: [f64; 2],
         turn: DVec2,
     ) -> Option<(Heading, G::Facet, f64)> {
+        let [x, y] = self.place(place);
         let heading = mirror_image(
             surface,
             Heading {
-                origin: self.place(place).extend(0.0),
-                direction: -self.wi(turn),
+                origin: DVec3::new(x, y, 0.0),
+                direction: turned(-self.wi, turn),
                 mirrored: [false; 2],
             },
         );
         let (facet, origin) = surface.over(heading.origin.x, heading.origin.y)?;
-        let m = self.incident.sign() * surface.normal_at(facet, origin);
-        let facing = -heading.direction.dot(m);
-        let flux = facing / (m.z * self.wi.z);
-        (facing > 0.0).then_some((Heading { origin, ..heading }, facet, flux))
+        let flux = self.flux_on(-heading.direction, surface.normal_at(facet, origin));
+        Some((Heading { origin, ..heading }, facet, flux))
     }
+}
+
+/// A direction turned about the vertical by the angle of which `turn` holds cosine and sine.
+#[inline(always)]
+pub(crate) fn turned(direction: DVec3, turn: DVec2) -> DVec3 {
+    turn.rotate(direction.truncate()).extend(direction.z)
 }
 
 /// The turn of the axes of a vertical ray along `k` that follow an azimuth turned by `turn`, against those that it has.

@@ -1,6 +1,6 @@
 //! Emission: where the paths of a batch start.
 
-use std::f64::consts::TAU;
+use std::ops::Range;
 
 use asperity_surface::Border;
 use asperity_tally::EventPath;
@@ -11,63 +11,45 @@ use super::batch::{Batch, MAX_IN_FLIGHT};
 use super::beam::{Beam, axes_turned};
 use super::illumination::Starts;
 use super::light_state::LightState;
-use super::segments::Segments;
-use super::state::{Arrival, PathRay, PathState, RayKind, Region};
+use super::segments::{FirstLight, Segments};
+use super::state::{PathRay, PathState, RayKind, Region};
+use super::surface_starts::StartOnSurface;
 use crate::geometry::Geometry;
 use crate::sampling::{Places, Start};
 use crate::vector::Stage;
 
-/// Adds the parallel rays of a beam to the segments, moved into the tile.
+/// Adds the rays of a beam to the segments, moved into the tile of a periodic surface.
 struct Emit<'a> {
     beam: &'a Beam,
     /// Extent of the tile.
     extent: [f64; 2],
-    /// Sign of the half space of the light.
-    side: f64,
     starts: &'a [Start],
+    light: &'a FirstLight,
     into: &'a mut Segments,
-    light: LightState,
 }
 
 impl Stage for Emit<'_> {
     #[inline(always)]
     fn run(self) {
-        let rows = self.into.len..self.into.len + self.starts.len();
-        self.into.len = rows.end;
+        let rows = self.into.add_starts(self.starts, self.light);
         let [x, y, z] = self
             .into
             .origin
             .each_mut()
             .map(|column| &mut column[rows.clone()]);
+        let [dx, dy, _] = self
+            .into
+            .direction
+            .each_ref()
+            .map(|column| &column[rows.clone()]);
         let in_tile = |place: f64, size: f64| place - (place / size).floor() * size;
         let [size_x, size_y] = self.extent;
         for (i, start) in self.starts.iter().enumerate() {
             let [u, v, _] = start.place;
-            let origin = self.beam.origin([u, v], DVec2::X);
+            let origin = self.beam.origin([u, v], [dx[i], dy[i]]);
             x[i] = in_tile(origin.x, size_x);
             y[i] = in_tile(origin.y, size_y);
             z[i] = origin.z;
-        }
-        let direction = self.beam.direction(DVec2::X);
-        for axis in 0..3 {
-            self.into.direction[axis][rows.clone()].fill(direction[axis]);
-        }
-        self.into.side[rows.clone()].fill(self.side);
-        self.into.flux[rows.clone()].fill(1.0);
-        let light = self.light.0;
-        for (column, number) in self.into.light.iter_mut().zip(light) {
-            column[rows.clone()].fill(number);
-        }
-        for column in [
-            &mut self.into.order,
-            &mut self.into.events,
-            &mut self.into.scatterings,
-            &mut self.into.mirrored,
-        ] {
-            column[rows.clone()].fill(0);
-        }
-        for (ray, start) in self.into.ray[rows].iter_mut().zip(self.starts) {
-            *ray = start.ray;
         }
     }
 }
@@ -84,44 +66,54 @@ impl<G: Geometry> Tracer<'_, G> {
         let free = MAX_IN_FLIGHT.saturating_sub(self.count_continuing(batch));
         let mut drawn = std::mem::take(&mut batch.starts);
         places.draw_many(free, batch.instructions, &mut drawn);
-        // Of parallel rays over a surface that repeats nothing has to be found out
-        let are_parallel = starts == Starts::FromAbove
-            && !batch.segments.kept.turn
-            && self.geometry.border() == Border::Periodic;
-        if are_parallel {
-            self.emit_parallel(beam, &drawn, batch);
-        } else {
-            for start in &drawn {
-                let [u, v, azimuth] = start.place;
-                let turn = if batch.segments.kept.turn {
-                    DVec2::from_angle(TAU * azimuth)
-                } else {
-                    DVec2::X
-                };
-                self.emit(beam, starts, (start.ray, [u, v]), turn, batch);
-                batch.work.rays += 1;
+        batch.work.rays += drawn.len() as u64;
+        match starts {
+            Starts::OnSurface => self.start_on_surface(beam, &drawn, batch),
+            // Over a surface that repeats nothing has to be found out
+            Starts::FromAbove if self.geometry.border() == Border::Periodic => {
+                self.emit_all(beam, &drawn, batch);
             }
-            self.begin_sightlines(batch);
+            Starts::FromAbove => drawn.iter().for_each(|start| self.emit(beam, start, batch)),
         }
         batch.starts = drawn;
     }
 
-    /// Starts paths at the highest point of a periodic surface, all in the same direction, in its tile.
-    fn emit_parallel(&self, beam: &Beam, starts: &[Start], batch: &mut Batch<'_, G::Facet>) {
+    /// Starts paths at the highest point of a periodic surface, in its tile.
+    fn emit_all(&self, beam: &Beam, starts: &[Start], batch: &mut Batch<'_, G::Facet>) {
         let first = batch.segments.len;
-        batch.work.rays += starts.len() as u64;
-        batch.segments.make_room(first + starts.len());
         batch.instructions.run(Emit {
             beam,
             extent: self.geometry.extent(),
-            side: self.incident.sign(),
             starts,
+            light: &self.first_light(-beam.wi(), batch),
             into: &mut batch.segments,
-            light: LightState::incident(self.settings.polarisation, batch.stokes),
         });
-        batch
-            .searched
-            .extend(first as u32..batch.segments.len as u32);
+        let rows = first..batch.segments.len;
+        batch.searched.extend(rows.start as u32..rows.end as u32);
+        self.turn_polarisation(beam, batch.stokes, rows, &mut batch.segments);
+    }
+
+    /// Starts paths at points of the surface that see the light.
+    fn start_on_surface(&self, beam: &Beam, starts: &[Start], batch: &mut Batch<'_, G::Facet>) {
+        batch.instructions.run(StartOnSurface {
+            geometry: self.geometry,
+            beam,
+            starts,
+            light: &self.first_light(beam.wi(), batch),
+            into: &mut batch.sightlines.from,
+        });
+        let rays = &mut batch.sightlines.from.at;
+        self.turn_polarisation(beam, batch.stokes, 0..rays.len, rays);
+        self.begin_sightlines(batch);
+    }
+
+    /// What rays carry that start with `direction`.
+    fn first_light(&self, direction: DVec3, batch: &Batch<'_, G::Facet>) -> FirstLight {
+        FirstLight {
+            direction,
+            half_space: self.incident,
+            state: LightState::incident(self.settings.polarisation, batch.stokes),
+        }
     }
 
     /// How light from an azimuth turned by `turn` is polarised, in the axes of its ray. Those of vertical rays do not turn
@@ -133,6 +125,24 @@ impl<G: Geometry> Tracer<'_, G> {
             return light;
         }
         light.turned(polarisation, axes_turned(DVec3::NEG_Z, turn).inverse())
+    }
+
+    /// Sets what [`Tracer::incident_light`] says of each of the segments in `rows`, which carry the light of azimuth zero.
+    fn turn_polarisation(
+        &self,
+        beam: &Beam,
+        stokes: [f64; 3],
+        rows: Range<usize>,
+        segments: &mut Segments,
+    ) {
+        if !segments.kept.turn || !beam.is_vertical() {
+            return;
+        }
+        for i in rows {
+            let turn = DVec2::new(segments.turn[0][i], -segments.turn[1][i]);
+            let light = self.incident_light(beam, turn, stokes);
+            segments.set_light_state(i, &light);
+        }
     }
 
     /// How many of the segments in flight may be followed by another one.
@@ -153,43 +163,84 @@ impl<G: Geometry> Tracer<'_, G> {
             + inside
     }
 
-    /// Starts path number `ray` at `place` in the period, with the light turned by `turn` about the vertical.
-    #[inline]
-    fn emit(
-        &self,
-        beam: &Beam,
-        starts: Starts,
-        (ray, place): (u32, [f64; 2]),
-        turn: DVec2,
-        batch: &mut Batch<'_, G::Facet>,
-    ) {
-        let region = Region::top(self.incident);
-        let state = |flux| PathState {
-            flux,
-            events: EventPath::default(),
-            scatterings: 0,
-            ray,
-            turn: DVec2::new(turn.x, -turn.y),
-            light: self.incident_light(beam, turn, batch.stokes),
+    /// Starts a path at the highest point of any surface.
+    fn emit(&self, beam: &Beam, start: &Start, batch: &mut Batch<'_, G::Facet>) {
+        let [u, v, _] = start.place;
+        let turn = start.turn();
+        let ray = PathRay {
+            region: Region::top(self.incident),
+            heading: beam.ray([u, v], turn),
+            state: PathState {
+                flux: 1.0,
+                events: EventPath::default(),
+                scatterings: 0,
+                ray: start.ray,
+                turn: DVec2::new(turn.x, -turn.y),
+                light: self.incident_light(beam, turn, batch.stokes),
+            },
         };
-        match starts {
-            Starts::FromAbove => {
-                let ray = PathRay {
-                    region,
-                    heading: beam.ray(place, turn),
-                    state: state(1.0),
-                };
-                self.trace(ray, RayKind::Path, batch);
-            }
-            Starts::OnSurface => {
-                if let Some((heading, facet, flux)) = beam.point(self.geometry, place, turn) {
-                    let at = Arrival {
-                        region,
-                        heading,
-                        facet,
-                    };
-                    batch.sightlines.push(&at, &state(flux));
+        self.trace(ray, RayKind::Path, batch);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_optics::Incidence;
+    use asperity_surface::HeightField;
+
+    use super::*;
+    use crate::geometry::height_field::Surface;
+    use crate::path::segments::Kept;
+    use crate::path::window::Window;
+    use crate::periodic::begin;
+    use crate::ray::HalfSpace;
+    use crate::vector::Instructions;
+
+    #[test]
+    fn many_rays_begin_where_one_does() {
+        let heights = (0..63).map(|i| f64::from(i * i % 11)).collect();
+        let field = HeightField::new(heights, [7, 9], [1.0, 1.5]).unwrap();
+        let surface = Surface::new(field);
+        let incidence = Incidence::from_degrees(75.0, 20.0).unwrap();
+        for (half_space, turn) in [
+            (HalfSpace::Above, false),
+            (HalfSpace::Above, true),
+            (HalfSpace::Below, true),
+        ] {
+            let beam = Beam::new(&surface, half_space, incidence, Window::WHOLE);
+            let start = |ray: u32| {
+                let part = |step: f64| (f64::from(ray) * step).fract();
+                let azimuth = if turn { part(0.618_034) } else { 0.0 };
+                Start {
+                    place: [part(0.569_840), part(0.754_878), azimuth],
+                    ray,
                 }
+            };
+            let starts: Vec<Start> = (0..200).map(start).collect();
+            let mut segments = Segments::new(Kept {
+                turn,
+                ..Kept::NOTHING
+            });
+            Instructions::best().run(Emit {
+                beam: &beam,
+                extent: surface.extent(),
+                starts: &starts,
+                light: &FirstLight {
+                    direction: -beam.wi(),
+                    half_space,
+                    state: LightState::NONE,
+                },
+                into: &mut segments,
+            });
+            for (i, start) in starts.iter().enumerate() {
+                let ([u, v, _], turn) = (start.place, start.turn());
+                let mut heading = beam.ray([u, v], turn);
+                assert_eq!(begin(&surface, &mut heading, half_space), None);
+                assert_eq!(segments.heading(i), heading, "{i}");
+                let state = segments.state(i);
+                assert_eq!((state.flux, state.ray), (1.0, start.ray));
+                assert_eq!(state.turn, DVec2::new(turn.x, -turn.y));
+                assert_eq!(segments.half_space(i), half_space);
             }
         }
     }

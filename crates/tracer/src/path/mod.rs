@@ -5,7 +5,7 @@
 //!
 //! | stage | file |
 //! |---|---|
-//! | start new paths | `emission.rs` |
+//! | start new paths | `emission.rs`, `surface_starts.rs`, `visibility.rs` |
 //! | search for the facets that segments meet | `search.rs` |
 //! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `scatter_polarised.rs`, `branch.rs`, `roulette.rs` |
 //! | fly and scatter inside the layer below | `flight.rs`, `flights.rs`, `lookout.rs`, `medium.rs`, `bottom.rs` |
@@ -40,6 +40,7 @@ mod search;
 mod segments;
 mod sightlines;
 mod state;
+mod surface_starts;
 mod traversal;
 mod visibility;
 mod window;

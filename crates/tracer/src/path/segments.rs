@@ -1,12 +1,16 @@
 //! Segments: path segments field by field, so that stages over many of them take vector instructions.
 
+use std::ops::Range;
+
 use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
+use super::beam::turned;
 use super::light_state::LightState;
 use super::state::PathState;
 use crate::periodic::Heading;
 use crate::ray::{HalfSpace, RayColumns};
+use crate::sampling::Start;
 use crate::settings::Polarisation;
 
 /// What paths keep besides their rays and their flux.
@@ -23,6 +27,14 @@ impl Kept {
         turn: false,
         polarisation: Polarisation::Averaged,
     };
+}
+
+/// What all paths have in common that start, but for their azimuths.
+pub(super) struct FirstLight {
+    /// Unit vector in physical lengths, before it is turned by the azimuth of a start.
+    pub(super) direction: DVec3,
+    pub(super) half_space: HalfSpace,
+    pub(super) state: LightState,
 }
 
 /// Path segments: rays, and what their paths carry.
@@ -165,6 +177,48 @@ impl Segments {
             (self.turn[0][i], self.turn[1][i]) = (state.turn.x, state.turn.y);
         }
         self.set_light_state(i, &state.light);
+    }
+
+    /// Adds a path per start, with a flux of one and nothing behind it, and returns their numbers. Where each begins is left
+    /// to be set.
+    #[inline(always)]
+    pub(super) fn add_starts(&mut self, starts: &[Start], light: &FirstLight) -> Range<usize> {
+        let rows = self.len..self.len + starts.len();
+        self.make_room(rows.end);
+        self.len = rows.end;
+        for (column, d) in self.direction.iter_mut().zip(light.direction.to_array()) {
+            column[rows.clone()].fill(d);
+        }
+        if self.kept.turn {
+            let [dx, dy, _] = &mut self.direction;
+            let [cos, sin] = &mut self.turn;
+            let columns = [dx, dy, cos, sin];
+            let [dx, dy, cos, sin] = columns.map(|column| &mut column[rows.clone()]);
+            for (i, start) in starts.iter().enumerate() {
+                let turn = start.turn();
+                let direction = turned(light.direction, turn);
+                (dx[i], dy[i]) = (direction.x, direction.y);
+                // What leaves is turned back
+                (cos[i], sin[i]) = (turn.x, -turn.y);
+            }
+        }
+        self.side[rows.clone()].fill(light.half_space.sign());
+        self.flux[rows.clone()].fill(1.0);
+        for (column, number) in self.light.iter_mut().zip(light.state.0) {
+            column[rows.clone()].fill(number);
+        }
+        for column in [
+            &mut self.order,
+            &mut self.events,
+            &mut self.scatterings,
+            &mut self.mirrored,
+        ] {
+            column[rows.clone()].fill(0);
+        }
+        for (ray, start) in self.ray[rows.clone()].iter_mut().zip(starts) {
+            *ray = start.ray;
+        }
+        rows
     }
 
     /// Changes how the light of segment `i` is polarised.

@@ -1,34 +1,37 @@
 //! Sightlines: lines of sight from points of the surface towards the light, field by field.
 
-use super::segments::{Kept, Segments};
+use super::arrivals::{Arrivals, Take};
+use super::segments::Kept;
 use super::state::{Arrival, PathState, Region};
 use crate::geometry::Outlook;
 use crate::periodic::Heading;
+use crate::vector::Stage;
 
 /// Lines of sight of one round, field by field.
 pub(super) struct Sightlines<F> {
-    /// Rays towards the light, with what the paths carry that start where these begin.
-    pub(super) rays: Segments,
-    /// The facets there.
-    pub(super) facets: Vec<F>,
+    /// Paths at the points where they start if these are lit, with rays towards the light; the flux is zero where the facet faces
+    /// away from it.
+    pub(super) from: Arrivals<F>,
     pub(super) outlooks: Vec<Outlook>,
     /// Those that have to be searched.
     pub(super) searched: Vec<u32>,
+    /// Those that see the light.
+    pub(super) lit: Vec<u32>,
 }
 
-impl<F> Default for Sightlines<F> {
+impl<F: Copy> Default for Sightlines<F> {
     fn default() -> Self {
         Self::new(Kept::NOTHING)
     }
 }
 
-impl<F> Sightlines<F> {
+impl<F: Copy> Sightlines<F> {
     pub(super) fn new(kept: Kept) -> Self {
         Self {
-            rays: Segments::new(kept),
-            facets: Vec::new(),
+            from: Arrivals::new(kept),
             outlooks: Vec::new(),
             searched: Vec::new(),
+            lit: Vec::new(),
         }
     }
 
@@ -38,28 +41,48 @@ impl<F> Sightlines<F> {
     }
 
     pub(super) fn clear(&mut self) {
-        self.rays.len = 0;
-        self.facets.clear();
+        self.from.clear();
         self.searched.clear();
-    }
-}
-
-impl<F: Copy> Sightlines<F> {
-    /// Adds the one from light that is at its facet, `state` being what it carries.
-    pub(super) fn push(&mut self, at: &Arrival<F>, state: &PathState) {
-        let towards_light = turned_round(&at.heading);
-        self.rays.push(&towards_light, at.region.half_space, state);
-        self.facets.push(at.facet);
     }
 
     /// The light at the facet where number `i` begins.
     pub(super) fn arrival(&self, i: usize) -> (Arrival<F>, PathState) {
+        let rays = &self.from.at;
         let at = Arrival {
-            region: Region::top(self.rays.half_space(i)),
-            heading: turned_round(&self.rays.heading(i)),
-            facet: self.facets[i],
+            region: Region::top(rays.half_space(i)),
+            heading: turned_round(&rays.heading(i)),
+            facet: self.from.facets[i],
         };
-        (at, self.rays.state(i))
+        (at, rays.state(i))
+    }
+}
+
+/// Lets the paths start that see the light.
+pub(super) struct TakeLit<'a, F> {
+    pub(super) lines: &'a Sightlines<F>,
+    pub(super) arrivals: &'a mut Arrivals<F>,
+}
+
+impl<F: Copy> Stage for TakeLit<'_, F> {
+    #[inline(always)]
+    fn run(self) {
+        let Sightlines { from, lit, .. } = self.lines;
+        let first = self.arrivals.len();
+        Take {
+            segments: &from.at,
+            which: lit,
+            arrivals: self.arrivals,
+        }
+        .run();
+        let Arrivals { at, facets, ts, .. } = self.arrivals;
+        facets.extend(lit.iter().map(|&i| from.facets[i as usize]));
+        ts.resize(facets.len(), 0.0);
+        // The light comes the other way
+        for column in &mut at.direction {
+            for d in &mut column[first..at.len] {
+                *d = -*d;
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use super::Tracer;
 use super::batch::Batch;
 use super::escape::FindOutlooks;
 use super::search::FindEscapes;
+use super::sightlines::TakeLit;
 use super::state::{Arrival, PathState, RayKind, SingleSegment};
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
@@ -16,23 +17,40 @@ impl<G: Geometry> Tracer<'_, G> {
         let mut lines = std::mem::take(&mut batch.sightlines);
         batch.instructions.run(FindOutlooks {
             geometry: self.geometry,
-            segments: &lines.rays,
+            segments: &lines.from.at,
             outlooks: &mut lines.outlooks,
         });
-        for (i, outlook) in (0..).zip(&lines.outlooks) {
-            if *outlook == Outlook::Unknown {
-                lines.searched.push(i);
-                continue;
+        // Sort lines of sight without branches, since they come as they like
+        let n = lines.from.len();
+        lines.searched.resize(n, 0);
+        lines.lit.resize(n, 0);
+        batch.elsewhere.clear();
+        let [mut searched, mut lit] = [0; 2];
+        let mut near = 0;
+        let flux = &lines.from.at.flux[..n];
+        for (i, (&outlook, &flux)) in lines.outlooks[..n].iter().zip(flux).enumerate() {
+            let faces_light = flux > 0.0;
+            let escapes = (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::AboveAhead);
+            lines.searched[searched] = i as u32;
+            searched += usize::from(faces_light & (outlook == Outlook::Unknown));
+            lines.lit[lit] = i as u32;
+            lit += usize::from(faces_light & escapes);
+            near += u64::from(faces_light & (outlook == Outlook::AboveAhead));
+            if faces_light & (outlook == Outlook::Elsewhere) {
+                batch.elsewhere.push(i as u32);
             }
-            let (at, state) = lines.arrival(i as usize);
-            if *outlook == Outlook::Elsewhere {
-                self.trace_visibility(at, state, batch);
-            } else {
-                batch.work.segments_skipped += 1;
-                let is_near = *outlook == Outlook::AboveAhead;
-                batch.work.segments_skipped_nearby += u64::from(is_near);
-                batch.arrivals.push(&at, &state);
-            }
+        }
+        lines.searched.truncate(searched);
+        lines.lit.truncate(lit);
+        batch.work.segments_skipped += lit as u64;
+        batch.work.segments_skipped_nearby += near;
+        batch.instructions.run(TakeLit {
+            lines: &lines,
+            arrivals: &mut batch.arrivals,
+        });
+        for k in 0..batch.elsewhere.len() {
+            let (at, state) = lines.arrival(batch.elsewhere[k] as usize);
+            self.trace_visibility(at, state, batch);
         }
         if lines.need_no_search() {
             lines.clear();
@@ -43,7 +61,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Searches lines of sight in their first tile: what is shadowed is tallied, and the other paths start.
     pub(super) fn search_sightlines(&self, batch: &mut Batch<'_, G::Facet>) {
         let mut lines = std::mem::take(&mut batch.sightlines);
-        let rays = lines.rays.rays(self.geometry.aspect());
+        let rays = lines.from.at.rays(self.geometry.aspect());
         self.accelerator
             .closest_hits(self.geometry, rays, &lines.searched, &mut batch.hits);
         batch.elsewhere.clear();
@@ -58,20 +76,26 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         batch.instructions.run(FindEscapes {
             geometry: self.geometry,
-            segments: &lines.rays,
+            segments: &lines.from.at,
             which: &batch.elsewhere,
             escape: &mut batch.escape,
         });
+        lines.lit.clear();
         for k in 0..batch.elsewhere.len() {
-            let i = batch.elsewhere[k] as usize;
-            let (at, state) = lines.arrival(i);
+            let i = batch.elsewhere[k];
             if batch.escape[k] {
-                batch.work.segments += 1;
-                batch.arrivals.push(&at, &state);
+                lines.lit.push(i);
             } else {
-                self.follow_sightline(&lines.rays.heading(i), at, state, batch);
+                let i = i as usize;
+                let (at, state) = lines.arrival(i);
+                self.follow_sightline(&lines.from.at.heading(i), at, state, batch);
             }
         }
+        batch.work.segments += lines.lit.len() as u64;
+        batch.instructions.run(TakeLit {
+            lines: &lines,
+            arrivals: &mut batch.arrivals,
+        });
         lines.clear();
         batch.sightlines = lines;
     }

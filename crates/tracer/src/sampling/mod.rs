@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use asperity_optics::sin_cos_of_turn;
+use glam::DVec2;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -80,6 +82,15 @@ pub(crate) struct Start {
     pub(crate) place: [f64; 3],
     /// Number of the path, counted from the first of its stream.
     pub(crate) ray: u32,
+}
+
+impl Start {
+    /// Cosine and sine of the azimuth: `(1, 0)` where none is requested.
+    #[inline(always)]
+    pub(crate) fn turn(&self) -> DVec2 {
+        let [sin, cos] = sin_cos_of_turn(self.place[2]);
+        DVec2::new(cos, sin)
+    }
 }
 
 /// Places of rays, neighbours together: along a Morton curve.
@@ -418,6 +429,17 @@ mod tests {
             println!("{sampling}: {few:.2e} to {many:.2e}, by {:.0}", few / many);
             assert!((least..most).contains(&(few / many)), "{sampling}");
         }
+    }
+
+    #[test]
+    fn turns_are_those_of_azimuths() {
+        for [u, v, azimuth] in starts(Sampling::Stratified, 16, 2) {
+            let place = [u, v, azimuth];
+            let turn = Start { place, ray: 0 }.turn();
+            assert!((turn - DVec2::from_angle(TAU * azimuth)).length() < 1e-15);
+        }
+        let place = [0.3, 0.7, 0.0];
+        assert_eq!(Start { place, ray: 0 }.turn(), DVec2::X);
     }
 
     #[test]

@@ -109,6 +109,10 @@ fn half_of_all(spec: TallySpec) -> ControlVariate {
 }
 
 fn scenes() -> Vec<Scene> {
+    let on_surface = |theta_deg| Illumination {
+        starts: Starts::OnSurface,
+        ..Illumination::new(Incidence::from_degrees(theta_deg, 10.0).unwrap(), true)
+    };
     let smooth = || Surface::new(waves(32, 1.5, 4));
     let rough = |border| rugged(17, 12, 0.7, 5, border);
     let glass = Material::dielectric(1.5).unwrap();
@@ -142,9 +146,30 @@ fn scenes() -> Vec<Scene> {
         Scene {
             has_control_variate: true,
             light: Illumination {
-                starts: Starts::OnSurface,
                 sampling: Sampling::Random,
-                ..Illumination::new(Incidence::from_degrees(65.0, 10.0).unwrap(), true)
+                ..on_surface(65.0)
+            },
+            ..Scene::new(smooth(), glass, 0.0)
+        },
+        Scene {
+            incident: HalfSpace::Below,
+            polarisation: Polarisation::Mueller,
+            light: on_surface(60.0),
+            ..Scene::new(rough(Border::Mirrored), glass, 0.0)
+        },
+        Scene {
+            polarisation: Polarisation::Tracked,
+            light: Illumination {
+                stokes: [0.6, 0.3, 0.2],
+                ..on_surface(0.0)
+            },
+            ..Scene::new(rough(Border::Open), gold, 0.0)
+        },
+        Scene {
+            polarisation: Polarisation::Both,
+            light: Illumination {
+                starts: Starts::FromAbove,
+                ..on_surface(50.0)
             },
             ..Scene::new(smooth(), glass, 0.0)
         },
