@@ -223,11 +223,13 @@ impl SortedKeys {
     /// [`SortedKeys::find`] and [`SortedKeys::is_sure`] for many.
     #[inline(always)]
     fn find_all(&self, sides: &[u32; BLOCK], keys: &[f64; BLOCK]) -> ([u32; BLOCK], [bool; BLOCK]) {
-        // Where the number of keys is known, their indices need no check, and loops take vector instructions.
+        // Where the number of keys is known to the compiler, their indices need no check, and loops take vector instructions. More than
+        // 1024 keys are rare.
         match self.keys.len() {
             ..=64 => self.find_all_of::<64>(sides, keys),
             ..=128 => self.find_all_of::<128>(sides, keys),
             ..=256 => self.find_all_of::<256>(sides, keys),
+            ..=512 => self.find_all_of::<512>(sides, keys),
             ..=1024 => self.find_all_of::<1024>(sides, keys),
             _ => {
                 let found = std::array::from_fn(|k| self.find(sides[k], keys[k]));
@@ -324,6 +326,26 @@ mod tests {
         grids
     }
 
+    /// Grids with as many keys as each of the loops of [`SortedKeys::find_all`] takes, and with more.
+    fn large_grids() -> Vec<HemisphereGrid> {
+        let steps = |[first, last]: [f64; 2], count: usize| -> Vec<f64> {
+            let step = (last - first) / count as f64;
+            (0..=count).map(|k| first + step * k as f64).collect()
+        };
+        [(20, 40), (90, 180), (200, 300), (600, 700)]
+            .into_iter()
+            .map(|(rings, sectors)| {
+                let phi = steps([0.0, 360.0], sectors);
+                HemisphereGrid::with_edges([
+                    SideEdges::new(Side::Reflected, steps([0.0, 90.0], rings), phi.clone())
+                        .unwrap(),
+                    SideEdges::new(Side::Transmitted, steps([90.0, 180.0], rings), phi).unwrap(),
+                ])
+                .unwrap()
+            })
+            .collect()
+    }
+
     fn check(finder: &EdgeFinder, exits: &mut ExitColumns, side: Side, wo: DVec3) {
         let grid = finder.grid;
         let found = (side.index() * grid.n_theta() + finder.ring(side, wo)) * grid.n_phi()
@@ -355,7 +377,7 @@ mod tests {
 
     #[test]
     fn random_directions_are_found_where_the_grid_puts_them() {
-        for grid in grids() {
+        for grid in grids().into_iter().chain(large_grids()) {
             let edges = Side::BOTH.map(|side| grid.edges(side).unwrap());
             let finder = EdgeFinder::new(grid, edges);
             let mut exits = ExitColumns::default();

@@ -147,8 +147,11 @@ fn core_factor(slopes: &[WeightedSlope], [xx, xy, yy]: [f64; 3], all: f64) -> f6
     }
 }
 
-/// The value, of pairs of a value and its weight, at which the weights of smaller ones reach `part`.
+/// The smallest value, of pairs of a value and its weight, up to which, itself included, the weights add up to `part`.
 fn first_to_reach(pairs: &mut [[f64; 2]], part: f64) -> Option<f64> {
+    if pairs.is_empty() {
+        return None;
+    }
     let by_value = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]);
     // Few are as small as that: only these are put in order.
     let mut few = (4.0 * CORE * pairs.len() as f64) as usize;
@@ -257,6 +260,7 @@ mod tests {
             assert_eq!(first_to_reach(&mut pairs, 2.0 * all), None);
         }
         assert_eq!(first_to_reach(&mut [[3.0, 1.0]], 0.5), Some(3.0));
+        assert_eq!(first_to_reach(&mut [], 0.5), None);
     }
 
     /// Of what is correlated, facets without a slope across deviate less: the deviation is that of the section through zero.

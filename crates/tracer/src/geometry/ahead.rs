@@ -2,31 +2,33 @@
 //! high the surface is farther on.
 //!
 //! A ray meets nothing if it is steeper than all facets of its block and of the next ones in its quadrant of directions, and
-//! after 1, 2, 4, 8 and 16 sides of a block above all that lies up to twice as far, and after 32 above all heights. Slopes tell
-//! more where a ray passes less than a correlation length, heights beyond: the blocks are chosen between.
+//! after 1, 2, 4, 8 and 16 sides of a block above all that lies up to twice as far, and after 32 above all heights. Bounds on slopes
+//! are tighter within about one correlation length, bounds on heights beyond it; the side of the blocks is chosen accordingly.
 
 use asperity_surface::Border;
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::blocks::{Block, FINEST, Support};
+use super::blocks::{Block, FINEST, Support, bound};
 use super::windows::{Joined, Layout};
 
 /// Stretches on which heights are bounded, each twice as long as the one before.
 const STRETCHES: usize = 5;
 
-/// Steps into which rises and heights are divided, some less than a word can tell.
+/// Quantisation steps of rises and heights. With rounding up they stay below `u16::MAX`, which stands for what lies beyond an
+/// open border.
 const STEPS: f64 = 65_000.0;
+const _: () = assert!(STEPS + 4.0 < u16::MAX as f64);
 
-/// Blocks at the most.
-const MOST_BLOCKS: usize = 1 << 18;
+/// Most blocks of a tile: larger tiles have larger blocks.
+const MAX_BLOCKS: usize = 1 << 18;
 
 /// What rays from a block that go into one quadrant have ahead of them, in steps: rises of facets along x, along y and along
 /// the diagonal between them, and heights on each stretch. Those of rays below are turned upside down.
-pub(crate) type View = [u16; VIEWED];
+pub(crate) type View = [u16; VIEW_LEN];
 
 /// Entries of a [`View`].
-pub(crate) const VIEWED: usize = 3 + STRETCHES;
+pub(crate) const VIEW_LEN: usize = 3 + STRETCHES;
 
 /// The views from all blocks of a tile.
 #[derive(Clone, Debug)]
@@ -39,6 +41,7 @@ pub(crate) struct Ahead {
     last: [u32; 2],
     /// Block by block, row by row: of each quadrant the view above and the view below.
     views: Vec<View>,
+    /// Of the entries of views that are rises, and of those that are heights.
     rises: Scale,
     heights: Scale,
 }
@@ -89,14 +92,26 @@ impl Joined for Rises {
 }
 
 impl Ahead {
-    /// Of a tile of `[columns, rows]` cells whose heights lie within `reach` of zero, from its finest blocks. Rises may be off by
-    /// `margin`.
+    /// Bounds what lies ahead in a tile of `[columns, rows]` cells whose heights lie within `reach` of zero, from its finest
+    /// blocks. Rises may be off by `margin`.
     pub(crate) fn new(
         cells: [usize; 2],
         border: Border,
         reach: f64,
         margin: f64,
         finest: Vec<Block>,
+    ) -> Self {
+        Self::with_blocks(cells, border, reach, margin, finest, MAX_BLOCKS)
+    }
+
+    /// [`Ahead::new`] with `max_blocks` blocks at the most.
+    fn with_blocks(
+        cells: [usize; 2],
+        border: Border,
+        reach: f64,
+        margin: f64,
+        finest: Vec<Block>,
+        max_blocks: usize,
     ) -> Self {
         let tile = finest
             .iter()
@@ -108,11 +123,11 @@ impl Ahead {
         .raised(margin);
         let steepest = all.steepest();
         let (rises, heights) = (Scale::new(steepest), Scale::new(reach));
-        // Heights over slopes: some correlation lengths
+        // The highest height over the steepest slope is about 0.7 correlation lengths of a Gaussian surface.
         let longest = reach / steepest;
         let (mut blocks, mut size) = (finest, cells.map(|n| n.div_ceil(FINEST)));
         let mut level = FINEST.ilog2();
-        while (2.0 * f64::from(1 << level) <= longest || blocks.len() > MOST_BLOCKS)
+        while (2.0 * f64::from(1 << level) <= longest || blocks.len() > max_blocks)
             && size != [1, 1]
         {
             (blocks, size) = Block::joined_by_four(&blocks, size);
@@ -128,21 +143,17 @@ impl Ahead {
             .map(|block| Rises(block.support.raised(margin).0.map(|rise| rises.steps(rise))))
             .collect();
         let steep = in_quadrants(&layout, &steep, 1);
-        let stretches: Vec<(usize, usize)> = (0..2)
-            .flat_map(|side| (0..STRETCHES).map(move |stretch| (side, stretch)))
-            .collect();
-        let high: Vec<[Vec<u16>; 4]> = stretches
+        let above = |block: &Block| heights.steps(block.range[1]);
+        let below = |block: &Block| heights.steps(-block.range[0]);
+        let tops: [Vec<u16>; 2] = [
+            blocks.iter().map(above).collect(),
+            blocks.iter().map(below).collect(),
+        ];
+        let high: Vec<[Vec<u16>; 4]> = (0..2 * STRETCHES)
             .into_par_iter()
-            .map(|(side, stretch)| {
-                let top = |block: &Block| match side {
-                    0 => block.range[1],
-                    _ => -block.range[0],
-                };
-                let tops: Vec<u16> = blocks.iter().map(|b| heights.steps(top(b))).collect();
-                in_quadrants(&layout, &tops, 2 << stretch)
-            })
+            .map(|i| in_quadrants(&layout, &tops[i / STRETCHES], 2 << (i % STRETCHES)))
             .collect();
-        let mut views = vec![[0; VIEWED]; 8 * blocks.len()];
+        let mut views = vec![[0; VIEW_LEN]; 8 * blocks.len()];
         for (block, views) in views.chunks_exact_mut(8).enumerate() {
             for (i, view) in views.iter_mut().enumerate() {
                 let (quadrant, side) = (i / 2, i % 2);
@@ -196,21 +207,24 @@ impl Ahead {
     /// Whether a ray that has this view, from the height `z` in direction `[dx, dy, rise]`, meets nothing, all counted
     /// upwards in its half space.
     #[inline(always)]
-    pub(crate) fn is_clear(&self, view: &[f64; VIEWED], z: f64, [dx, dy, rise]: [f64; 3]) -> bool {
-        let (ux, uy) = (dx.abs(), dy.abs());
-        let is_along_x = ux >= uy;
-        let (longer, shorter) = if is_along_x { (ux, uy) } else { (uy, ux) };
+    pub(crate) fn is_clear(
+        &self,
+        view: &[f64; VIEW_LEN],
+        z: f64,
+        [dx, dy, rise]: [f64; 3],
+    ) -> bool {
+        let is_along_x = dx.abs() >= dy.abs();
         let axis = if is_along_x { view[0] } else { view[1] };
-        let steepest =
-            (longer - shorter) * self.rises.value(axis) + shorter * self.rises.value(view[2]);
-        let mut is_clear = rise > steepest;
-        // Height won on the way past one block
-        let mut won = rise * f64::from(1 << self.level) / longer;
+        let [axis, diagonal] = [axis, view[2]].map(|steps| self.rises.value(steps));
+        let mut is_clear = rise > bound([dx, dy], [axis, diagonal]);
+        // Height gained on the way past one block
+        let longer = if is_along_x { dx.abs() } else { dy.abs() };
+        let mut gain = rise * f64::from(1 << self.level) / longer;
         for steps in &view[3..] {
-            is_clear &= z + won > self.heights.value(*steps);
-            won *= 2.0;
+            is_clear &= z + gain > self.heights.value(*steps);
+            gain *= 2.0;
         }
-        is_clear & (z + won > -self.heights.lowest)
+        is_clear & (z + gain > -self.heights.lowest)
     }
 }
 
@@ -269,7 +283,57 @@ mod tests {
         }
     }
 
-    /// Rays that begin on the surface, and are as steep as many facets, are followed in small steps.
+    /// Place and direction of ray number `i`: every fifth from the edge or the corner of a block, every third along an axis or a
+    /// diagonal.
+    fn ray(i: u32, [nx, ny]: [f64; 2]) -> (DVec2, DVec2) {
+        let number = f64::from(i);
+        let mut place = DVec2::new(
+            nx * (number * 0.754_877).fract(),
+            ny * (number * 0.569_840).fract(),
+        );
+        if i.is_multiple_of(5) {
+            let to_edge = |p: f64| (p / 8.0).floor() * 8.0;
+            place.x = to_edge(place.x);
+            place.y = if i.is_multiple_of(10) {
+                to_edge(place.y)
+            } else {
+                place.y
+            };
+        }
+        let mut u = DVec2::from_angle(number * 2.399_963);
+        if i.is_multiple_of(3) {
+            u = [DVec2::X, DVec2::ONE, DVec2::new(-0.0, -1.0), DVec2::NEG_X][i as usize / 3 % 4];
+        }
+        (place, u)
+    }
+
+    /// Follows rays that are clear in small steps: those that begin on the surface or above it, and are as steep as many facets.
+    fn follow(surface: &Surface, ahead: &Ahead) -> u32 {
+        let [_, reach] = surface.z_range();
+        let mut clear = 0;
+        for i in 0..30_000 {
+            let (place, u) = ray(i, surface.extent());
+            let q = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            let mut z = q * surface.over(place.x, place.y).unwrap().1.z;
+            if i.is_multiple_of(7) {
+                z += 0.3 * (reach - z);
+            }
+            let rise = ahead.steepest_along(q * u) * (f64::from(i) * 0.381_966).fract().powi(3);
+            let view = ahead.view([place.x, place.y], [u.x, u.y], q);
+            if !ahead.is_clear(&view.map(f64::from), z, [u.x, u.y, rise]) {
+                continue;
+            }
+            clear += 1;
+            let mut t = 0.05;
+            while z + t * rise < reach {
+                let height = q * height_at(surface, place + t * u, q);
+                assert!(height <= z + t * rise + 1e-9, "{place} {u} {rise} {t}");
+                t += 0.05;
+            }
+        }
+        clear
+    }
+
     #[test]
     fn rays_that_are_clear_meet_nothing_up_to_all_heights() {
         // The last blocks are whole, or not, or one is more than the tile.
@@ -282,38 +346,52 @@ mod tests {
         {
             let width = [1.5, 40.0][number % 2];
             let surface = surface(cells, border, width);
-            let ahead = surface.ahead();
-            let [nx, ny] = surface.extent();
-            let [_, reach] = surface.z_range();
-            let mut clear = 0;
-            for i in 0..30_000 {
-                let i = f64::from(i);
-                let place = DVec2::new(nx * (i * 0.754_877).fract(), ny * (i * 0.569_840).fract());
-                let u = DVec2::from_angle(i * 2.399_963);
-                let q = if (i as u32).is_multiple_of(2) {
-                    1.0
-                } else {
-                    -1.0
-                };
-                let z = q * surface.over(place.x, place.y).unwrap().1.z;
-                let rise = ahead.steepest_along(q * u) * (i * 0.381_966).fract().powi(3);
-                let view = ahead.view([place.x, place.y], [u.x, u.y], q);
-                if !ahead.is_clear(&view.map(f64::from), z, [u.x, u.y, rise]) {
-                    continue;
-                }
-                clear += 1;
-                let mut t = 0.05;
-                while z + t * rise < reach {
-                    let height = q * height_at(&surface, place + t * u, q);
-                    assert!(
-                        height <= z + t * rise + 1e-9,
-                        "{cells:?} {border:?} {place} {u} {t}"
-                    );
-                    t += 0.05;
-                }
-            }
-            // All of the smallest tile is near the spot.
+            let clear = follow(&surface, surface.ahead());
+            // All of the smallest tile is near a tower.
             assert!(clear > 60 || cells[1] < 8, "{cells:?} {border:?}: {clear}");
+        }
+    }
+
+    #[test]
+    fn fewer_and_larger_blocks_tell_less_but_nothing_wrong() {
+        let surface = surface([90, 70], Border::Periodic, 3.0);
+        let cells = surface.cells();
+        let blocks = || {
+            Block::of_triangles(cells, |iy, row| {
+                row.clear();
+                row.extend((0..=cells[0]).map(|ix| surface.z(ix, iy)));
+            })
+        };
+        let [_, reach] = surface.z_range();
+        let clear = [1000, 4].map(|max_blocks| {
+            let border = surface.border();
+            let ahead = Ahead::with_blocks(cells, border, reach, 0.0, blocks(), max_blocks);
+            assert!(ahead.views.len() <= 8 * max_blocks);
+            follow(&surface, &ahead)
+        });
+        assert!(clear[1] < clear[0], "{clear:?}");
+    }
+
+    #[test]
+    fn flat_surfaces_and_vertical_rays_are_clear_and_level_rays_are_not() {
+        let field = HeightField::new(vec![1.0; 400], [20, 20], [1.0; 2]).unwrap();
+        let flat = Surface::new(field);
+        let rough = surface([40, 48], Border::Periodic, 3.0);
+        for (surface, directions) in [
+            (
+                &flat,
+                vec![[0.6, 0.0, 0.8], [0.6, 0.8, 1e-6], [0.0, 0.0, 1.0]],
+            ),
+            (&rough, vec![[0.0, 0.0, 1.0]]),
+        ] {
+            let ahead = surface.ahead();
+            let is_clear = |direction: [f64; 3]| {
+                let view = ahead.view([3.0, 4.0], [direction[0], direction[1]], 1.0);
+                let z = surface.over(3.0, 4.0).unwrap().1.z;
+                ahead.is_clear(&view.map(f64::from), z, direction)
+            };
+            assert!(directions.into_iter().all(is_clear));
+            assert!(!is_clear([0.6, 0.8, 0.0]) && !is_clear([0.0; 3]));
         }
     }
 

@@ -31,9 +31,7 @@ impl Support {
     /// An upper bound of the steepest rise in the direction and by the length of `u`.
     #[inline]
     pub(crate) fn rise(&self, u: DVec2) -> f64 {
-        let (x, y) = (u.x.abs(), u.y.abs());
-        let [axis, diagonal] = self.about([u.x, u.y]);
-        (x - y).abs() * axis + x.min(y) * diagonal
+        bound([u.x, u.y], self.about([u.x, u.y]))
     }
 
     /// The steepest rises along the axis and along the diagonal between which the direction of `u` lies.
@@ -81,6 +79,14 @@ impl Support {
     }
 }
 
+/// An upper bound of the steepest rise in the direction and by the length of `u`, from those along the axis and along the
+/// diagonal between which it lies.
+#[inline(always)]
+pub(super) fn bound([x, y]: [f64; 2], [axis, diagonal]: [f64; 2]) -> f64 {
+    let (x, y) = (x.abs(), y.abs());
+    (x - y).abs() * axis + least(x, y) * diagonal
+}
+
 /// How steep the facets of a block are, and its lowest and highest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
@@ -89,7 +95,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Those of a tile of `[columns, rows]` cells of two triangles, [`FINEST`] cells a side, row by row; `row(i)` are the heights of
+    /// Bounds the blocks of a tile of `[columns, rows]` cells of two triangles, [`FINEST`] cells a side, row by row; `row(i)` are the heights of
     /// the grid points of row i, one more than there are columns.
     pub(super) fn of_triangles(
         [columns, rows]: [usize; 2],
@@ -227,12 +233,14 @@ fn rises([h00, h10, h01, h11]: [f64; 4]) -> [[f64; 2]; 4] {
 }
 
 /// One comparison, where `f64::min` takes care of a NaN.
-fn least(a: f64, b: f64) -> f64 {
+#[inline(always)]
+pub(super) fn least(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// As [`least`].
-fn greatest(a: f64, b: f64) -> f64 {
+#[inline(always)]
+pub(super) fn greatest(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 

@@ -1,10 +1,11 @@
 //! Outlooks: what is known of rays over a height field before they are searched, by what they have ahead.
 
-use super::ahead::{Ahead, VIEWED};
+use super::ahead::{Ahead, VIEW_LEN};
+use super::blocks::bound;
 use super::{Escape, Geometry, Outlook};
 use crate::ray::{HalfSpace, RayColumns, TileRay};
 
-/// Whether it is excluded that a ray in `half_space` meets a facet of a height field: see [`Geometry::escapes`].
+/// Why a ray in `half_space` cannot meet a facet of a height field, if that is known: see [`Geometry::escapes`].
 #[inline(always)]
 pub(crate) fn escapes_by<G: Geometry>(
     ahead: &Ahead,
@@ -47,7 +48,7 @@ pub(crate) fn find_outlooks(
     for first in (0..n).step_by(BLOCK) {
         let last = (first + BLOCK).min(n);
         // Look up
-        let mut views = [[0_u16; BLOCK]; VIEWED];
+        let mut views = [[0_u16; BLOCK]; VIEW_LEN];
         let mut steepest = [[0.0; BLOCK]; 2];
         for (k, i) in (first..last).enumerate() {
             let (q, u) = (side[i], [dx[i], dy[i]]);
@@ -64,9 +65,7 @@ pub(crate) fn find_outlooks(
             let q = side[i];
             let (ux, uy) = (dx[i], dy[i] * aspect);
             let rise = q * dz[i];
-            let (across, along) = (ux.abs(), uy.abs());
-            let shorter = if across < along { across } else { along };
-            let all = (across - along).abs() * steepest[0][k] + shorter * steepest[1][k];
+            let all = bound([ux, uy], [steepest[0][k], steepest[1][k]]);
             let view = views.each_ref().map(|column| f64::from(column[k]));
             let is_clear = ahead.is_clear(&view, q * z[i], [ux, uy, rise]);
             let within = (0.0 <= x[i])

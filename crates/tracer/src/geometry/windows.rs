@@ -34,7 +34,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// For each block, row by row, what it and those of the `count` blocks' sides that follow it along an axis are together.
+    /// Joins each block with all those within `count` sides of a block after it along an axis, forward or backward: a
+    /// sliding-window maximum. Row by row.
     pub(super) fn ahead<T: Joined>(
         &self,
         blocks: &[T],
@@ -43,7 +44,7 @@ impl Layout {
         count: usize,
     ) -> Vec<T> {
         let [columns, rows] = self.size;
-        // Blocks beyond the border begin that much earlier where those at the border are not whole.
+        // A block at the border that is not whole is narrower, and its own mirror image follows it: others are needed in their place.
         let count = count
             + match self.border {
                 _ if self.whole[axis] => 0,

@@ -11,7 +11,7 @@ use super::batch::{Batch, MAX_IN_FLIGHT};
 use super::beam::{Beam, axes_turned};
 use super::illumination::Starts;
 use super::light_state::LightState;
-use super::segments::{FirstLight, Segments};
+use super::segments::{IncidentState, Segments};
 use super::state::{PathRay, PathState, RayKind, Region};
 use super::surface_starts::StartOnSurface;
 use crate::geometry::Geometry;
@@ -24,7 +24,7 @@ struct Emit<'a> {
     /// Extent of the tile.
     extent: [f64; 2],
     starts: &'a [Start],
-    light: &'a FirstLight,
+    light: &'a IncidentState,
     into: &'a mut Segments,
 }
 
@@ -85,7 +85,7 @@ impl<G: Geometry> Tracer<'_, G> {
             beam,
             extent: self.geometry.extent(),
             starts,
-            light: &self.first_light(-beam.wi(), batch),
+            light: &self.incident_state(-beam.wi(), batch),
             into: &mut batch.segments,
         });
         let rows = first..batch.segments.len;
@@ -99,7 +99,7 @@ impl<G: Geometry> Tracer<'_, G> {
             geometry: self.geometry,
             beam,
             starts,
-            light: &self.first_light(beam.wi(), batch),
+            light: &self.incident_state(beam.wi(), batch),
             into: &mut batch.sightlines.from,
         });
         let rays = &mut batch.sightlines.from.at;
@@ -108,8 +108,8 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// What rays carry that start with `direction`.
-    fn first_light(&self, direction: DVec3, batch: &Batch<'_, G::Facet>) -> FirstLight {
-        FirstLight {
+    fn incident_state(&self, direction: DVec3, batch: &Batch<'_, G::Facet>) -> IncidentState {
+        IncidentState {
             direction,
             half_space: self.incident,
             state: LightState::incident(self.settings.polarisation, batch.stokes),
@@ -225,7 +225,7 @@ mod tests {
                 beam: &beam,
                 extent: surface.extent(),
                 starts: &starts,
-                light: &FirstLight {
+                light: &IncidentState {
                     direction: -beam.wi(),
                     half_space,
                     state: LightState::NONE,

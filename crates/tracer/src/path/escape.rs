@@ -7,6 +7,7 @@ use super::Tracer;
 use super::batch::Batch;
 use super::segments::{Segments, gather_column};
 use super::state::{Departure, RayKind, Region};
+use super::work::Work;
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
 use crate::periodic::begin;
@@ -28,6 +29,39 @@ impl<G: Geometry> Stage for FindOutlooks<'_, G> {
         let rays = self.segments.rays(self.geometry.aspect());
         self.geometry.outlooks(rays, self.outlooks);
     }
+}
+
+/// Sorts rays that carry flux by their outlooks, and counts those that escape: numbers of rays that are `searched`, that have
+/// `escaped`, and that begin `elsewhere`.
+pub(super) fn sort_by_outlook(
+    outlooks: &[Outlook],
+    flux: &[f64],
+    [searched, escaped, elsewhere]: [&mut Vec<u32>; 3],
+    work: &mut Work,
+) {
+    // Without branches, since outlooks come as they like
+    searched.resize(outlooks.len(), 0);
+    escaped.resize(outlooks.len(), 0);
+    elsewhere.clear();
+    let [mut searched_count, mut escaped_count] = [0; 2];
+    let mut ahead = 0;
+    for (i, (&outlook, &flux)) in outlooks.iter().zip(flux).enumerate() {
+        let is_alive = flux > 0.0;
+        let is_above = outlook == Outlook::AboveAhead;
+        let escapes = (outlook == Outlook::SteeperThanAll) | is_above;
+        searched[searched_count] = i as u32;
+        searched_count += usize::from(is_alive & (outlook == Outlook::Unknown));
+        escaped[escaped_count] = i as u32;
+        escaped_count += usize::from(is_alive & escapes);
+        ahead += u64::from(is_alive & is_above);
+        if is_alive & (outlook == Outlook::Elsewhere) {
+            elsewhere.push(i as u32);
+        }
+    }
+    searched.truncate(searched_count);
+    escaped.truncate(escaped_count);
+    work.segments_skipped += escaped_count as u64;
+    work.segments_skipped_nearby += ahead;
 }
 
 /// Adds segments that leave to the exits, by their numbers.
@@ -152,30 +186,16 @@ impl<G: Geometry> Tracer<'_, G> {
         {
             self.end_unrecorded(batch);
         }
-        // Sort segments without branches, since they come as they like
-        let n = batch.segments.len;
-        batch.searched.resize(n, 0);
-        batch.escaped.resize(n, 0);
-        batch.elsewhere.clear();
-        let [mut searched, mut escaped] = [0; 2];
-        let mut near = 0;
-        let flux = &batch.segments.flux[..n];
-        for (i, (&outlook, &flux)) in batch.outlooks[..n].iter().zip(flux).enumerate() {
-            let is_alive = flux > 0.0;
-            let escapes = (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::AboveAhead);
-            batch.searched[searched] = i as u32;
-            searched += usize::from(is_alive & (outlook == Outlook::Unknown));
-            batch.escaped[escaped] = i as u32;
-            escaped += usize::from(is_alive & escapes);
-            near += u64::from(is_alive & (outlook == Outlook::AboveAhead));
-            if is_alive & (outlook == Outlook::Elsewhere) {
-                batch.elsewhere.push(i as u32);
-            }
-        }
-        batch.searched.truncate(searched);
-        batch.escaped.truncate(escaped);
-        batch.work.segments_skipped += escaped as u64;
-        batch.work.segments_skipped_nearby += near;
+        sort_by_outlook(
+            &batch.outlooks,
+            &batch.segments.flux,
+            [
+                &mut batch.searched,
+                &mut batch.escaped,
+                &mut batch.elsewhere,
+            ],
+            &mut batch.work,
+        );
         self.leave(batch);
         for k in 0..batch.elsewhere.len() {
             self.begin_elsewhere(batch.elsewhere[k] as usize, batch);

@@ -29,8 +29,8 @@ impl Kept {
     };
 }
 
-/// What all paths have in common that start, but for their azimuths.
-pub(super) struct FirstLight {
+/// What all starts have in common, before they are turned by their azimuths.
+pub(super) struct IncidentState {
     /// Unit vector in physical lengths, before it is turned by the azimuth of a start.
     pub(super) direction: DVec3,
     pub(super) half_space: HalfSpace,
@@ -182,7 +182,7 @@ impl Segments {
     /// Adds a path per start, with a flux of one and nothing behind it, and returns their numbers. Where each begins is left
     /// to be set.
     #[inline(always)]
-    pub(super) fn add_starts(&mut self, starts: &[Start], light: &FirstLight) -> Range<usize> {
+    pub(super) fn add_starts(&mut self, starts: &[Start], light: &IncidentState) -> Range<usize> {
         let rows = self.len..self.len + starts.len();
         self.make_room(rows.end);
         self.len = rows.end;

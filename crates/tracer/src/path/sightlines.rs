@@ -57,7 +57,7 @@ impl<F: Copy> Sightlines<F> {
     }
 }
 
-/// Lets the paths start that see the light.
+/// Starts the paths whose visibility rays are not blocked.
 pub(super) struct TakeLit<'a, F> {
     pub(super) lines: &'a Sightlines<F>,
     pub(super) arrivals: &'a mut Arrivals<F>,

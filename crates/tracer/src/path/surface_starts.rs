@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::arrivals::{Arrivals, Move};
 use super::beam::Beam;
-use super::segments::{FirstLight, Segments};
+use super::segments::{IncidentState, Segments};
 use crate::geometry::Geometry;
 use crate::periodic::mirror_image;
 use crate::sampling::Start;
@@ -18,7 +18,7 @@ pub(super) struct StartOnSurface<'a, G: Geometry> {
     pub(super) beam: &'a Beam,
     pub(super) starts: &'a [Start],
     /// With the direction towards it.
-    pub(super) light: &'a FirstLight,
+    pub(super) light: &'a IncidentState,
     /// Empty before.
     pub(super) into: &'a mut Arrivals<G::Facet>,
 }
@@ -35,8 +35,10 @@ impl<G: Geometry> Stage for StartOnSurface<'_, G> {
         } = self;
 
         // Place the starts over the tile
+        debug_assert_eq!(into.len(), 0);
         into.at.add_starts(starts, light);
-        let [x, y, _] = &mut into.at.origin;
+        let [x, y, z] = &mut into.at.origin;
+        z[..starts.len()].fill(0.0);
         for (start, (x, y)) in starts.iter().zip(x.iter_mut().zip(y)) {
             let [u, v, _] = start.place;
             [*x, *y] = beam.place([u, v]);
@@ -53,6 +55,7 @@ impl<G: Geometry> Stage for StartOnSurface<'_, G> {
                 into.facets.push(facet);
             }
         }
+        debug_assert!(into.facets.is_empty() || into.facets.len() == starts.len());
         into.at.len = into.facets.len();
         into.ts.resize(into.facets.len(), 0.0);
         Move {
@@ -144,7 +147,7 @@ mod tests {
                 geometry: surface,
                 beam: &beam,
                 starts: &starts,
-                light: &FirstLight {
+                light: &IncidentState {
                     direction: beam.wi(),
                     half_space,
                     state: LightState::NONE,

@@ -3,11 +3,11 @@
 
 use super::Tracer;
 use super::batch::Batch;
-use super::escape::FindOutlooks;
+use super::escape::{FindOutlooks, sort_by_outlook};
 use super::search::FindEscapes;
 use super::sightlines::TakeLit;
 use super::state::{Arrival, PathState, RayKind, SingleSegment};
-use crate::geometry::{Geometry, Outlook};
+use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, Traversal};
 
@@ -20,30 +20,13 @@ impl<G: Geometry> Tracer<'_, G> {
             segments: &lines.from.at,
             outlooks: &mut lines.outlooks,
         });
-        // Sort lines of sight without branches, since they come as they like
-        let n = lines.from.len();
-        lines.searched.resize(n, 0);
-        lines.lit.resize(n, 0);
-        batch.elsewhere.clear();
-        let [mut searched, mut lit] = [0; 2];
-        let mut near = 0;
-        let flux = &lines.from.at.flux[..n];
-        for (i, (&outlook, &flux)) in lines.outlooks[..n].iter().zip(flux).enumerate() {
-            let faces_light = flux > 0.0;
-            let escapes = (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::AboveAhead);
-            lines.searched[searched] = i as u32;
-            searched += usize::from(faces_light & (outlook == Outlook::Unknown));
-            lines.lit[lit] = i as u32;
-            lit += usize::from(faces_light & escapes);
-            near += u64::from(faces_light & (outlook == Outlook::AboveAhead));
-            if faces_light & (outlook == Outlook::Elsewhere) {
-                batch.elsewhere.push(i as u32);
-            }
-        }
-        lines.searched.truncate(searched);
-        lines.lit.truncate(lit);
-        batch.work.segments_skipped += lit as u64;
-        batch.work.segments_skipped_nearby += near;
+        // Those that face away from the light carry no flux.
+        sort_by_outlook(
+            &lines.outlooks,
+            &lines.from.at.flux,
+            [&mut lines.searched, &mut lines.lit, &mut batch.elsewhere],
+            &mut batch.work,
+        );
         batch.instructions.run(TakeLit {
             lines: &lines,
             arrivals: &mut batch.arrivals,

@@ -14,7 +14,7 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search, free flights inside a medium among them.
     pub segments_skipped: u64,
-    /// Those of them skipped by what lies ahead, not by the steepest facets of the whole surface.
+    /// Those of them skipped by bounds on slopes and heights ahead, not by the steepest facets of the whole surface.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_recorded: u64,

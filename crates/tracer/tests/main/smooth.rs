@@ -183,9 +183,9 @@ fn powers_of_two_of_scale_change_nothing() {
     }
 }
 
-/// What slopes tell of a ray is true, and the same for many rays as for one.
+/// What bounds on slopes and heights tell of a ray is true, and the same for many rays as for one.
 #[test]
-fn rays_that_escape_by_slopes_meet_nothing() {
+fn rays_that_escape_by_bounds_meet_nothing() {
     for (name, surface) in surfaces() {
         let queries = rays(&surface, 3000, 4);
         let batch: RayBatch = queries.iter().collect();

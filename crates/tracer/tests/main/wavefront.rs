@@ -279,7 +279,7 @@ fn rays(surface: &Surface, count: usize) -> Vec<Query> {
 #[test]
 fn outlooks_of_many_rays_are_those_of_one() {
     for border in [Border::Periodic, Border::Mirrored, Border::Open] {
-        // Smooth but for a corner, so that bounds nearby say more than those of the whole.
+        // Smooth but for a corner, so that bounds on what lies ahead say more than those of the whole.
         let smooth = waves(160, 0.3, 2);
         let mut heights = smooth.heights().to_vec();
         (0..400).for_each(|i| heights[160 * (i / 20) + i % 20] *= (i % 7) as f64);

@@ -1,7 +1,7 @@
 //! Extremes of a smooth surface: between which heights each of its cells lies, and how steep its blocks are, from the
 //! Bezier points of its patches.
 //!
-//! Stages over sixteen neighbouring cells of a row at a time, written out without closures.
+//! Stages over [`FINEST`] neighbouring cells of a row at a time, written out without closures.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use asperity_surface::SplineSurface;
 use rayon::prelude::*;
 
 use super::patch::Patch;
-use crate::geometry::blocks::{Block, FINEST, Support};
+use crate::geometry::blocks::{Block, FINEST, Support, greatest, least};
 use crate::vector::{Instructions, Stage};
 
 /// Numbers of neighbouring cells: as many as the finest blocks have columns.
@@ -80,7 +80,7 @@ fn row_of_blocks(
             Block {
                 support: Support::from_extremes(rises.map(in_units)),
                 range: of_cells.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], cell| {
-                    [lesser(low, cell[0]), greater(high, cell[1])]
+                    [least(low, cell[0]), greatest(high, cell[1])]
                 }),
             }
         })
@@ -133,8 +133,8 @@ impl Stage for RisesOfRows<'_> {
             for (rise, extremes) in rises.iter_mut().zip(&extremes) {
                 for cell in 0..FINEST {
                     *rise = [
-                        lesser(rise[0], extremes.low[cell]),
-                        greater(rise[1], extremes.high[cell]),
+                        least(rise[0], extremes.low[cell]),
+                        greatest(rise[1], extremes.high[cell]),
                     ];
                 }
             }
@@ -265,22 +265,10 @@ impl Extremes {
     #[inline(always)]
     fn add(&mut self, values: &Cells) {
         for (i, value) in values.iter().enumerate() {
-            self.low[i] = lesser(self.low[i], *value);
-            self.high[i] = greater(self.high[i], *value);
+            self.low[i] = least(self.low[i], *value);
+            self.high[i] = greatest(self.high[i], *value);
         }
     }
-}
-
-/// One comparison, where `f64::min` takes care of a NaN.
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if b < a { b } else { a }
-}
-
-/// The same for the greater one.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 #[cfg(test)]
