@@ -227,10 +227,10 @@ impl SortedKeys {
         // 1024 keys are rare.
         match self.keys.len() {
             ..=64 => self.find_all_of::<64>(sides, keys),
-            ..=128 => self.find_all_of::<128>(sides, keys),
-            ..=256 => self.find_all_of::<256>(sides, keys),
-            ..=512 => self.find_all_of::<512>(sides, keys),
-            ..=1024 => self.find_all_of::<1024>(sides, keys),
+            65..=128 => self.find_all_of::<128>(sides, keys),
+            129..=256 => self.find_all_of::<256>(sides, keys),
+            257..=512 => self.find_all_of::<512>(sides, keys),
+            513..=1024 => self.find_all_of::<1024>(sides, keys),
             _ => {
                 let found = std::array::from_fn(|k| self.find(sides[k], keys[k]));
                 let is_sure = std::array::from_fn(|k| self.is_sure(sides[k], keys[k], found[k]));

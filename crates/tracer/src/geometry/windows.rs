@@ -53,13 +53,16 @@ impl Layout {
             };
         let (lines, stride) = if axis == 0 { (rows, 1) } else { (1, columns) };
         let length = self.size[axis];
+        let steps: Vec<_> = (0..length + count)
+            .map(|step| self.block(axis, backward, step))
+            .collect();
         let mut all = vec![T::BEYOND; blocks.len()];
         let mut walk = Vec::new();
         for line in 0..lines {
             let first = line * columns;
             walk.clear();
-            for step in 0..length + count {
-                match self.block(axis, backward, step) {
+            for step in &steps {
+                match *step {
                     None => walk.extend(std::iter::repeat_n(T::BEYOND, stride)),
                     Some((i, is_image)) => {
                         let of = &blocks[first + i * stride..][..stride];
