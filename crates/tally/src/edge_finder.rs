@@ -175,6 +175,15 @@ fn is_clear(key: f64, x: f64, y: f64) -> bool {
     (key > MARGIN) & (key < 4.0 - MARGIN) & (x.abs() + y.abs() > TINY)
 }
 
+/// Whether `key` is far from key number `next` and from the one before it, unless that is none of the first `found` of its side.
+#[inline(always)]
+fn is_between(key: f64, next: u32, found: u32, at: impl Fn(u32) -> f64) -> bool {
+    let is_before = key < at(next) - MARGIN;
+    // The first of all has none before it.
+    let is_after = key > at(next.max(1) - 1) + MARGIN;
+    is_before & ((found == 0) | is_after)
+}
+
 /// Ascending keys of both sides, side by side, padded to a power of two with infinity.
 #[derive(Clone, Debug)]
 struct SortedKeys {
@@ -214,10 +223,9 @@ impl SortedKeys {
     /// Whether `key`, after which `found` keys of a side are not greater, is far from both its neighbours.
     #[inline(always)]
     fn is_sure(&self, side: u32, key: f64, found: u32) -> bool {
-        let next = (side * self.padded + found) as usize;
-        let is_before = key < self.keys[next] - MARGIN;
-        let is_after = found == 0 || key > self.keys[next - 1] + MARGIN;
-        is_before && is_after
+        is_between(key, side * self.padded + found, found, |i| {
+            self.keys[i as usize]
+        })
     }
 
     /// [`SortedKeys::find`] and [`SortedKeys::is_sure`] for many.
@@ -261,9 +269,7 @@ impl SortedKeys {
         let mut is_sure = [true; BLOCK];
         for k in 0..BLOCK {
             let next = sides[k] * self.padded + found[k];
-            let is_before = keys[k] < key(next) - MARGIN;
-            let is_after = (found[k] == 0) | (keys[k] > key(next.wrapping_sub(1)) + MARGIN);
-            is_sure[k] = is_before & is_after;
+            is_sure[k] = is_between(keys[k], next, found[k], key);
         }
         (found, is_sure)
     }

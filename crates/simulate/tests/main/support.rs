@@ -57,7 +57,7 @@ pub(crate) fn lit(surfaces: impl Into<RandomSurfaces>, material: Material, theta
     Case::new(SurfaceSource::random(surfaces), material, light)
 }
 
-/// So many rays in total, on so many surfaces.
+/// Settings with this number of surfaces, and of rays on all of them together.
 pub(crate) fn effort(surfaces: u64, rays: u64) -> Settings {
     Settings {
         effort: Effort::Rays {

@@ -3,12 +3,12 @@
 //! `height_field` is a grid of heights as triangles, `smooth` a grid of curved cells, `mesh` any triangles, and
 //! `export.rs` writes a list of triangles.
 
-mod ahead;
 mod blocks;
 pub(crate) mod export;
 pub(crate) mod grid;
 mod height_bounds;
 pub(crate) mod height_field;
+mod horizon_bounds;
 pub(crate) mod mesh;
 mod nearby;
 mod outlooks;
@@ -116,7 +116,7 @@ pub trait Geometry: Sized + Send + Sync {
                 match self.escapes(&ray, half_space) {
                     None => Outlook::Unknown,
                     Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                    Some(Escape::AboveAhead) => Outlook::AboveAhead,
+                    Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
                 }
             };
         }
@@ -180,8 +180,8 @@ pub enum Outlook {
     Unknown,
     /// It escapes: [`Escape::SteeperThanAll`].
     SteeperThanAll,
-    /// It escapes: [`Escape::AboveAhead`].
-    AboveAhead,
+    /// It escapes: [`Escape::AboveHorizon`].
+    AboveHorizon,
     /// It begins in another tile, above all heights or below them, or nowhere.
     Elsewhere,
 }
@@ -217,6 +217,7 @@ pub(crate) fn is_outside(
 pub enum Escape {
     /// It is steeper, in its direction, than any facet of the surface.
     SteeperThanAll,
-    /// It is steeper, in its direction, than the facets nearby, and above (below) all that lies farther on.
-    AboveAhead,
+    /// It stays above (below) bounds on the horizon: steeper, in its direction, than the facets nearby, and beyond all heights
+    /// farther on.
+    AboveHorizon,
 }

@@ -1,14 +1,14 @@
-//! Outlooks: what is known of rays over a height field before they are searched, by what they have ahead.
+//! Outlooks: what is known of rays over a height field before they are searched, by what they have horizon.
 
-use super::ahead::{Ahead, VIEW_LEN};
 use super::blocks::bound;
+use super::horizon_bounds::{BOUNDS, HorizonBounds};
 use super::{Escape, Geometry, Outlook};
 use crate::ray::{HalfSpace, RayColumns, TileRay};
 
 /// Why a ray in `half_space` cannot meet a facet of a height field, if that is known: see [`Geometry::escapes`].
 #[inline(always)]
 pub(crate) fn escapes_by<G: Geometry>(
-    ahead: &Ahead,
+    horizon: &HorizonBounds,
     geometry: &G,
     ray: &TileRay,
     half_space: HalfSpace,
@@ -18,15 +18,17 @@ pub(crate) fn escapes_by<G: Geometry>(
     if rise <= 0.0 {
         return None;
     }
-    if rise > ahead.steepest_along(q * u) {
+    if rise > horizon.steepest_along(q * u) {
         return Some(Escape::SteeperThanAll);
     }
     let place = ray.origin.truncate();
     let [cx, cy] = geometry.extent();
     let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
-    let view = ahead.view([place.x, place.y], [u.x, u.y], q).map(f64::from);
-    (within && ahead.is_clear(&view, q * ray.origin.z, [u.x, u.y, rise]))
-        .then_some(Escape::AboveAhead)
+    let bounds = horizon
+        .before([place.x, place.y], [u.x, u.y], q)
+        .map(f64::from);
+    (within && horizon.is_above(&bounds, q * ray.origin.z, [u.x, u.y, rise]))
+        .then_some(Escape::AboveHorizon)
 }
 
 /// Rays of a block: a few loads of lanes.
@@ -35,7 +37,7 @@ const BLOCK: usize = 64;
 /// [`Geometry::outlooks`] of a height field, whose heights lie within `reach` of zero.
 #[inline(always)]
 pub(crate) fn find_outlooks(
-    ahead: &Ahead,
+    horizon: &HorizonBounds,
     [cx, cy]: [f64; 2],
     reach: f64,
     rays: RayColumns<'_>,
@@ -48,15 +50,15 @@ pub(crate) fn find_outlooks(
     for first in (0..n).step_by(BLOCK) {
         let last = (first + BLOCK).min(n);
         // Look up
-        let mut views = [[0_u16; BLOCK]; VIEW_LEN];
+        let mut bounds = [[0_u16; BLOCK]; BOUNDS];
         let mut steepest = [[0.0; BLOCK]; 2];
         for (k, i) in (first..last).enumerate() {
             let (q, u) = (side[i], [dx[i], dy[i]]);
-            let view = ahead.view([x[i], y[i]], u, q);
-            for (column, steps) in views.iter_mut().zip(view) {
+            let of_ray = horizon.before([x[i], y[i]], u, q);
+            for (column, steps) in bounds.iter_mut().zip(of_ray) {
                 column[k] = *steps;
             }
-            let [axis, diagonal] = ahead.steepest_about([q * u[0], q * (u[1] * aspect)]);
+            let [axis, diagonal] = horizon.steepest_about([q * u[0], q * (u[1] * aspect)]);
             (steepest[0][k], steepest[1][k]) = (axis, diagonal);
         }
         // Decide in lanes
@@ -66,8 +68,8 @@ pub(crate) fn find_outlooks(
             let (ux, uy) = (dx[i], dy[i] * aspect);
             let rise = q * dz[i];
             let all = bound([ux, uy], [steepest[0][k], steepest[1][k]]);
-            let view = views.each_ref().map(|column| f64::from(column[k]));
-            let is_clear = ahead.is_clear(&view, q * z[i], [ux, uy, rise]);
+            let of_ray = bounds.each_ref().map(|column| f64::from(column[k]));
+            let is_above = horizon.is_above(&of_ray, q * z[i], [ux, uy, rise]);
             let within = (0.0 <= x[i])
                 & (x[i] < cx)
                 & (0.0 <= y[i])
@@ -77,8 +79,8 @@ pub(crate) fn find_outlooks(
             let rises = rise > 0.0;
             let known = if rises & (rise > all) {
                 Outlook::SteeperThanAll
-            } else if rises & is_clear {
-                Outlook::AboveAhead
+            } else if rises & is_above {
+                Outlook::AboveHorizon
             } else {
                 Outlook::Unknown
             };

@@ -36,7 +36,7 @@ pub(super) struct Layout {
 impl Layout {
     /// Joins each block with all those within `count` sides of a block after it along an axis, forward or backward: a
     /// sliding-window maximum. Row by row.
-    pub(super) fn ahead<T: Joined>(
+    pub(super) fn windows<T: Joined>(
         &self,
         blocks: &[T],
         axis: usize,
@@ -136,7 +136,7 @@ mod tests {
                     (1, true, 16),
                     (0, false, 32),
                 ] {
-                    let found = layout.ahead(&blocks, axis, backward, count);
+                    let found = layout.windows(&blocks, axis, backward, count);
                     let more = match border {
                         _ if whole[axis] => 0,
                         Border::Mirrored => 2,

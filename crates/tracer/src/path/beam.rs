@@ -7,8 +7,6 @@ use glam::{DVec2, DVec3};
 use super::window::Window;
 use crate::geometry::Geometry;
 use crate::periodic::Heading;
-#[cfg(test)]
-use crate::periodic::mirror_image;
 use crate::ray::HalfSpace;
 
 /// Light that falls evenly on a window of one period of a surface.
@@ -109,29 +107,6 @@ impl Beam {
         let facing = wi.dot(m);
         let flux = facing / (m.z * self.wi.z);
         if facing > 0.0 { flux } else { 0.0 }
-    }
-
-    /// The light that comes to the point of the surface at `[u, v]` of the window if nothing is in its way, the facet there, and
-    /// the flux that falls on it: what [`super::surface_starts::StartOnSurface`] finds for many.
-    #[cfg(test)]
-    pub(crate) fn point<G: Geometry>(
-        &self,
-        surface: &G,
-        place: [f64; 2],
-        turn: DVec2,
-    ) -> Option<(Heading, G::Facet, f64)> {
-        let [x, y] = self.place(place);
-        let heading = mirror_image(
-            surface,
-            Heading {
-                origin: DVec3::new(x, y, 0.0),
-                direction: turned(-self.wi, turn),
-                mirrored: [false; 2],
-            },
-        );
-        let (facet, origin) = surface.over(heading.origin.x, heading.origin.y)?;
-        let flux = self.flux_on(-heading.direction, surface.normal_at(facet, origin));
-        Some((Heading { origin, ..heading }, facet, flux))
     }
 }
 

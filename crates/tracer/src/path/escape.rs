@@ -44,16 +44,16 @@ pub(super) fn sort_by_outlook(
     escaped.resize(outlooks.len(), 0);
     elsewhere.clear();
     let [mut searched_count, mut escaped_count] = [0; 2];
-    let mut ahead = 0;
+    let mut above = 0;
     for (i, (&outlook, &flux)) in outlooks.iter().zip(flux).enumerate() {
         let is_alive = flux > 0.0;
-        let is_above = outlook == Outlook::AboveAhead;
+        let is_above = outlook == Outlook::AboveHorizon;
         let escapes = (outlook == Outlook::SteeperThanAll) | is_above;
         searched[searched_count] = i as u32;
         searched_count += usize::from(is_alive & (outlook == Outlook::Unknown));
         escaped[escaped_count] = i as u32;
         escaped_count += usize::from(is_alive & escapes);
-        ahead += u64::from(is_alive & is_above);
+        above += u64::from(is_alive & is_above);
         if is_alive & (outlook == Outlook::Elsewhere) {
             elsewhere.push(i as u32);
         }
@@ -61,7 +61,7 @@ pub(super) fn sort_by_outlook(
     searched.truncate(searched_count);
     escaped.truncate(escaped_count);
     work.segments_skipped += escaped_count as u64;
-    work.segments_skipped_nearby += ahead;
+    work.segments_skipped_nearby += above;
 }
 
 /// Adds segments that leave to the exits, by their numbers.

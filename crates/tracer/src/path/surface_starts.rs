@@ -12,7 +12,7 @@ use crate::sampling::Start;
 use crate::vector::Stage;
 
 /// Finds the points of the surface over which paths start, the facets there, and the flux that falls on them, with rays towards
-/// the light. There are none where the geometry does not have exactly one facet over every place.
+/// the light. A geometry that is not a height field has none.
 pub(super) struct StartOnSurface<'a, G: Geometry> {
     pub(super) geometry: &'a G,
     pub(super) beam: &'a Beam,
@@ -90,6 +90,8 @@ fn mirror_images<G: Geometry>(geometry: &G, rays: &mut Segments) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use asperity_optics::Incidence;
     use asperity_surface::{HeightField, Psd, SplineSurface, Synthesis};
     use glam::DVec2;
@@ -128,7 +130,19 @@ mod tests {
         (0..333).map(start).collect()
     }
 
-    /// Compares starts on a surface with [`Beam::point`].
+    /// The place of a start in the tile, and the axes along which it is mirrored, by the definition of borders.
+    fn place_in_tile<G: Geometry>(surface: &G, [u, v]: [f64; 2]) -> ([f64; 2], [bool; 2]) {
+        let mirrored = surface.border() == Border::Mirrored;
+        let tiles = if mirrored { 2.0 } else { 1.0 };
+        let [cx, cy] = surface.extent();
+        let place = [u * tiles * cx, v * tiles * cy];
+        let beyond = [place[0] >= cx && mirrored, place[1] >= cy && mirrored];
+        let back = |p: f64, beyond: bool, size: f64| if beyond { 2.0 * size - p } else { p };
+        let place = [back(place[0], beyond[0], cx), back(place[1], beyond[1], cy)];
+        (place, beyond)
+    }
+
+    /// Compares starts on a surface with points of it found one by one, and their flux with the weight of Xu and Sun 2008, Eq. 26.
     fn compare<G: Geometry>(surface: &G, half_space: HalfSpace, any_azimuth: bool) {
         let incidence = Incidence::from_degrees(65.0, 20.0).unwrap();
         let beam = Beam::new(surface, half_space, incidence, Window::WHOLE);
@@ -157,27 +171,40 @@ mod tests {
             assert_eq!(found.len(), starts.len());
             let mut facing_away = 0;
             for (i, start) in starts.iter().enumerate() {
-                let ([u, v, _], turn) = (start.place, start.turn());
-                let (heading, facet, flux) = beam.point(surface, [u, v], turn).unwrap();
+                let ([u, v, azimuth], turn) = (start.place, start.turn());
+                let ([x, y], mirrored) = place_in_tile(surface, [u, v]);
+                let (facet, point) = surface.over(x, y).unwrap();
+                let sign = half_space.sign();
+                let phi = incidence.phi() + TAU * azimuth;
+                let (sin, cos) = incidence.theta().sin_cos();
+                let flip = mirrored.map(|is| if is { -1.0 } else { 1.0 });
+                let wi = DVec3::new(
+                    flip[0] * sin * phi.cos(),
+                    flip[1] * sin * phi.sin(),
+                    sign * cos,
+                );
+                let m = sign * surface.normal_at(facet, point);
+                let flux = wi.dot(m).max(0.0) / (m.z.abs() * cos);
                 let towards_light = found.at.heading(i);
                 assert_eq!(found.facets[i], facet, "{i}");
-                assert_eq!(towards_light.origin, heading.origin, "{i}");
-                assert_eq!(towards_light.direction, -heading.direction, "{i}");
-                assert_eq!(towards_light.mirrored, heading.mirrored, "{i}");
+                assert_eq!(towards_light.mirrored, mirrored, "{i}");
+                // Places and sines to a few roundings
+                assert!((towards_light.origin - point).length() < 1e-12, "{i}");
+                assert!((towards_light.direction - wi).length() < 1e-14, "{i}");
                 let state = found.at.state(i);
-                assert_eq!(state.flux, flux, "{i}");
+                assert!((state.flux - flux).abs() < 1e-13 * (1.0 + flux), "{i}");
                 assert_eq!(state.ray, start.ray);
                 assert_eq!(state.turn, DVec2::new(turn.x, -turn.y));
                 assert_eq!((state.events.order(), state.scatterings), (0, 0));
                 assert_eq!(found.at.half_space(i), half_space);
-                facing_away += usize::from(flux == 0.0);
+                facing_away += usize::from(state.flux == 0.0);
             }
             assert!((20..300).contains(&facing_away), "{facing_away}");
         }
     }
 
     #[test]
-    fn many_starts_are_where_one_is() {
+    fn many_starts_are_where_the_definition_of_borders_puts_them() {
         for border in [Border::Periodic, Border::Mirrored, Border::Open] {
             let field = field(border);
             let smooth = SmoothSurface::new(SplineSurface::through(&field));

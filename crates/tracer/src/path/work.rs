@@ -29,7 +29,7 @@ impl Work {
     pub(super) fn count(&mut self, end: TraversalEnd) {
         if let TraversalEnd::EscapedUnsearched(escape) = end {
             self.segments_skipped += 1;
-            self.segments_skipped_nearby += u64::from(escape == Escape::AboveAhead);
+            self.segments_skipped_nearby += u64::from(escape == Escape::AboveHorizon);
         } else {
             self.segments += 1;
         }

@@ -202,7 +202,7 @@ fn rays_that_escape_by_bounds_meet_nothing() {
             let expected = match escape {
                 None => Outlook::Unknown,
                 Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::AboveAhead) => Outlook::AboveAhead,
+                Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
             };
             if *outlook != Outlook::Elsewhere {
                 assert_eq!(*outlook, expected, "{name}: {query:?}");

@@ -295,7 +295,7 @@ fn outlooks_of_many_rays_are_those_of_one() {
                 _ if !surface.is_in_tile(ray.origin) => Outlook::Elsewhere,
                 None => Outlook::Unknown,
                 Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::AboveAhead) => Outlook::AboveAhead,
+                Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
             };
             assert_eq!(outlook, expected, "{ray:?}");
             found[outlook as usize] += 1;

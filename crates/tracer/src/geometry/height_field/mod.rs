@@ -12,10 +12,10 @@ use glam::DVec3;
 
 use self::cell::{Cell, Size};
 
-use crate::geometry::ahead::Ahead;
 use crate::geometry::blocks::Block;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
+use crate::geometry::horizon_bounds::HorizonBounds;
 use crate::geometry::nearby::find_nearby;
 use crate::geometry::outlooks::{escapes_by, find_outlooks};
 use crate::geometry::{Escape, Geometry, Nearby, Outlook, Triangles, bounds_of};
@@ -39,7 +39,7 @@ pub struct Surface {
     extent: [f64; 2],
     /// `dx / dy`.
     aspect: f64,
-    ahead: Ahead,
+    horizon_bounds: HorizonBounds,
     /// Made for surfaces with a medium below.
     height_bounds: OnceLock<HeightBounds>,
 }
@@ -82,7 +82,8 @@ impl Surface {
             row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
             row.push(scale.z(field.height(field.cells()[0], iy)));
         });
-        let ahead = Ahead::new(field.cells(), field.border(), half_range, margin, blocks);
+        let horizon_bounds =
+            HorizonBounds::new(field.cells(), field.border(), half_range, margin, blocks);
         let [dx, dy] = field.spacing();
         Self {
             extent: field.cells().map(|n| n as f64),
@@ -91,10 +92,10 @@ impl Surface {
             scale,
             size: Size {
                 reach: half_range,
-                steepest: ahead.steepest(),
+                steepest: horizon_bounds.steepest(),
             },
             mean: scale.z(mean),
-            ahead,
+            horizon_bounds,
             height_bounds: OnceLock::new(),
         }
     }
@@ -111,10 +112,10 @@ impl Surface {
         self.field
     }
 
-    /// What rays have ahead of them.
+    /// Bounds on how high it rises before rays.
     #[cfg(test)]
-    pub(in crate::geometry) const fn ahead(&self) -> &Ahead {
-        &self.ahead
+    pub(in crate::geometry) const fn horizon_bounds(&self) -> &HorizonBounds {
+        &self.horizon_bounds
     }
 
     /// Cells of the tile, `[columns, rows]`: its extent in tile coordinates.
@@ -344,12 +345,18 @@ impl Geometry for Surface {
 
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
-        escapes_by(&self.ahead, self, ray, half_space)
+        escapes_by(&self.horizon_bounds, self, ray, half_space)
     }
 
     #[inline(always)]
     fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(&self.ahead, self.extent, self.size.reach, rays, outlooks);
+        find_outlooks(
+            &self.horizon_bounds,
+            self.extent,
+            self.size.reach,
+            rays,
+            outlooks,
+        );
     }
 
     #[inline(always)]

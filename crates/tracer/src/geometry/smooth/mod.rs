@@ -22,9 +22,9 @@ use self::first_root::first_root;
 use self::gaps::{gaps, place, snapped, without_first};
 use self::patch::Patch;
 use self::stretch::Stretch;
-use crate::geometry::ahead::Ahead;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
+use crate::geometry::horizon_bounds::HorizonBounds;
 use crate::geometry::nearby::find_nearby;
 use crate::geometry::outlooks::{escapes_by, find_outlooks};
 use crate::geometry::{Escape, Geometry, Nearby, Outlook};
@@ -58,7 +58,7 @@ pub struct SmoothSurface {
     aspect: f64,
     /// Bounds of z in each cell, row by row.
     ranges: Vec<[f64; 2]>,
-    ahead: Ahead,
+    horizon_bounds: HorizonBounds,
     /// Steepest rise of any cell.
     steepest: f64,
     /// Made for surfaces with a medium below.
@@ -98,7 +98,8 @@ impl SmoothSurface {
         }
         let border = spline.border();
         let blocks = blocks(&spline, &ranges, per_column);
-        let ahead = Ahead::new(spline.cells(), border, reach, ROUNDING * reach, blocks);
+        let horizon_bounds =
+            HorizonBounds::new(spline.cells(), border, reach, ROUNDING * reach, blocks);
         Self {
             extent: spline.cells().map(|n| n as f64),
             aspect: dx / dy,
@@ -108,8 +109,8 @@ impl SmoothSurface {
             per_column,
             reach,
             ranges,
-            steepest: ahead.steepest(),
-            ahead,
+            steepest: horizon_bounds.steepest(),
+            horizon_bounds,
             height_bounds: OnceLock::new(),
         }
     }
@@ -302,12 +303,18 @@ impl Geometry for SmoothSurface {
 
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
-        escapes_by(&self.ahead, self, ray, half_space)
+        escapes_by(&self.horizon_bounds, self, ray, half_space)
     }
 
     #[inline(always)]
     fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(&self.ahead, self.extent, self.reach, rays, outlooks);
+        find_outlooks(
+            &self.horizon_bounds,
+            self.extent,
+            self.reach,
+            rays,
+            outlooks,
+        );
     }
 
     #[inline(always)]

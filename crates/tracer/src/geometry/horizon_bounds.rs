@@ -1,5 +1,5 @@
-//! Ahead: what rays have ahead of them, by which they escape without a search: how steep the facets nearby are, and how
-//! high the surface is farther on.
+//! Horizon bounds: how high the surface can rise before a ray, by which it escapes without a search: how steep the facets nearby
+//! are, and how high the surface is farther on. A horizon map, block by block and quadrant by quadrant, that never lies too low.
 //!
 //! A ray meets nothing if it is steeper than all facets of its block and of the next ones in its quadrant of directions, and
 //! after 1, 2, 4, 8 and 16 sides of a block above all that lies up to twice as far, and after 32 above all heights. Bounds on slopes
@@ -23,30 +23,30 @@ const _: () = assert!(STEPS + 4.0 < u16::MAX as f64);
 /// Most blocks of a tile: larger tiles have larger blocks.
 const MAX_BLOCKS: usize = 1 << 18;
 
-/// What rays from a block that go into one quadrant have ahead of them, in steps: rises of facets along x, along y and along
-/// the diagonal between them, and heights on each stretch. Those of rays below are turned upside down.
-pub(crate) type View = [u16; VIEW_LEN];
+/// Bounds on what rays from a block meet in one quadrant of directions, in quantisation steps: rises of facets along x, along y
+/// and along the diagonal between them, and heights on each stretch. Those of rays below are turned upside down.
+pub(crate) type QuadrantBounds = [u16; BOUNDS];
 
-/// Entries of a [`View`].
-pub(crate) const VIEW_LEN: usize = 3 + STRETCHES;
+/// Number of these.
+pub(crate) const BOUNDS: usize = 3 + STRETCHES;
 
-/// The views from all blocks of a tile.
+/// The bounds of all blocks of a tile.
 #[derive(Clone, Debug)]
-pub(crate) struct Ahead {
+pub(crate) struct HorizonBounds {
     /// How steep all facets are, and their mirror images where there are any.
     all: Support,
     /// A block has two to this power cells along each side.
     level: u32,
     /// Numbers of the last block along x and y.
     last: [u32; 2],
-    /// Block by block, row by row: of each quadrant the view above and the view below.
-    views: Vec<View>,
-    /// Of the entries of views that are rises, and of those that are heights.
+    /// Block by block, row by row: of each quadrant those of rays above and those of rays below.
+    quadrants: Vec<QuadrantBounds>,
+    /// Scales of the bounds that are rises, and of those that are heights.
     rises: Scale,
     heights: Scale,
 }
 
-/// What steps stand for.
+/// Values that are quantised in equal steps.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     lowest: f64,
@@ -62,12 +62,12 @@ impl Scale {
         }
     }
 
-    /// Steps that stand for a value, or a little more.
+    /// A value in steps, rounded up.
     fn steps(&self, value: f64) -> u16 {
         ((value - self.lowest) / self.step + 3.0) as u16
     }
 
-    /// What so many steps stand for.
+    /// The value of a number of steps.
     #[inline(always)]
     fn value(&self, steps: f64) -> f64 {
         self.lowest + self.step * steps
@@ -91,7 +91,7 @@ impl Joined for Rises {
     }
 }
 
-impl Ahead {
+impl HorizonBounds {
     /// Bounds what lies ahead in a tile of `[columns, rows]` cells whose heights lie within `reach` of zero, from its finest
     /// blocks. Rises may be off by `margin`.
     pub(crate) fn new(
@@ -104,7 +104,7 @@ impl Ahead {
         Self::with_blocks(cells, border, reach, margin, finest, MAX_BLOCKS)
     }
 
-    /// [`Ahead::new`] with `max_blocks` blocks at the most.
+    /// [`HorizonBounds::new`] with `max_blocks` blocks at the most.
     fn with_blocks(
         cells: [usize; 2],
         border: Border,
@@ -153,17 +153,17 @@ impl Ahead {
             .into_par_iter()
             .map(|i| in_quadrants(&layout, &tops[i / STRETCHES], 2 << (i % STRETCHES)))
             .collect();
-        let mut views = vec![[0; VIEW_LEN]; 8 * blocks.len()];
-        for (block, views) in views.chunks_exact_mut(8).enumerate() {
-            for (i, view) in views.iter_mut().enumerate() {
+        let mut quadrants = vec![[0; BOUNDS]; 8 * blocks.len()];
+        for (block, of_block) in quadrants.chunks_exact_mut(8).enumerate() {
+            for (i, bounds) in of_block.iter_mut().enumerate() {
                 let (quadrant, side) = (i / 2, i % 2);
                 let of = &steep[quadrant][block].0;
-                for (rise, direction) in view.iter_mut().zip(DIRECTIONS[quadrant]) {
+                for (rise, direction) in bounds.iter_mut().zip(DIRECTIONS[quadrant]) {
                     // Facets rise towards a ray below where they fall away from one above.
                     *rise = of[(direction + 4 * side) % 8];
                 }
                 for stretch in 0..STRETCHES {
-                    view[3 + stretch] = high[STRETCHES * side + stretch][quadrant][block];
+                    bounds[3 + stretch] = high[STRETCHES * side + stretch][quadrant][block];
                 }
             }
         }
@@ -171,7 +171,7 @@ impl Ahead {
             all,
             level,
             last: size.map(|n| n as u32 - 1),
-            views,
+            quadrants,
             rises,
             heights,
         }
@@ -194,48 +194,49 @@ impl Ahead {
         self.all.about(u)
     }
 
-    /// The view of a ray from `[x, y]` in the tile in horizontal direction `[dx, dy]`, in the half space of sign `q`.
+    /// The bounds for a ray from `[x, y]` in the tile in horizontal direction `[dx, dy]`, in the half space of sign `q`.
     #[inline(always)]
-    pub(crate) fn view(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2], q: f64) -> &View {
+    pub(crate) fn before(&self, [x, y]: [f64; 2], [dx, dy]: [f64; 2], q: f64) -> &QuadrantBounds {
         let block = |place: f64, last: u32| (place as i32 as u32 >> self.level).min(last);
         let number = block(y, self.last[1]) * (self.last[0] + 1) + block(x, self.last[0]);
         let quadrant = u32::from(dx < 0.0) | u32::from(dy < 0.0) << 1;
         let below = u32::from(q < 0.0);
-        &self.views[(8 * number + 2 * quadrant + below) as usize]
+        &self.quadrants[(8 * number + 2 * quadrant + below) as usize]
     }
 
-    /// Whether a ray that has this view, from the height `z` in direction `[dx, dy, rise]`, meets nothing, all counted
-    /// upwards in its half space.
+    /// Whether a ray from the height `z` in direction `[dx, dy, rise]`, both counted upwards in its half space, stays above these
+    /// bounds, so that it meets nothing.
     #[inline(always)]
-    pub(crate) fn is_clear(
+    pub(crate) fn is_above(
         &self,
-        view: &[f64; VIEW_LEN],
+        bounds: &[f64; BOUNDS],
         z: f64,
         [dx, dy, rise]: [f64; 3],
     ) -> bool {
         let is_along_x = dx.abs() >= dy.abs();
-        let axis = if is_along_x { view[0] } else { view[1] };
-        let [axis, diagonal] = [axis, view[2]].map(|steps| self.rises.value(steps));
-        let mut is_clear = rise > bound([dx, dy], [axis, diagonal]);
+        let axis = if is_along_x { bounds[0] } else { bounds[1] };
+        let [axis, diagonal] = [axis, bounds[2]].map(|steps| self.rises.value(steps));
+        let mut is_above = rise > bound([dx, dy], [axis, diagonal]);
         // Height gained on the way past one block
         let longer = if is_along_x { dx.abs() } else { dy.abs() };
         let mut gain = rise * f64::from(1 << self.level) / longer;
-        for steps in &view[3..] {
-            is_clear &= z + gain > self.heights.value(*steps);
+        for steps in &bounds[3..] {
+            is_above &= z + gain > self.heights.value(*steps);
             gain *= 2.0;
         }
-        is_clear & (z + gain > -self.heights.lowest)
+        is_above & (z + gain > -self.heights.lowest)
     }
 }
 
 /// Numbers of the directions of a [`Support`] along x, along y and along the diagonal of each quadrant.
 const DIRECTIONS: [[usize; 3]; 4] = [[0, 2, 1], [4, 2, 3], [0, 6, 7], [4, 6, 5]];
 
-/// What blocks have ahead for `count` sides of a block in each quadrant: to greater x and y, to smaller x, to smaller y, to smaller both.
+/// The join of each block with those within `count` sides of a block after it, by quadrant: to greater x and y, to smaller x, to
+/// smaller y, to smaller both.
 fn in_quadrants<T: Joined>(layout: &Layout, blocks: &[T], count: usize) -> [Vec<T>; 4] {
-    let along_x = [false, true].map(|backward| layout.ahead(blocks, 0, backward, count));
+    let along_x = [false, true].map(|backward| layout.windows(blocks, 0, backward, count));
     std::array::from_fn(|quadrant| {
-        layout.ahead(&along_x[quadrant & 1], 1, quadrant & 2 != 0, count)
+        layout.windows(&along_x[quadrant & 1], 1, quadrant & 2 != 0, count)
     })
 }
 
@@ -307,10 +308,10 @@ mod tests {
         (place, u)
     }
 
-    /// Follows rays that are clear in small steps: those that begin on the surface or above it, and are as steep as many facets.
-    fn follow(surface: &Surface, ahead: &Ahead) -> u32 {
+    /// Follows rays above the bounds in small steps: those that begin on the surface or above it, and are as steep as many facets.
+    fn follow(surface: &Surface, horizon_bounds: &HorizonBounds) -> u32 {
         let [_, reach] = surface.z_range();
-        let mut clear = 0;
+        let mut above = 0;
         for i in 0..30_000 {
             let (place, u) = ray(i, surface.extent());
             let q = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -318,12 +319,13 @@ mod tests {
             if i.is_multiple_of(7) {
                 z += 0.3 * (reach - z);
             }
-            let rise = ahead.steepest_along(q * u) * (f64::from(i) * 0.381_966).fract().powi(3);
-            let view = ahead.view([place.x, place.y], [u.x, u.y], q);
-            if !ahead.is_clear(&view.map(f64::from), z, [u.x, u.y, rise]) {
+            let rise =
+                horizon_bounds.steepest_along(q * u) * (f64::from(i) * 0.381_966).fract().powi(3);
+            let bounds = horizon_bounds.before([place.x, place.y], [u.x, u.y], q);
+            if !horizon_bounds.is_above(&bounds.map(f64::from), z, [u.x, u.y, rise]) {
                 continue;
             }
-            clear += 1;
+            above += 1;
             let mut t = 0.05;
             while z + t * rise < reach {
                 let height = q * height_at(surface, place + t * u, q);
@@ -331,11 +333,11 @@ mod tests {
                 t += 0.05;
             }
         }
-        clear
+        above
     }
 
     #[test]
-    fn rays_that_are_clear_meet_nothing_up_to_all_heights() {
+    fn rays_above_the_bounds_meet_nothing_up_to_all_heights() {
         // The last blocks are whole, or not, or one is more than the tile.
         let tiles = [[96, 64], [90, 70], [21, 5], [40, 48]];
         let borders = [Border::Periodic, Border::Mirrored, Border::Open];
@@ -346,9 +348,9 @@ mod tests {
         {
             let width = [1.5, 40.0][number % 2];
             let surface = surface(cells, border, width);
-            let clear = follow(&surface, surface.ahead());
+            let above = follow(&surface, surface.horizon_bounds());
             // All of the smallest tile is near a tower.
-            assert!(clear > 60 || cells[1] < 8, "{cells:?} {border:?}: {clear}");
+            assert!(above > 60 || cells[1] < 8, "{cells:?} {border:?}: {above}");
         }
     }
 
@@ -363,17 +365,18 @@ mod tests {
             })
         };
         let [_, reach] = surface.z_range();
-        let clear = [1000, 4].map(|max_blocks| {
+        let above = [1000, 4].map(|max_blocks| {
             let border = surface.border();
-            let ahead = Ahead::with_blocks(cells, border, reach, 0.0, blocks(), max_blocks);
-            assert!(ahead.views.len() <= 8 * max_blocks);
-            follow(&surface, &ahead)
+            let horizon_bounds =
+                HorizonBounds::with_blocks(cells, border, reach, 0.0, blocks(), max_blocks);
+            assert!(horizon_bounds.quadrants.len() <= 8 * max_blocks);
+            follow(&surface, &horizon_bounds)
         });
-        assert!(clear[1] < clear[0], "{clear:?}");
+        assert!(above[1] < above[0], "{above:?}");
     }
 
     #[test]
-    fn flat_surfaces_and_vertical_rays_are_clear_and_level_rays_are_not() {
+    fn rays_over_flat_surfaces_and_vertical_rays_are_above_the_bounds_and_level_rays_are_not() {
         let field = HeightField::new(vec![1.0; 400], [20, 20], [1.0; 2]).unwrap();
         let flat = Surface::new(field);
         let rough = surface([40, 48], Border::Periodic, 3.0);
@@ -384,14 +387,14 @@ mod tests {
             ),
             (&rough, vec![[0.0, 0.0, 1.0]]),
         ] {
-            let ahead = surface.ahead();
-            let is_clear = |direction: [f64; 3]| {
-                let view = ahead.view([3.0, 4.0], [direction[0], direction[1]], 1.0);
+            let horizon_bounds = surface.horizon_bounds();
+            let is_above = |direction: [f64; 3]| {
+                let bounds = horizon_bounds.before([3.0, 4.0], [direction[0], direction[1]], 1.0);
                 let z = surface.over(3.0, 4.0).unwrap().1.z;
-                ahead.is_clear(&view.map(f64::from), z, direction)
+                horizon_bounds.is_above(&bounds.map(f64::from), z, direction)
             };
-            assert!(directions.into_iter().all(is_clear));
-            assert!(!is_clear([0.6, 0.8, 0.0]) && !is_clear([0.0; 3]));
+            assert!(directions.into_iter().all(is_above));
+            assert!(!is_above([0.6, 0.8, 0.0]) && !is_above([0.0; 3]));
         }
     }
 
@@ -401,13 +404,15 @@ mod tests {
         let heights = (0..columns * rows).map(|i| if i % columns == 1000 { 5.0 } else { 0.0 });
         let field = HeightField::new(heights.collect(), [rows, columns], [1.0; 2]).unwrap();
         let surface = Surface::new(field);
-        let is_clear = |rise: f64| {
+        let is_above = |rise: f64| {
             let place = [100.0, 4.0];
             let z = surface.over(place[0], place[1]).unwrap().1.z;
-            let view = surface.ahead().view(place, [1.0, 0.0], 1.0);
-            let view = view.map(f64::from);
-            surface.ahead().is_clear(&view, z, [1.0, 0.0, rise])
+            let bounds = surface.horizon_bounds().before(place, [1.0, 0.0], 1.0);
+            let bounds = bounds.map(f64::from);
+            surface
+                .horizon_bounds()
+                .is_above(&bounds, z, [1.0, 0.0, rise])
         };
-        assert!(!is_clear(0.005) && is_clear(0.03));
+        assert!(!is_above(0.005) && is_above(0.03));
     }
 }
