@@ -248,9 +248,9 @@ mod tests {
     use crate::geometry::Geometry;
     use crate::geometry::height_field::Surface;
 
-    /// Gentle land with towers and pits of some width here and there, which only heights tell of from afar.
-    fn surface([columns, rows]: [usize; 2], border: Border, width: f64) -> Surface {
-        let centres: Vec<DVec2> = (0..(columns * rows).div_ceil(900))
+    /// Gentle land with towers and pits of some width, one in `area` cells, which only heights tell of from afar.
+    fn surface([columns, rows]: [usize; 2], border: Border, width: f64, area: usize) -> Surface {
+        let centres: Vec<DVec2> = (0..(columns * rows).div_ceil(area))
             .map(|i| DVec2::new(0.754_877, 0.569_840) * (i as f64 + 0.7))
             .map(|p| p.fract() * DVec2::new(columns as f64, rows as f64))
             .collect();
@@ -347,7 +347,7 @@ mod tests {
             .enumerate()
         {
             let width = [1.5, 40.0][number % 2];
-            let surface = surface(cells, border, width);
+            let surface = surface(cells, border, width, 900);
             let above = follow(&surface, surface.horizon_bounds());
             // All of the smallest tile is near a tower.
             assert!(above > 60 || cells[1] < 8, "{cells:?} {border:?}: {above}");
@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn fewer_and_larger_blocks_tell_less_but_nothing_wrong() {
-        let surface = surface([90, 70], Border::Periodic, 3.0);
+        let surface = surface([400, 300], Border::Periodic, 2.0, 6000);
         let cells = surface.cells();
         let blocks = || {
             Block::of_triangles(cells, |iy, row| {
@@ -365,21 +365,59 @@ mod tests {
             })
         };
         let [_, reach] = surface.z_range();
-        let above = [1000, 4].map(|max_blocks| {
+        // Blocks of 8, 16, 32 and 256 cells a side
+        let above = [2000, 500, 150, 4].map(|max_blocks| {
             let border = surface.border();
             let horizon_bounds =
                 HorizonBounds::with_blocks(cells, border, reach, 0.0, blocks(), max_blocks);
             assert!(horizon_bounds.quadrants.len() <= 8 * max_blocks);
             follow(&surface, &horizon_bounds)
         });
-        assert!(above[1] < above[0], "{above:?}");
+        assert!(above.is_sorted_by(|a, b| a > b), "{above:?}");
+    }
+
+    #[test]
+    fn quantised_values_are_rounded_up_by_a_few_steps() {
+        let scale = Scale::new(0.7);
+        for i in 0..=1000 {
+            let value = 0.0014 * f64::from(i) - 0.7;
+            let over = scale.value(f64::from(scale.steps(value))) - value;
+            assert!(
+                (scale.step..4.0 * scale.step).contains(&over),
+                "{value}: {over}"
+            );
+        }
+    }
+
+    /// The steepest facet of one side of a mirrored tile is that of its other side in the mirror image.
+    #[test]
+    fn the_steepest_facets_of_mirrored_tiles_are_those_of_their_images_too() {
+        let heights = |[along_x, along_y]: [f64; 2]| {
+            let height = |i: u32| along_x * f64::from(i % 20) + along_y * f64::from(i / 20);
+            (0..400).map(height).collect()
+        };
+        for slope in [[0.5, 0.0], [0.0, 0.5], [0.3, -0.2]] {
+            let field = HeightField::new(heights(slope), [20, 20], [1.0; 2]).unwrap();
+            let surface = Surface::new(field.with_border(Border::Mirrored));
+            let steepest = |x: f64, y: f64| {
+                let bounds = surface.horizon_bounds();
+                bounds.steepest_along(DVec2::new(x, y))
+            };
+            let expected = slope[0].abs() + slope[1].abs();
+            for (x, y) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+                assert!(
+                    (steepest(x, y) - expected).abs() < 1e-12,
+                    "{slope:?} {x} {y}"
+                );
+            }
+        }
     }
 
     #[test]
     fn rays_over_flat_surfaces_and_vertical_rays_are_above_the_bounds_and_level_rays_are_not() {
         let field = HeightField::new(vec![1.0; 400], [20, 20], [1.0; 2]).unwrap();
         let flat = Surface::new(field);
-        let rough = surface([40, 48], Border::Periodic, 3.0);
+        let rough = surface([40, 48], Border::Periodic, 3.0, 900);
         for (surface, directions) in [
             (
                 &flat,

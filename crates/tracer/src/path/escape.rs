@@ -303,3 +303,37 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_carry_flux_are_sorted_by_their_outlooks_and_counted() {
+        use Outlook::{AboveHorizon, Elsewhere, SteeperThanAll, Unknown};
+        let outlooks = [
+            Unknown,
+            AboveHorizon,
+            SteeperThanAll,
+            Elsewhere,
+            AboveHorizon,
+            Unknown,
+            Unknown,
+            Elsewhere,
+        ];
+        let flux = [1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 1.0, 0.0];
+        // What was there before goes.
+        let [mut searched, mut escaped, mut elsewhere] = [vec![7; 20], vec![7; 20], vec![7; 20]];
+        let mut work = Work::default();
+        let into = [&mut searched, &mut escaped, &mut elsewhere];
+        sort_by_outlook(&outlooks, &flux, into, &mut work);
+        assert_eq!(
+            (searched, escaped, elsewhere),
+            (vec![0, 6], vec![1, 2, 4], vec![3])
+        );
+        assert_eq!(
+            (work.segments_skipped, work.segments_skipped_nearby),
+            (3, 2)
+        );
+    }
+}
