@@ -101,14 +101,28 @@ impl Block {
         [columns, rows]: [usize; 2],
         row: impl Fn(usize, &mut Vec<f64>) + Sync,
     ) -> Vec<Self> {
+        Self::by_rows([columns, rows], |rows| {
+            row_of_blocks(columns.div_ceil(FINEST), rows, &row)
+        })
+    }
+
+    /// The finest blocks of a tile of `[columns, rows]` cells, row by row; `of(rows)` are those of some rows of cells.
+    pub(super) fn by_rows(
+        [columns, rows]: [usize; 2],
+        of: impl Fn(Range<usize>) -> Vec<Self> + Sync,
+    ) -> Vec<Self> {
         let columns = columns.div_ceil(FINEST);
-        (0..rows.div_ceil(FINEST))
-            .into_par_iter()
-            .flat_map_iter(|block_row| {
-                let rows = block_row * FINEST..((block_row + 1) * FINEST).min(rows);
-                row_of_blocks(columns, rows, &row)
-            })
-            .collect()
+        let empty = Self {
+            support: Support::NONE,
+            range: [f64::INFINITY, f64::NEG_INFINITY],
+        };
+        let mut blocks = vec![empty; columns * rows.div_ceil(FINEST)];
+        let all_rows = blocks.par_chunks_exact_mut(columns).enumerate();
+        all_rows.for_each(|(number, blocks)| {
+            let first = number * FINEST;
+            blocks.copy_from_slice(&of(first..(first + FINEST).min(rows)));
+        });
+        blocks
     }
 
     /// Those of the facets of both.

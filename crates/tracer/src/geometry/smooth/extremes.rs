@@ -46,13 +46,9 @@ pub(super) fn cell_ranges(spline: &SplineSurface, offset: f64) -> Vec<[f64; 2]> 
 
 /// The finest blocks of all cells, row by row, heights being measured in units of `1 / per_unit`; `ranges` are those of the cells.
 pub(super) fn blocks(spline: &SplineSurface, ranges: &[[f64; 2]], per_unit: f64) -> Vec<Block> {
-    let [_, cy] = spline.cells();
-    let rows = (0..cy.div_ceil(FINEST)).into_par_iter();
-    rows.flat_map_iter(|row| {
-        let rows = row * FINEST..((row + 1) * FINEST).min(cy);
+    Block::by_rows(spline.cells(), |rows| {
         row_of_blocks(spline, rows, ranges, per_unit)
     })
-    .collect()
 }
 
 /// One row of the finest blocks, `rows` being its rows of cells.
