@@ -1,8 +1,6 @@
 //! How the cases of a run that resumes came about, on standard error.
 
 use asperity_io::ResultFolder;
-use asperity_simulate::counted;
-use asperity_studies::Completion;
 
 use crate::common::Common;
 use crate::end::{Again, End, EndedRun, finished};
@@ -26,7 +24,6 @@ pub(crate) struct Cases {
 
 /// Closes the folder of a run that resumes. Prints notes, and with `--verbose` how many cases were computed.
 pub(crate) fn close_resumable(
-    completion: &Completion,
     cases: &Cases,
     folder: ResultFolder,
     common: &Common,
@@ -36,14 +33,8 @@ pub(crate) fn close_resumable(
         total,
         missing,
     } = *cases;
-    say_notes(&completion.notes);
-    common.say(|| {
-        let (resumed, computed) = (completion.resumed, completion.computed);
-        let resumed = counted(resumed as u64, noun);
-        format!("{resumed} from checkpoints, {computed} computed")
-    });
     let ended = EndedRun {
-        stopped_by: completion.stopped_by,
+        stopped_by: None,
         so_far: &finished(total - missing, total, noun),
         again: Again::Resumes,
     };

@@ -20,11 +20,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     say_notes(&read_surface_files(&mut config.surface)?);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
-    config.check().map_err(|error| match error {
+    let names = config.check().map_err(|error| match error {
         ConvergeError::Run(error) => refuse_verification(document, error),
         error => refuse_config(document, &error),
     })?;
-    let names = config.files().map_err(Failure::failed)?;
     let folder = result_folder(&results.required(), "converge", &[document.file()], &names)?;
 
     let progress = Progress::begin_run(common);

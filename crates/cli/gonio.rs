@@ -2,7 +2,7 @@
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GonioConfig, GonioError, Sample, gonio, gonio_report, gonio_summary, gonio_table,
+    GonioConfig, ResultSet, Sample, gonio, gonio_report, gonio_summary, gonio_table,
 };
 
 use crate::common::{Common, Results};
@@ -35,27 +35,26 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         .map_err(|error| refuse_simulation(document.own_unit(), error))?;
     let sample = sample.as_ref();
     // Everything is checked before a ray is traced.
-    config
-        .check(sample)
+    let plan = config
+        .plan(sample)
         .map_err(|error| refuse_verification(document, error))?;
     let names = config
-        .files(sample)
+        .files(&plan)
         .map_err(|error| refuse_config(document, &error))?;
     let inputs = [document.file(), config.measured.file.as_deref()];
     let folder = result_folder(&results.required(), "gonio", &inputs, &names)?;
 
     let progress = Progress::begin_run(common);
-    let outcome = gonio(&config, sample, &folder, &progress).map_err(|error| match error {
-        GonioError::Config(error) => refuse_config(document, &error),
-        _ => Failure::failed(error),
-    })?;
+    let mut found = ResultSet::new(plan.cases.len());
+    let about = sample.map(|sample| &sample.about);
+    let outcome = gonio(&config, about, &plan, &mut found, &progress).map_err(Failure::failed)?;
     gonio_report(&folder, &outcome).map_err(Failure::failed)?;
     let cases = Cases {
         noun: "direction",
-        total: outcome.directions.len(),
+        total: plan.cases.len(),
         missing: outcome.missing(),
     };
-    let end = close_resumable(&outcome.completion, &cases, folder, common)?;
+    let end = close_resumable(&cases, folder, common)?;
     results.print(
         common,
         || gonio_summary(&outcome),

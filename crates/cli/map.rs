@@ -1,13 +1,13 @@
 //! `asperity map`: where each model is within tolerance.
 
 use asperity_studies::settings::Document;
-use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_table};
+use asperity_studies::{MapConfig, ResultSet, map, map_report, map_summary, map_table};
 
 use crate::common::{Common, Results};
 use crate::completion::{Cases, close_resumable, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::input::{read_surface_files, refuse_config, refuse_verification};
+use crate::input::{read_surface_files, refuse_verification};
 use crate::output::result_folder;
 use crate::progress::Progress;
 
@@ -18,26 +18,22 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     config.choose_models(document);
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced.
-    config
-        .check()
+    let plan = config
+        .plan()
         .map_err(|error| refuse_verification(document, error))?;
-    let names = config
-        .files()
-        .map_err(|error| refuse_config(document, &error))?;
+    let names = config.files();
     let folder = result_folder(&results.required(), "map", &[document.file()], &names)?;
 
     let progress = Progress::begin_run(common);
-    let outcome = map(&config, &folder, &progress).map_err(|error| match error {
-        MapError::Config(error) => refuse_config(document, &error),
-        _ => Failure::failed(error),
-    })?;
+    let mut found = ResultSet::new(plan.cases.len());
+    let outcome = map(&config, &plan, &mut found, &progress).map_err(Failure::failed)?;
     map_report(&folder, &outcome).map_err(Failure::failed)?;
     let cases = Cases {
         noun: "cell",
-        total: outcome.cells.len(),
+        total: plan.cases.len(),
         missing: outcome.missing(),
     };
-    let end = close_resumable(&outcome.completion, &cases, folder, common)?;
+    let end = close_resumable(&cases, folder, common)?;
     results.print(
         common,
         || map_summary(&outcome),

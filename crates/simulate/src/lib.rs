@@ -35,8 +35,11 @@ pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
 pub use input::case::{Case, CaseBins, Light};
 pub use input::cells::Cells;
+pub use input::coordinates::{
+    CaseColumn, CaseGroup, CasePart, Coordinate, Coordinates, bottom_text, material_text,
+};
 pub use input::estimator::Estimator;
-pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder, layer_name};
+pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface};
 pub use input::limits::{
     check_grazing, check_height, check_memory, check_results, hierarchy_bytes, meshes_bytes,
     smooth_accelerator_bytes, smooth_traced_bytes, traced_bytes,

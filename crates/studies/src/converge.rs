@@ -44,7 +44,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Observer, SimulateError, StoppedBy};
+use asperity_simulate::{Case, Observer, SimulateError, StoppedBy};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
@@ -53,7 +53,6 @@ use asperity_tracer::Branching;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
-use crate::config::sweep_case::SweepCase;
 use crate::verify::error::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};
@@ -178,7 +177,7 @@ pub struct Efficiency {
 /// What was found for one case.
 pub struct ConvergedCase {
     /// The case.
-    pub case: SweepCase,
+    pub case: Case,
     /// What errors are measured against.
     pub reference: Reference,
     /// Whether exact fluxes are known.
@@ -226,6 +225,8 @@ pub struct ConvergeOutcome {
     pub cases: Vec<ConvergedCase>,
     /// Number of cases that an interrupt came before.
     pub left_out: usize,
+    /// Names of the files of all cases.
+    files: Vec<String>,
     /// Seconds from beginning to end.
     pub seconds: f64,
 }
@@ -302,7 +303,7 @@ pub fn converge(
     progress: &dyn Observer,
 ) -> Result<ConvergeOutcome, ConvergeError> {
     let began = Instant::now();
-    config.check()?;
+    let files = config.check()?;
     let plan = config.plan()?;
     let mut stages = Vec::new();
     for case in &plan.cases {
@@ -322,6 +323,7 @@ pub fn converge(
     progress.end();
     Ok(ConvergeOutcome {
         config: config.clone(),
+        files,
         errors: plan.errors,
         left_out: plan.cases.len() - cases.len(),
         cases,

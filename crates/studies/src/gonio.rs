@@ -1,294 +1,209 @@
 //! The virtual gonioreflectometer: the whole BRDF and BTDF, direction by direction.
 //!
-//! A direction is one run of [`verify`](crate::verify()) without models, or one simulation of a
-//! given surface, and its file is written as soon as it is found, so that an interrupted run
-//! resumes. All directions share their surfaces and their random numbers.
+//! All directions are cases of one simulation. They share their surfaces and their random numbers, so their errors are correlated.
 
+mod components;
 mod config;
+mod distinction;
 mod figures;
 mod files;
 mod json;
 mod peak;
-mod plan;
-mod results;
 mod sample;
-mod specimen;
 mod summary;
 mod tables;
 
-use asperity_simulate::{
-    BottomSurface, Case, LayerBelow, Light, Observer, Settings, SurfaceSource, simulate,
-};
+use asperity_simulate::{Case, Deadline, Lobe, Observer, Outcome};
 use asperity_surface::LengthUnit;
-use std::path::PathBuf;
+use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use serde_json::Value;
 
-use asperity_io::{ResultFolder, ResultFolderError};
-use asperity_optics::Incidence;
-use asperity_tally::TallySpec;
-
-use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
-use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints, Completion};
+use crate::config::values::Seconds;
+use crate::output::{Supported, over, projected_solid_angle};
+use crate::plan::Plan;
+use crate::result_set::{CaseResult, ResultSet};
+use crate::report::flux_support::FluxSupport;
+use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::error::VerifyError;
-use crate::verify::{VerifyOutcome, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
 pub use files::gonio_report;
 pub use json::gonio_summary;
-pub use results::{DirectionResults, Means, MeasuredComponent};
 pub use sample::{AboutSample, Sample};
-pub use specimen::Specimen;
 pub use summary::gonio_table;
 
-use plan::{Plan, Plans, Work};
-
-/// Why there is no measurement.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum GonioError {
-    /// The configuration makes no sense.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// A direction cannot be measured.
-    #[error("{direction}: {error}")]
-    Direction {
-        /// Its name.
-        direction: String,
-        /// Why.
-        error: Box<VerifyError>,
-    },
-    /// A checkpoint cannot be read, written or used.
-    #[error(transparent)]
-    Checkpoint(#[from] CheckpointError),
-    /// A table of a direction cannot be written.
-    #[error(transparent)]
-    Write(#[from] ResultFolderError),
-    /// The folder holds a direction that is not among those planned.
-    #[error(
-        "{} holds directions of another measurement, as {name}: take another folder",
-        folder.display()
-    )]
-    Unplanned {
-        /// The folder of the measurement.
-        folder: PathBuf,
-        /// Name of the direction, the first of several.
-        name: String,
-    },
-    /// There is nothing to write yet.
-    #[error("stopped before the first direction was finished; nothing is written")]
-    Interrupted,
-}
-
-/// One direction of a measurement.
-#[derive(Clone, Debug)]
-pub struct Direction {
+/// One direction of a measurement: a case, and what was found of it.
+#[derive(Clone, Copy)]
+pub struct Direction<'a> {
     /// Number of its setting.
     pub setting: usize,
-    /// The direction towards the light.
-    pub incidence: Incidence,
-    /// Name of its files.
-    pub name: String,
+    /// What is measured, and the direction towards the light.
+    pub case: &'a Case,
     /// What is recorded of it, in its own bins.
     pub spec: TallySpec,
-    /// Its lobes, next to its bins.
-    pub(crate) lobes: Vec<BinnedLobe>,
-    /// Lengths of the surface against the wavelength, where its unit is known.
-    pub validity: Option<Validity>,
     /// What was found; `None` where the run ended before.
-    pub results: Option<DirectionResults>,
+    pub outcome: Option<&'a Outcome>,
+    lobes: [Option<Lobe>; 2],
+}
+
+impl Direction<'_> {
+    /// Its lobes, next to its bins.
+    fn lobes(&self) -> Vec<BinnedLobe> {
+        BinnedLobe::of_lobes(self.lobes, &self.spec)
+    }
+
+    /// Statistics of its light.
+    fn statistics(&self) -> Option<&TallyStatistics> {
+        self.outcome.map(|outcome| &outcome.statistics)
+    }
+
+    /// Flux of a component that left on `side`; `None` if it is not recorded or was not measured.
+    fn flux(&self, component: Component, side: Side) -> Option<Supported> {
+        let outcome = self.outcome.filter(|_| self.spec.records(side))?;
+        let flux = outcome.statistics.flux(side, component);
+        Some(FluxSupport::of(outcome).flux(side, flux))
+    }
+
+    /// Flux of a component into bin `bin` of the grid; `None` if its side is not recorded or it was not measured.
+    fn bin(&self, component: Component, bin: usize) -> Option<Estimate> {
+        let recorded = self.spec.recorded_bins().contains(&bin);
+        let statistics = self.statistics().filter(|_| recorded)?;
+        Some(statistics.at(self.spec.grid_entries(component).get(bin)))
+    }
+
+    /// BSDF of all light in bin `bin` of the grid.
+    fn bsdf(&self, bin: usize) -> Option<Estimate> {
+        let flux = self.bin(Component::All, bin)?;
+        Some(over(flux, projected_solid_angle(&self.spec.grid(), bin)))
+    }
+
+    /// Flux of a component into in-plane bin `i` of `side`; `None` if it is not recorded or was not measured.
+    fn in_plane(&self, component: Component, side: Side, i: usize) -> Option<Estimate> {
+        let statistics = self.statistics().filter(|_| self.spec.records(side))?;
+        Some(components::in_plane(statistics, side, component, i))
+    }
+
+    /// Flux that was absorbed, truncated and lost.
+    fn endings(&self) -> Option<[Supported; 3]> {
+        let outcome = self.outcome?;
+        let (support, budget) = (FluxSupport::of(outcome), outcome.statistics.budget());
+        Some([
+            support.absorbed(budget.absorbed),
+            support.ended(budget.truncated),
+            support.ended(budget.lost),
+        ])
+    }
 }
 
 /// A measurement, as far as it has come.
-#[derive(Clone, Debug)]
-pub struct GonioOutcome {
+pub struct GonioOutcome<'a> {
     /// The configuration.
-    pub config: GonioConfig,
+    pub config: &'a GonioConfig,
     /// The given surface, if there is one.
-    pub sample: Option<AboutSample>,
-    /// What is recorded of all directions, in bins that are the same for all unless directions have their own.
-    pub spec: TallySpec,
-    /// What is measured.
-    pub settings: Vec<Specimen>,
+    pub sample: Option<&'a AboutSample>,
+    /// What is measured: by setting, polar angle and azimuth, in that order of nesting.
+    pub plan: &'a Plan,
+    /// What was found.
+    pub found: &'a ResultSet,
     /// Polar angles of the light, degrees, as in the configuration.
     pub thetas: Vec<f64>,
     /// Azimuths of the light, degrees.
     pub phis: Vec<f64>,
-    /// The directions: by setting, polar angle and azimuth, in that order of nesting.
-    pub directions: Vec<Direction>,
-    /// How the directions came about.
-    pub completion: Completion,
 }
 
-impl GonioOutcome {
+impl<'a> GonioOutcome<'a> {
+    /// What is recorded of all directions, in bins that are the same for all unless directions have their own.
+    #[must_use]
+    pub const fn spec(&self) -> &'a TallySpec {
+        &self.plan.settings.tally
+    }
+
     /// Unit of the lengths of all surfaces.
     #[must_use]
     pub fn unit(&self) -> LengthUnit {
-        let sample = self.sample.as_ref();
-        sample.map_or(self.config.surface.unit, |sample| sample.unit)
+        self.plan.cases.first().map_or_else(LengthUnit::default, |case| case.at.unit)
+    }
+
+    /// The directions.
+    pub fn directions(&self) -> impl ExactSizeIterator<Item = Direction<'a>> + Clone {
+        (0..self.plan.cases.len()).map(|number| self.numbered(number))
     }
 
     /// Directions that are still to be found.
     #[must_use]
     pub fn missing(&self) -> usize {
-        let missing = |direction: &&Direction| direction.results.is_none();
-        self.directions.iter().filter(missing).count()
+        self.directions().filter(|one| one.outcome.is_none()).count()
+    }
+
+    /// Lengths of the surface of a direction against the wavelength, where their unit is known.
+    fn validity(&self, direction: &Direction<'_>) -> Option<Validity> {
+        let case = direction.case;
+        let lengths = match (&self.sample, case.surface.recipe()) {
+            (Some(sample), _) => sample.lengths,
+            (None, recipe) => SurfaceLengths::of_recipe(recipe?, case.at.unit),
+        };
+        let wavelength = self.config.light.wavelength_nm();
+        Validity::new(&lengths, case.light.incidence.theta(), wavelength)
+    }
+
+    fn per_setting(&self) -> usize {
+        self.thetas.len() * self.phis.len()
+    }
+
+    /// A case of each setting.
+    fn settings(&self) -> impl ExactSizeIterator<Item = &'a Case> {
+        self.plan.cases.chunks(self.per_setting()).map(|cases| &cases[0])
+    }
+
+    fn numbered(&self, number: usize) -> Direction<'a> {
+        let case = &self.plan.cases[number];
+        Direction {
+            setting: number / self.per_setting(),
+            case,
+            spec: self.plan.settings.spec_of(case),
+            outcome: self.found.outcome(number),
+            lobes: self.plan.lobes[number],
+        }
     }
 
     /// The direction of a setting, polar angle and azimuth, each by number.
-    pub(crate) fn direction(&self, setting: usize, theta: usize, phi: usize) -> &Direction {
-        &self.directions[(setting * self.thetas.len() + theta) * self.phis.len() + phi]
+    fn direction(&self, setting: usize, theta: usize, phi: usize) -> Direction<'a> {
+        self.numbered((setting * self.thetas.len() + theta) * self.phis.len() + phi)
     }
 }
 
-/// Folder of the files of directions within that of the measurement.
-pub(crate) const FOLDER: &str = "directions";
+/// Folder of the tables of directions within that of the measurement.
+const FOLDER: &str = "directions";
 
-/// Measures the directions that have no checkpoint in `folder` yet. Each is written as soon as it is measured: a
-/// checkpoint and a table. `sample` is the given surface, if the configuration names one.
-///
-/// A damaged checkpoint is replaced, with a note. When the time of the configuration is over no direction is
-/// begun, but one is finished in any case; an interrupt gives up the direction that is being traced.
+/// Measures the directions of `plan` that `found` lacks, of which moments alone are kept, until the time of the configuration is over.
 ///
 /// # Errors
-/// [`GonioError`] if the configuration makes no sense, a direction cannot be traced or written, or a
-/// direction of another configuration or results epoch is in the folder.
-pub fn gonio(
-    config: &GonioConfig,
-    sample: Option<&Sample>,
-    folder: &ResultFolder,
-    progress: &dyn Observer,
-) -> Result<GonioOutcome, GonioError> {
-    let Plans {
-        settings,
-        directions: plans,
-    } = config.plans(sample)?;
-    let spec = config.ray_settings()?.tally;
-    files::refuse_unplanned(folder.path(), &plans)?;
-    let tasks: Vec<Task<'_>> = plans
-        .iter()
-        .map(|plan| Task {
-            config,
-            plan,
-            setting: &settings[plan.setting],
-            sample,
-            folder,
+/// [`VerifyError`] if a direction cannot be traced, or the run is stopped before there is any result.
+pub fn gonio<'a>(
+    config: &'a GonioConfig,
+    sample: Option<&'a AboutSample>,
+    plan: &'a Plan,
+    found: &'a mut ResultSet,
+    observer: &dyn Observer,
+) -> Result<GonioOutcome<'a>, VerifyError> {
+    let time = config.run.max_time.and_then(Seconds::duration);
+    let observer = &Deadline::new(observer, time);
+    let keep = |outcome: Outcome| {
+        Ok::<_, VerifyError>(CaseResult {
+            outcome,
+            findings: Value::Null,
         })
-        .collect();
-    let checkpoints = Checkpoints {
-        folder,
-        study: "gonio",
-        place: FOLDER,
-        stage: "directions",
     };
-    let completed = checkpoints.complete(&tasks, config.run.max_time, progress)?;
-    let directions = plans.iter().zip(completed.results);
-    let directions = directions.map(|(plan, results)| Direction {
-        setting: plan.setting,
-        incidence: plan.incidence,
-        name: plan.name.clone(),
-        spec: plan.spec,
-        lobes: plan.lobes.clone(),
-        validity: plan.validity,
-        results,
-    });
+    found.run_missing(&plan.cases, &plan.settings, keep, observer)?;
     let [thetas, phis] = config.light.angles()?;
-    let outcome = GonioOutcome {
-        config: config.clone(),
-        sample: sample.map(|sample| sample.about.clone()),
-        spec,
-        directions: directions.collect(),
-        settings,
+    Ok(GonioOutcome {
+        config,
+        sample,
+        plan,
+        found,
         thetas,
         phis,
-        completion: completed.completion,
-    };
-    if outcome.missing() == outcome.directions.len() {
-        return Err(GonioError::Interrupted);
-    }
-    Ok(outcome)
-}
-
-/// One direction to be measured.
-struct Task<'a> {
-    config: &'a GonioConfig,
-    plan: &'a Plan,
-    setting: &'a Specimen,
-    sample: Option<&'a Sample>,
-    folder: &'a ResultFolder,
-}
-
-impl CheckpointCase for Task<'_> {
-    type Results = DirectionResults;
-    type Error = GonioError;
-
-    fn name(&self) -> String {
-        self.plan.name.clone()
-    }
-
-    fn title(&self) -> String {
-        self.plan.name.clone()
-    }
-
-    fn settings(&self) -> serde_json::Value {
-        self.plan.identity.clone()
-    }
-
-    fn invalid(&self, results: &DirectionResults) -> Option<&'static str> {
-        (!results.is_sound(&self.plan.spec)).then_some(CHANGED)
-    }
-
-    fn compute(&self, observer: &dyn Observer) -> Result<Option<DirectionResults>, GonioError> {
-        let results = match (&self.plan.work, self.sample) {
-            (Work::Given(rays), Some(sample)) => self.on_sample(rays, sample, observer),
-            (Work::Random(config), _) => match verify(config, observer) {
-                Err(error) if error.is_interrupt() => return Ok(None),
-                outcome => outcome.map(on_random_surfaces),
-            },
-            (Work::Given(_), None) => Ok(None),
-        };
-        let results = results.map_err(|error| GonioError::Direction {
-            direction: self.plan.name.clone(),
-            error: Box::new(error),
-        })?;
-        if let Some(results) = results.as_ref().filter(|_| observer.stop().is_none()) {
-            files::write_direction(self.folder, &self.plan.name, &self.plan.spec, results)?;
-        }
-        Ok(results)
-    }
-}
-
-/// What a measurement keeps of a verification without models.
-fn on_random_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
-    let case = outcome.cases.into_iter().next()?;
-    Some(DirectionResults::of(&case.outcome))
-}
-
-impl Task<'_> {
-    /// Traces one direction on a given surface.
-    fn on_sample(
-        &self,
-        settings: &Settings,
-        sample: &Sample,
-        observer: &dyn Observer,
-    ) -> Result<Option<DirectionResults>, VerifyError> {
-        let medium = self.config.medium.as_ref();
-        let case = Case {
-            bins: self.plan.bins,
-            surface: SurfaceSource::Given(sample.shape.clone()),
-            material: self.setting.material,
-            layer: self.setting.layer.map(|layer| LayerBelow {
-                layer,
-                bottom: medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named()),
-            }),
-            light: Light {
-                incidence: self.plan.incidence,
-                from: self.config.light.from.into(),
-                random_azimuth: self.config.any_azimuth(),
-                stokes: [0.0; 3],
-            },
-        };
-        let outcomes = simulate(&[case], settings, observer)?;
-        Ok(outcomes.first().map(DirectionResults::of))
-    }
+    })
 }

@@ -15,7 +15,9 @@ mod inspect;
 mod map;
 mod model;
 mod output;
+mod plan;
 mod report;
+mod result_set;
 pub mod settings;
 mod surface_lengths;
 mod trace;
@@ -54,21 +56,21 @@ pub use converge::{
 };
 pub use given::{GivenShape, GivenSurface};
 pub use gonio::{
-    AboutSample, Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome,
-    GonioOutput, Means, MeasuredComponent, PlotScale, Sample, Specimen, gonio, gonio_report,
-    gonio_summary, gonio_table,
+    AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, PlotScale, Sample,
+    gonio, gonio_report, gonio_summary, gonio_table,
 };
 pub use inspect::{InspectError, Texture, inspect_report, texture_files};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
+    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
 pub use model::{
     Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
     model_list,
 };
-pub use output::{CheckpointError, Completion, SurfaceCheckpoints, wrapped};
+pub use output::{CheckpointError, SurfaceCheckpoints, wrapped};
+pub use plan::Plan;
 pub use report::areal_parameters::areal_table;
 pub use report::case_report::verify_table;
 pub use report::energies::energy_table;
@@ -78,6 +80,7 @@ pub use report::files::{verify_report, verify_summary};
 pub use report::flux_support::FluxSupport;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
+pub use result_set::{CaseResult, ResultSet};
 pub use surface_lengths::SurfaceLengths;
 pub use trace::{
     PlannedTrace, TraceComparison, TraceError, TraceOutcome, TracedSurfaces, trace_report,
@@ -85,4 +88,4 @@ pub use trace::{
 };
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::error::VerifyError;
-pub use verify::{CaseOutcome, VerifyOutcome, resume_verify, verify};
+pub use verify::{CaseOutcome, VerifyOutcome, judge, verify};

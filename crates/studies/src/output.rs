@@ -23,7 +23,7 @@ pub(crate) use checkpoints::Found;
 pub(crate) use checkpoints::{CHANGED, CheckpointCase, Checkpoints};
 pub use checkpoints::{CheckpointError, Completion};
 pub(crate) use columns::{
-    GridBin, bin_centre_columns, bin_columns, grid_bin_columns, material_columns, over,
+    GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
     projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;

@@ -220,7 +220,7 @@ impl PlannedTrace {
         let validity = Validity::new(&surface.lengths(), theta, config.light.wavelength_nm());
         let description = description::Surfaces::of(&surfaces, config);
         let shape = surfaces.shape(config.surface.cells.of_given())?;
-        let case = config.case(shape.clone())?;
+        let case = config.case(shape.clone(), unit)?;
         let described = description.config(config, &case);
         let comparison = PlannedComparison::new(config, &surface, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());

@@ -46,7 +46,9 @@ impl CoreSlopes {
         }
     }
 
-    pub(crate) fn of_source(source: &SurfaceSource) -> Self {
+    /// Those of a surface source.
+    #[must_use]
+    pub fn of_source(source: &SurfaceSource) -> Self {
         match source {
             SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
             SurfaceSource::Given(shape) => Self::of_shape(shape),

@@ -55,7 +55,12 @@ impl Lobe {
     /// The lobes of a case. Light that is transmitted through a layer has none.
     #[must_use]
     pub fn of_case(case: &Case) -> [Option<Self>; 2] {
-        let slopes = CoreSlopes::of_source(&case.surface);
+        Self::of_slopes(case, CoreSlopes::of_source(&case.surface))
+    }
+
+    /// The lobes of a case whose surface has these slopes.
+    #[must_use]
+    pub fn of_slopes(case: &Case, slopes: CoreSlopes) -> [Option<Self>; 2] {
         let [reflected, transmitted] = Self::of(&case.light, &case.material, slopes);
         [reflected, transmitted.filter(|_| case.layer.is_none())]
     }

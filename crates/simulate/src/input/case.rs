@@ -1,12 +1,13 @@
 //! Case: one surface source, one material, one direction of light.
 //!
-//! A wavelength will join here as one more field, and from it the material. A sweep over wavelengths then
+//! A wavelength will join here as one more coordinate, and from it the material. A sweep over wavelengths then
 //! makes one case per wavelength; cases that differ in it alone share their surfaces as they do today.
 
 use asperity_optics::{Incidence, Material};
 use asperity_tally::HemisphereGrid;
 use asperity_tracer::HalfSpace;
 
+use super::coordinates::Coordinates;
 use super::layer::LayerBelow;
 use super::surface_source::SurfaceSource;
 
@@ -36,6 +37,8 @@ pub struct Case {
     pub light: Light,
     /// Bins of its own, as around narrow lobes; `None` for the bins that all cases have by the settings.
     pub bins: Option<CaseBins>,
+    /// What else tells it from others.
+    pub at: Coordinates,
 }
 
 /// Bins of a case.
@@ -82,13 +85,14 @@ impl Light {
 impl Case {
     /// Light on a surface without a layer below it.
     #[must_use]
-    pub const fn new(surface: SurfaceSource, material: Material, light: Light) -> Self {
+    pub fn new(surface: SurfaceSource, material: Material, light: Light) -> Self {
         Self {
             surface,
             material,
             layer: None,
             light,
             bins: None,
+            at: Coordinates::default(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use asperity_surface::{HeightField, SplineSurface};
+use asperity_surface::{HeightField, SplineSurface, SurfaceRecipe};
 use asperity_tracer::{MeshSurface, SmoothSurface, Surface};
 
 use super::cells::Cells;
@@ -40,6 +40,15 @@ impl SurfaceSource {
     #[must_use]
     pub fn triangle_mesh(mesh: MeshSurface) -> Self {
         Self::Given(Shape::triangle_mesh(mesh))
+    }
+
+    /// What random surfaces are drawn by; `None` for a given surface.
+    #[must_use]
+    pub const fn recipe(&self) -> Option<&SurfaceRecipe> {
+        match self {
+            Self::Random(surfaces) => Some(surfaces.recipe()),
+            Self::Given(_) => None,
+        }
     }
 
     /// What lies between heights; `None` for a triangle mesh.

@@ -5,6 +5,7 @@ use asperity_analysis::{
     ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model, expect,
 };
 use asperity_optics::{Incidence, Layer, Material};
+use asperity_simulate::{Case, slopes};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::error::ConfigError;
@@ -23,6 +24,16 @@ pub(crate) struct ModelledSurface {
 }
 
 impl ModelledSurface {
+    /// That of a case on random surfaces; `None` for a given surface.
+    pub(crate) fn of(case: &Case) -> Option<Self> {
+        Some(Self {
+            slopes: slopes(case.surface.recipe()?).map(Into::into),
+            is_nearly_isotropic: false,
+            material: case.material,
+            layer: case.layer.map(|below| below.layer),
+        })
+    }
+
     /// The same with Gaussian slopes of this covariance.
     pub(crate) fn with_slopes(&self, slopes: SlopeCovariance) -> Self {
         Self {

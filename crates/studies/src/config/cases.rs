@@ -1,37 +1,19 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
-use asperity_simulate::{Estimator, short};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
 use asperity_optics::{Layer, Material};
+use asperity_simulate::{Case, Estimator};
+use asperity_surface::SurfaceRecipe;
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace, Polarisation};
 
 use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
-use crate::config::sweep::Sweep;
-use crate::config::sweep_case::SweepCase;
 use crate::config::{Azimuth, VerifyConfig};
 
 impl VerifyConfig {
-    /// Every combination of smoothness, material, medium and polar angle, in that order of nesting.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn cases(&self) -> Result<Vec<SweepCase>, ConfigError> {
-        let sweep = self.sweep()?;
-        Ok(sweep.cases.into_iter().map(|swept| swept.case).collect())
-    }
-
-    /// The cases, each with its own configuration, checked.
-    pub(crate) fn sweep(&self) -> Result<Sweep, ConfigError> {
-        let sweep = Sweep::of(self)?;
-        let cases: Vec<SweepCase> = sweep.cases.iter().map(|swept| swept.case.clone()).collect();
-        self.check(&cases)?;
-        Ok(sweep)
-    }
-
     /// Whether every ray comes from an azimuth of its own.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
@@ -44,34 +26,41 @@ impl VerifyConfig {
     /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
     /// over azimuth: vertical light, of any azimuth. Axes of Mueller matrices have one all the same.
     #[must_use]
-    pub fn free_azimuth(&self, case: &SweepCase) -> bool {
+    pub fn free_azimuth(&self, case: &Case) -> bool {
         let has_axes = self.run.polarisation == Polarisation::Mueller;
-        self.any_azimuth() && case.incidence.is_vertical() && !has_axes
+        self.any_azimuth() && case.light.incidence.is_vertical() && !has_axes
     }
 
-    fn check(&self, cases: &[SweepCase]) -> Result<(), ConfigError> {
+    /// Checks what concerns all cases together, and each with its models.
+    pub(crate) fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let settings = self.ray_settings()?;
-        let isotropic = cases.iter().all(|case| case.recipe.is_isotropic());
+        let recipes = cases.iter().filter_map(|case| case.surface.recipe());
+        let isotropic = recipes.clone().all(SurfaceRecipe::is_isotropic);
+        let is_random = recipes.count() > 0;
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return Err(ConfigError::RandomAzimuth);
         }
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
-        if self.run.accelerator == AcceleratorKind::Flat {
+        if is_random && self.run.accelerator == AcceleratorKind::Flat {
             return Err(ConfigError::FlatAccelerator);
         }
-        let mut folders = BTreeSet::new();
+        let mut names = BTreeSet::new();
         for case in cases {
-            let folder = case.folder();
-            if !folders.insert((folder.clone(), short(case.incidence.phi_deg()))) {
-                return Err(ConfigError::SameFolder { folder });
+            let layer = case.layer.map(|below| below.layer);
+            if !names.insert(case.direction_name()) {
+                return Err(ConfigError::SameFolder {
+                    folder: case.folder(),
+                });
             }
-            check_sides(self.run.side, case.material, case.layer.as_ref())?;
+            check_sides(self.run.side, case.material, layer.as_ref())?;
             if let Some(target) = settings.target() {
-                target.check(&settings.tally, case.material, case.layer.as_ref())?;
+                target.check(&settings.tally, case.material, layer.as_ref())?;
             }
-            check_models(&self.compare.models, &case.modelled(), self.run.side)?;
+            if let Some(modelled) = ModelledSurface::of(case) {
+                check_models(&self.compare.models, &modelled, self.run.side)?;
+            }
         }
         Ok(())
     }

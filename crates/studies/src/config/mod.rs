@@ -1,7 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
 pub(crate) mod case_model;
-pub(crate) mod case_text;
 pub(crate) mod cases;
 pub(crate) mod default_models;
 pub(crate) mod error;
@@ -19,7 +18,6 @@ pub(crate) mod surface_error;
 mod surface_files;
 mod surface_recipe;
 pub(crate) mod sweep;
-pub(crate) mod sweep_case;
 pub(crate) mod trace;
 pub(crate) mod values;
 

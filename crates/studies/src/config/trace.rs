@@ -3,8 +3,9 @@
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{
-    BottomSurface, Case, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
+    BottomSurface, Case, Coordinates, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
 };
+use asperity_surface::LengthUnit;
 use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
@@ -76,11 +77,11 @@ impl TraceConfig {
             .transpose()
     }
 
-    /// The case of this configuration on its surface.
+    /// The case of this configuration on its surface, whose lengths are in `unit`.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn case(&self, surface: Shape) -> Result<Case, ConfigError> {
+    pub fn case(&self, surface: Shape, unit: LengthUnit) -> Result<Case, ConfigError> {
         self.check()?;
         let bottom = self
             .medium
@@ -88,6 +89,10 @@ impl TraceConfig {
             .map(|medium| medium.bottom_surface.named());
         let mut case = Case {
             bins: None,
+            at: Coordinates {
+                unit,
+                ..Coordinates::default()
+            },
             surface: SurfaceSource::Given(surface),
             material: self.material()?,
             layer: self.layer()?.map(|layer| LayerBelow {

@@ -1,20 +1,20 @@
 //! The configuration of a convergence run: what `asperity converge` reads from a file.
 
 use asperity_simulate::{
-    Cells, Estimator, RandomSurfaces, SimulateError, check_memory, check_results, short,
-    traced_bytes,
+    Case, Cells, Estimator, RandomSurfaces, SimulateError, SurfaceSource, check_memory,
+    check_results, short, traced_bytes,
 };
+use asperity_surface::SurfaceRecipe;
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
-use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
 use super::method::{Method, RunEffort};
 use crate::config::error::ConfigError;
-use crate::config::sweep_case::SweepCase;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis};
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
@@ -89,7 +89,7 @@ pub(super) struct PlannedReference {
 
 /// A configuration with its lists multiplied out, checked.
 pub(super) struct Plan {
-    pub(super) cases: Vec<SweepCase>,
+    pub(super) cases: Vec<Case>,
     pub(super) methods: Vec<Method>,
     pub(super) efforts: Vec<RunEffort>,
     pub(super) repeats: u64,
@@ -98,8 +98,6 @@ pub(super) struct Plan {
     /// Rays per second of a peer.
     pub(super) peer_rate: Option<f64>,
     pub(super) spec: TallySpec,
-    pub(super) incident: HalfSpace,
-    pub(super) any_azimuth: bool,
     pub(super) seed: u64,
 }
 
@@ -118,40 +116,58 @@ impl ConvergeConfig {
         Ok(Document::of_text(Command::Converge, text)?.read()?)
     }
 
-    /// Checks everything that can be known before a ray is traced: values, grids, memory.
+    /// Checks everything that can be known before a ray is traced: values, grids, memory. Returns the names of all files that are written.
     ///
     /// # Errors
     /// [`ConvergeError`] as from [`crate::converge`].
-    pub fn check(&self) -> Result<(), ConvergeError> {
+    pub fn check(&self) -> Result<Vec<String>, ConvergeError> {
         let plan = self.plan()?;
         let efforts = plan.efforts.iter().chain([&plan.reference.effort]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
         check_results(&plan.spec, surfaces, 1, false)?;
         for method in plan.methods.iter().chain([&plan.reference.method]) {
             for case in &plan.cases {
-                let synthesis = self.recipe(case, method)?;
-                let [ny, nx] = synthesis.shape();
+                let case = self.spaced(case, method.spacing)?;
+                let SurfaceSource::Random(surfaces) = &case.surface else {
+                    continue;
+                };
                 let accelerator = method.accelerator.on_height_field(false);
-                let bytes = synthesis
+                let [ny, nx] = surfaces.shape();
+                let bytes = surfaces
                     .peak_bytes()
                     .max(traced_bytes([ny, nx], accelerator));
                 check_memory("tracing one surface", bytes)?;
             }
         }
-        Ok(())
+        Ok(self.files(&plan.cases))
     }
 
-    /// How the surfaces of a case are drawn at the spacing of a method.
-    pub(super) fn recipe(
+    /// Surfaces of a recipe at a spacing.
+    fn surfaces(
         &self,
-        case: &SweepCase,
-        method: &Method,
+        recipe: SurfaceRecipe,
+        spacing: PerAxis<Number>,
     ) -> Result<RandomSurfaces, ConvergeError> {
-        let [dx, dy] = method.spacing.xy().map(|spacing| spacing.0);
-        let shape = self.shape(method.spacing)?;
-        let (recipe, insist) = (case.recipe.clone(), self.surface.insist);
-        let surfaces = RandomSurfaces::new(Cells::Flat, recipe, shape, [dx, dy], insist);
+        let shape = self.shape(spacing)?;
+        let (spacing, insist) = (spacing.xy().map(|spacing| spacing.0), self.surface.insist);
+        let surfaces = RandomSurfaces::new(Cells::Flat, recipe, shape, spacing, insist);
         Ok(surfaces.map_err(SimulateError::from)?)
+    }
+
+    /// The same case on surfaces of another spacing.
+    pub(super) fn spaced(
+        &self,
+        case: &Case,
+        spacing: PerAxis<Number>,
+    ) -> Result<Case, ConvergeError> {
+        let surface = match case.surface.recipe() {
+            Some(recipe) => SurfaceSource::random(self.surfaces(recipe.clone(), spacing)?),
+            None => case.surface.clone(),
+        };
+        Ok(Case {
+            surface,
+            ..case.clone()
+        })
     }
 
     /// The same surfaces, material and light as a verification without models.
@@ -252,7 +268,7 @@ impl ConvergeConfig {
     }
 
     /// Multiplies the lists out and checks them.
-    pub(super) fn plan(&self) -> Result<Plan, ConfigError> {
+    pub(super) fn plan(&self) -> Result<Plan, ConvergeError> {
         let config = &self.converge;
         let verification = self.as_verification();
         let spacings = self.spacings()?;
@@ -275,13 +291,13 @@ impl ConvergeConfig {
         let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
         let spacing = spacing.unwrap_or(self.own_spacing());
         self.shape(spacing)?;
-        let cases = verification.cases()?;
+        let cases = verification.cases(|_, recipe| self.surfaces(recipe, spacing))?;
         let uncontrolled = cases.iter().find_map(why_uncontrolled);
         let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
         if let Some(error) = &uncontrolled
             && methods.iter().any(is_controlled)
         {
-            return Err(error.clone());
+            return Err(error.clone().into());
         }
         Ok(Plan {
             cases,
@@ -304,19 +320,18 @@ impl ConvergeConfig {
             errors,
             peer_rate: config.peer_rate.map(|rate| rate.0),
             spec: verification.run.ray_settings()?.tally,
-            incident: HalfSpace::from(self.light.from),
-            any_azimuth: verification.any_azimuth(),
             seed: config.seed,
         })
     }
 }
 
 /// Why no control variate is known for a case, if none is.
-fn why_uncontrolled(case: &SweepCase) -> Option<ConfigError> {
+fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
     if case.material.is_diffuse() {
         return Some(ConfigError::DiffuseControl);
     }
-    case.recipe.structured().map(|_| ConfigError::NoControl)
+    let recipe = case.surface.recipe()?;
+    recipe.structured().map(|_| ConfigError::NoControl)
 }
 
 fn coarsest(spacing: PerAxis<Number>) -> f64 {

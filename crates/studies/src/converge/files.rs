@@ -1,6 +1,6 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
-use asperity_simulate::{Observer, counted, short};
+use asperity_simulate::{Case, Observer, counted, short};
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
@@ -8,8 +8,6 @@ use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, method_name, write_convergence};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
-use crate::config::case_text::case_text;
-use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files, of_cases};
 use crate::report::error::ReportError;
 use crate::report::figures;
@@ -25,8 +23,7 @@ pub fn converge_report(
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
     let several = outcome.several();
-    let names = outcome.config.files()?;
-    folder.claim_all(names.iter().map(String::as_str))?;
+    folder.claim_all(outcome.files.iter().map(String::as_str))?;
     let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
     for case in &outcome.cases {
@@ -49,20 +46,16 @@ pub fn converge_report(
 }
 
 impl ConvergeConfig {
-    /// Names of all files that a run writes into its folder.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
-        let plan = self.plan()?;
-        let folders: Vec<String> = plan.cases.iter().map(|case| case.folder()).collect();
+    /// Names of all files that a run of these cases writes into its folder.
+    pub(super) fn files(&self, cases: &[Case]) -> Vec<String> {
+        let folders: Vec<String> = cases.iter().map(Case::folder).collect();
         let mut of_case = ["convergence.csv", "report.txt", "summary.json"]
             .map(str::to_owned)
             .to_vec();
         if self.output.plots {
             of_case.extend(figure_files("convergence"));
         }
-        Ok(of_cases(&folders, &of_case))
+        of_cases(&folders, &of_case)
     }
 }
 
@@ -92,7 +85,7 @@ fn write_case(
 
 /// Error over seconds of one case.
 fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
-    let parameters = case_text(&case.case);
+    let parameters = case.case.figure_label();
     let [x, y] = outcome.config.extent().map(short);
     let runs = counted(outcome.config.converge.repeats.0, "run");
     let threads = case.work.threads;

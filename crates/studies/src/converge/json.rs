@@ -1,6 +1,5 @@
 //! The contents of summary.json of run time against error.
 
-use crate::config::sweep_case::SweepCase;
 use asperity_simulate::Estimator;
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use serde::Serialize;
@@ -31,7 +30,7 @@ pub(super) struct CaseSummary<'a> {
 #[derive(Serialize)]
 struct CaseConfig<'a> {
     converge: &'a ConvergeConfig,
-    case: &'a SweepCase,
+    case: Value,
 }
 
 #[derive(Serialize)]
@@ -94,7 +93,7 @@ pub(super) fn case_summary<'a>(
         head: Head::of("converge"),
         config: CaseConfig {
             converge: &outcome.config,
-            case: &case.case,
+            case: case.case.summary_json(),
         },
         seed: outcome.config.converge.seed,
         reference: &case.reference,

@@ -1,11 +1,10 @@
 //! What is measured: methods, and how much each of them does.
 
-use asperity_simulate::{Estimator, convergence_stream, short};
+use asperity_simulate::{Case, Estimator, convergence_stream, short};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use rand::RngExt;
 use serde::Serialize;
 
-use crate::config::sweep_case::SweepCase;
 use crate::config::values::{Number, PerAxis};
 
 /// A way of computing.
@@ -66,7 +65,7 @@ pub struct RunEffort {
 /// the same to the last digit.
 pub(super) fn run_seed(
     seed: u64,
-    case: &SweepCase,
+    case: &Case,
     method: &Method,
     effort: RunEffort,
     repeat: u64,
@@ -89,7 +88,7 @@ pub(super) fn run_seed(
 }
 
 /// The seed of the reference of a case.
-pub(super) fn reference_seed(seed: u64, case: &SweepCase) -> u64 {
+pub(super) fn reference_seed(seed: u64, case: &Case) -> u64 {
     convergence_stream(seed, &format!("{} reference", case.folder()), 0).random()
 }
 
@@ -101,7 +100,7 @@ mod tests {
     #[test]
     fn runs_have_seeds_of_their_own_whatever_the_accelerator() {
         let text = "[surface]\nsmoothness = [2, 3]\n[compare]\nmodels = []";
-        let cases = VerifyConfig::from_toml(text).unwrap().cases().unwrap();
+        let cases = VerifyConfig::from_toml(text).unwrap().plan().unwrap().cases;
         let method = Method {
             estimator: Estimator::Plain,
             sampling: Sampling::Random,

@@ -7,8 +7,7 @@ use asperity_analysis::{
 };
 use asperity_optics::Material;
 use asperity_simulate::{
-    Case, Light, Observer, PathChoice, Settings, SimulateError, Simulation, StoppedBy, SummaryWork,
-    SurfaceSource, slopes,
+    Case, Observer, PathChoice, Settings, SimulateError, Simulation, StoppedBy, SummaryWork, slopes,
 };
 use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
 use asperity_tracer::PathSettings;
@@ -21,7 +20,6 @@ use super::{
     Reference, RunEffort,
 };
 use crate::config::error::ConfigError;
-use crate::config::sweep_case::SweepCase;
 
 /// Smith's Lambda up to which nothing counts as hidden.
 const NOTHING_HIDDEN: f64 = 1e-12;
@@ -32,8 +30,8 @@ const NOTHING_MISSING: f64 = 1e-9;
 /// One case, ready to be measured.
 pub(super) struct Stage<'a> {
     plan: &'a Plan,
-    case: SweepCase,
-    slopes: SlopeCovariance,
+    case: Case,
+    slopes: Option<SlopeCovariance>,
     /// By method; the reference is the last.
     prepared: Vec<Prepared>,
 }
@@ -88,13 +86,15 @@ impl<'a> Stage<'a> {
     pub(super) fn new(
         config: &ConvergeConfig,
         plan: &'a Plan,
-        case: SweepCase,
+        case: Case,
     ) -> Result<Self, ConvergeError> {
         let methods = plan.methods.iter().chain([&plan.reference.method]);
         let prepared = methods.map(|method| prepare(config, plan, &case, method));
+        let recipe = case.surface.recipe();
+        let slopes = recipe.map(slopes).transpose().map_err(SimulateError::from)?;
         Ok(Self {
             plan,
-            slopes: slopes(&case.recipe).map_err(SimulateError::from)?,
+            slopes,
             prepared: prepared.collect::<Result<_, _>>()?,
             case,
         })
@@ -276,21 +276,26 @@ impl<'a> Stage<'a> {
 
     /// What each bin holds exactly, where every facet is lit and seen and light meets only one.
     pub(super) fn exact_fluxes(&self) -> Result<Option<Vec<f64>>, ConvergeError> {
-        let SweepCase {
+        let Case {
             material,
-            incidence,
-            recipe,
+            light,
+            surface,
             ..
         } = &self.case;
-        let wi = incidence.wi();
-        let is_gaussian = recipe.gaussian().is_some() && recipe.is_isotropic();
+        let Some(slopes) = self.slopes else {
+            return Ok(None);
+        };
+        let wi = light.incidence.wi();
+        let is_gaussian = surface
+            .recipe()
+            .is_some_and(|recipe| recipe.gaussian().is_some() && recipe.is_isotropic());
         if !is_gaussian
             || material.is_diffuse()
-            || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN
+            || Beckmann::new(slopes).lambda(wi) >= NOTHING_HIDDEN
         {
             return Ok(None);
         }
-        let of = |material| Smith::new(self.slopes, material, Masking::HeightCorrelated);
+        let of = |material| Smith::new(slopes, material, Masking::HeightCorrelated);
         let model = of(*material)?;
         // What a conductor absorbs is none of the light that facets hide; a mirror in its place tells.
         let lossless = match material {
@@ -320,18 +325,10 @@ pub(super) struct RunSample {
 fn prepare(
     config: &ConvergeConfig,
     plan: &Plan,
-    case: &SweepCase,
+    case: &Case,
     method: &Method,
 ) -> Result<Prepared, ConvergeError> {
-    let synthesis = config.recipe(case, method)?;
-    let [ny, nx] = synthesis.shape();
-    let light = Light {
-        incidence: case.incidence,
-        from: plan.incident,
-        random_azimuth: plan.any_azimuth,
-        stokes: [0.0; 3],
-    };
-    let simulated = Case::new(SurfaceSource::random(synthesis), case.material, light);
+    let case = config.spaced(case, method.spacing)?;
     let settings = Settings {
         tally: plan.spec,
         accelerator: method.accelerator,
@@ -350,8 +347,8 @@ fn prepare(
     let clock = Instant::now();
     Ok(Prepared {
         method: *method,
-        simulation: Simulation::new(&[simulated], &settings)?,
-        size: [nx, ny],
+        size: case.surface.size().unwrap_or_default(),
+        simulation: Simulation::new(&[case], &settings)?,
         seconds: clock.elapsed().as_secs_f64(),
     })
 }

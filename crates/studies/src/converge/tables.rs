@@ -92,13 +92,13 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
     let reference = &case.reference;
     let [x, y] = outcome.config.extent();
     let [nx, ny] = reference.size;
-    let _ = writeln!(out, "{}", case.case);
+    let _ = writeln!(out, "{}", case.case.label());
     let _ = writeln!(
         out,
         "surfaces of {} x {}{}; reference: {} surfaces of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
         short(x),
         short(y),
-        match case.case.unit {
+        match case.case.at.unit {
             LengthUnit::Arbitrary => " length units",
             unit => unit.suffix(),
         },

@@ -1,11 +1,11 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
-use asperity_simulate::Settings;
-
 use asperity_optics::Incidence;
-use asperity_tally::HemisphereGrid;
+use asperity_simulate::{BottomSurface, check_memory, check_results};
+use asperity_tally::{HemisphereGrid, Polarimetry};
 use serde::{Deserialize, Serialize};
 
+use super::sample::Sample;
 use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
@@ -14,7 +14,9 @@ use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
+use crate::plan::Plan;
 use crate::settings::{Command, Document, defaults};
+use crate::verify::error::VerifyError;
 
 /// `[light]`: the directions that light comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -143,22 +145,12 @@ impl GonioConfig {
     /// Whether every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
-        match self.light.azimuth {
-            None if self.measured.is_given() => false,
-            _ => (self.as_verification()).is_ok_and(|config| config.any_azimuth()),
-        }
-    }
-
-    /// The settings of the rays of a direction.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range.
-    pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
-        self.as_verification()?.ray_settings()
+        let verification = self.as_verification();
+        verification.is_ok_and(|config| config.any_azimuth())
     }
 
     /// The verification of all settings and directions, without models.
-    pub(super) fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
+    fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
         let numbers = |list: Vec<f64>| OneOrMany::Many(list.into_iter().map(Number).collect());
         let [theta, phi] = self.light.angles()?.map(numbers);
         Ok(VerifyConfig {
@@ -168,70 +160,57 @@ impl GonioConfig {
             light: LightConfig {
                 theta,
                 phi,
-                azimuth: self.light.azimuth,
+                // Results on a given surface hold for one azimuth.
+                azimuth: match self.measured.is_given() {
+                    true => self.light.azimuth.or(Some(Azimuth::Fixed)),
+                    false => self.light.azimuth,
+                },
                 from: self.light.from,
                 wavelength: None,
                 stokes: None,
             },
-            run: self.piece_run(),
+            run: self.run.clone(),
             compare: CompareConfig::none(),
             output: OutputConfig { plots: true },
         })
     }
 
-    /// The effort of one direction: the time is that of all.
-    pub(super) fn piece_run(&self) -> RunConfig {
-        RunConfig {
-            max_time: None,
-            ..self.run.clone()
+    /// What is measured, checked as far as it can be before a ray is traced; `sample` is the given surface, if there is one.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, VerifyError> {
+        let refused = |text: String| Err(ConfigError::Contradiction(text).into());
+        if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
+            return refused(format!(
+                "--polarisation {}: gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
+                self.run.polarisation
+            ));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bad_values_get_a_sentence() {
-        for (text, expected) in [
-            ("[light]\ntheta = []", "one or several"),
-            ("[light]\ntheta = [0, 90]", "below 90"),
-            ("[light]\nphi = [0, inf]", "must be a number"),
-            ("[light]\ntheta = [1, 1]", "theta has a value twice"),
-            ("[light]\ndirections = \"0x4\"", "THETAxPHI"),
-            ("[light]\ndirections = \"3x4\"\ntheta = 3", "excludes"),
-            ("[light]\ntehta = 3", "tehta"),
-            ("[compare]\nmodels = []", "compare"),
-            ("[output]\nscale = \"log\"", "log"),
-            ("[measured]\nflat = true\nfile = \"a.exr\"", "excludes"),
-            ("[measured]\nborder = \"open\"", "no file is given"),
-            ("[measured]\nremove = \"plane\"", "no file is given"),
-            ("[measured]\nmissing = \"guess\"", "guess"),
-            (
-                "[measured]\nflat = true\n[run]\nrealisations = 3",
-                "excludes",
-            ),
-            (
-                "[run]\ntarget_error = 1e-3\nrays = 10",
-                "run.target_error is for trace, verify and map, not for gonio",
-            ),
-            (
-                "[run]\nof = \"bins\"",
-                "run.of is for trace, verify and map",
-            ),
-            (
-                "[run]\nrefine = true",
-                "run.refine is for trace, verify and map",
-            ),
-            ("[surface]\nsmoothness = [3, 3]", "same folder"),
-        ] {
-            let error = GonioConfig::from_toml(text)
-                .and_then(|config| config.plans(None).map(|_| ()))
-                .unwrap_err()
-                .to_string();
-            assert!(error.contains(expected), "{text}: {error}");
-            assert!(!error.contains('\n'), "{error}");
+        self.measured.check()?;
+        let verification = self.as_verification()?;
+        let plan = match sample {
+            None if self.measured.is_given() => {
+                return refused("the measured surface was not read".to_owned());
+            }
+            None => verification.plan()?,
+            Some(sample) => {
+                let medium = self.medium.as_ref();
+                let bottom = medium.map(|medium| medium.bottom_surface.named());
+                if bottom == Some(BottomSurface::Independent) {
+                    return refused(
+                        "an independent bottom cannot be drawn for a measured surface; take bottom_surface flat or same".to_owned(),
+                    );
+                }
+                verification.plan_on(&sample.shape, sample.about.unit)?
+            }
+        };
+        let specs = plan.cases.iter().map(|case| plan.settings.spec_of(case));
+        for spec in specs.clone() {
+            check_results(&spec, self.run.realisations.0, 1, plan.settings.refine)?;
         }
+        let values = 2.0 * specs.map(|spec| spec.len()).sum::<usize>() as f64;
+        check_memory("the table of all directions", (8.0 * values) as usize)?;
+        Ok(plan)
     }
 }

@@ -1,17 +1,19 @@
 //! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by component.
 
+use std::borrow::Cow;
+
 use asperity_simulate::short;
 
 use asperity_plot::{
     Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
     ProfileGrid, Series, SharedColours,
 };
-use asperity_tally::{Side, TallySpec, rests_on_few_rays};
+use asperity_tally::{Component, Side, TallySpec, rests_on_few_rays};
 use rayon::prelude::*;
 
 use super::config::PlotScale;
-use super::results::component_names;
-use super::specimen::Distinction;
+use super::components::{component_names, components as components_of};
+use super::distinction::Distinction;
 use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
@@ -46,9 +48,9 @@ pub(super) fn names(spec: &TallySpec, thetas: &[f64]) -> Vec<String> {
 /// Draws all plots into `plots`.
 pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ReportError> {
     let shown: Vec<Side> = outcome
-        .spec
+        .spec()
         .sides()
-        .filter(|side| outcome.directions.iter().any(|d| leaves(outcome, d, *side)))
+        .filter(|&side| outcome.directions().any(|one| leaves(&one, side)))
         .collect();
     type Job<'a> = (
         String,
@@ -59,8 +61,8 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
         let matrix = move || matrix(outcome, side).draw();
         jobs.push((format!("matrix_{side}"), Box::new(matrix)));
         for (number, theta) in outcome.thetas.iter().enumerate() {
-            let any = |setting| outcome.direction(setting, number, 0).results.is_some();
-            if !(0..outcome.settings.len()).any(any) {
+            let any = |setting| outcome.direction(setting, number, 0).outcome.is_some();
+            if !(0..outcome.settings().len()).any(any) {
                 continue;
             }
             let theta = short(*theta);
@@ -80,10 +82,9 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
 }
 
 /// Whether any light of a direction left on `side`.
-fn leaves(outcome: &GonioOutcome, direction: &Direction, side: Side) -> bool {
-    let flux = |results: &super::DirectionResults| results.components[0].side(&outcome.spec, side);
-    let flux = direction.results.as_ref().and_then(flux);
-    flux.is_some_and(|flux| flux.mean != 0.0)
+fn leaves(direction: &Direction<'_>, side: Side) -> bool {
+    let flux = direction.flux(Component::All, side);
+    flux.is_some_and(|flux| flux.estimate().mean != 0.0)
 }
 
 fn quantity(side: Side) -> &'static str {
@@ -95,8 +96,8 @@ fn quantity(side: Side) -> &'static str {
 
 /// What all discs have in common, in words.
 fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
-    let name = outcome.sample.as_ref().map(|sample| sample.name.clone());
-    let common = Distinction::of(&outcome.settings).common;
+    let name = outcome.sample.map(|sample| sample.name.clone());
+    let common = Distinction::of(outcome.settings()).common;
     let words = name.into_iter().chain([common, more.to_owned()]);
     words
         .filter(|w| !w.is_empty())
@@ -106,7 +107,7 @@ fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
 
 /// Names of the columns: the settings, told apart.
 fn columns(outcome: &GonioOutcome) -> (String, Vec<String>) {
-    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    let Distinction { title, labels, .. } = Distinction::of(outcome.settings());
     // A letter alone is no heading.
     let title = match title.as_str() {
         "s" => "smoothness s".to_owned(),
@@ -142,7 +143,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
                 Rows::Thetas => outcome.direction(setting, row, 0),
                 Rows::Phis => outcome.direction(setting, 0, row),
             };
-            hemisphere(direction, side, 0)
+            hemisphere(&direction, side, Component::All)
         })
     });
     let (what, letter) = match side {
@@ -180,11 +181,10 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
 }
 
 fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
-    let names = component_names(&outcome.spec);
     let (column_title, columns) = columns(outcome);
-    let cells = (0..names.len()).flat_map(|component| {
+    let cells = components_of(outcome.spec()).flat_map(|component| {
         (0..columns.len())
-            .map(move |setting| hemisphere(outcome.direction(setting, theta, 0), side, component))
+            .map(move |setting| hemisphere(&outcome.direction(setting, theta, 0), side, component))
     });
     Hemispheres {
         title: format!(
@@ -192,12 +192,12 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
             word(side),
             short(outcome.thetas[theta])
         ),
-        subtitle: subtitle(outcome, meaning(&outcome.spec)),
+        subtitle: subtitle(outcome, meaning(outcome.spec())),
         quantity: quantity(side).to_owned(),
         side: plot_side(side),
         row_title: String::new(),
         column_title,
-        rows: names.iter().map(|name| name.to_string()).collect(),
+        rows: component_names(outcome.spec()).into_iter().map(Cow::into_owned).collect(),
         colours: SharedColours::Rows,
         cells: cells.collect(),
         columns,
@@ -205,23 +205,20 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
 }
 
 fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
-    let spec = &outcome.spec;
-    let names = component_names(spec);
-    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
-    let settings = 0..outcome.settings.len();
-    let points = |component: usize, setting: usize| -> Vec<Point> {
+    let spec = outcome.spec();
+    let Distinction { title, labels, .. } = Distinction::of(outcome.settings());
+    let points = |component: Component, setting: usize| -> Vec<Point> {
         let direction = outcome.direction(setting, theta, 0);
-        let (spec, results) = (&direction.spec, direction.results.as_ref());
-        let bins = 0..spec.in_plane_filter(side).len();
+        let spec = &direction.spec;
         let point = |i: usize| {
-            let flux = results?.components[component].in_plane(spec, side, i)?;
+            let flux = direction.in_plane(component, side, i)?;
             let bsdf = over(flux, projected_in_plane(spec, side, i));
             let [from, to] = spec.in_plane_filter(side).theta_deg(i);
             Some(Point::with_error(0.5 * (from + to), bsdf.mean, bsdf.se))
         };
-        bins.filter_map(point).collect()
+        (0..spec.in_plane_len()).filter_map(point).collect()
     };
-    let incidence = outcome.directions[theta * outcome.phis.len()].incidence;
+    let incidence = outcome.direction(0, theta, 0).case.light.incidence;
     // Retroreflection exists only on the side of incidence; a medium has no straight continuation.
     let (light_deg, mirror_deg) = match side {
         Side::Reflected => (Some(-incidence.theta_deg()), Some(incidence.theta_deg())),
@@ -238,13 +235,10 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
         panels: labels.iter().map(|label| labelled(&title, label)).collect(),
         light_deg,
         mirror_deg,
-        components: names
-            .iter()
-            .enumerate()
-            .map(|(component, name)| ProfileComponent {
-                name: name.to_string(),
-                points: settings
-                    .clone()
+        components: components_of(spec)
+            .map(|component| ProfileComponent {
+                name: component.name().into_owned(),
+                points: (0..labels.len())
                     .map(|setting| points(component, setting))
                     .collect(),
             })
@@ -254,13 +248,12 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
 
 /// All light in the plane of incidence: linear about the peak, and logarithmic.
 fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
-    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    let Distinction { title, labels, .. } = Distinction::of(outcome.settings());
     let series = labels.iter().enumerate().map(|(setting, label)| {
         let direction = outcome.direction(setting, theta, 0);
         let filter = direction.spec.in_plane_filter(side);
-        let all = direction.results.as_ref().map(|found| &found.components[0]);
         let point = |i: usize| {
-            let flux = all?.in_plane(&direction.spec, side, i)?;
+            let flux = direction.in_plane(Component::All, side, i)?;
             let weighted = over(flux, filter.solid_angle(i));
             Some(Point {
                 x_range: Some(filter.theta_deg(i)),
@@ -274,7 +267,7 @@ fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
         let points = (0..filter.len()).filter_map(point).collect();
         Series::explicit(name, setting, plot_side(side), points)
     });
-    let lobes = &outcome.direction(0, theta, 0).lobes;
+    let lobes = outcome.direction(0, theta, 0).lobes();
     InPlaneCurves {
         title: format!(
             "{} light in the plane of incidence, θᵢ = {}°: cosine-weighted BSDF",
@@ -305,28 +298,28 @@ fn meaning(spec: &TallySpec) -> &'static str {
 }
 
 /// The BSDF of one component of one direction, ring by ring from the normal of `side`.
-fn hemisphere(direction: &Direction, side: Side, component: usize) -> Option<Hemisphere> {
+fn hemisphere(direction: &Direction<'_>, side: Side, component: Component) -> Option<Hemisphere> {
     let spec = &direction.spec;
-    let component = &direction.results.as_ref()?.components[component];
     let bsdf = |bin| {
-        let flux = component.bin(spec, bin)?;
+        let flux = direction.bin(component, bin)?;
         Some(flux.mean / projected_solid_angle(&spec.grid(), bin))
     };
-    let fraction = component.side(spec, side)?.mean;
+    let fraction = direction.flux(component, side)?.estimate().mean;
     let letter = match side {
         Side::Reflected => "R",
         Side::Transmitted => "T",
     };
+    let incidence = direction.case.light.incidence;
     Some(Hemisphere {
         bins: disc_edges(spec, side),
         values: disc_bins(spec, side)
             .map(|bin| bsdf(bin).map(Some))
             .collect::<Option<_>>()?,
         few_rays: (disc_bins(spec, side).enumerate())
-            .filter(|(_, bin)| component.bin(spec, *bin).is_some_and(rests_on_few_rays))
+            .filter(|(_, bin)| direction.bin(component, *bin).is_some_and(rests_on_few_rays))
             .map(|(place, _)| place)
             .collect(),
-        light_deg: (!direction.incidence.is_vertical()).then(|| direction.incidence.phi_deg()),
+        light_deg: (!incidence.is_vertical()).then(|| incidence.phi_deg()),
         note: format!("{letter} = {}", percent(fraction)),
     })
 }

@@ -1,20 +1,15 @@
 //! The files of a measurement: tables, arrays, plots, report.txt and summary.json.
 
-use std::collections::HashSet;
-use std::path::Path;
-
-use asperity_io::{
-    ResultFolder, ResultFolderError, names_in, write_array, write_bytes, write_json,
-};
-use asperity_tally::{Side, TallySpec};
+use asperity_io::{ResultFolder, ResultFolderError, write_array, write_bytes, write_json};
+use asperity_tally::Side;
 
 use super::json::gonio_summary;
-use super::plan::Plan;
 use super::summary::gonio_table;
-use super::tables::{self, Measured, measured};
-use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
+use super::tables::{self, measured};
+use super::{FOLDER, GonioConfig, GonioOutcome, figures};
 use crate::config::error::ConfigError;
-use crate::output::{Place, figure_files, over, projected_solid_angle};
+use crate::output::{Place, figure_files};
+use crate::plan::Plan;
 use crate::report::error::ReportError;
 
 /// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, theta_edges.npy, phi_edges.npy, plots,
@@ -25,23 +20,17 @@ use crate::report::error::ReportError;
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(), ReportError> {
-    let spec = &outcome.spec;
-    let names = outcome
-        .directions
-        .iter()
-        .map(|direction| direction.name.as_str());
-    let config = &outcome.config;
-    let files = files(names, spec, &outcome.thetas, config.output.plots);
+    let spec = outcome.spec();
+    let config = outcome.config;
+    let files = config.files(outcome.plan)?;
     folder.claim_all(files.iter().map(String::as_str))?;
     let place = Place::root(folder);
-    for Measured {
-        direction, results, ..
-    } in measured(outcome)
-    {
-        write_direction(folder, &direction.name, &direction.spec, results)?;
+    for direction in measured(outcome) {
+        let name = format!("{FOLDER}/{}.csv", direction.case.direction_name());
+        let table = tables::direction(direction);
+        table.write_csv(&place.claim(&name)?, direction.spec.recorded_bins())?;
     }
-    tables::directions(spec, outcome.unit())
-        .write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
+    tables::directions(outcome).write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
     let bins = tables::in_plane_bins(outcome);
     tables::in_plane(spec).write_csv(&place.claim("in_plane.csv")?, bins)?;
     let bins = tables::direction_bins(outcome);
@@ -55,87 +44,45 @@ pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(),
     Ok(())
 }
 
-/// Names of all files of a measurement of the directions of these names.
-fn files<'a>(
-    directions: impl Iterator<Item = &'a str>,
-    spec: &TallySpec,
-    thetas: &[f64],
-    plots: bool,
-) -> Vec<String> {
-    let of_all = [
-        "gonio.csv",
-        "in_plane.csv",
-        "bsdf.csv",
-        "bsdf.npy",
-        "bsdf_se.npy",
-        "theta_edges.npy",
-        "phi_edges.npy",
-        "report.txt",
-        "summary.json",
-    ];
-    let mut files: Vec<String> = of_all.map(str::to_owned).to_vec();
-    files.extend(
-        directions
-            .flat_map(|name| ["json", "csv"].map(|ending| format!("{FOLDER}/{name}.{ending}"))),
-    );
-    if plots {
-        let names = figures::names(spec, thetas);
-        let figures = names.iter().flat_map(|name| figure_files(name));
-        files.extend(figures.map(|file| format!("{}/{file}", figures::PLOTS)));
-    }
-    files
-}
-
 impl GonioConfig {
-    /// Names of all files that a measurement writes into its folder.
+    /// Names of all files that a measurement of the cases of `plan` writes into its folder.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self, sample: Option<&Sample>) -> Result<Vec<String>, ConfigError> {
-        let plans = self.plans(sample)?.directions;
-        let [thetas, _] = self.light.angles()?;
-        let names = plans.iter().map(|plan| plan.name.as_str());
-        let spec = self.ray_settings()?.tally;
-        Ok(files(names, &spec, &thetas, self.output.plots))
+    pub fn files(&self, plan: &Plan) -> Result<Vec<String>, ConfigError> {
+        let of_all = [
+            "gonio.csv",
+            "in_plane.csv",
+            "bsdf.csv",
+            "bsdf.npy",
+            "bsdf_se.npy",
+            "theta_edges.npy",
+            "phi_edges.npy",
+            "report.txt",
+            "summary.json",
+        ];
+        let mut files: Vec<String> = of_all.map(str::to_owned).to_vec();
+        let directions = plan.cases.iter();
+        files.extend(directions.map(|case| format!("{FOLDER}/{}.csv", case.direction_name())));
+        if self.output.plots {
+            let [thetas, _] = self.light.angles()?;
+            let names = figures::names(&plan.settings.tally, &thetas);
+            let figures = names.iter().flat_map(|name| figure_files(name));
+            files.extend(figures.map(|file| format!("{}/{file}", figures::PLOTS)));
+        }
+        Ok(files)
     }
-}
-
-/// Refuses a folder with files of directions that are not among `plans`: the tables would not contain them.
-pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), GonioError> {
-    let planned: HashSet<&str> = plans.iter().map(|plan| plan.name.as_str()).collect();
-    let direction = |name: &String| {
-        let stem = name.strip_suffix(".json").or(name.strip_suffix(".csv"))?;
-        (!planned.contains(stem)).then(|| stem.to_owned())
-    };
-    match names_in(folder.join(FOLDER)).iter().find_map(direction) {
-        None => Ok(()),
-        Some(name) => Err(GonioError::Unplanned {
-            folder: folder.to_owned(),
-            name,
-        }),
-    }
-}
-
-/// directions/NAME.csv.
-pub(super) fn write_direction(
-    folder: &ResultFolder,
-    name: &str,
-    spec: &TallySpec,
-    results: &DirectionResults,
-) -> Result<(), ResultFolderError> {
-    let path = folder.claim(&format!("{FOLDER}/{name}.csv"))?;
-    Ok(tables::direction(spec, results).write_csv(&path, spec.recorded_bins())?)
 }
 
 /// bsdf.npy and bsdf_se.npy, `[setting][theta_i][phi_i][side][theta_o][phi_o]`, and the edges of their bins, theta_edges.npy and
 /// phi_edges.npy, `[setting][theta_i][phi_i][side][edge]` in degrees. Arrays are as long as the most bins of a direction; what lies beyond
 /// those of another, and what was not measured, is not a number.
 fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultFolderError> {
-    let grids = outcome.directions.iter().map(|one| one.spec.grid());
+    let grids = outcome.directions().map(|one| one.spec.grid());
     let rings = grids.clone().map(|grid| grid.n_theta()).max().unwrap_or(0);
     let sectors = grids.map(|grid| grid.n_phi()).max().unwrap_or(0);
     let directions = [
-        outcome.settings.len(),
+        outcome.settings().len(),
         outcome.thetas.len(),
         outcome.phis.len(),
         Side::BOTH.len(),
@@ -144,8 +91,8 @@ fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultF
     let all = shape.iter().product();
     let (mut means, mut errors) = (vec![f64::NAN; all], vec![f64::NAN; all]);
     let (mut theta_edges, mut phi_edges) = (Vec::new(), Vec::new());
-    for (number, direction) in outcome.directions.iter().enumerate() {
-        let (spec, grid) = (&direction.spec, direction.spec.grid());
+    for (number, direction) in outcome.directions().enumerate() {
+        let grid = direction.spec.grid();
         for side in Side::BOTH {
             let padded = |mut edges: Vec<f64>, count: usize| {
                 edges.resize(count + 1, f64::NAN);
@@ -154,14 +101,10 @@ fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultF
             theta_edges.extend(padded(grid.theta_edges_deg(side), rings));
             phi_edges.extend(padded(grid.phi_edges_deg(side), sectors));
         }
-        let Some(results) = &direction.results else {
-            continue;
-        };
         for bin in 0..grid.len() {
-            let Some(flux) = results.components[0].bin(spec, bin) else {
+            let Some(bsdf) = direction.bsdf(bin) else {
                 continue;
             };
-            let bsdf = over(flux, projected_solid_angle(&grid, bin));
             let (row, sector) = (bin / grid.n_phi(), bin % grid.n_phi());
             let (side, ring) = (row / grid.n_theta(), row % grid.n_theta());
             let place = ((number * Side::BOTH.len() + side) * rings + ring) * sectors + sector;

@@ -1,117 +1,48 @@
 //! The contents of summary.json of a measurement.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap;
+use serde_json::{Map, Value, json};
 
-use asperity_tally::{HemisphereGrid, TallySpec};
-use serde::Serialize;
-use serde_json::{Value, json};
-
+use super::components::{component_names, components};
 use super::peak::Peak;
-use super::results::component_names;
 use super::summary::{notes, warnings};
-use super::{DirectionResults, GonioOutcome, Specimen, tables};
+use super::tables::{self, measured};
+use super::{Direction, GonioOutcome};
 use crate::config::Azimuth;
-use crate::config::lobes::BinnedLobe;
-use crate::output::{BySide, Head, Supported};
+use crate::output::{BySide, Head};
 use crate::report::config_json::config_json;
-use crate::validity::Validity;
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    head: Head,
-    seed: u64,
-    config: Value,
-    /// The given surface, if there is one.
-    sample: Option<&'a Value>,
-    azimuth: Azimuth,
-    settings: &'a [Specimen],
-    thetas_deg: &'a [f64],
-    phis_deg: &'a [f64],
-    components: Vec<Cow<'static, str>>,
-    complete: bool,
-    missing: usize,
-    directions: Vec<Direction<'a>>,
-    columns: Value,
-    warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct Direction<'a> {
-    direction: &'a str,
-    setting: usize,
-    theta_i_deg: f64,
-    phi_i_deg: f64,
-    /// `None` if it was not measured yet.
-    results: Option<Results<'a>>,
-    /// Numbers of rings and sectors of a side.
-    bins: HemisphereGrid,
-    /// The brightest bin of each side; `None` where no light leaves, and before the direction is measured.
-    peak: BySide<Option<Peak>>,
-    /// Lobes of single scattering next to the bins that hold their middles.
-    lobes: &'a [BinnedLobe],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    validity: Option<Validity>,
-}
-
-#[derive(Serialize)]
-struct Results<'a> {
-    /// By component of the light; `None` on a side that is not recorded.
-    flux: BTreeMap<&'a str, BySide<Option<Supported>>>,
-    absorbed: Supported,
-    truncated: Supported,
-    lost: Supported,
-    surfaces: u64,
-    rays: u64,
-    errors_from: &'a str,
-}
 
 /// The contents of summary.json.
 #[must_use]
 pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
-    let spec = &outcome.spec;
-    let directions = outcome.directions.iter().map(|direction| Direction {
-        direction: &direction.name,
-        setting: direction.setting,
-        theta_i_deg: direction.incidence.theta_deg(),
-        phi_i_deg: direction.incidence.phi_deg(),
-        results: direction
-            .results
-            .as_ref()
-            .map(|results| describe(spec, results)),
-        bins: direction.spec.grid(),
-        peak: BySide::of(|side| Peak::of(direction, side)),
-        lobes: &direction.lobes,
-        validity: direction.validity,
-    });
-    let mut measured = outcome.directions.iter();
-    let of_direction =
-        measured.find_map(|one| Some(tables::direction(&one.spec, one.results.as_ref()?)));
-    json!(Summary {
-        head: Head::of("gonio"),
-        seed: outcome.config.run.seed,
-        config: config(outcome),
-        sample: outcome.sample.as_ref().map(|sample| &sample.description),
-        azimuth: match outcome.config.any_azimuth() {
+    let spec = outcome.spec();
+    let directions = outcome.directions().map(|one| describe(outcome, &one));
+    let of_direction = measured(outcome).next().map(tables::direction);
+    let notes_and_warnings = [notes(outcome), warnings(outcome)].concat();
+    let mut summary = json!({
+        "seed": outcome.config.run.seed,
+        "config": config(outcome),
+        "sample": outcome.sample.map(|sample| &sample.description),
+        "azimuth": match outcome.config.any_azimuth() {
             true => Azimuth::Random,
             false => Azimuth::Fixed,
         },
-        settings: &outcome.settings,
-        thetas_deg: &outcome.thetas,
-        phis_deg: &outcome.phis,
-        components: component_names(spec),
-        complete: outcome.missing() == 0,
-        missing: outcome.missing(),
-        directions: directions.collect(),
-        columns: json!({
-            "gonio.csv": tables::directions(spec, outcome.unit()).description(),
+        "settings": outcome.settings().map(|case| case.setting_json()).collect::<Vec<_>>(),
+        "thetas_deg": outcome.thetas,
+        "phis_deg": outcome.phis,
+        "components": component_names(spec),
+        "complete": outcome.missing() == 0,
+        "missing": outcome.missing(),
+        "directions": directions.collect::<Vec<_>>(),
+        "columns": {
+            "gonio.csv": tables::directions(outcome).description(),
             "in_plane.csv": tables::in_plane(spec).description(),
             "bsdf.csv": tables::bsdf().description(),
             "directions/*.csv": of_direction.map(|table| table.description()),
-        }),
-        warnings: [notes(outcome), warnings(outcome)].concat(),
-    })
+        },
+        "warnings": notes_and_warnings,
+    });
+    Head::of("gonio").insert_into(&mut summary);
+    summary
 }
 
 /// The configuration, without the time that the run was given and without what does not hold of a given surface.
@@ -119,27 +50,49 @@ fn config(outcome: &GonioOutcome) -> Value {
     let is_given = outcome.sample.is_some();
     let mut left_out = vec!["max_time"];
     left_out.extend(is_given.then_some("realisations"));
-    let mut config = config_json(&outcome.config, &outcome.config.run, &left_out);
+    let mut config = config_json(outcome.config, &outcome.config.run, &left_out);
     if is_given && let Some(config) = config.as_object_mut() {
         config.remove("surface");
     }
     config
 }
 
-fn describe<'a>(spec: &TallySpec, results: &'a DirectionResults) -> Results<'a> {
-    let components = results.components.iter().enumerate();
-    let components = components.map(|(number, component)| {
-        let sides = BySide::of(|side| results.flux(spec, number, side));
-        (component.name.as_str(), sides)
+/// One direction: its fluxes by component and side, brightest bins, and lobes of single scattering next to the bins that hold their middles.
+fn describe(outcome: &GonioOutcome, direction: &Direction<'_>) -> Value {
+    let incidence = direction.case.light.incidence;
+    let mut out = json!({
+        "direction": direction.case.direction_name(),
+        "setting": direction.setting,
+        "theta_i_deg": incidence.theta_deg(),
+        "phi_i_deg": incidence.phi_deg(),
+        "results": results(direction),
+        "bins": direction.spec.grid(),
+        "peak": BySide::of(|side| Peak::of(direction, side)),
+        "lobes": direction.lobes(),
     });
-    let [absorbed, truncated, lost] = results.endings();
-    Results {
-        flux: components.collect(),
-        absorbed,
-        truncated,
-        lost,
-        surfaces: results.surfaces,
-        rays: results.rays,
-        errors_from: &results.errors_from,
+    if let Some(validity) = outcome.validity(direction) {
+        out["validity"] = json!(validity);
     }
+    out
+}
+
+/// The fluxes; `None` if the direction was not measured yet, and on a side that is not recorded.
+fn results(direction: &Direction<'_>) -> Option<Value> {
+    let outcome = direction.outcome?;
+    let flux: Map<String, Value> = components(&direction.spec)
+        .map(|component| {
+            let sides = BySide::of(|side| direction.flux(component, side));
+            (component.name().into_owned(), json!(sides))
+        })
+        .collect();
+    let [absorbed, truncated, lost] = direction.endings()?;
+    Some(json!({
+        "flux": flux,
+        "absorbed": absorbed,
+        "truncated": truncated,
+        "lost": lost,
+        "surfaces": outcome.work.realisations,
+        "rays": outcome.work.rays,
+        "errors_from": outcome.errors_from.name(),
+    }))
 }

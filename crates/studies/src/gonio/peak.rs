@@ -5,7 +5,6 @@ use asperity_tally::{BinFilter, Estimate, Side};
 use serde::Serialize;
 
 use super::Direction;
-use crate::output::{over, projected_solid_angle};
 use crate::report::disc_bins::disc_bins;
 
 /// The brightest bin of a side. Of bins that are nearly equal the one with the smallest error counts: the largest value of
@@ -22,14 +21,11 @@ pub(super) struct Peak {
 
 impl Peak {
     /// Of all light that leaves on `side`; `None` if none does, or the direction was not measured.
-    pub(super) fn of(direction: &Direction, side: Side) -> Option<Self> {
+    pub(super) fn of(direction: &Direction<'_>, side: Side) -> Option<Self> {
         let spec = &direction.spec;
         let grid = spec.grid();
-        let light = direction.results.as_ref()?.components.first()?;
-        let bins = disc_bins(spec, side).filter_map(|bin| {
-            let flux = light.bin(spec, bin)?;
-            Some((bin, over(flux, projected_solid_angle(&grid, bin))))
-        });
+        let bins = disc_bins(spec, side);
+        let bins = bins.filter_map(|bin| Some((bin, direction.bsdf(bin)?)));
         let least = |bsdf: Estimate| bsdf.mean - 2.0 * bsdf.se.unwrap_or(0.0);
         let (bin, bsdf) = bins.max_by(|(_, a), (_, b)| least(*a).total_cmp(&least(*b)))?;
         let filter = BinFilter::new(grid, side);

@@ -5,20 +5,21 @@ use std::fmt::Write;
 use asperity_simulate::counted;
 use asperity_tally::HemisphereGrid;
 
-use super::GonioOutcome;
-use super::specimen::Distinction;
-use super::tables::{Measured, measured, report};
+use super::distinction::Distinction;
+use super::tables::{measured, report};
+use super::{Direction, GonioOutcome};
 use crate::config::lobes::BinnedLobe;
 use crate::output::wrapped;
+use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
 /// The summary as text: report.txt.
 #[must_use]
 pub fn gonio_table(outcome: &GonioOutcome) -> String {
     let mut out = String::new();
-    let done = outcome.directions.len() - outcome.missing();
-    let distinction = Distinction::of(&outcome.settings);
-    let name = outcome.sample.as_ref().map(|sample| sample.name.clone());
+    let done = outcome.directions().len() - outcome.missing();
+    let distinction = Distinction::of(outcome.settings());
+    let name = outcome.sample.map(|sample| sample.name.clone());
     let head: Vec<String> = name
         .into_iter()
         .chain(Some(distinction.common.clone()).filter(|text| !text.is_empty()))
@@ -26,27 +27,27 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
     let _ = writeln!(
         out,
         "virtual gonioreflectometer: {done} of {} directions; {}",
-        outcome.directions.len(),
+        outcome.directions().len(),
         head.join(", ")
     );
-    if let Some(Measured { results, .. }) = measured(outcome).next() {
+    if let Some(found) = measured(outcome).find_map(|one| one.outcome) {
         let _ = writeln!(
             out,
             "{} bins, {} and {} rays per direction; standard errors from {}",
             bins(outcome),
-            counted(results.surfaces, "surface"),
-            results.rays,
-            results.errors_from
+            counted(found.work.realisations, "surface"),
+            found.work.rays,
+            found.errors_from
         );
     }
-    let per_setting = outcome.thetas.len() * outcome.phis.len();
-    for (number, directions) in outcome.directions.chunks(per_setting).enumerate() {
-        let label = &distinction.labels[number];
+    let directions: Vec<Direction<'_>> = outcome.directions().collect();
+    let settings = directions.chunks(outcome.per_setting());
+    for (label, directions) in distinction.labels.iter().zip(settings) {
         let _ = match label.is_empty() {
             true => writeln!(out),
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
-        out.push_str(&report(&outcome.spec).keys(2).text(directions));
+        out.push_str(&report(outcome.spec()).keys(2).text(directions));
     }
     if let Some(note) = validity_note(outcome) {
         let _ = writeln!(out, "\n{}", wrapped(&format!("note: {note}")));
@@ -63,8 +64,8 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
 /// Whether geometric optics holds, of the direction where lengths are shortest against the wavelength.
 fn validity_note(outcome: &GonioOutcome) -> Option<String> {
     let known = || {
-        let all = outcome.directions.iter();
-        all.filter_map(|direction| Some((direction, direction.validity?)))
+        let all = outcome.directions();
+        all.filter_map(|direction| Some((direction, outcome.validity(&direction)?)))
     };
     let doubtful = known()
         .filter(|(_, validity)| validity.holds == Some(false))
@@ -78,12 +79,12 @@ fn validity_note(outcome: &GonioOutcome) -> Option<String> {
         0 => String::new(),
         more => format!("; {more} other directions are doubtful"),
     };
-    Some(format!("{}: {validity}{others}", direction.name))
+    Some(format!("{}: {validity}{others}", direction.case.direction_name()))
 }
 
 /// Numbers of bins of a side: of all directions, or of that with the fewest and of that with the most.
 fn bins(outcome: &GonioOutcome) -> String {
-    let grids = outcome.directions.iter().map(|one| one.spec.grid());
+    let grids = outcome.directions().map(|one| one.spec.grid());
     let fewest = grids.clone().min_by_key(HemisphereGrid::len);
     let most = grids.max_by_key(HemisphereGrid::len);
     match (fewest, most) {
@@ -103,7 +104,7 @@ pub(super) fn labelled(title: &str, label: &str) -> String {
 
 /// What a reader of the results should know of the surface.
 pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
-    match &outcome.sample {
+    match outcome.sample {
         Some(sample) => sample.warnings.clone(),
         None if outcome.config.run.target_error.is_none()
             && outcome.config.run.realisations.0 == 1 =>
@@ -124,7 +125,7 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
         warnings.push(format!(
             "{} of {} directions are missing; the same command resumes",
             outcome.missing(),
-            outcome.directions.len()
+            outcome.directions().len()
         ));
     }
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
@@ -133,12 +134,10 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
                 .to_owned(),
         );
     }
-    for Measured {
-        direction, results, ..
-    } in measured(outcome)
-    {
-        let named = |warning: &String| format!("{}: {warning}", direction.name);
-        warnings.extend(results.warnings.iter().map(named));
+    for direction in measured(outcome) {
+        let lost = direction.statistics().and_then(lost_warning);
+        let name = direction.case.direction_name();
+        warnings.extend(lost.map(|warning| format!("{name}: {warning}")));
     }
     warnings.extend(narrow_lobes(outcome));
     warnings
@@ -146,9 +145,9 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
 
 /// That lobes are narrower than their bins: of the first such direction, and how many others there are.
 fn narrow_lobes(outcome: &GonioOutcome) -> Option<String> {
-    let mut narrow = outcome.directions.iter().filter_map(|direction| {
-        let warning = direction.lobes.iter().find_map(BinnedLobe::warning)?;
-        Some(format!("{}: {warning}", direction.name))
+    let mut narrow = outcome.directions().filter_map(|direction| {
+        let warning = direction.lobes().iter().find_map(BinnedLobe::warning)?;
+        Some(format!("{}: {warning}", direction.case.direction_name()))
     });
     let first = narrow.next()?;
     Some(match narrow.count() {

@@ -1,35 +1,20 @@
 //! The tables of a measurement: gonio.csv, in_plane.csv, bsdf.csv, and those of single directions.
 
-use crate::output::unit_of_lengths;
-use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
-use asperity_surface::LengthUnit;
-use asperity_tally::{Estimate, Side, TallySpec};
+use asperity_optics::Incidence;
+use asperity_simulate::CaseGroup;
+use asperity_tally::{Component, Estimate, Side, TallySpec};
 
+use super::components::components;
 use super::peak::Peak;
-use super::results::{MeasuredComponent, component_names};
-use super::specimen::bottom_in_words;
-use super::{Direction, DirectionResults, GonioOutcome, Specimen};
+use super::{Direction, GonioOutcome};
 use crate::output::{
-    Column, GridBin, Table, bin_centre_columns, bin_columns, grid_bin_columns, material_columns,
-    over, projected_solid_angle, solid_angle_column,
+    Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
+    solid_angle_column,
 };
 
-/// A direction that was measured.
-pub(super) struct Measured<'a> {
-    pub(super) setting: &'a Specimen,
-    pub(super) direction: &'a Direction,
-    pub(super) results: &'a DirectionResults,
-}
-
 /// The directions that were measured.
-pub(super) fn measured(outcome: &GonioOutcome) -> impl Iterator<Item = Measured<'_>> {
-    outcome.directions.iter().filter_map(|direction| {
-        Some(Measured {
-            setting: &outcome.settings[direction.setting],
-            direction,
-            results: direction.results.as_ref()?,
-        })
-    })
+pub(super) fn measured<'a>(outcome: &'a GonioOutcome<'_>) -> impl Iterator<Item = Direction<'a>> {
+    outcome.directions().filter(|one| one.outcome.is_some())
 }
 
 /// Flux into an in-plane bin that makes a BSDF of one: solid angle times mean |cos theta|, steradians.
@@ -44,14 +29,13 @@ fn component_columns<'a, R: 'a>(
     spec: &TallySpec,
     quantity: &str,
     about: &'static str,
-    value: impl Fn(&R, usize) -> Option<Estimate> + Copy + 'a,
+    value: impl Fn(&R, Component) -> Option<Estimate> + Copy + 'a,
 ) -> Vec<Column<'a, R>> {
-    let names = component_names(spec).into_iter().enumerate().skip(1);
-    let column = |(number, component)| {
-        let value = move |row: &R| value(row, number);
-        Column::estimate(format!("{quantity}_{component}"), about, value)
+    let column = |component: Component| {
+        let name = format!("{quantity}_{}", component.name());
+        Column::estimate(name, about, move |row: &R| value(row, component))
     };
-    names.map(column).collect()
+    components(spec).skip(1).map(column).collect()
 }
 
 /// The columns `theta_i_deg` and `phi_i_deg`.
@@ -72,27 +56,23 @@ fn incidence_columns<'a, R: 'a>(
 }
 
 /// directions/NAME.csv: a row per bin.
-pub(super) fn direction<'a>(
-    spec: &'a TallySpec,
-    results: &'a DirectionResults,
-) -> Table<'a, usize> {
-    let grid = spec.grid();
-    let flux =
-        move |bin: &usize, component: usize| results.components.get(component)?.bin(spec, *bin);
+pub(super) fn direction(direction: Direction<'_>) -> Table<'_, usize> {
+    let grid = direction.spec.grid();
+    let flux = move |bin: &usize, component| direction.bin(component, *bin);
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
         .column(Column::estimate("flux", "flux into the bin", move |bin| {
-            flux(bin, 0)
+            flux(bin, Component::All)
         }))
         .column(
-            Column::estimate("bsdf", "mean BSDF of the bin", move |bin| {
-                Some(over(flux(bin, 0)?, projected_solid_angle(&grid, *bin)))
+            Column::estimate("bsdf", "mean BSDF of the bin", move |bin: &usize| {
+                direction.bsdf(*bin)
             })
             .unit("1/sr"),
         )
         .columns(component_columns(
-            spec,
+            &direction.spec,
             "flux",
             "flux of a component of the light",
             flux,
@@ -100,160 +80,103 @@ pub(super) fn direction<'a>(
 }
 
 /// gonio.csv: a row per direction, with its fluxes.
-pub(super) fn directions(spec: &TallySpec, unit: LengthUnit) -> Table<'_, Measured<'_>> {
-    let name = |row: &Measured<'_>| row.direction.name.clone();
+pub(super) fn directions<'a>(outcome: &'a GonioOutcome<'_>) -> Table<'a, Direction<'a>> {
+    type Row<'a> = Direction<'a>;
+    let spec = outcome.spec();
+    let groups = [
+        CaseGroup::Surface,
+        CaseGroup::Material,
+        CaseGroup::Layer,
+        CaseGroup::Other,
+    ];
     let mut table = Table::new()
-        .column(Column::new("direction", "name of the direction", name))
-        .columns(incidence_columns(|row: &Measured<'_>| {
-            row.direction.incidence
-        }))
-        .columns(setting_columns(unit));
+        .column(Column::new(
+            "direction",
+            "name of the direction",
+            |row: &Row<'_>| row.case.direction_name(),
+        ))
+        .columns(incidence_columns(|row: &Row<'_>| row.case.light.incidence))
+        .columns(case_columns(
+            &outcome.plan.cases,
+            &groups,
+            |row: &Row<'_>| row.case,
+        ));
     for side in spec.sides() {
-        let flux = move |row: &Measured<'_>, component: usize| {
-            row.results.components.get(component)?.side(spec, side)
-        };
-        let all = move |row: &Measured<'_>| flux(row, 0);
+        let flux = move |row: &Row<'_>, component| Some(row.flux(component, side)?.estimate());
+        let name = side.to_string();
+        let about = "flux of a component of the light";
         table = table
             .column(Column::estimate(
-                side.to_string(),
+                name.clone(),
                 "flux that leaves on this side",
-                all,
+                move |row: &Row<'_>| flux(row, Component::All),
             ))
-            .columns(component_columns(
-                spec,
-                &side.to_string(),
-                "flux of a component of the light",
-                flux,
-            ));
+            .columns(component_columns(spec, &name, about, flux));
     }
     let ends = ["absorbed", "truncated", "lost"].into_iter().enumerate();
     table
         .columns(ends.map(|(i, name)| {
-            let flux = move |row: &Measured<'_>| Some(row.results.budget.estimate(i));
+            let flux = move |row: &Row<'_>| Some(row.endings()?[i].estimate());
             Column::estimate(name, "flux that ends otherwise", flux)
         }))
-        .column(Column::new("surfaces", "surfaces", |row: &Measured<'_>| {
-            row.results.surfaces
+        .column(Column::new("surfaces", "surfaces", |row: &Row<'_>| {
+            row.outcome.map(|found| found.work.realisations)
         }))
         .column(Column::new(
             "rays",
             "rays over all surfaces",
-            |row: &Measured<'_>| row.results.rays,
+            |row: &Row<'_>| row.outcome.map(|found| found.work.rays),
         ))
         .column(Column::new(
             "errors_from",
             "what the standard errors come from",
-            |row: &Measured<'_>| row.results.errors_from.clone(),
+            |row: &Row<'_>| row.outcome.map(|found| found.errors_from.name()),
         ))
-}
-
-/// What light falls on: smoothness, material and medium.
-fn setting_columns<'a>(unit: LengthUnit) -> Vec<Column<'a, Measured<'a>>> {
-    type Row<'a> = Measured<'a>;
-    fn medium(row: &Row<'_>) -> Option<ParticipatingMedium> {
-        row.setting.layer.map(|layer| layer.medium())
-    }
-    fn slab(row: &Row<'_>) -> Option<Slab> {
-        row.setting.layer.and_then(|layer| layer.end())
-    }
-    // That of a clear medium is infinite, which no field holds.
-    let mean_free_path = |row: &Row<'_>| {
-        let path = medium(row).map(|medium| medium.mean_free_path());
-        path.filter(|path| path.is_finite())
-    };
-    let mut columns = vec![Column::new(
-        "s",
-        "smoothness tau / sigma",
-        |row: &Row<'_>| row.setting.smoothness,
-    )];
-    columns.extend(material_columns(|row: &Row<'_>| row.setting.material));
-    columns.extend([
-        Column::new(
-            "mean_free_path",
-            "mean free path in the medium",
-            mean_free_path,
-        )
-        .unit(unit_of_lengths(unit)),
-        Column::new("albedo", "single-scattering albedo", |row: &Row<'_>| {
-            medium(row).map(|medium| medium.albedo())
-        }),
-        Column::new("phase", "phase function", |row: &Row<'_>| {
-            medium(row).map(|medium| phase_name(medium.phase()))
-        }),
-        Column::new("g", "mean cosine of the phase function", |row: &Row<'_>| {
-            medium(row).map(|medium| medium.phase().mean_cosine())
-        }),
-        Column::new("thickness", "thickness of the layer", |row: &Row<'_>| {
-            slab(row).map(|slab| slab.thickness)
-        })
-        .unit(unit_of_lengths(unit)),
-        Column::new("bottom", "what the layer ends on", |row: &Row<'_>| {
-            slab(row).map(|slab| bottom_in_words(slab.bottom))
-        }),
-    ]);
-    columns
-}
-
-const fn phase_name(phase: PhaseFunction) -> &'static str {
-    match phase {
-        PhaseFunction::Isotropic => "isotropic",
-        PhaseFunction::Rayleigh => "rayleigh",
-        _ => "henyey-greenstein",
-    }
 }
 
 /// A bin of the in-plane slice of a direction.
 pub(super) struct InPlaneBin<'a> {
-    measured: Measured<'a>,
+    direction: Direction<'a>,
     side: Side,
     bin: usize,
 }
 
 /// The in-plane bins of all directions.
-pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPlaneBin<'_>> {
-    measured(outcome).flat_map(
-        move |Measured {
-                  setting,
-                  direction,
-                  results,
-              }| {
-            let spec = &direction.spec;
-            spec.sides().flat_map(move |side| {
-                (0..spec.in_plane_filter(side).len()).map(move |bin| InPlaneBin {
-                    measured: Measured {
-                        setting,
-                        direction,
-                        results,
-                    },
-                    side,
-                    bin,
-                })
+pub(super) fn in_plane_bins<'a>(
+    outcome: &'a GonioOutcome<'_>,
+) -> impl Iterator<Item = InPlaneBin<'a>> {
+    measured(outcome).flat_map(|direction| {
+        let spec = direction.spec;
+        spec.sides().flat_map(move |side| {
+            (0..spec.in_plane_len()).map(move |bin| InPlaneBin {
+                direction,
+                side,
+                bin,
             })
-        },
-    )
+        })
+    })
 }
 
 /// in_plane.csv: the BSDF in the plane of incidence, a row per direction, side and signed angle.
 pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
     type Row<'a> = InPlaneBin<'a>;
-    let bsdf = move |row: &Row<'_>, component: usize| {
-        let component: &MeasuredComponent = row.measured.results.components.get(component)?;
-        let spec = &row.measured.direction.spec;
-        let flux = component.in_plane(spec, row.side, row.bin)?;
-        Some(over(flux, projected_in_plane(spec, row.side, row.bin)))
+    let bsdf = move |row: &Row<'_>, component| {
+        let flux = row.direction.in_plane(component, row.side, row.bin)?;
+        let projected = projected_in_plane(&row.direction.spec, row.side, row.bin);
+        Some(over(flux, projected))
     };
     let edges = move |row: &Row<'_>| {
-        let filter = row.measured.direction.spec.in_plane_filter(row.side);
+        let filter = row.direction.spec.in_plane_filter(row.side);
         filter.theta_deg(row.bin)
     };
     Table::new()
         .column(Column::new(
             "direction",
             "name of the direction",
-            |row: &Row<'_>| row.measured.direction.name.clone(),
+            |row: &Row<'_>| row.direction.case.direction_name(),
         ))
         .columns(incidence_columns(|row: &Row<'_>| {
-            row.measured.direction.incidence
+            row.direction.case.light.incidence
         }))
         .column(Column::new(
             "side",
@@ -273,7 +196,10 @@ pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
             .unit("deg"),
         )
         .column(
-            Column::estimate("bsdf", "mean BSDF of the bin", move |row| bsdf(row, 0)).unit("1/sr"),
+            Column::estimate("bsdf", "mean BSDF of the bin", move |row| {
+                bsdf(row, Component::All)
+            })
+            .unit("1/sr"),
         )
         .columns(component_columns(
             spec,
@@ -285,34 +211,24 @@ pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
 
 /// A bin of a direction.
 pub(super) struct DirectionBin<'a> {
-    direction: &'a Direction,
-    results: &'a DirectionResults,
+    direction: Direction<'a>,
     bin: usize,
 }
 
 /// The bins of all directions.
-pub(super) fn direction_bins(outcome: &GonioOutcome) -> impl Iterator<Item = DirectionBin<'_>> {
-    measured(outcome).flat_map(
-        |Measured {
-             direction, results, ..
-         }| {
-            direction.spec.recorded_bins().map(move |bin| DirectionBin {
-                direction,
-                results,
-                bin,
-            })
-        },
-    )
+pub(super) fn direction_bins<'a>(
+    outcome: &'a GonioOutcome<'_>,
+) -> impl Iterator<Item = DirectionBin<'a>> {
+    measured(outcome).flat_map(|direction| {
+        let bins = direction.spec.recorded_bins();
+        bins.map(move |bin| DirectionBin { direction, bin })
+    })
 }
 
 /// bsdf.csv: all directions of light and of bins in one table, for renderers.
 pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
     type Row<'a> = DirectionBin<'a>;
-    let bsdf = move |row: &Row<'_>| {
-        let spec = &row.direction.spec;
-        let flux = row.results.components[0].bin(spec, row.bin)?;
-        Some(over(flux, projected_solid_angle(&spec.grid(), row.bin)))
-    };
+    let bsdf = |row: &Row<'_>| row.direction.bsdf(row.bin);
     let bin = |row: &Row<'_>| GridBin {
         grid: row.direction.spec.grid(),
         number: row.bin,
@@ -323,37 +239,32 @@ pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
             "number of the setting",
             |row: &Row<'_>| row.direction.setting,
         ))
-        .columns(incidence_columns(|row: &Row<'_>| row.direction.incidence))
+        .columns(incidence_columns(|row: &Row<'_>| {
+            row.direction.case.light.incidence
+        }))
         .columns(grid_bin_columns(bin))
         .columns(bin_centre_columns(bin))
         .column(Column::estimate("bsdf", "mean BSDF of the bin", bsdf).unit("1/sr"))
 }
 
 /// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.
-pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
-    let flux = move |side: Side, component: usize| {
-        move |row: &Direction| row.results.as_ref()?.flux(spec, component, side)
-    };
+pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
+    type Row<'a> = Direction<'a>;
+    let incidence = |row: &Row<'_>| row.case.light.incidence;
     let mut table = Table::new()
-        .column(Column::new("theta", "", |row: &Direction| {
-            row.incidence.theta_deg()
-        }))
-        .column(Column::new("phi", "", |row: &Direction| {
-            row.incidence.phi_deg()
-        }));
+        .column(Column::new("theta", "", move |row| incidence(row).theta_deg()))
+        .column(Column::new("phi", "", move |row| incidence(row).phi_deg()));
     for side in spec.sides() {
         let shown = match side {
             Side::Reflected => usize::MAX,
             Side::Transmitted => 1,
         };
-        let components = component_names(spec).into_iter().enumerate().take(shown);
-        table = table.columns(components.map(|(component, name)| {
-            let name = if component == 0 {
-                side.to_string()
-            } else {
-                name.to_string()
+        table = table.columns(components(spec).take(shown).map(|component| {
+            let name = match component {
+                Component::All => side.to_string(),
+                component => component.name().into_owned(),
             };
-            Column::estimate(name, "", flux(side, component))
+            Column::estimate(name, "", move |row: &Row<'_>| row.flux(component, side))
         }));
     }
     for side in spec.sides() {
@@ -361,16 +272,14 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
             Side::Reflected => "BRDF peak (1/sr)",
             Side::Transmitted => "BTDF peak (1/sr)",
         };
-        let bsdf = move |row: &Direction| Some(Peak::of(row, side)?.bsdf);
-        let place = move |row: &Direction| Some(Peak::of(row, side)?.place());
+        let bsdf = move |row: &Row<'_>| Some(Peak::of(row, side)?.bsdf);
+        let place = move |row: &Row<'_>| Some(Peak::of(row, side)?.place());
         table = table
             .column(Column::estimate(name, "", bsdf))
             .column(Column::new("at theta, phi", "", place));
     }
     let ends = ["absorbed", "truncated"].into_iter().enumerate();
     table.columns(ends.map(|(i, name)| {
-        Column::estimate(name, "", move |row: &Direction| {
-            Some(row.results.as_ref()?.endings()[i])
-        })
+        Column::estimate(name, "", move |row: &Row<'_>| Some(row.endings()?[i]))
     }))
 }

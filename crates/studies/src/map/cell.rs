@@ -95,7 +95,7 @@ pub struct CellModel {
     pub all: CellDistances,
 }
 
-/// All that was found in a cell: what its file holds.
+/// All that was found in a cell, as the result file keeps it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellResults {
     /// Surfaces.
@@ -292,37 +292,6 @@ impl CellResults {
             .map(|rays| UNOBSERVED_RAYS / *rays as f64)
             .sum()
     }
-
-    /// Whether all numbers are what a run can find.
-    pub(super) fn is_sound(&self) -> bool {
-        let flux = |x: f64| x.is_finite() && x.abs() < 1e3;
-        let error = |x: Option<f64>| x.is_none_or(|x| x.is_finite() && x >= 0.0);
-        let peak = |peak: &PeakDifference| {
-            error(peak.se_deg)
-                && error(Some(peak.unresolved_deg))
-                && error(Some(peak.half_width_deg))
-                && peak.explicit_deg.abs() <= 90.0
-                && peak.model_deg.abs() <= 90.0
-        };
-        let side = |side: &CellSide| {
-            flux(side.explicit)
-                && flux(side.model)
-                && (side.explicit - side.model - side.difference).abs() < 1e-9
-                && error(side.difference_se)
-                && error(Some(side.mesh))
-                && side.peak.as_ref().is_none_or(peak)
-        };
-        let distances = |d: &CellDistances| {
-            d.total_variation >= 0.0
-                && flux(d.total_variation)
-                && error(d.noise_95)
-                && error(Some(d.mesh))
-                && d.sides.iter().all(side)
-        };
-        let traced = self.deviation_bound.is_some() || (self.surfaces > 0 && self.rays > 0);
-        let models = |m: &CellModel| distances(&m.own) && distances(&m.all);
-        traced && flux(self.lost) && error(self.deviation_bound) && self.models.iter().all(models)
-    }
 }
 
 /// The distances of one model over one component of the light.
@@ -334,7 +303,8 @@ fn distances(
 ) -> CellDistances {
     let compared = model.compared(component).unwrap_or(&model.total);
     let mesh = |entry: Entry| case.outcome.errors.at(entry).mesh.map_or(0.0, f64::abs);
-    let transmits = case.case.material.transmitting_index().is_some();
+    let material = case.outcome.case.material;
+    let transmits = material.transmitting_index().is_some();
     let bins = spec.recorded_entries(component);
     let total = compared.comparison.total_variation;
     let noise_95 = match case.outcome.deviation_bound {

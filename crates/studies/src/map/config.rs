@@ -6,13 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::default_models::Described;
 use crate::config::error::ConfigError;
-use crate::config::sweep::SweptCase;
-use crate::config::sweep_case::SweepCase;
 use crate::config::values::Number;
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, MaterialKind, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
+use crate::plan::Plan;
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;
 
@@ -52,13 +51,6 @@ pub struct MapConfig {
     pub output: OutputConfig,
 }
 
-/// One cell: a case, and the verification that fills it.
-#[derive(Clone, Debug)]
-pub(super) struct CellPlan {
-    pub(super) case: SweepCase,
-    pub(super) config: VerifyConfig,
-}
-
 impl Default for MapConfig {
     fn default() -> Self {
         defaults(Command::Map)
@@ -87,29 +79,20 @@ impl MapConfig {
         described.choose(&mut self.compare, document);
     }
 
-    /// Checks everything that can be known before a ray is traced.
+    /// The cells, checked as far as it can be before a ray is traced.
     ///
     /// # Errors
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
-    pub fn check(&self) -> Result<(), VerifyError> {
-        let cells = self.cells()?;
-        let settings = self.run.ray_settings()?;
-        check_results(&settings.tally, self.run.realisations.0, 1, settings.refine)?;
-        cells
-            .iter()
-            .try_for_each(|cell| cell.config.check_surfaces())
+    pub fn plan(&self) -> Result<Plan, VerifyError> {
+        let verification = self.as_verification()?;
+        let plan = verification.plan()?;
+        let (spec, refine) = (&plan.settings.tally, plan.settings.refine);
+        check_results(spec, self.run.realisations.0, 1, refine)?;
+        Ok(plan)
     }
 
-    /// How many cells there are.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn count(&self) -> Result<usize, ConfigError> {
-        self.cells().map(|cells| cells.len())
-    }
-
-    /// The cells, in the order of [`VerifyConfig::cases`].
-    pub(super) fn cells(&self) -> Result<Vec<CellPlan>, ConfigError> {
+    /// The verification that fills all cells.
+    pub(super) fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
         if self.run.polarisation == Polarisation::Mueller {
             return Err(ConfigError::MapOfMatrices);
         }
@@ -129,126 +112,14 @@ impl MapConfig {
                 return Err(ConfigError::Tolerance { name, tolerance });
             }
         }
-        let all = VerifyConfig {
+        Ok(VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
             medium: None,
             light: self.light.clone(),
-            run: RunConfig {
-                // The time is that of the map.
-                max_time: None,
-                ..self.run.clone()
-            },
+            run: self.run.clone(),
             compare: self.compare.clone(),
             output: OutputConfig { plots: true },
-        };
-        let cells = all.sweep()?.cases.into_iter();
-        let cells = cells.map(|SweptCase { case, config }| CellPlan { case, config });
-        Ok(cells.collect())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_cell_is_the_configuration_of_its_case_alone() {
-        for text in [
-            "[surface]\nsmoothness = [6, 3, 1]\n[material]\neta = [1.4, \"1/1.4\"]\n[light]\ntheta = [0, 30]",
-            "[surface]\nsigma = [3, 7]\n[material]\nkind = \"mirror\"\n[light]\ntheta = [0, 30, 40]",
-            "[light]\ntheta = 20\n[material]\nkind = \"conductor\"\neta = [0.2, 0.3]\nkappa = 3",
-            "",
-        ] {
-            let config = MapConfig::from_toml(text).unwrap();
-            let cells = config.cells().unwrap();
-            let all = VerifyConfig::from_toml(text).unwrap().cases().unwrap();
-            assert_eq!(cells.len(), all.len());
-            for (cell, case) in cells.iter().zip(all) {
-                assert_eq!(cell.case, case);
-                assert_eq!(cell.config.cases().unwrap(), [case]);
-            }
-        }
-    }
-
-    /// Defaults can be run: of every structure, material and medium.
-    #[test]
-    fn default_models_describe_their_surfaces() {
-        let structures = [
-            "pits",
-            "caps",
-            "v-grooves",
-            "sine-grooves",
-            "blazed-grooves",
-            "scratches",
-            "cracks",
-            "pyramids",
-            "inverted-pyramids",
-        ];
-        let structures =
-            structures.map(|name| format!("[surface]\nstructure = \"{name}\"\nsize = 384\n"));
-        let spectra = [
-            "",
-            "[surface]\ntau_y = 8\n",
-            "[surface]\npsd = \"exponential\"\ncut_off = 4\ntau_y = 32\n",
-        ];
-        for surface in structures.into_iter().chain(spectra.map(str::to_owned)) {
-            let of = |rest: &str| format!("{surface}{rest}");
-            let verify = |rest: &str| {
-                let config = VerifyConfig::from_toml(&of(rest)).unwrap();
-                config.cases().map(|_| config.compare.models).unwrap()
-            };
-            let map = |rest: &str| {
-                let config = MapConfig::from_toml(&of(rest)).unwrap();
-                config.count().map(|_| config.compare.models)
-            };
-            let glass = verify("");
-            assert!(glass.contains(&"smith".to_owned()), "{surface}");
-            assert_eq!(map("").unwrap(), glass, "{surface}");
-            let white = "[material]\nkind = \"lambertian\"\nreflectance = 0.8";
-            match (verify(white), map(white)) {
-                (models, Ok(of_map)) => {
-                    assert_eq!([models, of_map], [["oren-nayar"], ["oren-nayar"]])
-                }
-                (models, Err(error)) => {
-                    assert!(models.is_empty(), "{surface}");
-                    assert!(error.to_string().contains("no model"), "{surface}: {error}");
-                }
-            }
-            assert_eq!(
-                verify("[medium]\nscattering = 1"),
-                ["flat-layer"],
-                "{surface}"
-            );
-        }
-    }
-
-    #[test]
-    fn bad_values_get_a_sentence() {
-        for (text, expected) in [
-            ("[map]\nenergie = 1", "energie"),
-            ("[map]\nenergy = 0", "energy = 0: must be a number above 0"),
-            ("[map]\npeak = -1", "peak = -1: must be a number above 0"),
-            (
-                "[map]\ntotal_variation = nan",
-                "total_variation = nan: must be a number above 0",
-            ),
-            ("[compare]\nmodels = []", "needs models"),
-            (
-                "[compare]\nlevel = 0.05",
-                "compare.level is for trace and verify, not for map",
-            ),
-            ("[compare]\nmodels = [\"ggx\"]", "ggx"),
-            ("[surface]\nsmoothness = []", "one or several"),
-            ("[surface]\nsmoothness = [3, 3]", "same folder"),
-            ("[run]\ntarget_error = 1e-3\nrays = 1e5", "excludes"),
-        ] {
-            let error = MapConfig::from_toml(text)
-                .and_then(|config| config.cells().map(|_| ()))
-                .unwrap_err()
-                .to_string();
-            assert!(error.contains(expected), "{text}: {error}");
-            assert!(!error.contains('\n'), "{error}");
-        }
+        })
     }
 }

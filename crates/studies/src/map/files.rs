@@ -1,17 +1,14 @@
 //! The files of a map: map.csv, two plots, report.txt and summary.json.
 
-use asperity_simulate::short;
-
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
+use asperity_simulate::{material_text, short};
 
 use super::cell::ComparedLight;
 use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::summary::{grooves, map_table, materials, smoothness, thetas};
-use super::{FOLDER, MapConfig, MapOutcome, tables};
-use crate::config::case_text::material_text;
-use crate::config::error::ConfigError;
+use super::{MapConfig, MapOutcome, tables};
 use crate::output::{Place, figure_files};
 use crate::report::error::ReportError;
 use crate::report::figures;
@@ -23,13 +20,10 @@ use crate::report::figures;
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), ReportError> {
-    folder.claim_all(
-        results(outcome.config.output.plots)
-            .iter()
-            .map(String::as_str),
-    )?;
+    let files = outcome.config.files();
+    folder.claim_all(files.iter().map(String::as_str))?;
     let place = Place::root(folder);
-    tables::map(outcome.config.run.polarisation)
+    tables::map(outcome)
         .write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
     if outcome.config.output.plots {
         for light in ComparedLight::BOTH {
@@ -42,31 +36,18 @@ pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), Rep
     Ok(())
 }
 
-/// Names of the files of a map, checkpoints aside.
-fn results(plots: bool) -> Vec<String> {
-    let mut names = ["map.csv", "report.txt", "summary.json"]
-        .map(str::to_owned)
-        .to_vec();
-    if plots {
-        names.extend(
-            ComparedLight::BOTH
-                .iter()
-                .flat_map(|light| figure_files(&format!("map_{}", light.name()))),
-        );
-    }
-    names
-}
-
 impl MapConfig {
     /// Names of all files that a map writes into its folder.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
-        let mut names = results(self.output.plots);
-        let cells = self.cells()?.into_iter();
-        names.extend(cells.map(|cell| format!("{FOLDER}/{}.json", cell.case.folder())));
-        Ok(names)
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let mut names = ["map.csv", "report.txt", "summary.json"]
+            .map(str::to_owned)
+            .to_vec();
+        if self.output.plots {
+            let figures = ComparedLight::BOTH.iter();
+            names.extend(figures.flat_map(|light| figure_files(&format!("map_{}", light.name()))));
+        }
+        names
     }
 }
 
@@ -80,12 +61,12 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
         for model in 0..models.len() {
             for s in &smoothness {
                 for theta in &thetas {
-                    let here = outcome.cells.iter().find(|cell| {
+                    let here = outcome.cells().find(|cell| {
                         cell.case.material == *material
-                            && cell.case.smoothness == *s
-                            && cell.case.incidence.theta_deg() == *theta
+                            && cell.case.at.smoothness == Some(*s)
+                            && cell.case.light.incidence.theta_deg() == *theta
                     });
-                    let results = here.and_then(|cell| cell.results.as_ref());
+                    let results = here.and_then(|cell| cell.results);
                     cells.push(results.and_then(|results| {
                         let of_model = results.models.get(model)?;
                         let judged = results.judge(of_model, light, &outcome.config.map);

@@ -1,15 +1,14 @@
 //! Summary of a map: from which smoothness on a model is within tolerance, and its numbers of cells.
 
-use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_optics::Material;
+use asperity_simulate::{Case, material_text, short};
 use serde::Serialize;
 
 use super::MapOutcome;
-use super::cell::{ComparedLight, FEWEST_SURFACES};
+use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
-use crate::config::case_text::material_text;
 use crate::output::{Column, Table, wrapped};
 
 /// What the map says of one model on one material, in one comparison.
@@ -30,20 +29,20 @@ pub struct ModelSummary {
 
 /// The materials of a map, each once, in its order.
 pub(super) fn materials(outcome: &MapOutcome) -> Vec<Material> {
-    each_once(outcome.cells.iter().map(|cell| cell.case.material))
+    each_once(outcome.plan.cases.iter().map(|case| case.material))
 }
 
 /// The angles of a map in degrees, ascending.
 pub(super) fn thetas(outcome: &MapOutcome) -> Vec<f64> {
-    let of_cell = |cell: &super::MapCell| cell.case.incidence.theta_deg();
-    let mut thetas = each_once(outcome.cells.iter().map(of_cell));
+    let cases = outcome.plan.cases.iter();
+    let mut thetas = each_once(cases.map(|case| case.light.incidence.theta_deg()));
     thetas.sort_by(f64::total_cmp);
     thetas
 }
 
 /// Its smoothness values, rough to smooth.
 pub(super) fn smoothness(outcome: &MapOutcome) -> Vec<f64> {
-    let mut values = each_once(outcome.cells.iter().map(|cell| cell.case.smoothness));
+    let mut values = each_once(outcome.plan.cases.iter().filter_map(|case| case.at.smoothness));
     values.sort_by(f64::total_cmp);
     values
 }
@@ -97,21 +96,16 @@ fn verdicts(
     light: ComparedLight,
     model: usize,
 ) -> Vec<PlacedVerdict> {
-    let of_material = |cell: &&super::MapCell| cell.case.material == material;
-    outcome
-        .cells
-        .iter()
-        .filter(of_material)
-        .filter_map(|cell| {
-            let results = cell.results.as_ref()?;
-            let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
-            Some(PlacedVerdict {
-                smoothness: cell.case.smoothness,
-                theta_deg: cell.case.incidence.theta_deg(),
-                verdict: judged.verdict,
-            })
+    let here = outcome.found().filter(|(case, _)| case.material == material);
+    let verdict = |(case, results): (&Case, &CellResults)| {
+        let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
+        Some(PlacedVerdict {
+            smoothness: case.at.smoothness?,
+            theta_deg: case.light.incidence.theta_deg(),
+            verdict: judged.verdict,
         })
-        .collect()
+    };
+    here.filter_map(verdict).collect()
 }
 
 /// The least smoothness from which all cells up to `theta` are there and within tolerance.
@@ -133,24 +127,27 @@ fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> 
 
 /// What `s` stands for on anisotropic surfaces, which are all of one shape.
 pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
-    let [ratio, azimuth] = outcome.cells.first()?.case.recipe.anisotropy()?;
+    let recipe = outcome.plan.cases.first()?.surface.recipe()?;
+    let [ratio, azimuth] = recipe.anisotropy()?;
     Some(format!(
         "s along the first axis, at {} deg from x; across it s is {} times as large",
         short(azimuth.to_degrees()),
         short(ratio)
     ))
 }
+
 /// The summary as text: report.txt.
 #[must_use]
 pub fn map_table(outcome: &MapOutcome) -> String {
     let mut out = String::new();
     let tolerances = &outcome.config.map;
     let list = |values: Vec<f64>| values.into_iter().map(short).collect::<Vec<_>>().join(", ");
-    let done = outcome.cells.len() - outcome.missing();
+    let (all, missing) = (outcome.results.len(), outcome.missing());
+    let done = all - missing;
     let _ = writeln!(
         out,
         "validity map: {done} of {} cells; s = {}; theta = {} deg",
-        outcome.cells.len(),
+        all,
         list(smoothness(outcome)),
         list(thetas(outcome)),
     );
@@ -183,7 +180,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
 }
 
 /// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
-fn table(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
+fn table<'a>(outcome: &MapOutcome<'_>) -> Table<'a, ModelSummary> {
     let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
         let heading = match i {
             0 => format!("{} deg", short(theta)),
@@ -210,17 +207,12 @@ fn table(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
 /// What a reader of the map should know.
 pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
     let mut warnings = Vec::new();
-    let results = || {
-        outcome
-            .cells
-            .iter()
-            .filter_map(|cell| cell.results.as_ref())
-    };
+    let results = || outcome.results.iter().flatten();
     if outcome.missing() > 0 {
         warnings.push(format!(
             "{} of {} cells are missing; the same command resumes",
             outcome.missing(),
-            outcome.cells.len()
+            outcome.results.len()
         ));
     }
     let few = |r: &super::CellResults| r.deviation_bound.is_none() && r.surfaces < FEWEST_SURFACES;

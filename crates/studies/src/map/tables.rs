@@ -1,18 +1,19 @@
 //! The table of a map: map.csv.
 
+use asperity_simulate::{Case, CaseGroup};
 use asperity_tally::Side;
 use asperity_tracer::Polarisation;
 
 use super::cell::{
     CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
 };
-use super::{MapCell, MapOutcome};
+use super::MapOutcome;
 use crate::comparison::peak::PeakDifference;
-use crate::output::{Cell, Column, Table, material_columns};
+use crate::output::{Cell, Column, Table, case_columns};
 
 /// One model in one cell in one comparison, with its judgement.
 pub(super) struct JudgedModel<'a> {
-    cell: &'a MapCell,
+    case: &'a Case,
     results: &'a CellResults,
     model: &'a CellModel,
     light: ComparedLight,
@@ -31,19 +32,14 @@ impl JudgedModel<'_> {
 }
 
 /// Each cell, model and comparison that was found.
-pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'_>> {
-    let models = outcome.cells.iter().flat_map(|cell| {
-        let results = cell.results.iter();
-        results.flat_map(move |results| {
-            results
-                .models
-                .iter()
-                .map(move |model| (cell, results, model))
-        })
+pub(super) fn judged<'a>(outcome: &'a MapOutcome<'_>) -> impl Iterator<Item = JudgedModel<'a>> {
+    let models = outcome.found().flat_map(|(case, results)| {
+        let models = results.models.iter();
+        models.map(move |model| (case, results, model))
     });
-    models.flat_map(|(cell, results, model)| {
+    models.flat_map(|(case, results, model)| {
         ComparedLight::BOTH.map(|light| JudgedModel {
-            cell,
+            case,
             results,
             model,
             light,
@@ -53,21 +49,17 @@ pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'
 }
 
 /// map.csv: a row per cell, model and comparison.
-pub(super) fn map<'a>(polarisation: Polarisation) -> Table<'a, JudgedModel<'a>> {
+pub(super) fn map<'a>(outcome: &'a MapOutcome<'_>) -> Table<'a, JudgedModel<'a>> {
     type Row<'a> = JudgedModel<'a>;
+    let groups = [
+        CaseGroup::Surface,
+        CaseGroup::Material,
+        CaseGroup::Other,
+        CaseGroup::Light,
+    ];
+    let cases = &outcome.plan.cases;
     let mut table = Table::new()
-        .column(Column::new(
-            "s",
-            "smoothness tau / sigma",
-            |row: &Row<'_>| row.cell.case.smoothness,
-        ))
-        .columns(material_columns(|row: &Row<'_>| row.cell.case.material))
-        .column(
-            Column::new("theta_deg", "polar angle of the light", |row: &Row<'_>| {
-                row.cell.case.incidence.theta_deg()
-            })
-            .unit("deg"),
-        )
+        .columns(case_columns(cases, &groups, |row: &Row<'_>| row.case))
         .column(Column::new(
             "model",
             "name of the model",
@@ -100,7 +92,7 @@ pub(super) fn map<'a>(polarisation: Polarisation) -> Table<'a, JudgedModel<'a>> 
             .columns(energy_columns(side))
             .columns(peak_columns(side));
     }
-    if polarisation == Polarisation::Both {
+    if outcome.config.run.polarisation == Polarisation::Both {
         table = table.columns(Side::BOTH.map(averaging_column));
     }
     table

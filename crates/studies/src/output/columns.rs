@@ -1,7 +1,8 @@
 //! Columns that several tables share: bins of the hemispheres, materials, fluxes.
 
-use asperity_optics::Material;
+use asperity_simulate::{Case, CaseColumn, CaseGroup};
 use asperity_tally::{BinFilter, Estimate, HemisphereGrid, Side};
+use serde_json::Value;
 
 use super::table::{Cell, Column};
 
@@ -119,29 +120,24 @@ pub(crate) fn over(estimate: Estimate, divisor: f64) -> Estimate {
     }
 }
 
-/// The columns `material`, `eta` and `kappa`.
-pub(crate) fn material_columns<'a, R: 'a>(
-    material: impl Fn(&R) -> Material + Copy + 'a,
-) -> [Column<'a, R>; 3] {
-    let kind = move |row: &R| match material(row) {
-        Material::Dielectric { .. } => "dielectric",
-        Material::Conductor { .. } => "conductor",
-        Material::Lambertian { .. } => "lambertian",
-        _ => "mirror",
+/// The columns that describe cases by the quantities of `groups`.
+pub(crate) fn case_columns<'a, R: 'a>(
+    cases: &[Case],
+    groups: &[CaseGroup],
+    case: impl Fn(&R) -> &Case + Copy + 'a,
+) -> Vec<Column<'a, R>> {
+    let first = cases.first().map(Case::columns).unwrap_or_default();
+    let shown = first.into_iter().enumerate();
+    let shown = shown.filter(|(_, column)| groups.contains(&column.group));
+    let column = move |(place, of): (usize, CaseColumn)| {
+        let value = move |row: &R| match case(row).columns().swap_remove(place).value {
+            Value::Null => Cell::Empty,
+            Value::String(text) => Cell::Text(text.into()),
+            value => value.as_f64().map_or(Cell::Empty, Cell::Number),
+        };
+        Column::new(of.name, of.about, value).unit(of.unit)
     };
-    let eta = move |row: &R| match material(row) {
-        Material::Dielectric { eta } | Material::Conductor { eta, .. } => Some(eta),
-        _ => None,
-    };
-    let kappa = move |row: &R| match material(row) {
-        Material::Conductor { kappa, .. } => Some(kappa),
-        _ => None,
-    };
-    [
-        Column::new("material", "kind of material", kind),
-        Column::new("eta", "relative index of refraction", eta),
-        Column::new("kappa", "relative extinction coefficient", kappa),
-    ]
+    shown.map(column).collect()
 }
 
 /// A number of rays, as counted per incident ray times incident rays: whole but for rounding, unless the rays

@@ -2,6 +2,7 @@
 
 use asperity_io::Build;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// Form of the files; another number is another form.
 const SCHEMA: u32 = 2;
@@ -22,6 +23,13 @@ impl Head {
             schema: SCHEMA,
             command,
             build: Build::current(),
+        }
+    }
+
+    /// Puts its keys into a summary, which is an object.
+    pub(crate) fn insert_into(&self, summary: &mut Value) {
+        if let (Some(summary), Value::Object(head)) = (summary.as_object_mut(), json!(self)) {
+            summary.extend(head);
         }
     }
 }

@@ -100,7 +100,7 @@ pub(crate) struct Column<'a, R> {
     name: Cow<'a, str>,
     kind: Kind,
     unit: Cow<'a, str>,
-    about: &'static str,
+    about: Cow<'a, str>,
     heading: Option<Cow<'a, str>>,
     format: Format,
     value: Box<dyn Fn(&R) -> Cell + 'a>,
@@ -110,14 +110,14 @@ impl<'a, R> Column<'a, R> {
     /// A column of values. `name`: header in CSV and key in JSON; `about`: its description.
     pub(crate) fn new<C: Into<Cell>>(
         name: impl Into<Cow<'a, str>>,
-        about: &'static str,
+        about: impl Into<Cow<'a, str>>,
         value: impl Fn(&R) -> C + 'a,
     ) -> Self {
         Self {
             name: name.into(),
             kind: Kind::Value,
             unit: Cow::Borrowed(""),
-            about,
+            about: about.into(),
             heading: None,
             format: Format::Short,
             value: Box::new(move |row| value(row).into()),
@@ -127,7 +127,7 @@ impl<'a, R> Column<'a, R> {
     /// A column of means with standard errors, which take the columns `name` and `name_se` of a CSV file.
     pub(crate) fn estimate<E: Into<Cell>>(
         name: impl Into<Cow<'a, str>>,
-        about: &'static str,
+        about: impl Into<Cow<'a, str>>,
         value: impl Fn(&R) -> Option<E> + 'a,
     ) -> Self {
         Self {
@@ -290,7 +290,7 @@ impl<'a, R> Table<'a, R> {
         let describe = |column: &Column<'a, R>| {
             let unit = Some(&column.unit).filter(|unit| !unit.is_empty());
             let entry = |name: &str, about: &str| json!({ "name": name, "unit": unit, "description": about });
-            let value = entry(&column.name, column.about);
+            let value = entry(&column.name, &column.about);
             match column.kind {
                 Kind::Value => vec![value],
                 Kind::Estimate => {

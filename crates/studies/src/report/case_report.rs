@@ -37,7 +37,7 @@ pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<Strin
     if is_tracked && models.any(|model| matches!(model.model, CaseModel::Layer(_))) {
         warnings.push(AVERAGED_LAYERS.to_owned());
     }
-    let left_out = outcome.left_out.len();
+    let left_out = outcome.left_out();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
         warnings.push(format!(
@@ -66,7 +66,7 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
 pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     let mut out = String::new();
     let [nx, ny] = case.size();
-    let _ = writeln!(out, "{}", case.case);
+    let _ = writeln!(out, "{}", case.outcome.case.label());
     let _ = match case.outcome.deviation_bound {
         Some(bound) => writeln!(
             out,
@@ -84,7 +84,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     if let Some(line) = case
         .stopping
         .as_ref()
-        .and_then(|stopping| stopping.line(case.case.unit))
+        .and_then(|stopping| stopping.line(case.outcome.case.at.unit))
     {
         let _ = writeln!(out, "{}", wrapped(&line));
     }
@@ -102,7 +102,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
-    if let Some(validity) = case.validity(&outcome.config) {
+    if let Some(validity) = case.validity(outcome.config) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {validity}")));
     }
     for warning in warnings(outcome, case) {
@@ -158,7 +158,8 @@ fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     if case.cells() == Some(Cells::Smooth) {
         return "cells are smooth, with the slope variance of the continuous surface".to_owned();
     }
-    if case.case.recipe.structured().is_some() {
+    let recipe = case.outcome.case.surface.recipe();
+    if recipe.is_some_and(|recipe| recipe.structured().is_some()) {
         return "cells are flat, cut where edges of the structure pass between samples".to_owned();
     }
     let [dx, dy] = case.spacing();
@@ -182,7 +183,7 @@ struct FluxRow {
 fn flux_table(case: &CaseOutcome) -> String {
     let spec = case.spec();
     let statistics = &case.outcome.statistics;
-    let support = FluxSupport::of(&case.outcome);
+    let support = FluxSupport::of(case.outcome);
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),
@@ -253,7 +254,7 @@ fn model_flux(
 
 /// What one model says of a component of the light in one case.
 struct Judged<'a> {
-    case: &'a CaseOutcome,
+    case: &'a CaseOutcome<'a>,
     model: &'a ModelOutcome,
     component: Component,
     compared: &'a ComparedComponent,
@@ -280,11 +281,11 @@ fn overview(outcome: &VerifyOutcome) -> String {
     let judged: Vec<Row<'_>> = judged.collect();
     let multiple = |row: &Row<'_>| {
         let of = |side| {
-            row.case.outcome.statistics.means()[outcome.spec.flux_entry(side, Component::Multiple)]
+            row.case.outcome.statistics.means()[outcome.plan.settings.tally.flux_entry(side, Component::Multiple)]
         };
         of(Side::Reflected) + of(Side::Transmitted)
     };
-    let titles: Vec<String> = outcome.cases.iter().map(|c| c.case.to_string()).collect();
+    let titles: Vec<String> = outcome.cases.iter().map(|c| c.outcome.case.label()).collect();
     let longest = |texts: &mut dyn Iterator<Item = String>| {
         texts.map(|text| text.chars().count()).max().unwrap_or(0)
     };
@@ -316,7 +317,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
     let table = Table::new()
         .column(Column::new("case", "", |row: &Row<'_>| match numbered {
             true => number(row.case).to_string(),
-            false => row.case.case.to_string(),
+            false => row.case.outcome.case.label(),
         }))
         .column(Column::new("model", "", |row: &Row<'_>| {
             row.model.model.name()

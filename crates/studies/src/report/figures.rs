@@ -1,100 +1,69 @@
 //! The plots of a run, as SVG and PNG.
 
-use asperity_simulate::short;
+use asperity_simulate::Case;
 
 use asperity_analysis::{BsdfModel, FlatLayer, MODEL_NAMES, in_plane_flux};
 use asperity_io::write_bytes;
-use asperity_optics::{Bottom, Incidence, Layer, Material};
+use asperity_optics::{Bottom, Incidence, Layer};
 use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
-use asperity_surface::{HeightField, LengthUnit};
+use asperity_surface::HeightField;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tracer::HalfSpace;
 use rayon::prelude::*;
 
 use crate::comparison::models::ModelOutcome;
 use crate::config::case_model::CaseModel;
-use crate::config::case_text::{case_text, material_text};
-use crate::config::sweep_case::SweepCase;
-use crate::config::{Incident, VerifyConfig};
 use crate::output::{Place, figure_files};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
-use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;
 
-/// The light and the material of a plot.
-#[derive(Clone, Debug)]
-pub(crate) struct PlottedCase {
-    /// The direction towards the light.
-    pub incidence: Incidence,
-    /// The material.
-    pub material: Material,
-    /// What lies below, if there is anything.
-    pub layer: Option<Layer>,
-    /// Unit of lengths.
-    pub unit: LengthUnit,
-    /// The side that it comes from, which plots show as the upper one.
-    pub from: Incident,
+/// The case of a plot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlottedCase<'a> {
+    /// The case. Plots show the side that its light comes from as the upper one.
+    pub case: &'a Case,
     /// Interactions after which its paths were ended.
     pub max_order: u32,
-    /// The case of a verification, whose models are drawn.
-    pub case: Option<SweepCase>,
 }
 
-impl PlottedCase {
-    pub(crate) fn of_case(case: &SweepCase, config: &VerifyConfig) -> Self {
-        Self {
-            incidence: case.incidence,
-            material: case.material,
-            layer: case.layer,
-            unit: case.unit,
-            from: config.light.from,
-            max_order: config.run.max_order,
-            case: Some(case.clone()),
-        }
-    }
-
+impl PlottedCase<'_> {
     /// Parameters, and where the light comes from if that is below.
     pub(crate) fn subtitle(&self) -> String {
-        let turned = match self.from {
-            Incident::Above => "",
-            Incident::Below => "; light from below the surface, drawn with its side up",
+        let turned = match self.case.light.from {
+            HalfSpace::Above => "",
+            HalfSpace::Below => "; light from below the surface, drawn with its side up",
         };
-        format!("{}{turned}", self.parameters())
+        format!("{}{turned}", self.case.figure_label())
     }
 
-    fn parameters(&self) -> String {
-        if let Some(case) = &self.case {
-            return case_text(case);
-        }
-        let material = material_text(self.material);
-        let theta = short(self.incidence.theta_deg());
-        let phi = short(self.incidence.phi_deg());
-        let light = format!("{material}, θᵢ = {theta}°, φᵢ = {phi}°");
-        match &self.layer {
-            Some(layer) => format!("{light}, {}", layer_name(layer, self.unit)),
-            None => light,
-        }
+    fn layer(&self) -> Option<Layer> {
+        self.case.layer.map(|below| below.layer)
+    }
+
+    pub(crate) fn incidence(&self) -> Incidence {
+        self.case.light.incidence
     }
 
     /// Where a flat surface would send the light of `side`, signed degrees from its normal.
     pub(crate) fn flat_direction(&self, side: Side) -> Option<f64> {
         match side {
-            Side::Reflected => Some(self.incidence.theta_deg()),
+            Side::Reflected => Some(self.incidence().theta_deg()),
             Side::Transmitted => {
-                let below = match self.layer.and_then(|layer| layer.end()) {
+                let below = match self.layer().and_then(|layer| layer.end()) {
                     Some(slab) => match slab.bottom {
                         Bottom::Interface { eta } => eta,
                         _ => 1.0,
                     },
                     None => 1.0,
                 };
-                let index = below * self.material.transmitting_index()?;
-                let sin_beta = self.incidence.theta().sin() / index;
+                let index = below * self.case.material.transmitting_index()?;
+                let sin_beta = self.incidence().theta().sin() / index;
                 (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
             }
         }
@@ -149,14 +118,14 @@ pub(crate) fn height_map(
 /// lobes, in_plane_reflected and in_plane_transmitted.
 pub(crate) fn lobes_and_curves(
     place: &Place<'_>,
-    light: &PlottedCase,
+    light: &PlottedCase<'_>,
     spec: &TallySpec,
     statistics: &TallyStatistics,
     models: &[ModelOutcome],
 ) -> Result<(), ReportError> {
-    let transmits = match &light.layer {
+    let transmits = match light.layer() {
         Some(layer) => layer.transmits(),
-        None => light.material.transmitting_index().is_some(),
+        None => light.case.material.transmitting_index().is_some(),
     };
     let leaves = |side| side == Side::Reflected || transmits;
     let sides: Vec<Side> = spec.sides().filter(|&side| leaves(side)).collect();
@@ -173,7 +142,7 @@ pub(crate) fn lobes_and_curves(
     let lobes = PolarLobes {
         title: "Scattered light in the plane of incidence: cosine-weighted BSDF".to_owned(),
         subtitle,
-        theta_i_deg: light.incidence.theta_deg(),
+        theta_i_deg: light.incidence().theta_deg(),
         sides: match sides.as_slice() {
             [Side::Reflected] => PlotSides::Reflected,
             [Side::Transmitted] => PlotSides::Transmitted,
@@ -224,7 +193,7 @@ fn model_number(name: &str) -> usize {
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
 /// inside a medium, and the models' lines, in 1/sr.
 fn series_of(
-    light: &PlottedCase,
+    light: &PlottedCase<'_>,
     spec: &TallySpec,
     statistics: &TallyStatistics,
     models: &[ModelOutcome],
@@ -266,7 +235,7 @@ fn series_of(
 
 /// The line of a model: its density averaged over a sliding bin where it has one, and its bins otherwise.
 fn model_points(
-    light: &PlottedCase,
+    light: &PlottedCase<'_>,
     spec: &TallySpec,
     model: &ModelOutcome,
     side: Side,
@@ -280,7 +249,7 @@ fn model_points(
         };
         return model_bins(model, side, component);
     };
-    let mut points = density_line(density, light.incidence, spec, side);
+    let mut points = density_line(density, light.incidence(), spec, side);
     if model.judged_component() == Component::All {
         let multiple = multiple_line(model, side);
         for point in &mut points {

@@ -1,7 +1,7 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
-use asperity_simulate::{Observer, SimulateError, SurfaceSource};
+use asperity_simulate::{Case, Observer, SimulateError, SurfaceSource};
 use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
@@ -34,13 +34,12 @@ pub(crate) fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
 }
 
 impl VerifyConfig {
-    /// Names of all files that a verification writes into its folder.
+    /// Names of all files that a verification of these cases writes into its folder.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
-        let cases = self.cases()?;
-        let folders: Vec<String> = cases.iter().map(|case| case.folder()).collect();
+    pub fn files(&self, cases: &[Case]) -> Result<Vec<String>, ConfigError> {
+        let folders: Vec<String> = cases.iter().map(Case::folder).collect();
         let mut of_case = TABLES.map(str::to_owned).to_vec();
         let polarised = polarised_tables(&self.ray_settings()?.tally);
         of_case.extend(polarised.iter().copied().map(str::to_owned));
@@ -65,15 +64,15 @@ pub fn verify_report(
     outcome: &VerifyOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    let names = outcome.config.files()?;
+    let names = outcome.config.files(&outcome.plan.cases)?;
     folder.claim_all(names.iter().map(String::as_str))?;
     let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
-    let places: Vec<(&CaseOutcome, Place<'_>)> = outcome
+    let places: Vec<(&CaseOutcome<'_>, Place<'_>)> = outcome
         .cases
         .iter()
         .map(|case| {
-            let place = root.of_case(&case.case.folder(), outcome.several());
+            let place = root.of_case(&case.outcome.case.folder(), outcome.several());
             (case, place)
         })
         .collect();
@@ -100,14 +99,14 @@ pub fn verify_report(
 /// Draws the first surface of every case: once for those that share it, and one after the other, since
 /// memory may hold no more.
 fn height_maps(
-    places: &[(&CaseOutcome, Place<'_>)],
+    places: &[(&CaseOutcome<'_>, Place<'_>)],
     outcome: &VerifyOutcome,
 ) -> Result<(), ReportError> {
     if !outcome.config.output.plots {
         return Ok(());
     }
     for sharing in
-        places.chunk_by(|(a, _), (b, _)| a.case.recipe == b.case.recipe && a.size() == b.size())
+        places.chunk_by(|(a, _), (b, _)| a.outcome.case.surface == b.outcome.case.surface)
     {
         let case = sharing[0].0;
         let Some(first) = first_surface(outcome, case)? else {
@@ -159,7 +158,10 @@ fn write_case(
         if !outcome.config.output.plots {
             return Ok(());
         }
-        let light = PlottedCase::of_case(&case.case, &outcome.config);
+        let light = PlottedCase {
+            case: &case.outcome.case,
+            max_order: outcome.config.run.max_order,
+        };
         let statistics = &case.outcome.statistics;
         let curves = || figures::lobes_and_curves(place, &light, spec, statistics, &case.models);
         let (curves, polarised) = rayon::join(curves, || draw_polarised(place, &light, statistics));
@@ -171,7 +173,7 @@ fn write_case(
 }
 
 /// The tables of the fluxes of one case.
-fn flux_tables(case: &CaseOutcome) -> FluxTables<'_> {
+fn flux_tables<'a>(case: &'a CaseOutcome<'_>) -> FluxTables<'a> {
     FluxTables {
         fluxes: Fluxes {
             spec: case.spec(),
@@ -200,7 +202,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
         return json!(case_summary(outcome, case));
     }
     let cases = outcome.cases.iter().map(|case| CaseInFolder {
-        folder: case.case.folder(),
+        folder: case.outcome.case.folder(),
         summary: case_summary(outcome, case),
     });
     json!(SummaryOfCases {
@@ -214,17 +216,17 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 
 /// The summary of one case.
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
-    let config = json!({ "verify": config(outcome), "case": case.case });
-    Summary::new("verify", config, &case.outcome)
+    let config = json!({ "verify": config(outcome), "case": case.outcome.case.summary_json() });
+    Summary::new("verify", config, case.outcome)
         .with_comparison(json!(ComparisonJson::of(case.compared(case.spec()))))
         .with_columns(columns(case))
         .with_lobes(case.lobes())
         .with_warnings(warnings(outcome, case))
         .with_stopping(case.stopping.clone())
-        .with_validity(case.validity(&outcome.config))
+        .with_validity(case.validity(outcome.config))
 }
 
 /// The configuration that was run.
 fn config(outcome: &VerifyOutcome) -> Value {
-    config_json(&outcome.config, &outcome.config.run, &[])
+    config_json(outcome.config, &outcome.config.run, &[])
 }

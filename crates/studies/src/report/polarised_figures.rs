@@ -47,7 +47,7 @@ fn names(side: Side) -> [String; 2] {
 /// Draws the Mueller matrices of each side that light leaves to, if they are kept.
 pub(crate) fn draw_polarised(
     place: &Place<'_>,
-    light: &PlottedCase,
+    light: &PlottedCase<'_>,
     statistics: &TallyStatistics,
 ) -> Result<(), ReportError> {
     let spec = statistics.spec();
@@ -76,12 +76,12 @@ fn title(side: Side, what: &str) -> String {
     format!("Mueller matrix of {word} light {what}")
 }
 
-fn subtitle(light: &PlottedCase) -> String {
+fn subtitle(light: &PlottedCase<'_>) -> String {
     format!("{}; {AXES}", light.subtitle())
 }
 
 /// Panels in the plane of incidence: the BSDF of unpolarised light, then the elements over it.
-fn in_plane(light: &PlottedCase, statistics: &TallyStatistics, side: Side) -> AngleGrid {
+fn in_plane(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side) -> AngleGrid {
     let mut shown = vec![(Component::All, recorded_orders(light.max_order))];
     let seen = |component| statistics.means().flux(side, component) != 0.0;
     // Without multiple scattering both are the same, and one would hide the other.
@@ -158,10 +158,10 @@ fn element_points(
 }
 
 /// Discs over the hemisphere: the BSDF of unpolarised light, then the elements over it.
-fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) -> Hemispheres {
+fn hemispheres(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side) -> Hemispheres {
     let spec = statistics.spec();
     let entries = spec.grid_entries(Component::All);
-    let vertical = light.incidence.is_vertical();
+    let vertical = light.incidence().is_vertical();
     let few_rays: Vec<usize> = (disc_bins(spec, side).enumerate())
         .filter(|(_, bin)| rests_on_few_rays(statistics.at(entries.get(*bin))))
         .map(|(place, _)| place)
@@ -171,7 +171,7 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
             bins: disc_edges(spec, side),
             values: disc_bins(spec, side).map(value).collect(),
             few_rays: few_rays.clone(),
-            light_deg: (!vertical).then(|| light.incidence.phi_deg()),
+            light_deg: (!vertical).then(|| light.incidence().phi_deg()),
             note: name,
         })
     };

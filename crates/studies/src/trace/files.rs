@@ -83,13 +83,8 @@ fn tables(outcome: &TraceOutcome) -> FluxTables<'_> {
 fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
     let case = &outcome.outcome.case;
     let light = PlottedCase {
-        incidence: case.light.incidence,
-        material: case.material,
-        layer: case.layer.map(|below| below.layer),
-        unit: outcome.unit,
-        from: outcome.config.light.from,
+        case,
         max_order: outcome.config.run.max_order,
-        case: None,
     };
     let map = || match case.surface.heights() {
         Some(field) => figures::height_map(&[place], &field, &outcome.name),

@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use asperity_optics::Material;
-use asperity_simulate::layer_name;
+use asperity_simulate::{Case, CasePart};
+use asperity_tracer::HalfSpace;
 
 use super::TraceOutcome;
 use super::comparison_text::comparison_text;
-use crate::config::Incident;
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_support::FluxSupport;
@@ -20,7 +19,7 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     let mut text = format!(
         "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}{}\n",
         outcome.name,
-        light_line(outcome),
+        light_line(&found.case),
         found.statistics.batches(),
         energy_table(&found.statistics, &FluxSupport::of(found)),
         polarised_text(&found.statistics),
@@ -45,28 +44,19 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     wrapped(&text)
 }
 
-/// Material, layer and light.
-fn light_line(outcome: &TraceOutcome) -> String {
-    let case = &outcome.outcome.case;
-    let material = match case.material {
-        Material::Dielectric { eta } => format!("eta {eta}"),
-        Material::Conductor { eta, kappa } => format!("conductor {eta} + {kappa} i"),
-        Material::Lambertian { reflectance } => format!("Lambertian, reflectance {reflectance}"),
-        _ => "mirror".to_owned(),
+/// The light, and what it falls on.
+fn light_line(case: &Case) -> String {
+    let parts = case.setting_parts();
+    let parts: Vec<String> = parts.iter().map(CasePart::text).collect();
+    let side = match case.light.from {
+        HalfSpace::Above => "above",
+        HalfSpace::Below => "below",
     };
-    let side = match outcome.config.light.from {
-        Incident::Above => "above",
-        Incident::Below => "below",
-    };
-    let below = case.layer.map_or(String::new(), |below| {
-        format!(
-            " over a medium ({})",
-            layer_name(&below.layer, outcome.unit)
-        )
-    });
-    let phi = outcome.config.light.phi.one("phi").map_or(0.0, |phi| phi.0);
+    let incidence = case.light.incidence;
     format!(
-        "{material}{below}, light from {side} at theta {} deg, phi {phi} deg",
-        case.light.incidence.theta_deg()
+        "{}, light from {side} at theta {} deg, phi {} deg",
+        parts.join(", "),
+        incidence.theta_deg(),
+        incidence.phi_deg(),
     )
 }
