@@ -4,9 +4,9 @@
 //! surfaces. The core of a distribution is the Gaussian that has as many facets near the mean plane.
 
 use asperity_surface::{Border, SurfaceRecipe};
-use asperity_tracer::Geometry;
+use asperity_tracer::{Geometry, Shape};
 
-use crate::input::surface_source::{Shape, SurfaceSource};
+use crate::input::surface_source::SurfaceSource;
 
 /// Facets that are looked at, of those of a given surface.
 const MOST_FACETS: usize = 1 << 20;

@@ -1,47 +1,21 @@
-//! Draw: recipes of random surfaces, from which the engine gets meshes ready to be built, and their memory back.
-
-use std::sync::Arc;
+//! Drawer: gives the engine the meshes of random surfaces.
 
 use asperity_surface::{
-    FieldSynthesis, HeightField, Resolution, SlopeMoments, SplineSurface, SplineSynthesis,
-    Synthesis, SynthesisError,
+    FieldSynthesis, Resolution, SplineSurface, SplineSynthesis, Synthesis, SynthesisError,
 };
-use asperity_tracer::{BuildAccelerator, SmoothSurface, Surface};
+use asperity_tracer::Shape;
 
 use super::built_surface::Meshes;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::{FieldSurfaces, RandomSurfaces};
 
-/// A recipe of random surfaces of one kind of cells.
-pub(crate) trait Draw {
-    /// What random numbers give.
-    type Drawn;
-    /// The same as light meets it.
-    type Surface: BuildAccelerator;
-
-    /// Draws the surface of a seed and number in the memory given.
-    fn draw_into(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<Self::Drawn, SimulateError>;
-
-    /// Moments of the slopes of a surface.
-    fn slope_moments(drawn: &Self::Drawn) -> SlopeMoments;
-
-    /// The meshes of a surface, with a finer and a coarser one if it is to be refined.
-    fn meshes(drawn: Self::Drawn, refine: bool) -> Result<Meshes<Self::Surface>, SimulateError>;
-
-    /// The memory of a surface, for the next one.
-    fn into_memory(surface: Self::Surface) -> Vec<f64>;
-}
-
 /// The recipe of all surfaces of a run, planned once.
 pub(crate) enum Drawer<'a> {
-    /// Flat cells.
-    Facets(Facets<'a>),
+    /// Flat cells between Gaussian heights, which are refined or not.
+    Gaussian(&'a Synthesis, bool),
+    /// The same between other heights.
+    Fields(&'a FieldSynthesis, bool),
     /// Splines of Gaussian coefficients.
     GaussianSplines(Box<Splines<'a, SplineSynthesis>>),
     /// Splines through other heights.
@@ -52,54 +26,33 @@ impl<'a> Drawer<'a> {
     /// Of surfaces that are refined or not.
     pub(crate) fn new(surfaces: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
         Ok(match surfaces {
-            RandomSurfaces::Flat(recipe) => Self::Facets(Facets::OfGaussian(recipe)),
+            RandomSurfaces::Flat(recipe) => Self::Gaussian(recipe, refine),
             RandomSurfaces::Smooth(recipe) => {
                 Self::GaussianSplines(Box::new(Splines::new(recipe, refine)?))
             }
             RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
-                Cells::Flat => Self::Facets(Facets::OfOther(synthesis)),
+                Cells::Flat => Self::Fields(synthesis, refine),
                 Cells::Smooth => {
                     Self::SplinesThroughFields(Box::new(Splines::new(synthesis, refine)?))
                 }
             },
         })
     }
-}
 
-/// Two triangles per cell between the heights that a recipe draws.
-pub(crate) enum Facets<'a> {
-    /// Gaussian heights.
-    OfGaussian(&'a Synthesis),
-    /// Heights of any other recipe.
-    OfOther(&'a FieldSynthesis),
-}
-
-impl Draw for Facets<'_> {
-    type Drawn = HeightField;
-    type Surface = Surface;
-
-    fn draw_into(
+    /// The meshes of the surface of a seed and number, drawn in the memory given.
+    pub(crate) fn draw(
         &self,
         seed: u64,
         number: u64,
         memory: Vec<f64>,
-    ) -> Result<HeightField, SimulateError> {
-        Ok(match self {
-            Self::OfGaussian(recipe) => recipe.draw_into(seed, number, memory)?,
-            Self::OfOther(recipe) => recipe.draw_into(seed, number, memory)?,
-        })
-    }
-
-    fn slope_moments(field: &HeightField) -> SlopeMoments {
-        field.slope_moments()
-    }
-
-    fn meshes(field: HeightField, refine: bool) -> Result<Meshes<Surface>, SimulateError> {
-        Meshes::new(Arc::new(Surface::new(field)), refine)
-    }
-
-    fn into_memory(surface: Surface) -> Vec<f64> {
-        surface.into_field().into_heights()
+    ) -> Result<Meshes, SimulateError> {
+        let (field, refine) = match self {
+            Self::Gaussian(recipe, refine) => (recipe.draw_into(seed, number, memory)?, *refine),
+            Self::Fields(recipe, refine) => (recipe.draw_into(seed, number, memory)?, *refine),
+            Self::GaussianSplines(recipe) => return recipe.draw(seed, number, memory),
+            Self::SplinesThroughFields(recipe) => return recipe.draw(seed, number, memory),
+        };
+        Meshes::new(Shape::height_field(field), refine)
     }
 }
 
@@ -187,19 +140,9 @@ impl<'a, T: DrawSpline> Splines<'a, T> {
                 .flatten(),
         })
     }
-}
 
-impl<T: DrawSpline> Draw for Splines<'_, T> {
     /// The given one alone, or the finest first.
-    type Drawn = Vec<SplineSurface>;
-    type Surface = SmoothSurface;
-
-    fn draw_into(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<Vec<SplineSurface>, SimulateError> {
+    fn draw(&self, seed: u64, number: u64, memory: Vec<f64>) -> Result<Meshes, SimulateError> {
         let mut drawn = Vec::new();
         if let Some(finer) = &self.finer {
             drawn.push(finer.spline(seed, number, Vec::new())?);
@@ -208,25 +151,7 @@ impl<T: DrawSpline> Draw for Splines<'_, T> {
         if let Some(coarser) = &self.coarser {
             drawn.push(coarser.spline(seed, number, Vec::new())?);
         }
-        Ok(drawn)
-    }
-
-    /// Those of the surface at the given spacing.
-    fn slope_moments(drawn: &Vec<SplineSurface>) -> SlopeMoments {
-        drawn[usize::from(drawn.len() > 1)].slope_moments()
-    }
-
-    /// Those drawn: a spline has no finer mesh than itself.
-    fn meshes(
-        drawn: Vec<SplineSurface>,
-        _refine: bool,
-    ) -> Result<Meshes<SmoothSurface>, SimulateError> {
-        let surfaces = drawn.into_iter();
-        let surfaces = surfaces.map(|spline| Arc::new(SmoothSurface::new(spline)));
-        Ok(Meshes::of_several(surfaces.collect()))
-    }
-
-    fn into_memory(surface: SmoothSurface) -> Vec<f64> {
-        surface.into_spline().into_coefficients()
+        let shapes = drawn.into_iter().map(Shape::smooth);
+        Ok(Meshes::of_several(shapes.collect()))
     }
 }

@@ -1,6 +1,6 @@
 //! Explanations: what is about to be traced, and why so, in one line each.
 
-use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions};
+use asperity_tracer::{AcceleratorKind, Instructions};
 
 use super::given_run::{GivenCase, GivenRun};
 use super::random::RandomGroup;
@@ -138,7 +138,7 @@ impl RandomGroup {
     }
 }
 
-impl<G: BuildAccelerator> GivenRun<G> {
+impl GivenRun {
     /// Accelerator, and how each case is estimated with as many rays as `rays` tells.
     fn explained_by(&self, rays: impl Fn(&GivenCase) -> u64) -> Vec<String> {
         let of_case = |case: &GivenCase| {
@@ -167,7 +167,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
     }
 }
 
-impl<G: BuildAccelerator> RegionRun<G> {
+impl RegionRun {
     /// As of the whole surface, with the rays of all regions.
     pub(super) fn explained(&self) -> Vec<String> {
         self.run

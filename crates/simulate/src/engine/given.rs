@@ -4,25 +4,22 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_surface::{Border, HeightField, RefinementError};
-use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface, SmoothSurface};
+use asperity_tracer::{BottomSurface, Geometry, MeshSurface, Shape, SmoothSurface};
 
-use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
+use super::built_surface::{BuiltSurface, Meshes};
+use super::context::Context;
 use super::given_run::{GivenCase, GivenRun};
 use super::ready_group::ReadyGroup;
 use super::region_run::RegionRun;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
-use crate::input::case::Case;
 use crate::input::estimator::Estimator;
-use crate::input::layer::BottomSurface;
 use crate::input::limits::{
-    check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
+    check_memory, check_results, check_shape, hierarchy_bytes, meshes_bytes,
     smooth_accelerator_bytes,
 };
 use crate::input::settings::Settings;
-use crate::input::surface_source::Shape;
 use crate::methods::method::Method;
-use crate::observer::Observer;
 
 /// Cases on one given surface.
 #[derive(Clone)]
@@ -126,61 +123,18 @@ impl GivenGroup {
     }
 
     /// Builds the accelerators, and finds how each case is estimated on each mesh.
-    pub(crate) fn build(
-        self,
-        observer: &dyn Observer,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        observer.begin("building", 1);
-        let refine = self.settings.refine;
-        let clock = Instant::now();
-        let run: Box<dyn ReadyGroup> = match self.shape.clone() {
-            Shape::HeightField { top, bottom } => {
-                let bottom = bottom.map(|bottom| Meshes::new(bottom, refine));
-                let meshes = SurfaceMeshes {
-                    top: Meshes::new(top, refine)?,
-                    bottom: bottom.transpose()?,
-                };
-                self.build_on(meshes, Method::of_surface, clock)?
-            }
-            Shape::Smooth { top, bottom } => self.build_plain(top, bottom, clock)?,
-            Shape::TriangleMesh { top, bottom } => self.build_plain(top, bottom, clock)?,
-        };
-        observer.end();
-        Ok(run)
-    }
-
-    /// Builds on one mesh, whose light no control variate foresees.
-    fn build_plain<G: BuildAccelerator + 'static>(
-        self,
-        top: Arc<G>,
-        bottom: Option<Arc<G>>,
-        clock: Instant,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        let meshes = SurfaceMeshes {
-            top: Meshes::of_one(top),
-            bottom: bottom.map(Meshes::of_one),
-        };
-        let plain = |_: &G, _: &Case, settings: &Settings| Ok(Method::plain(settings));
-        self.build_on(meshes, plain, clock)
-    }
-
-    /// Builds on these meshes; `clock` began before they were made.
-    fn build_on<G: BuildAccelerator + 'static>(
-        self,
-        meshes: SurfaceMeshes<G>,
-        method_of: impl Fn(&G, &Case, &Settings) -> Result<Method, SimulateError>,
-        clock: Instant,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+    pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+        context.observer.begin("building", 1);
         let settings = self.settings;
-        let built = BuiltSurface::build(meshes, settings.accelerator)?;
+        let clock = Instant::now();
+        let meshes = Meshes::new(self.shape, settings.refine)?;
+        let built = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
         let prepare = |NumberedCase { number, case }| {
-            for mesh in built.meshes() {
-                check_grazing(mesh, case.light.incidence)?;
-            }
-            let methods = built
-                .meshes()
-                .map(|mesh| method_of(mesh, &case, &settings).map(Arc::new))
-                .collect::<Result<_, _>>()?;
+            let method = |mesh| {
+                check_shape(mesh, case.light.incidence)?;
+                Method::of_shape(mesh, &case, &settings).map(Arc::new)
+            };
+            let methods = built.shapes().map(method).collect::<Result<_, _>>()?;
             Ok(GivenCase {
                 number,
                 case,
@@ -192,6 +146,7 @@ impl GivenGroup {
         let cases = self.cases.into_iter().map(prepare);
         let cases = cases.collect::<Result<Vec<_>, SimulateError>>()?;
         let build_seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
+        context.observer.end();
         let run = GivenRun {
             built,
             cases,

@@ -1,5 +1,6 @@
 //! Group: cases that share surfaces, ready to be planned and traced.
 
+use super::context::Context;
 use super::given::GivenGroup;
 use super::random::RandomGroup;
 use super::ready_group::ReadyGroup;
@@ -8,7 +9,6 @@ use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
-use crate::observer::Observer;
 
 /// Cases that share surfaces, checked.
 #[derive(Clone)]
@@ -64,13 +64,10 @@ impl Group {
     }
 
     /// Builds a given surface.
-    pub(crate) fn build(
-        self,
-        observer: &dyn Observer,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+    pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         match self {
             Self::Random(group) => Ok(group),
-            Self::Given(group) => group.build(observer),
+            Self::Given(group) => group.build(context),
         }
     }
 }

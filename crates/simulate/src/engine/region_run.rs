@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use asperity_tracer::{BuildAccelerator, Geometry};
+use asperity_tracer::{Shape, Window};
 use rayon::prelude::*;
 
 use super::block_run::run_blocks;
@@ -30,16 +30,21 @@ const FIRST: u64 = 1 << 41;
 const MIN_BLOCKS: u64 = 2;
 
 /// Cases on a given surface whose regions are lit on their own.
-pub(crate) struct RegionRun<G: BuildAccelerator> {
-    pub(crate) run: GivenRun<G>,
+pub(crate) struct RegionRun {
+    pub(crate) run: GivenRun,
     pub(crate) regions: Regions,
 }
 
-impl<G: BuildAccelerator> RegionRun<G> {
+impl RegionRun {
+    /// Where a region is in the period.
+    fn windows(&self, region: u64) -> Vec<Window> {
+        let border = self.run.built.shapes().next().map(Shape::border);
+        border.map_or_else(Vec::new, |border| self.regions.windows(region, border))
+    }
+
     /// Windows of a region.
     fn windows_of_one(&self) -> u64 {
-        let border = self.run.built.meshes().next().map(Geometry::border);
-        border.map_or(1, |border| self.regions.windows(0, border).len() as u64)
+        self.windows(0).len() as u64
     }
 
     /// The blocks in each window of a region.
@@ -104,8 +109,11 @@ impl<G: BuildAccelerator> RegionRun<G> {
         &self,
         case: &GivenCase,
         region: u64,
-        Context { observer, store }: Context<'_>,
+        context: Context<'_>,
     ) -> Result<Option<SurfaceTallies>, SimulateError> {
+        let Context {
+            observer, store, ..
+        } = context;
         let key = SurfaceKey {
             case: case.number,
             stage: Stage::Regions,
@@ -124,7 +132,7 @@ impl<G: BuildAccelerator> RegionRun<G> {
         if observer.stop().is_some() {
             return Ok(None);
         }
-        let found = self.trace(case, region, Context { observer, store })?;
+        let found = self.trace(case, region, context)?;
         if !is_complete(&found) {
             return Ok(None);
         }
@@ -154,10 +162,8 @@ impl<G: BuildAccelerator> RegionRun<G> {
         let mut lit = built.lit(&case.case, method_of, settings)?;
         let way = WayOfPaths::of(&case.methods[0]);
         let mut found = CaseOnSurface::new(way, settings.spec_of(&case.case), lit.len());
-        let border = built.meshes().next().map(Geometry::border);
-        let windows = border.map_or_else(Vec::new, |border| self.regions.windows(region, border));
         let of_window = self.blocks(case);
-        for (number, window) in (0..).zip(windows) {
+        for (number, window) in (0..).zip(self.windows(region)) {
             for mesh in &mut lit {
                 mesh.light.window = window;
             }
@@ -182,7 +188,7 @@ impl<G: BuildAccelerator> RegionRun<G> {
     }
 }
 
-impl<G: BuildAccelerator> ReadyGroup for RegionRun<G> {
+impl ReadyGroup for RegionRun {
     fn explanations(&self) -> Vec<String> {
         self.explained()
     }

@@ -7,25 +7,23 @@ use std::time::Instant;
 use asperity_io::available_memory;
 use asperity_surface::SlopeMoments;
 use asperity_tally::TallySpec;
-use asperity_tracer::BuildAccelerator;
+use asperity_tracer::BottomSurface;
 use rayon::prelude::*;
 
 use super::block_run::run_blocks;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
-use super::built_surface::{BuiltSurface, SurfaceMeshes};
+use super::built_surface::BuiltSurface;
 use super::context::Context;
-use super::draw::{Draw, Drawer};
+use super::draw::Drawer;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
-use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
-use crate::observer::Observer;
 use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
@@ -61,8 +59,8 @@ pub(crate) struct SurfaceGroup<'a> {
 }
 
 /// A surface that was drawn, ready to be traced.
-struct DrawnSurface<G: BuildAccelerator> {
-    built: BuiltSurface<G>,
+struct DrawnSurface {
+    built: BuiltSurface,
     slopes: Option<SlopeMoments>,
     seconds: Seconds,
 }
@@ -206,8 +204,11 @@ impl SurfaceGroup<'_> {
         drawer: &Drawer<'_>,
         surface: u64,
         memory: &mut Vec<f64>,
-        Context { observer, store }: Context<'_>,
+        context: Context<'_>,
     ) -> Numbered {
+        let Context {
+            observer, store, ..
+        } = context;
         let key = SurfaceKey {
             case: self.cases.first().map_or(0, |traced| traced.number),
             stage: self.stage,
@@ -231,7 +232,7 @@ impl SurfaceGroup<'_> {
                 complete: true,
             };
         }
-        let found = self.trace(drawer, surface, memory, observer);
+        let found = self.trace(drawer, surface, memory, context);
         let complete = found.as_ref().is_ok_and(is_complete);
         if let (Some(store), Ok(found), true) = (store, &found, complete) {
             let saved = SavedSurface::new(
@@ -251,37 +252,34 @@ impl SurfaceGroup<'_> {
 
     /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
     /// accelerators.
-    fn build<D: Draw>(
+    fn build(
         &self,
-        recipe: &D,
+        drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
-        observer: &dyn Observer,
-    ) -> Result<DrawnSurface<D::Surface>, SimulateError> {
+        context: Context<'_>,
+    ) -> Result<DrawnSurface, SimulateError> {
         let draw = |number, memory| {
-            observer.surface_drawn(number);
-            recipe.draw_into(self.settings.seed, number, memory)
+            context.observer.surface_drawn(number);
+            drawer.draw(self.settings.seed, number, memory)
         };
         let mut seconds = Seconds::default();
         let clock = Instant::now();
         let top = draw(number, std::mem::take(memory))?;
-        let bottom = if have_independent_bottom(self.cases) {
-            Some(draw(FIRST_BOTTOM + number, Vec::new())?)
-        } else {
-            None
-        };
+        let bottom = have_independent_bottom(self.cases)
+            .then(|| draw(FIRST_BOTTOM + number, Vec::new()))
+            .transpose()?;
         // Plain results are left as they are counted.
-        let slopes = (self.settings.estimator != Estimator::Plain).then(|| D::slope_moments(&top));
+        let slopes = if self.settings.estimator == Estimator::Plain {
+            None
+        } else {
+            top.slope_moments()
+        };
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let refine = self.settings.refine;
-        let bottom = bottom.map(|bottom| D::meshes(bottom, refine));
-        let meshes = SurfaceMeshes {
-            top: D::meshes(top, refine)?,
-            bottom: bottom.transpose()?,
-        };
-        let built = BuiltSurface::build(meshes, self.settings.accelerator)?;
+        let meshes = top.over(bottom);
+        let built = BuiltSurface::build(meshes, self.settings.accelerator, context.engine)?;
         seconds.build = clock.elapsed().as_secs_f64();
         Ok(DrawnSurface {
             built,
@@ -296,30 +294,13 @@ impl SurfaceGroup<'_> {
         drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
-        observer: &dyn Observer,
-    ) -> Result<SurfaceTallies, SimulateError> {
-        match drawer {
-            Drawer::Facets(recipe) => self.trace_on(recipe, number, memory, observer),
-            Drawer::GaussianSplines(recipe) => self.trace_on(&**recipe, number, memory, observer),
-            Drawer::SplinesThroughFields(recipe) => {
-                self.trace_on(&**recipe, number, memory, observer)
-            }
-        }
-    }
-
-    /// The same on a surface that `recipe` draws.
-    fn trace_on<D: Draw>(
-        &self,
-        recipe: &D,
-        number: u64,
-        memory: &mut Vec<f64>,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<SurfaceTallies, SimulateError> {
         let DrawnSurface {
             built,
             slopes,
             mut seconds,
-        } = self.build(recipe, number, memory, observer)?;
+        } = self.build(drawer, number, memory, context)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
@@ -331,14 +312,14 @@ impl SurfaceGroup<'_> {
                 &self.settings,
                 number,
                 self.blocks(),
-                observer,
+                context.observer,
                 |group| found.push(&group.blocks, group.work),
             );
             cases.push(found);
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = built.used();
-        *memory = built.into_given().map_or_else(Vec::new, D::into_memory);
+        *memory = built.into_memory();
         Ok(SurfaceTallies {
             cases,
             slopes,
@@ -360,7 +341,7 @@ mod tests {
     use crate::input::case::{Case, Light};
     use crate::input::surface_source::SurfaceSource;
     use crate::methods::method::Method;
-    use crate::observer::Silent;
+    use crate::observer::{Observer, Silent};
 
     /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
     /// blocks, which are not traced together since they are not stratified; one random branch of each path.

@@ -3,11 +3,11 @@
 use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
 use asperity_surface::{Border, Synthesis};
 use asperity_tally::{ByEntry, ControlVariate, TallySpec, TallyValues, UnshadowedFluxes};
+use asperity_tracer::Shape;
 
 use super::refinement::Refinement;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
-use crate::input::surface_source::Shape;
 use crate::methods::method::Method;
 use crate::slopes::slopes;
 

@@ -6,7 +6,7 @@ use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 use asperity_tracer::{
-    AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, can_traverse, tiles_crossed,
+    AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, Shape, can_traverse, tiles_crossed,
 };
 
 use crate::error::SimulateError;
@@ -178,6 +178,15 @@ pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(
         theta_deg: incidence.theta_deg(),
         tiles,
     })
+}
+
+/// The same of a shape of any kind.
+pub(crate) fn check_shape(shape: &Shape, incidence: Incidence) -> Result<(), SimulateError> {
+    match shape {
+        Shape::HeightField { top, .. } => check_grazing(&**top, incidence),
+        Shape::Smooth { top, .. } => check_grazing(&**top, incidence),
+        Shape::TriangleMesh { top, .. } => check_grazing(&**top, incidence),
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Where the surface of a case comes from.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use asperity_surface::{HeightField, SplineSurface};
-use asperity_tracer::{MeshSurface, SmoothSurface, Surface};
+use asperity_tracer::{MeshSurface, Shape};
 
 use super::cells::Cells;
 use super::limits::{check_memory, smooth_bytes};
@@ -98,114 +97,14 @@ impl SurfaceSource {
     }
 }
 
-/// The shape of a given surface, and of the bottom of a layer below it where that has a shape of its own.
+/// Heights on a grid, and the bicubic B-spline through them.
 ///
-/// A clone shares the memory of the original. Shapes are equal if they are one in memory.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// Heights on a grid, two triangles per cell.
-    HeightField {
-        /// The surface.
-        top: Arc<Surface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<Surface>>,
-    },
-    /// A bicubic B-spline.
-    Smooth {
-        /// The surface.
-        top: Arc<SmoothSurface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<SmoothSurface>>,
-    },
-    /// Triangles, also with overhangs.
-    TriangleMesh {
-        /// The surface.
-        top: Arc<MeshSurface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<MeshSurface>>,
-    },
-}
-
-impl Shape {
-    /// Heights on a grid, two triangles per cell.
-    #[must_use]
-    pub fn height_field(field: HeightField) -> Self {
-        Self::HeightField {
-            top: Arc::new(Surface::new(field)),
-            bottom: None,
-        }
-    }
-
-    /// Heights on a grid, and the bicubic B-spline through them.
-    ///
-    /// # Errors
-    /// [`SimulateError::NotEnoughMemory`].
-    pub fn smooth(field: &HeightField) -> Result<Self, SimulateError> {
-        check_memory(
-            "a smooth surface of these heights",
-            smooth_bytes(field.shape()),
-        )?;
-        let spline = SplineSurface::through(field);
-        Ok(Self::Smooth {
-            top: Arc::new(SmoothSurface::new(spline)),
-            bottom: None,
-        })
-    }
-
-    /// Triangles.
-    #[must_use]
-    pub fn triangle_mesh(mesh: MeshSurface) -> Self {
-        Self::TriangleMesh {
-            top: Arc::new(mesh),
-            bottom: None,
-        }
-    }
-
-    /// The same with `bottom` as the shape of the bottom of a layer; `None` if they are not of one kind.
-    #[must_use]
-    pub fn over(self, bottom: Self) -> Option<Self> {
-        match (self, bottom) {
-            (Self::HeightField { top, .. }, Self::HeightField { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::HeightField { top, bottom })
-            }
-            (Self::Smooth { top, .. }, Self::Smooth { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::Smooth { top, bottom })
-            }
-            (Self::TriangleMesh { top, .. }, Self::TriangleMesh { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::TriangleMesh { top, bottom })
-            }
-            _ => None,
-        }
-    }
-}
-
-impl PartialEq for Shape {
-    fn eq(&self, other: &Self) -> bool {
-        fn same<T>(a: &Arc<T>, b: &Arc<T>) -> bool {
-            Arc::ptr_eq(a, b)
-        }
-        fn same_bottom<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
-            match (a, b) {
-                (Some(a), Some(b)) => same(a, b),
-                (None, None) => true,
-                _ => false,
-            }
-        }
-        match (self, other) {
-            (Self::HeightField { top: a, bottom: c }, Self::HeightField { top: b, bottom: d }) => {
-                same(a, b) && same_bottom(c.as_ref(), d.as_ref())
-            }
-            (Self::Smooth { top: a, bottom: c }, Self::Smooth { top: b, bottom: d }) => {
-                same(a, b) && same_bottom(c.as_ref(), d.as_ref())
-            }
-            (
-                Self::TriangleMesh { top: a, bottom: c },
-                Self::TriangleMesh { top: b, bottom: d },
-            ) => same(a, b) && same_bottom(c.as_ref(), d.as_ref()),
-            _ => false,
-        }
-    }
+/// # Errors
+/// [`SimulateError::NotEnoughMemory`].
+pub fn smooth_shape(field: &HeightField) -> Result<Shape, SimulateError> {
+    check_memory(
+        "a smooth surface of these heights",
+        smooth_bytes(field.shape()),
+    )?;
+    Ok(Shape::smooth(SplineSurface::through(field)))
 }

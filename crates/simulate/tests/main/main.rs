@@ -8,6 +8,7 @@
 
 mod after;
 mod budget;
+mod engines;
 mod fold;
 mod lobes;
 mod mesh_error;
