@@ -275,7 +275,7 @@ impl Task<'_> {
         let medium = self.config.medium.as_ref();
         let case = Case {
             bins: self.plan.bins,
-            surface: SurfaceSource::Given(sample.shape.clone()),
+            surface: SurfaceSource::Given(vec![sample.shape.clone()]),
             material: self.setting.material,
             layer: self.setting.layer.map(|layer| LayerBelow {
                 layer,

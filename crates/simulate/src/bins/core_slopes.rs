@@ -49,7 +49,11 @@ impl CoreSlopes {
     pub(crate) fn of_source(source: &SurfaceSource) -> Self {
         match source {
             SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
-            SurfaceSource::Given(shape) => Self::of_shape(shape),
+            SurfaceSource::Given(shapes) => {
+                let all = shapes.iter().map(|shape| Self::of_shape(shape).0);
+                let sum = all.fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+                Self(sum.map(|sum| sum / shapes.len() as f64))
+            }
         }
     }
 

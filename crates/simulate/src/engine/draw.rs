@@ -1,4 +1,4 @@
-//! Drawer: gives the engine the meshes of random surfaces.
+//! Drawer: gives the engine the meshes of surfaces by their number.
 
 use asperity_surface::{
     FieldSynthesis, Resolution, SplineSurface, SplineSynthesis, Synthesis, SynthesisError,
@@ -20,6 +20,8 @@ pub(crate) enum Drawer<'a> {
     GaussianSplines(Box<Splines<'a, SplineSynthesis>>),
     /// Splines through other heights.
     SplinesThroughFields(Box<Splines<'a, FieldSynthesis>>),
+    /// Nothing: surfaces are given, and refined or not.
+    Given(&'a [Shape], bool),
 }
 
 impl<'a> Drawer<'a> {
@@ -51,6 +53,9 @@ impl<'a> Drawer<'a> {
             Self::Fields(recipe, refine) => (recipe.draw_into(seed, number, memory)?, *refine),
             Self::GaussianSplines(recipe) => return recipe.draw(seed, number, memory),
             Self::SplinesThroughFields(recipe) => return recipe.draw(seed, number, memory),
+            Self::Given(shapes, refine) => {
+                return Meshes::new(shapes[number as usize].clone(), *refine);
+            }
         };
         Meshes::new(Shape::height_field(field), refine)
     }

@@ -1,38 +1,36 @@
-//! Cases on one given surface: what is refused, and the surface built.
+//! Cases on given surfaces: what is refused, and the surface built where there is one.
 
+use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_surface::{Border, HeightField, RefinementError};
-use asperity_tracer::{BottomSurface, Geometry, MeshSurface, Shape, SmoothSurface};
+use asperity_surface::{Border, RefinementError};
+use asperity_tracer::{BottomSurface, Shape};
 
 use super::built_surface::{BuiltSurface, Meshes};
 use super::context::Context;
+use super::ensemble_run::{EnsembleRun, Members};
 use super::given_run::{GivenCase, GivenRun};
 use super::ready_group::ReadyGroup;
-use super::region_run::RegionRun;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::estimator::Estimator;
-use crate::input::limits::{
-    check_memory, check_results, check_shape, hierarchy_bytes, meshes_bytes,
-    smooth_accelerator_bytes,
-};
+use crate::input::limits::{check_memory, check_results, check_shape, shape_bytes};
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 
-/// Cases on one given surface.
+/// Cases on given surfaces.
 #[derive(Clone)]
 pub(crate) struct GivenGroup {
-    shape: Shape,
+    shapes: Vec<Shape>,
     settings: Settings,
     cases: Vec<NumberedCase>,
 }
 
 impl GivenGroup {
-    /// Refuses what no run on this surface does.
+    /// Refuses what no run on these surfaces does.
     pub(crate) fn new(
-        shape: Shape,
+        shapes: Vec<Shape>,
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
@@ -41,71 +39,74 @@ impl GivenGroup {
             return Err(SimulateError::IndependentBottom);
         }
         let group = Self {
-            shape,
+            shapes,
             settings: *settings,
             cases,
         };
-        match &group.shape {
-            Shape::HeightField { top, bottom } => {
-                group.check_height_field(top.field(), 1 + usize::from(bottom.is_some()))?;
-            }
-            Shape::Smooth { top, bottom } => {
-                group.check_smooth(top, 1 + usize::from(bottom.is_some()))?;
-            }
-            Shape::TriangleMesh { top, .. } => group.check_triangle_mesh(top)?,
+        group.check_number()?;
+        for shape in &group.shapes {
+            group.check(shape)?;
         }
-        let tallies = settings.regions.map_or(1, |regions| regions.count());
+        let tallies = settings
+            .regions
+            .map_or(group.shapes.len() as u64, |regions| regions.count());
         let spec = settings.largest_spec(group.cases.iter().map(|one| &one.case));
         check_results(&spec, tallies, group.cases.len(), settings.refine)?;
         Ok(group)
     }
 
-    /// `surfaces`: this one, and the bottom if there is one.
-    fn check_height_field(
-        &self,
-        field: &HeightField,
-        surfaces: usize,
-    ) -> Result<(), SimulateError> {
+    /// Refuses no surface at all, and what is for one surface alone where there are several.
+    fn check_number(&self) -> Result<(), SimulateError> {
+        let Some((first, others)) = self.shapes.split_first() else {
+            return Err(SimulateError::NoSurface);
+        };
         let settings = &self.settings;
-        if settings.refine && field.border() == Border::Open {
-            return Err(RefinementError::Open.into());
+        let what = if settings.target().is_some() {
+            "a target error"
+        } else if settings.estimator == Estimator::Controlled {
+            "the controlled estimator"
+        } else if settings.regions.is_some() {
+            "a division into regions"
+        } else {
+            let is_other = |shape| discriminant(shape) != discriminant(first);
+            return match others.iter().any(is_other) {
+                true => Err(SimulateError::MixedCells),
+                false => Ok(()),
+            };
+        };
+        match others {
+            [] => Ok(()),
+            _ => Err(SimulateError::OnlyOfOne { what }),
         }
-        let random_azimuth = self.cases.iter().any(|one| one.case.light.random_azimuth);
-        if random_azimuth && settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::AzimuthControl);
-        }
-        let bytes = meshes_bytes(
-            field.shape(),
-            settings.accelerator,
-            field.is_flat(),
-            settings.refine,
-        );
-        let more = surfaces.saturating_mul(bytes) - surfaces * size_of_val(field.heights());
-        check_memory("tracing this surface", more)
     }
 
-    /// `surfaces`: this one, and the bottom if there is one.
-    fn check_smooth(&self, surface: &SmoothSurface, surfaces: usize) -> Result<(), SimulateError> {
-        if self.settings.refine {
-            return Err(SimulateError::SmoothRefinement);
-        }
-        if self.settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::SmoothControl);
-        }
-        let shape = surface.spline().shape();
-        let bytes = smooth_accelerator_bytes(shape, self.settings.accelerator);
-        check_memory("tracing this surface", surfaces.saturating_mul(bytes))
-    }
-
-    fn check_triangle_mesh(&self, mesh: &MeshSurface) -> Result<(), SimulateError> {
-        check_memory(
-            "this mesh with its hierarchy",
-            hierarchy_bytes(mesh.facet_count()),
-        )?;
-        if self.settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::MeshControl);
-        }
-        Ok(())
+    fn check(&self, shape: &Shape) -> Result<(), SimulateError> {
+        let settings = &self.settings;
+        let is_controlled = settings.estimator == Estimator::Controlled;
+        let what = match shape {
+            Shape::HeightField { top, .. } => {
+                if settings.refine && top.field().border() == Border::Open {
+                    return Err(RefinementError::Open.into());
+                }
+                let random_azimuth = self.cases.iter().any(|one| one.case.light.random_azimuth);
+                if random_azimuth && is_controlled {
+                    return Err(SimulateError::AzimuthControl);
+                }
+                "tracing this surface"
+            }
+            Shape::Smooth { .. } => {
+                if settings.refine {
+                    return Err(SimulateError::SmoothRefinement);
+                }
+                if is_controlled {
+                    return Err(SimulateError::SmoothControl);
+                }
+                "tracing this surface"
+            }
+            Shape::TriangleMesh { .. } if is_controlled => return Err(SimulateError::MeshControl),
+            Shape::TriangleMesh { .. } => "this mesh with its hierarchy",
+        };
+        check_memory(what, shape_bytes(shape, settings))
     }
 
     /// The same with another effort and seed.
@@ -122,13 +123,34 @@ impl GivenGroup {
         self.settings.effort.total_rays().saturating_mul(cases)
     }
 
-    /// Builds the accelerators, and finds how each case is estimated on each mesh.
+    /// Builds the accelerators of one surface, and finds how each case is estimated on each mesh. Several surfaces are built while
+    /// they are traced.
     pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+        let Self {
+            mut shapes,
+            settings,
+            cases,
+        } = self;
+        let shape = match shapes.pop() {
+            Some(shape) if shapes.is_empty() => shape,
+            last => {
+                shapes.extend(last);
+                let members = Members::Surfaces(shapes);
+                return Ok(Box::new(EnsembleRun::new(members, cases, settings, 0.0)));
+            }
+        };
         context.observer.begin("building", 1);
-        let settings = self.settings;
         let clock = Instant::now();
-        let meshes = Meshes::new(self.shape, settings.refine)?;
+        let meshes = Meshes::new(shape, settings.refine)?;
         let built = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
+        if let Some(regions) = settings.regions {
+            context.observer.end();
+            let members = Members::Regions(Arc::new(built), regions);
+            let seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
+            return Ok(Box::new(EnsembleRun::new(
+                members, cases, settings, seconds,
+            )));
+        }
         let prepare = |NumberedCase { number, case }| {
             let method = |mesh| {
                 check_shape(mesh, case.light.incidence)?;
@@ -143,19 +165,14 @@ impl GivenGroup {
                 rays: settings.effort.total_rays(),
             })
         };
-        let cases = self.cases.into_iter().map(prepare);
+        let cases = cases.into_iter().map(prepare);
         let cases = cases.collect::<Result<Vec<_>, SimulateError>>()?;
-        let build_seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
         context.observer.end();
-        let run = GivenRun {
+        Ok(Box::new(GivenRun {
             built,
+            build_seconds: clock.elapsed().as_secs_f64() / cases.len().max(1) as f64,
             cases,
             settings,
-            build_seconds,
-        };
-        Ok(match settings.regions {
-            None => Box::new(run),
-            Some(regions) => Box::new(RegionRun { run, regions }),
-        })
+        }))
     }
 }

@@ -15,7 +15,7 @@ use crate::input::surface_source::SurfaceSource;
 pub(crate) enum Group {
     /// Random surfaces.
     Random(Box<RandomGroup>),
-    /// One given surface.
+    /// Given surfaces.
     Given(GivenGroup),
 }
 
@@ -42,7 +42,9 @@ impl Group {
         let checked = |(source, cases)| match source {
             SurfaceSource::Random(surfaces) => RandomGroup::new(*surfaces, cases, settings)
                 .map(|group| Self::Random(Box::new(group))),
-            SurfaceSource::Given(shape) => GivenGroup::new(shape, cases, settings).map(Self::Given),
+            SurfaceSource::Given(shapes) => {
+                GivenGroup::new(shapes, cases, settings).map(Self::Given)
+            }
         };
         groups.into_iter().map(checked).collect()
     }

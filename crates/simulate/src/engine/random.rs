@@ -12,7 +12,7 @@ use super::pilot::{self, Figures};
 use super::ready_group::ReadyGroup;
 use super::rounds::Rounds;
 use super::spacings::PilotSurfaces;
-use super::surfaces::{SurfaceGroup, SurfacePlan};
+use super::surfaces::{SurfaceGroup, SurfacePlan, Surfaces};
 use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
 use crate::error::SimulateError;
@@ -171,7 +171,7 @@ impl RandomGroup {
             Stage::CoarsePilot => pilot.and_then(|pilot| pilot.coarse.as_ref()),
         };
         SurfaceGroup {
-            surfaces: surfaces.unwrap_or(&self.surfaces),
+            surfaces: Surfaces::Random(surfaces.unwrap_or(&self.surfaces)),
             cases: &self.traced,
             settings,
             plan,

@@ -1,13 +1,14 @@
-//! Surface group: draws random surfaces, and traces all cases that share them on each.
+//! Surface group: draws surfaces, or takes given ones, and traces all cases that share them on each.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
 use asperity_surface::SlopeMoments;
 use asperity_tally::TallySpec;
-use asperity_tracer::BottomSurface;
+use asperity_tracer::{BottomSurface, Shape, Window};
 use rayon::prelude::*;
 
 use super::block_run::run_blocks;
@@ -21,8 +22,9 @@ use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
-use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
+use crate::input::limits::{check_memory, meshes_bytes, shape_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
+use crate::input::regions::Regions;
 use crate::input::settings::Settings;
 use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
@@ -41,6 +43,9 @@ const MIN_BLOCKS_OF_EACH: u64 = 2;
 /// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
 const FIRST_BOTTOM: u64 = 1 << 50;
 
+/// Number of the surface whose random streams the rays of the first region have: beyond those of pilot runs.
+const FIRST_REGION: u64 = 1 << 41;
+
 /// How many surfaces are planned, and rays on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SurfacePlan {
@@ -48,10 +53,60 @@ pub(crate) struct SurfacePlan {
     pub(crate) rays: u64,
 }
 
+/// Surfaces by their number.
+#[derive(Clone, Copy)]
+pub(crate) enum Surfaces<'a> {
+    /// Those that a recipe draws.
+    Random(&'a RandomSurfaces),
+    /// Given ones.
+    Given(&'a [Shape]),
+    /// Regions of a given surface, which is built.
+    Regions(&'a Arc<BuiltSurface>, Regions),
+}
+
+impl<'a> Surfaces<'a> {
+    /// Memory that each one takes at its peak, beyond what is held anyway.
+    fn bytes(self, cases: &[TracedCase], settings: &Settings) -> usize {
+        match self {
+            Self::Random(surfaces) => surface_bytes(surfaces, cases, settings),
+            Self::Given(shapes) => {
+                let all = shapes.iter().map(|shape| shape_bytes(shape, settings));
+                all.max().unwrap_or(0)
+            }
+            Self::Regions(..) => 0,
+        }
+    }
+
+    fn drawer(self, refine: bool) -> Result<Drawer<'a>, SimulateError> {
+        match self {
+            Self::Random(surfaces) => Drawer::new(surfaces, refine),
+            Self::Given(shapes) => Ok(Drawer::Given(shapes, refine)),
+            // Its surface is built.
+            Self::Regions(..) => Ok(Drawer::Given(&[], refine)),
+        }
+    }
+
+    /// Where light falls on the surface of a number.
+    fn windows(self, number: u64) -> Vec<Window> {
+        match self {
+            Self::Regions(built, regions) => regions.windows(number, built.border()),
+            _ => vec![Window::WHOLE],
+        }
+    }
+
+    /// Number of the random streams that the rays on the surface of a number have.
+    const fn stream(self, number: u64) -> u64 {
+        match self {
+            Self::Regions(..) => FIRST_REGION + number,
+            _ => number,
+        }
+    }
+}
+
 /// Cases that share their surfaces, and how they are traced.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfaceGroup<'a> {
-    pub(crate) surfaces: &'a RandomSurfaces,
+    pub(crate) surfaces: Surfaces<'a>,
     pub(crate) cases: &'a [TracedCase],
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
@@ -60,7 +115,7 @@ pub(crate) struct SurfaceGroup<'a> {
 
 /// A surface that was drawn, ready to be traced.
 struct DrawnSurface {
-    built: BuiltSurface,
+    built: Arc<BuiltSurface>,
     slopes: Option<SlopeMoments>,
     seconds: Seconds,
 }
@@ -102,15 +157,25 @@ fn have_independent_bottom(cases: &[TracedCase]) -> bool {
 }
 
 impl SurfaceGroup<'_> {
-    /// Rays that each case gets from one surface.
+    /// Rays that each case gets in each window of a surface.
     pub(crate) fn blocks(&self) -> Blocks {
         let SurfacePlan { surfaces, rays } = self.plan;
-        let fewest = if surfaces == 1 {
-            MIN_BLOCKS_OF_ONE
-        } else {
-            MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH)
+        let fewest = match self.surfaces {
+            Surfaces::Regions(..) => MIN_BLOCKS_OF_EACH,
+            _ if surfaces == 1 => MIN_BLOCKS_OF_ONE,
+            _ => MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH),
         };
-        Blocks::plan(rays.div_ceil(surfaces), fewest, self.settings.sampling)
+        let rays = rays.div_ceil(surfaces * self.windows_of_one());
+        Blocks::plan(rays, fewest, self.settings.sampling)
+    }
+
+    fn windows_of_one(&self) -> u64 {
+        self.surfaces.windows(0).len() as u64
+    }
+
+    /// Rays that each case gets from one surface.
+    pub(crate) fn rays_of_surface(&self) -> u64 {
+        self.blocks().rays() * self.windows_of_one()
     }
 
     /// Draws the surfaces of these numbers once each and traces all cases on each.
@@ -123,12 +188,12 @@ impl SurfaceGroup<'_> {
         surfaces: Range<u64>,
         context: Context<'_>,
     ) -> Result<Vec<CaseTallies>, SimulateError> {
-        let bytes = surface_bytes(self.surfaces, self.cases, &self.settings);
+        let bytes = self.surfaces.bytes(self.cases, &self.settings);
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
-        let fit = MEMORY_BUDGET.min(available) / bytes as u64;
+        let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
-        let drawer = Drawer::new(self.surfaces, self.settings.refine)?;
+        let drawer = self.surfaces.drawer(self.settings.refine)?;
         let next = AtomicU64::new(surfaces.start);
         let watch = self.watch();
         let mut found: Vec<Numbered> = (0..side_by_side)
@@ -160,7 +225,7 @@ impl SurfaceGroup<'_> {
         Watch::new(
             target.filter(|_| self.stage == Stage::Result),
             self.plan.surfaces,
-            self.blocks().rays() * self.cases.len() as u64,
+            self.rays_of_surface() * self.cases.len() as u64,
         )
     }
 
@@ -214,7 +279,7 @@ impl SurfaceGroup<'_> {
             stage: self.stage,
             number: surface,
         };
-        let rays = self.blocks().rays();
+        let rays = self.rays_of_surface();
         let is_complete = |found: &SurfaceTallies| {
             let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
                 found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
@@ -259,6 +324,13 @@ impl SurfaceGroup<'_> {
         memory: &mut Vec<f64>,
         context: Context<'_>,
     ) -> Result<DrawnSurface, SimulateError> {
+        if let Surfaces::Regions(built, _) = self.surfaces {
+            return Ok(DrawnSurface {
+                built: built.clone(),
+                slopes: None,
+                seconds: Seconds::default(),
+            });
+        }
         let draw = |number, memory| {
             context.observer.surface_drawn(number);
             drawer.draw(self.settings.seed, number, memory)
@@ -270,10 +342,10 @@ impl SurfaceGroup<'_> {
             .then(|| draw(FIRST_BOTTOM + number, Vec::new()))
             .transpose()?;
         // Plain results are left as they are counted.
-        let slopes = if self.settings.estimator == Estimator::Plain {
-            None
-        } else {
-            top.slope_moments()
+        let is_plain = self.settings.estimator == Estimator::Plain;
+        let slopes = match self.surfaces {
+            Surfaces::Random(_) if !is_plain => top.slope_moments(),
+            _ => None,
         };
         seconds.generate = clock.elapsed().as_secs_f64();
 
@@ -282,7 +354,7 @@ impl SurfaceGroup<'_> {
         let built = BuiltSurface::build(meshes, self.settings.accelerator, context.engine)?;
         seconds.build = clock.elapsed().as_secs_f64();
         Ok(DrawnSurface {
-            built,
+            built: Arc::new(built),
             slopes,
             seconds,
         })
@@ -304,22 +376,31 @@ impl SurfaceGroup<'_> {
         let clock = Instant::now();
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
-            let lit = built.lit(case, |_| method, &self.settings)?;
+            let mut lit = built.lit(case, |_| method, &self.settings)?;
             let spec = self.settings.spec_of(case);
             let mut found = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
-            run_blocks(
-                &lit,
-                &self.settings,
-                number,
-                self.blocks(),
-                context.observer,
-                |group| found.push(&group.blocks, group.work),
-            );
+            for (i, window) in (0..).zip(self.surfaces.windows(number)) {
+                lit.iter_mut().for_each(|mesh| mesh.light.window = window);
+                let blocks = self.blocks();
+                let blocks = Blocks {
+                    first: i * blocks.count,
+                    ..blocks
+                };
+                let stream = self.surfaces.stream(number);
+                run_blocks(
+                    &lit,
+                    &self.settings,
+                    stream,
+                    blocks,
+                    context.observer,
+                    |group| found.push(&group.blocks, group.work),
+                );
+            }
             cases.push(found);
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = built.used();
-        *memory = built.into_memory();
+        *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);
         Ok(SurfaceTallies {
             cases,
             slopes,
@@ -331,8 +412,6 @@ impl SurfaceGroup<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use asperity_optics::{Incidence, Material};
     use asperity_surface::{Psd, Synthesis};
     use asperity_tracer::{Branching, HalfSpace, PathSettings, Sampling};
@@ -369,7 +448,7 @@ mod tests {
             method: Arc::new(Method::plain(&settings)),
         }];
         let group = SurfaceGroup {
-            surfaces: &surfaces,
+            surfaces: Surfaces::Random(&surfaces),
             cases: &cases,
             settings,
             plan: SurfacePlan {

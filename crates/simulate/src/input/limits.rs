@@ -9,6 +9,7 @@ use asperity_tracer::{
     AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, Shape, can_traverse, tiles_crossed,
 };
 
+use super::settings::Settings;
 use crate::error::SimulateError;
 
 /// Most memory for the results of a run.
@@ -180,7 +181,24 @@ pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(
     })
 }
 
-/// The same of a shape of any kind.
+/// Bytes that tracing a shape takes, with its bottom, in addition to what it holds.
+pub(crate) fn shape_bytes(shape: &Shape, settings: &Settings) -> usize {
+    let of_one = match shape {
+        Shape::HeightField { top, .. } => {
+            let field = top.field();
+            let (shape, is_flat) = (field.shape(), field.is_flat());
+            let all = meshes_bytes(shape, settings.accelerator, is_flat, settings.refine);
+            all.saturating_sub(size_of_val(field.heights()))
+        }
+        Shape::Smooth { top, .. } => {
+            smooth_accelerator_bytes(top.spline().shape(), settings.accelerator)
+        }
+        Shape::TriangleMesh { top, .. } => hierarchy_bytes(top.facet_count()),
+    };
+    of_one.saturating_mul(1 + usize::from(shape.has_bottom()))
+}
+
+/// Refuses what [`check_grazing`] does, of a shape of any kind.
 pub(crate) fn check_shape(shape: &Shape, incidence: Incidence) -> Result<(), SimulateError> {
     match shape {
         Shape::HeightField { top, .. } => check_grazing(&**top, incidence),

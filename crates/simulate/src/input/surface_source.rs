@@ -17,8 +17,9 @@ use crate::error::SimulateError;
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
     Random(Box<RandomSurfaces>),
-    /// One surface. The result is that of this surface alone.
-    Given(Shape),
+    /// One surface, whose result is that of this surface alone; or several, such as scans of one sample, whose result is their mean,
+    /// with the errors that their scatter shows. All have the same kind of cells; sizes may differ.
+    Given(Vec<Shape>),
 }
 
 impl SurfaceSource {
@@ -32,67 +33,79 @@ impl SurfaceSource {
     /// A surface given by its heights.
     #[must_use]
     pub fn height_field(field: HeightField) -> Self {
-        Self::Given(Shape::height_field(field))
+        Self::Given(vec![Shape::height_field(field)])
     }
 
     /// A surface given by its triangles.
     #[must_use]
     pub fn triangle_mesh(mesh: MeshSurface) -> Self {
-        Self::Given(Shape::triangle_mesh(mesh))
+        Self::Given(vec![Shape::triangle_mesh(mesh)])
     }
 
-    /// What lies between heights; `None` for a triangle mesh.
+    /// Given surfaces; none of random ones.
     #[must_use]
-    pub const fn cells(&self) -> Option<Cells> {
+    pub fn shapes(&self) -> &[Shape] {
         match self {
-            Self::Random(surfaces) => Some(surfaces.cells()),
-            Self::Given(Shape::HeightField { .. }) => Some(Cells::Flat),
-            Self::Given(Shape::Smooth { .. }) => Some(Cells::Smooth),
-            Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Random(_) => &[],
+            Self::Given(shapes) => shapes,
         }
     }
 
-    /// Whether it is one given surface without any relief.
+    /// What lies between heights; `None` for triangle meshes.
+    #[must_use]
+    pub fn cells(&self) -> Option<Cells> {
+        match self {
+            Self::Random(surfaces) => Some(surfaces.cells()),
+            Self::Given(shapes) => match shapes.first()? {
+                Shape::HeightField { .. } => Some(Cells::Flat),
+                Shape::Smooth { .. } => Some(Cells::Smooth),
+                Shape::TriangleMesh { .. } => None,
+            },
+        }
+    }
+
+    /// Whether surfaces are given and have no relief at all.
     #[must_use]
     pub fn is_level(&self) -> bool {
         match self {
             Self::Random(_) => false,
-            Self::Given(Shape::HeightField { top, .. }) => top.is_flat(),
-            Self::Given(Shape::Smooth { top, .. }) => top.spline().samples().is_flat(),
-            Self::Given(Shape::TriangleMesh { top, .. }) => top.size()[2] == 0.0,
+            Self::Given(shapes) => shapes.iter().all(Shape::is_level),
         }
     }
 
-    /// The heights of a given surface; `None` for random surfaces and for a triangle mesh.
+    /// The heights of the first given surface; `None` for random surfaces and for triangle meshes.
     #[must_use]
     pub fn heights(&self) -> Option<Cow<'_, HeightField>> {
-        match self {
-            Self::Random(_) | Self::Given(Shape::TriangleMesh { .. }) => None,
-            Self::Given(Shape::HeightField { top, .. }) => Some(Cow::Borrowed(top.field())),
-            Self::Given(Shape::Smooth { top, .. }) => Some(Cow::Owned(top.spline().samples())),
+        match self.shapes().first()? {
+            Shape::HeightField { top, .. } => Some(Cow::Borrowed(top.field())),
+            Shape::Smooth { top, .. } => Some(Cow::Owned(top.spline().samples())),
+            Shape::TriangleMesh { .. } => None,
         }
     }
 
-    /// Samples along x and y; `None` for a triangle mesh.
+    /// Samples along x and y, of the first of given surfaces; `None` for triangle meshes.
     #[must_use]
     pub fn size(&self) -> Option<[usize; 2]> {
-        let [ny, nx] = match self {
-            Self::Random(surfaces) => surfaces.shape(),
-            Self::Given(Shape::HeightField { top, .. }) => top.field().shape(),
-            Self::Given(Shape::Smooth { top, .. }) => top.spline().shape(),
-            Self::Given(Shape::TriangleMesh { .. }) => return None,
-        };
+        let ([ny, nx], _) = self.grid()?;
         Some([nx, ny])
     }
 
-    /// Length units per sample along x and y; `None` for a triangle mesh.
+    /// Length units per sample along x and y, of the first of given surfaces; `None` for triangle meshes.
     #[must_use]
     pub fn spacing(&self) -> Option<[f64; 2]> {
+        Some(self.grid()?.1)
+    }
+
+    fn grid(&self) -> Option<([usize; 2], [f64; 2])> {
         match self {
-            Self::Random(surfaces) => Some(surfaces.spacing()),
-            Self::Given(Shape::HeightField { top, .. }) => Some(top.field().spacing()),
-            Self::Given(Shape::Smooth { top, .. }) => Some(top.spline().spacing()),
-            Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Random(surfaces) => Some((surfaces.shape(), surfaces.spacing())),
+            Self::Given(shapes) => match shapes.first()? {
+                Shape::HeightField { top, .. } => {
+                    Some((top.field().shape(), top.field().spacing()))
+                }
+                Shape::Smooth { top, .. } => Some((top.spline().shape(), top.spline().spacing())),
+                Shape::TriangleMesh { .. } => None,
+            },
         }
     }
 }

@@ -9,6 +9,7 @@
 mod after;
 mod budget;
 mod engines;
+mod ensembles;
 mod fold;
 mod lobes;
 mod mesh_error;

@@ -88,7 +88,7 @@ impl TraceConfig {
             .map(|medium| medium.bottom_surface.named());
         let mut case = Case {
             bins: None,
-            surface: SurfaceSource::Given(surface),
+            surface: SurfaceSource::Given(vec![surface]),
             material: self.material()?,
             layer: self.layer()?.map(|layer| LayerBelow {
                 layer,

@@ -85,6 +85,26 @@ impl Shape {
         }
     }
 
+    /// Whether the bottom has a shape of its own.
+    #[must_use]
+    pub const fn has_bottom(&self) -> bool {
+        match self {
+            Self::HeightField { bottom, .. } => bottom.is_some(),
+            Self::Smooth { bottom, .. } => bottom.is_some(),
+            Self::TriangleMesh { bottom, .. } => bottom.is_some(),
+        }
+    }
+
+    /// Whether the surface has no relief at all.
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        match self {
+            Self::HeightField { top, .. } => top.is_flat(),
+            Self::Smooth { top, .. } => top.spline().samples().is_flat(),
+            Self::TriangleMesh { top, .. } => top.size()[2] == 0.0,
+        }
+    }
+
     /// What lies beyond the border of the tile.
     #[must_use]
     pub fn border(&self) -> Border {
