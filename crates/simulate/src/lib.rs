@@ -39,8 +39,8 @@ pub use input::cells::Cells;
 pub use input::estimator::Estimator;
 pub use input::layer::{layer_folder, layer_name};
 pub use input::limits::{
-    check_grazing, check_height, check_memory, check_results, hierarchy_bytes, meshes_bytes,
-    smooth_accelerator_bytes, smooth_traced_bytes, traced_bytes,
+    check_grazing, check_height, check_memory, check_results, check_shape_memory,
+    smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
 pub use input::random_surfaces::{FieldSurfaces, RandomSurfaces};

@@ -12,6 +12,7 @@ use super::built_surface::BuiltSurface;
 use super::context::Context;
 use super::draft::Draft;
 use super::ready_group::ReadyGroup;
+use super::rounds::Rounds;
 use super::surfaces::{SurfaceGroup, SurfacePlan, Surfaces};
 use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
@@ -20,7 +21,6 @@ use crate::input::regions::Regions;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 use crate::output::stopped_by::StoppedBy;
-use crate::output::stopping::Stopping;
 use crate::store::Stage;
 
 /// Cases on several given surfaces, or on the regions of one.
@@ -87,14 +87,6 @@ impl ReadyGroup for EnsembleRun {
         self.explained()
     }
 
-    fn pilot_rays(&self) -> u64 {
-        0
-    }
-
-    fn plan(&mut self, _all_cases: usize, _context: Context<'_>) -> Result<(), SimulateError> {
-        Ok(())
-    }
-
     fn surfaces(&self) -> u64 {
         match &self.members {
             Members::Surfaces(shapes) => shapes.len() as u64,
@@ -123,21 +115,8 @@ impl ReadyGroup for EnsembleRun {
             } else {
                 context.observer.stop().unwrap_or(StoppedBy::Interrupt)
             };
-            let stopping = Stopping {
-                target_error: None,
-                of: None,
-                error: None,
-                mesh_error: None,
-                pilot: None,
-                paths: None,
-                realisations: surfaces,
-                rays_per_surface,
-                size: None,
-                spacing: None,
-                rounds: 0,
-                stopped_by,
-                warnings: Vec::new(),
-            };
+            let rounds = Rounds::as_planned(stopped_by);
+            let stopping = rounds.stopping(&self.settings, surfaces, rays_per_surface);
             Draft {
                 number: traced.number,
                 case: traced.case.clone(),

@@ -15,7 +15,7 @@ use super::ready_group::ReadyGroup;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::estimator::Estimator;
-use crate::input::limits::{check_memory, check_results, check_shape, shape_bytes};
+use crate::input::limits::{check_results, check_shape, check_shape_memory};
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 
@@ -57,56 +57,43 @@ impl GivenGroup {
 
     /// Refuses no surface at all, and what is for one surface alone where there are several.
     fn check_number(&self) -> Result<(), SimulateError> {
-        let Some((first, others)) = self.shapes.split_first() else {
-            return Err(SimulateError::NoSurface);
-        };
         let settings = &self.settings;
-        let what = if settings.target().is_some() {
-            "a target error"
-        } else if settings.estimator == Estimator::Controlled {
-            "the controlled estimator"
-        } else if settings.regions.is_some() {
-            "a division into regions"
-        } else {
-            let is_other = |shape| discriminant(shape) != discriminant(first);
-            return match others.iter().any(is_other) {
-                true => Err(SimulateError::MixedCells),
-                false => Ok(()),
-            };
-        };
-        match others {
-            [] => Ok(()),
-            _ => Err(SimulateError::OnlyOfOne { what }),
-        }
+        let only_of_one = [
+            ("a target error", settings.target().is_some()),
+            (
+                "the controlled estimator",
+                settings.estimator == Estimator::Controlled,
+            ),
+            ("a division into regions", settings.regions.is_some()),
+        ];
+        let what = only_of_one.into_iter().find(|(_, requested)| *requested);
+        let kind = self.shapes.first().map(discriminant);
+        let is_other = |shape| Some(discriminant(shape)) != kind;
+        Err(match (self.shapes.as_slice(), what) {
+            ([], _) => SimulateError::NoSurface,
+            ([_], _) => return Ok(()),
+            (_, Some((what, _))) => SimulateError::OnlyOfOne { what },
+            (shapes, _) if shapes.iter().any(is_other) => SimulateError::MixedCells,
+            _ => return Ok(()),
+        })
     }
 
     fn check(&self, shape: &Shape) -> Result<(), SimulateError> {
         let settings = &self.settings;
         let is_controlled = settings.estimator == Estimator::Controlled;
-        let what = match shape {
-            Shape::HeightField { top, .. } => {
-                if settings.refine && top.field().border() == Border::Open {
-                    return Err(RefinementError::Open.into());
-                }
-                let random_azimuth = self.cases.iter().any(|one| one.case.light.random_azimuth);
-                if random_azimuth && is_controlled {
-                    return Err(SimulateError::AzimuthControl);
-                }
-                "tracing this surface"
+        let random_azimuth = || self.cases.iter().any(|one| one.case.light.random_azimuth);
+        Err(match shape {
+            Shape::HeightField { .. } if settings.refine && shape.border() == Border::Open => {
+                RefinementError::Open.into()
             }
-            Shape::Smooth { .. } => {
-                if settings.refine {
-                    return Err(SimulateError::SmoothRefinement);
-                }
-                if is_controlled {
-                    return Err(SimulateError::SmoothControl);
-                }
-                "tracing this surface"
+            Shape::HeightField { .. } if is_controlled && random_azimuth() => {
+                SimulateError::AzimuthControl
             }
-            Shape::TriangleMesh { .. } if is_controlled => return Err(SimulateError::MeshControl),
-            Shape::TriangleMesh { .. } => "this mesh with its hierarchy",
-        };
-        check_memory(what, shape_bytes(shape, settings))
+            Shape::Smooth { .. } if settings.refine => SimulateError::SmoothRefinement,
+            Shape::Smooth { .. } if is_controlled => SimulateError::SmoothControl,
+            Shape::TriangleMesh { .. } if is_controlled => SimulateError::MeshControl,
+            _ => return check_shape_memory(shape, settings.accelerator, settings.refine),
+        })
     }
 
     /// The same with another effort and seed.
@@ -154,9 +141,17 @@ impl GivenGroup {
         let prepare = |NumberedCase { number, case }| {
             let method = |mesh| {
                 check_shape(mesh, case.light.incidence)?;
-                Method::of_shape(mesh, &case, &settings).map(Arc::new)
+                // No control variate foresees the light of curved cells and of triangle meshes.
+                let method = match mesh {
+                    Shape::HeightField { top, .. } => Method::of_surface(top, &case, &settings)?,
+                    _ => Method::plain(&settings),
+                };
+                Ok(Arc::new(method))
             };
-            let methods = built.shapes().map(method).collect::<Result<_, _>>()?;
+            let methods = built
+                .shapes()
+                .map(method)
+                .collect::<Result<_, SimulateError>>()?;
             Ok(GivenCase {
                 number,
                 case,

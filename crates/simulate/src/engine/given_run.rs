@@ -193,25 +193,14 @@ impl GivenRun {
     }
 
     fn stopping(&self, case: &GivenCase, rounds: Rounds, error: Option<f64>) -> Stopping {
-        let target = self.settings.target();
         let paths = || ChosenPaths {
             way: case.way(),
             tried: case.tried.clone(),
         };
         Stopping {
-            target_error: target.map(|target| target.error()),
-            of: target.map(|target| target.of()),
             error,
-            mesh_error: None,
-            pilot: None,
-            paths: target.is_some().then(paths),
-            realisations: 1,
-            rays_per_surface: self.blocks(case).rays(),
-            size: None,
-            spacing: None,
-            rounds: rounds.added,
-            stopped_by: rounds.stopped_by,
-            warnings: Vec::new(),
+            paths: self.settings.target().map(|_| paths()),
+            ..rounds.stopping(&self.settings, 1, self.blocks(case).rays())
         }
     }
 }

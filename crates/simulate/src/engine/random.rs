@@ -181,22 +181,13 @@ impl RandomGroup {
 
     /// What the stopping of all cases has in common.
     fn stopping(&self, rounds: Rounds) -> Stopping {
-        let target = self.settings.target();
         let [ny, nx] = self.surfaces.shape();
+        let rays = self.group(Stage::Result).blocks().rays();
         Stopping {
-            target_error: target.map(|target| target.error()),
-            of: target.map(|target| target.of()),
-            error: None,
-            mesh_error: None,
-            pilot: None,
-            paths: None,
-            realisations: self.plan.surfaces,
-            rays_per_surface: self.group(Stage::Result).blocks().rays(),
             size: Some([nx, ny]),
             spacing: Some(self.surfaces.spacing()),
-            rounds: rounds.added,
-            stopped_by: rounds.stopped_by,
             warnings: self.pilot.warnings.clone(),
+            ..rounds.stopping(&self.settings, self.plan.surfaces, rays)
         }
     }
 

@@ -70,7 +70,9 @@ impl<'a> Surfaces<'a> {
         match self {
             Self::Random(surfaces) => surface_bytes(surfaces, cases, settings),
             Self::Given(shapes) => {
-                let all = shapes.iter().map(|shape| shape_bytes(shape, settings));
+                let all = shapes
+                    .iter()
+                    .map(|shape| shape_bytes(shape, settings.accelerator, settings.refine));
                 all.max().unwrap_or(0)
             }
             Self::Regions(..) => 0,

@@ -8,7 +8,7 @@ use asperity_analysis::{ModelError, SlopeCovariance, SlopeMixture, visible_fract
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
-use asperity_tracer::{Geometry, Shape, Surface, sum_over_facets, unshadowed_fluxes};
+use asperity_tracer::{Geometry, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
 use crate::error::SimulateError;
@@ -22,21 +22,6 @@ use crate::methods::method::{ControlVariateMean, Method};
 const PARTS: usize = 64;
 
 impl Method {
-    /// The method for light on one given surface. No control variate foresees the light of curved cells and of triangle meshes.
-    ///
-    /// # Errors
-    /// As [`Method::of_surface`].
-    pub(crate) fn of_shape(
-        shape: &Shape,
-        case: &Case,
-        settings: &Settings,
-    ) -> Result<Self, SimulateError> {
-        match shape {
-            Shape::HeightField { top, .. } => Self::of_surface(top, case, settings),
-            _ => Ok(Self::plain(settings)),
-        }
-    }
-
     /// The method for light on one given surface of flat cells.
     ///
     /// Where the choice is free, a control variate is taken if it promises to pay and the sum over all facets
@@ -45,7 +30,7 @@ impl Method {
     /// # Errors
     /// [`SimulateError::OpenControl`] if a control variate is insisted on for an open patch: rays that come from
     /// outside it meet other facets than those that are summed over.
-    fn of_surface(
+    pub(crate) fn of_surface(
         surface: &Surface,
         case: &Case,
         settings: &Settings,

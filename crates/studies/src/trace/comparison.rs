@@ -5,8 +5,7 @@ mod tests;
 
 use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes, sidak_level};
 use asperity_simulate::{
-    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation,
-    SurfaceSource, short,
+    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation, short,
 };
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
