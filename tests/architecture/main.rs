@@ -73,7 +73,7 @@ fn modules_form_no_import_cycles() {
 }
 
 /// Folders and files of the tracer, each with those that it may use.
-const TRACER: [(&str, &[&str]); 12] = [
+const TRACER: [(&str, &[&str]); 13] = [
     ("ray", &[]),
     ("settings", &[]),
     ("vector", &[]),
@@ -109,6 +109,19 @@ const TRACER: [(&str, &[&str]); 12] = [
             "accelerators",
             "periodic",
             "interaction",
+        ],
+    ),
+    (
+        "engine",
+        &[
+            "ray",
+            "settings",
+            "random",
+            "sampling",
+            "geometry",
+            "accelerators",
+            "interaction",
+            "path",
         ],
     ),
     // It tests the engine in `path`, so it shares no step of a path with it.

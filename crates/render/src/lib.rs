@@ -25,7 +25,7 @@ mod view;
 
 use asperity_simulate::{
     LayerBelow, Observer, SearchedSurface, Shape, StoppedBy, check_height, check_memory,
-    hierarchy_bytes, meshes_bytes, smooth_accelerator_bytes,
+    check_shape_memory,
 };
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,7 +34,7 @@ use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
 use asperity_tracer::{
     BuildAccelerator, FlightSearch, Geometry, LightBeams, MeshSurface, PathIntegrator,
-    Polarisation, SmoothSurface, Surface, can_traverse, tiles_crossed,
+    Polarisation, Surface, can_traverse, tiles_crossed,
 };
 
 pub use error::RenderError;
@@ -87,42 +87,21 @@ pub fn render(
     progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
     let matter = Matter { material, layer };
+    check_shape_memory(shape, settings.accelerator, false)?;
     match shape {
         Shape::HeightField { top, bottom } => {
             let geometries = Geometries::new(top, bottom.as_ref());
-            let bytes = |surface: &Surface| {
-                let field = surface.field();
-                let all = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
-                all.saturating_sub(size_of_val(field.heights()))
-            };
-            check_memory("this surface", geometries.sum(bytes))?;
-            render_on(
-                &geometries,
-                Some(LightBeams::new),
-                matter,
-                settings,
-                progress,
-            )
+            let beams: Option<BeginBeams<Surface>> = Some(LightBeams::new);
+            render_on(&geometries, beams, matter, settings, progress)
         }
         Shape::Smooth { top, bottom } => {
             let geometries = Geometries::new(top, bottom.as_ref());
-            let bytes = |surface: &SmoothSurface| {
-                smooth_accelerator_bytes(surface.spline().shape(), settings.accelerator)
-            };
-            check_memory("this surface", geometries.sum(bytes))?;
             render_on(&geometries, None, matter, settings, progress)
         }
         Shape::TriangleMesh { top, bottom } => {
             let geometries = Geometries::new(top, bottom.as_ref());
-            let bytes = |mesh: &MeshSurface| hierarchy_bytes(mesh.facet_count());
-            check_memory("this mesh with its hierarchy", geometries.sum(bytes))?;
-            render_on(
-                &geometries,
-                Some(LightBeams::new),
-                matter,
-                settings,
-                progress,
-            )
+            let beams: Option<BeginBeams<MeshSurface>> = Some(LightBeams::new);
+            render_on(&geometries, beams, matter, settings, progress)
         }
     }
 }
@@ -137,11 +116,6 @@ impl<'a, G> Geometries<'a, G> {
     fn new(top: &'a Arc<G>, bottom: Option<&'a Arc<G>>) -> Self {
         let bottom = bottom.map(|bottom| &**bottom);
         Self { top, bottom }
-    }
-
-    /// The sum of the bytes of each.
-    fn sum(&self, bytes: impl Fn(&G) -> usize) -> usize {
-        bytes(self.top).saturating_add(self.bottom.map_or(0, &bytes))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Pictures whose radiance is known, and pictures against light that is traced forwards.
 
-use asperity_simulate::{BottomSurface, Silent};
+use asperity_simulate::{BottomSurface, Silent, smooth_shape};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
@@ -32,7 +32,7 @@ fn facets(field: HeightField) -> Shape {
 
 /// The shape of the same heights with smooth cells.
 fn smooth(field: &HeightField) -> Shape {
-    Shape::smooth(field).unwrap()
+    smooth_shape(field).unwrap()
 }
 
 fn flat() -> HeightField {

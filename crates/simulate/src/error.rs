@@ -96,6 +96,22 @@ pub enum SimulateError {
     /// Smooth cells of a triangle mesh.
     #[error("smooth cells are for height maps; this is a triangle mesh, so take flat cells")]
     SmoothMesh,
+    /// Given surfaces, of which there are none.
+    #[error("no surface is given; at least one is needed")]
+    NoSurface,
+    /// Several given surfaces, some of them of other cells.
+    #[error(
+        "several given surfaces must all be flat cells, all smooth cells or all triangle meshes"
+    )]
+    MixedCells,
+    /// What is for one given surface, where there are several.
+    #[error(
+        "{what} is for one given surface; several take the plain estimator and a number of rays"
+    )]
+    OnlyOfOne {
+        /// What was requested.
+        what: &'static str,
+    },
     /// A layer whose bottom would have to be drawn, below a surface that is not.
     #[error(
         "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
@@ -151,6 +167,9 @@ impl SimulateError {
             | Self::SmoothControl
             | Self::SmoothRefinement
             | Self::SmoothMesh
+            | Self::NoSurface
+            | Self::MixedCells
+            | Self::OnlyOfOne { .. }
             | Self::IndependentBottom => true,
             Self::Slopes(_)
             | Self::Coarsening(_)

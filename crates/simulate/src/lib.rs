@@ -26,6 +26,7 @@ mod store;
 mod stream;
 mod text;
 
+pub use asperity_tracer::{BottomSurface, LayerBelow, SearchedSurface, Shape};
 pub use bins::core_slopes::CoreSlopes;
 pub use bins::lobe::{Lobe, MAX_SHORTFALL};
 pub use engine::random::MESH_ALLOWANCE;
@@ -39,16 +40,15 @@ pub use input::coordinates::{
     CaseColumn, CaseGroup, CasePart, Coordinate, Coordinates, bottom_text, material_text,
 };
 pub use input::estimator::Estimator;
-pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface};
 pub use input::limits::{
-    check_grazing, check_height, check_memory, check_results, hierarchy_bytes, meshes_bytes,
-    smooth_accelerator_bytes, smooth_traced_bytes, traced_bytes,
+    check_grazing, check_height, check_memory, check_results, check_shape_memory,
+    smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
 pub use input::random_surfaces::{FieldSurfaces, RandomSurfaces};
 pub use input::regions::Regions;
 pub use input::settings::{Effort, Settings};
-pub use input::surface_source::{Shape, SurfaceSource};
+pub use input::surface_source::{SurfaceSource, smooth_shape};
 pub use input::target::{Quantity, Target, TargetError};
 pub use methods::method::ControlVariateMean;
 pub use observer::{Deadline, Observer, Silent};

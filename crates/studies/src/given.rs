@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_simulate::{Cells, Shape, SimulateError};
+use asperity_simulate::{Cells, Shape, SimulateError, smooth_shape};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
@@ -43,7 +43,7 @@ impl GivenShape {
     pub fn simulated(self, cells: Cells) -> Result<Shape, SimulateError> {
         match (self, cells) {
             (Self::Field(field), Cells::Flat) => Ok(Shape::height_field(field)),
-            (Self::Field(field), Cells::Smooth) => Shape::smooth(&field),
+            (Self::Field(field), Cells::Smooth) => smooth_shape(&field),
             (Self::Mesh(mesh), Cells::Flat) => Ok(Shape::triangle_mesh(mesh)),
             (Self::Mesh(_), Cells::Smooth) => Err(SimulateError::SmoothMesh),
         }

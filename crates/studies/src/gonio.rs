@@ -22,8 +22,8 @@ use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::output::{Supported, over, projected_solid_angle};
 use crate::plan::Plan;
-use crate::result_set::{CaseResult, ResultSet};
 use crate::report::flux_support::FluxSupport;
+use crate::result_set::{CaseResult, ResultSet};
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::error::VerifyError;
@@ -123,7 +123,10 @@ impl<'a> GonioOutcome<'a> {
     /// Unit of the lengths of all surfaces.
     #[must_use]
     pub fn unit(&self) -> LengthUnit {
-        self.plan.cases.first().map_or_else(LengthUnit::default, |case| case.at.unit)
+        self.plan
+            .cases
+            .first()
+            .map_or_else(LengthUnit::default, |case| case.at.unit)
     }
 
     /// The directions.
@@ -134,7 +137,9 @@ impl<'a> GonioOutcome<'a> {
     /// Directions that are still to be found.
     #[must_use]
     pub fn missing(&self) -> usize {
-        self.directions().filter(|one| one.outcome.is_none()).count()
+        self.directions()
+            .filter(|one| one.outcome.is_none())
+            .count()
     }
 
     /// Lengths of the surface of a direction against the wavelength, where their unit is known.
@@ -154,7 +159,10 @@ impl<'a> GonioOutcome<'a> {
 
     /// A case of each setting.
     fn settings(&self) -> impl ExactSizeIterator<Item = &'a Case> {
-        self.plan.cases.chunks(self.per_setting()).map(|cases| &cases[0])
+        self.plan
+            .cases
+            .chunks(self.per_setting())
+            .map(|cases| &cases[0])
     }
 
     fn numbered(&self, number: usize) -> Direction<'a> {

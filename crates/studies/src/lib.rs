@@ -62,8 +62,8 @@ pub use gonio::{
 pub use inspect::{InspectError, Texture, inspect_report, texture_files};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, map,
-    map_report, map_summary, map_table, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, map, map_report,
+    map_summary, map_table, summarise,
 };
 pub use model::{
     Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,

@@ -61,7 +61,8 @@ impl MapOutcome<'_> {
 
     /// The cells that were found, with what was found.
     fn found(&self) -> impl Iterator<Item = (&Case, &CellResults)> {
-        self.cells().filter_map(|cell| Some((cell.case, cell.results?)))
+        self.cells()
+            .filter_map(|cell| Some((cell.case, cell.results?)))
     }
 
     /// Cells that are still to be found.

@@ -1,7 +1,8 @@
 //! Plan: the cases that a configuration stands for, and how they are simulated.
 
 use asperity_simulate::{
-    Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SimulateError, SurfaceSource, check_memory,
+    Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SimulateError,
+    SurfaceSource, check_memory,
 };
 use asperity_surface::{FieldSynthesis, LengthUnit, SurfaceRecipe};
 
@@ -99,7 +100,7 @@ impl VerifyConfig {
                 unit,
                 ..Coordinates::default()
             };
-            single.case(SurfaceSource::Given(shape.clone()), at)
+            single.case(SurfaceSource::Given(vec![shape.clone()]), at)
         });
         let cases = cases.collect::<Result<Vec<_>, _>>()?;
         self.check(&cases)?;

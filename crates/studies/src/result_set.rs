@@ -12,7 +12,9 @@ pub struct ResultSet {
 }
 impl ResultSet {
     pub fn new(cases: usize) -> Self {
-        Self { cases: (0..cases).map(|_| None).collect() }
+        Self {
+            cases: (0..cases).map(|_| None).collect(),
+        }
     }
     pub fn outcome(&self, number: usize) -> Option<&Outcome> {
         self.cases[number].as_ref().map(|one| &one.outcome)
@@ -34,6 +36,9 @@ impl ResultSet {
 
 impl From<Outcome> for CaseResult {
     fn from(outcome: Outcome) -> Self {
-        Self { outcome, findings: Value::Null }
+        Self {
+            outcome,
+            findings: Value::Null,
+        }
     }
 }

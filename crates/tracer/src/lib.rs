@@ -17,6 +17,7 @@
 //! | `path` | engine: many paths at a time |
 //! | `sampling` | where paths start |
 //! | `visibility` | visibility rays, horizons, light beams |
+//! | `engine` | the seam: what a second engine implements |
 //!
 //! # Why no epsilon is needed
 //! A ray above the surface can only pass a facet downwards, a ray below only upwards. The
@@ -27,6 +28,7 @@
 //! sign counts; the root at which a ray begins is divided out.
 
 mod accelerators;
+mod engine;
 mod geometry;
 mod interaction;
 mod path;
@@ -46,11 +48,14 @@ pub use accelerators::flat::Flat;
 pub use accelerators::kind::AcceleratorKind;
 pub use accelerators::mesh_bvh::MeshBvh;
 pub use accelerators::pyramid::Pyramid;
+pub use engine::{BatchTracer, CpuEngine, Engine, PreparedSurface, TracedPaths};
 pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
+pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{Escape, Geometry, Nearby, Outlook, Triangles};
+pub use interaction::below::{BottomSurface, LayerBelow, SearchedSurface};
 pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Window, Work};

@@ -4,9 +4,9 @@
 //! surfaces. The core of a distribution is the Gaussian that has as many facets near the mean plane.
 
 use asperity_surface::{Border, SurfaceRecipe};
-use asperity_tracer::Geometry;
+use asperity_tracer::{Geometry, Shape};
 
-use crate::input::surface_source::{Shape, SurfaceSource};
+use crate::input::surface_source::SurfaceSource;
 
 /// Facets that are looked at, of those of a given surface.
 const MOST_FACETS: usize = 1 << 20;
@@ -51,7 +51,11 @@ impl CoreSlopes {
     pub fn of_source(source: &SurfaceSource) -> Self {
         match source {
             SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
-            SurfaceSource::Given(shape) => Self::of_shape(shape),
+            SurfaceSource::Given(shapes) => {
+                let all = shapes.iter().map(|shape| Self::of_shape(shape).0);
+                let sum = all.fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+                Self(sum.map(|sum| sum / shapes.len() as f64))
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use asperity_tally::{ControlVariate, Mirror, TallySpec, TallyValues};
-use asperity_tracer::{Geometry, Illumination, PathStream, Tracer, Work};
+use asperity_tracer::{BatchTracer, Illumination, PathStream, Work};
 use rayon::prelude::*;
 
 use super::blocks::{BlockGroup, Blocks};
@@ -12,8 +12,8 @@ use crate::input::settings::Settings;
 use crate::observer::Observer;
 
 /// One mesh of a surface with the light that falls on it.
-pub(crate) struct LitMesh<'a, G: Geometry> {
-    pub(crate) tracer: Tracer<'a, G>,
+pub(crate) struct LitMesh<'a> {
+    pub(crate) tracer: Box<dyn BatchTracer + 'a>,
     pub(crate) spec: TallySpec,
     pub(crate) light: Illumination,
     pub(crate) control_variate: Option<&'a ControlVariate>,
@@ -42,8 +42,8 @@ pub(crate) struct FinishedGroup {
 /// and has a tally of each; the work counted is that of the first.
 ///
 /// If the run is to stop, the groups that are under way are finished, and the first blocks in any case.
-pub(crate) fn run_blocks<G: Geometry>(
-    meshes: &[LitMesh<'_, G>],
+pub(crate) fn run_blocks(
+    meshes: &[LitMesh<'_>],
     settings: &Settings,
     realisation: u64,
     blocks: Blocks,
@@ -82,8 +82,8 @@ pub(crate) fn run_blocks<G: Geometry>(
 }
 
 /// The blocks of one surface that are traced.
-struct BlockRun<'a, G: Geometry> {
-    meshes: &'a [LitMesh<'a, G>],
+struct BlockRun<'a> {
+    meshes: &'a [LitMesh<'a>],
     stream: PathStream,
     /// Number of the first block.
     first: u64,
@@ -98,7 +98,7 @@ struct TracedPart {
     work: Work,
 }
 
-impl<G: Geometry> BlockRun<'_, G> {
+impl BlockRun<'_> {
     /// Traces groups, all parts side by side; those of a group are none or all there.
     fn trace(&self, groups: &[BlockGroup]) -> Vec<TracedPart> {
         let begun: Vec<OnceLock<bool>> = vec![OnceLock::new(); groups.len()];
@@ -183,7 +183,7 @@ mod tests {
     use asperity_surface::HeightField;
     use asperity_tally::TallyResult;
     use asperity_tracer::{
-        AcceleratorKind, BuildAccelerator, HalfSpace, Sampling, Starts, Surface, Window,
+        AcceleratorKind, BuildAccelerator, HalfSpace, Sampling, Starts, Surface, Tracer, Window,
     };
 
     use super::*;
@@ -221,13 +221,13 @@ mod tests {
             ..Settings::default()
         };
         let mesh = LitMesh {
-            tracer: Tracer::new(
+            tracer: Box::new(Tracer::new(
                 &surface,
                 &*accelerator,
                 Material::Mirror,
                 HalfSpace::Above,
                 settings.paths.without_pilot(),
-            ),
+            )),
             spec: settings.tally,
             light: Illumination {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),

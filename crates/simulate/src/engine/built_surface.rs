@@ -1,134 +1,115 @@
-//! One surface, ready to be traced: its meshes, their accelerators, and those of the bottom below it.
+//! One surface, ready to be traced: its meshes, as an engine has prepared them.
 
 use std::sync::Arc;
 
-use asperity_tally::ControlVariate;
-use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface, Tracer};
+use asperity_surface::{Border, SlopeMoments};
+use asperity_tracer::{AcceleratorKind, Engine, PreparedSurface, Shape, Surface, TracedPaths};
 
 use super::block_run::LitMesh;
 use crate::error::SimulateError;
 use crate::input::case::Case;
-use crate::input::layer::SearchedSurface;
-use crate::input::limits::check_grazing;
+use crate::input::limits::check_shape;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 use crate::output::work::Used;
 
-/// The meshes of one surface: the one whose results are reported first, then those that show its error.
-///
-/// The given mesh alone; or, if it is refined, the finer one, the given one, and, if its number of cells is even,
-/// the coarser one.
-pub(crate) struct Meshes<G> {
-    surfaces: Vec<Arc<G>>,
-}
+/// The meshes of one surface, the one whose results are reported first: the given one alone; or, if it is refined, the finer
+/// one, the given one, and, if its number of cells is even, the coarser one.
+pub(crate) struct Meshes(Vec<Shape>);
 
-impl<G> Meshes<G> {
-    /// One mesh alone.
-    pub(crate) fn of_one(surface: Arc<G>) -> Self {
-        Self {
-            surfaces: vec![surface],
+impl Meshes {
+    /// The mesh `given`, with a finer and a coarser one if it is to be refined. Smooth cells and triangles have none.
+    pub(crate) fn new(given: Shape, refine: bool) -> Result<Self, SimulateError> {
+        match given {
+            Shape::HeightField { top, bottom } if refine => {
+                let bottom = bottom.map(Self::refined).transpose()?;
+                Ok(Self::refined(top)?.over(bottom))
+            }
+            given => Ok(Self(vec![given])),
         }
+    }
+
+    fn refined(given: Arc<Surface>) -> Result<Self, SimulateError> {
+        let finer = given.field().refined()?;
+        let coarser = given.field().coarsened().ok();
+        let bottom = None;
+        let given = Shape::HeightField { top: given, bottom };
+        let mut meshes = vec![Shape::height_field(finer), given];
+        meshes.extend(coarser.map(Shape::height_field));
+        Ok(Self(meshes))
     }
 
     /// Several, in the order in which they are held.
-    pub(crate) const fn of_several(surfaces: Vec<Arc<G>>) -> Self {
-        Self { surfaces }
+    pub(crate) const fn of_several(meshes: Vec<Shape>) -> Self {
+        Self(meshes)
     }
 
-    /// The given mesh back.
-    fn into_given(mut self) -> Arc<G> {
-        let given = usize::from(self.surfaces.len() > 1);
-        self.surfaces.swap_remove(given)
-    }
-}
-
-impl Meshes<Surface> {
-    /// The mesh `given`, with a finer and a coarser one if it is to be refined.
-    pub(crate) fn new(given: Arc<Surface>, refine: bool) -> Result<Self, SimulateError> {
-        if !refine {
-            return Ok(Self::of_one(given));
-        }
-        let finer = given.field().refined()?;
-        let coarser = given.field().coarsened().ok();
-        let mut surfaces = vec![Arc::new(Surface::new(finer)), given];
-        surfaces.extend(coarser.map(|field| Arc::new(Surface::new(field))));
-        Ok(Self { surfaces })
-    }
-}
-
-/// The meshes of a surface, and of what a layer below it ends on, if that has a shape of its own.
-pub(crate) struct SurfaceMeshes<G> {
-    pub(crate) top: Meshes<G>,
-    pub(crate) bottom: Option<Meshes<G>>,
-}
-
-/// Meshes with an accelerator each.
-struct SearchedMeshes<G: BuildAccelerator> {
-    meshes: Meshes<G>,
-    accelerators: Vec<Box<dyn Accelerator<G>>>,
-}
-
-impl<G: BuildAccelerator> SearchedMeshes<G> {
-    fn build(meshes: Meshes<G>, kind: AcceleratorKind) -> Result<Self, SimulateError> {
-        let accelerators = meshes
-            .surfaces
-            .iter()
-            .map(|surface| surface.accelerator(kind))
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            meshes,
-            accelerators,
-        })
+    /// The same over those of a bottom. A coarser mesh is left out if either has none.
+    pub(crate) fn over(self, bottoms: Option<Self>) -> Self {
+        let Some(Self(bottoms)) = bottoms else {
+            return self;
+        };
+        let pairs = self.0.into_iter().zip(bottoms);
+        Self(pairs.filter_map(|(top, bottom)| top.over(bottom)).collect())
     }
 
-    fn get(&self, i: usize) -> SearchedSurface<'_, G> {
-        SearchedSurface {
-            geometry: &self.meshes.surfaces[i],
-            accelerator: &*self.accelerators[i],
+    /// Moments of the slopes of the given mesh; `None` for triangles.
+    pub(crate) fn slope_moments(&self) -> Option<SlopeMoments> {
+        match &self.0[place_of_given(self.0.len())] {
+            Shape::HeightField { top, .. } => Some(top.field().slope_moments()),
+            Shape::Smooth { top, .. } => Some(top.spline().slope_moments()),
+            Shape::TriangleMesh { .. } => None,
         }
     }
+}
+
+/// Place of the given mesh among so many.
+fn place_of_given(meshes: usize) -> usize {
+    usize::from(meshes > 1)
 }
 
 /// One surface, ready to be traced.
-pub(crate) struct BuiltSurface<G: BuildAccelerator> {
-    top: SearchedMeshes<G>,
-    /// What a layer below it ends on, if that has a shape of its own.
-    bottom: Option<SearchedMeshes<G>>,
+pub(crate) struct BuiltSurface {
+    meshes: Vec<BuiltMesh>,
 }
 
-impl<G: BuildAccelerator> BuiltSurface<G> {
-    /// Builds the accelerators.
-    ///
-    /// A coarser mesh is left out if either the surface or the bottom has none.
+struct BuiltMesh {
+    shape: Shape,
+    prepared: Box<dyn PreparedSurface>,
+}
+
+impl BuiltSurface {
+    /// Has an engine prepare all meshes.
     pub(crate) fn build(
-        meshes: SurfaceMeshes<G>,
+        meshes: Meshes,
         kind: AcceleratorKind,
+        engine: &dyn Engine,
     ) -> Result<Self, SimulateError> {
-        let SurfaceMeshes {
-            mut top,
-            mut bottom,
-        } = meshes;
-        if let Some(bottom) = &mut bottom {
-            let common = top.surfaces.len().min(bottom.surfaces.len());
-            top.surfaces.truncate(common);
-            bottom.surfaces.truncate(common);
-        }
-        let top = SearchedMeshes::build(top, kind)?;
-        let bottom = bottom.map(|meshes| SearchedMeshes::build(meshes, kind));
+        let build = |shape: Shape| {
+            Ok(BuiltMesh {
+                prepared: engine.prepare(&shape, kind)?,
+                shape,
+            })
+        };
+        let meshes = meshes.0.into_iter().map(build);
         Ok(Self {
-            top,
-            bottom: bottom.transpose()?,
+            meshes: meshes.collect::<Result<_, SimulateError>>()?,
         })
     }
 
     /// Its meshes, the one whose results are reported first.
-    pub(crate) fn meshes(&self) -> impl Iterator<Item = &G> {
-        self.top.meshes.surfaces.iter().map(|surface| &**surface)
+    pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
+        self.meshes.iter().map(|mesh| &mesh.shape)
+    }
+
+    /// What lies beyond the border of its tile.
+    pub(crate) fn border(&self) -> Border {
+        self.meshes[0].shape.border()
     }
 
     /// The accelerator that was built.
     pub(crate) fn used(&self) -> Used {
-        Used::of(&*self.top.accelerators[0])
+        Used::of(&*self.meshes[0].prepared)
     }
 
     /// The meshes with the light of a case, which is estimated by the method that `method_of` gives for each
@@ -138,35 +119,42 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
         case: &Case,
         method_of: impl Fn(usize) -> &'a Method,
         settings: &Settings,
-    ) -> Result<Vec<LitMesh<'a, G>>, SimulateError> {
-        let (material, light) = (case.material, &case.light);
-        let mesh = |i: usize| {
-            let top = self.top.get(i);
-            check_grazing(top.geometry, light.incidence)?;
-            let SearchedSurface {
-                geometry,
-                accelerator,
-            } = top;
-            let method: &'a Method = method_of(i);
-            let mut tracer = Tracer::new(geometry, accelerator, material, light.from, method.paths);
-            if let Some(layer) = &case.layer {
-                let bottom = self.bottom.as_ref().map(|bottom| bottom.get(i));
-                tracer = tracer.over(layer.traced(top, bottom, settings.max_scatterings)?);
-            }
-            let control_variate: Option<&'a ControlVariate> = method.control_variate();
+    ) -> Result<Vec<LitMesh<'a>>, SimulateError> {
+        let lit = |(i, mesh): (usize, &'a BuiltMesh)| {
+            check_shape(&mesh.shape, case.light.incidence)?;
+            let method = method_of(i);
+            let paths = TracedPaths {
+                material: case.material,
+                incident: case.light.from,
+                settings: method.paths,
+                layer: case.layer,
+                max_scatterings: settings.max_scatterings,
+            };
             Ok(LitMesh {
-                tracer,
+                tracer: mesh.prepared.tracer(&paths)?,
                 spec: settings.spec_of(case),
-                light: method.illumination(light, settings.sampling),
-                control_variate,
+                light: method.illumination(&case.light, settings.sampling),
+                control_variate: method.control_variate(),
                 mirror: method.mirror,
             })
         };
-        (0..self.top.accelerators.len()).map(mesh).collect()
+        self.meshes.iter().enumerate().map(lit).collect()
     }
 
-    /// The given mesh back, if nothing else holds it.
-    pub(crate) fn into_given(self) -> Option<G> {
-        Arc::into_inner(self.top.meshes.into_given())
+    /// The memory of the given mesh, for the next surface; none if something else holds it.
+    pub(crate) fn into_memory(mut self) -> Vec<f64> {
+        let given = place_of_given(self.meshes.len());
+        let BuiltMesh { shape, prepared } = self.meshes.swap_remove(given);
+        drop(prepared);
+        let memory = match shape {
+            Shape::HeightField { top, .. } => {
+                Arc::into_inner(top).map(|top| top.into_field().into_heights())
+            }
+            Shape::Smooth { top, .. } => {
+                Arc::into_inner(top).map(|top| top.into_spline().into_coefficients())
+            }
+            Shape::TriangleMesh { .. } => None,
+        };
+        memory.unwrap_or_default()
     }
 }

@@ -49,7 +49,7 @@ impl Draft {
         let errors_from = match self.tallies.blocks_of_one {
             _ if is_analytic => ErrorSource::DeviationBound,
             Some(_) => ErrorSource::RayBlocks,
-            None if matches!(self.case.surface, SurfaceSource::Given(_)) => ErrorSource::Regions,
+            None if self.case.surface.shapes().len() == 1 => ErrorSource::Regions,
             None => ErrorSource::Surfaces,
         };
         let traced_rays = TracedRays {
@@ -125,7 +125,7 @@ impl Draft {
                     }
                 }
             }
-            SurfaceSource::Given(shape) => MeshErrors::of_given(shape, spec, refinement),
+            SurfaceSource::Given(shapes) => MeshErrors::of_given(shapes, spec, refinement),
         }
     }
 

@@ -1,10 +1,11 @@
 //! Explanations: what is about to be traced, and why so, in one line each.
 
-use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions};
+use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions, Shape};
 
-use super::given_run::{GivenCase, GivenRun};
+use super::ensemble_run::{EnsembleRun, Members};
+use super::given_run::GivenRun;
 use super::random::RandomGroup;
-use super::region_run::RegionRun;
+use super::ready_group::ReadyGroup;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
@@ -56,6 +57,9 @@ impl Explained<'_> {
             }
             Some(ControlVariateMean::FacetsOfSurface) => {
                 "controlled, since the mean of unshadowed single scattering follows from the facets"
+            }
+            None if self.case.surface.shapes().len() > 1 => {
+                "plain, since a control variate of given surfaces is that of one alone"
             }
             None if self.case.layer.is_some() => {
                 "plain, since no control variate covers a medium below the surface"
@@ -138,39 +142,60 @@ impl RandomGroup {
     }
 }
 
-impl<G: BuildAccelerator> GivenRun<G> {
-    /// Accelerator, and how each case is estimated with as many rays as `rays` tells.
-    fn explained_by(&self, rays: impl Fn(&GivenCase) -> u64) -> Vec<String> {
-        let of_case = |case: &GivenCase| {
-            let explained = Explained {
-                number: case.number,
-                case: &case.case,
-                method: &case.methods[0],
-                tried: !case.tried.is_empty(),
-                rays: rays(case),
-            };
-            explained.line(&self.settings)
-        };
-        let accelerator = accelerator_line(&self.settings, self.built.used().kind());
-        let head = [
-            format!("one given surface, seed {}", self.settings.seed),
-            accelerator,
-        ];
-        head.into_iter()
-            .chain(self.cases.iter().map(of_case))
-            .collect()
-    }
+/// What is said of given surfaces.
+fn given_lines<'a>(
+    surfaces: &str,
+    settings: &Settings,
+    used: AcceleratorKind,
+    cases: impl Iterator<Item = Explained<'a>>,
+) -> Vec<String> {
+    let head = [
+        format!("{surfaces}, seed {}", settings.seed),
+        accelerator_line(settings, used),
+    ];
+    let cases = cases.map(|case| case.line(settings));
+    head.into_iter().chain(cases).collect()
+}
 
-    /// The same with the rays that are planned.
+impl GivenRun {
+    /// Accelerator, and how each case is estimated.
     pub(super) fn explained(&self) -> Vec<String> {
-        self.explained_by(|case| self.blocks(case).rays())
+        let cases = self.cases.iter().map(|case| Explained {
+            number: case.number,
+            case: &case.case,
+            method: &case.methods[0],
+            tried: !case.tried.is_empty(),
+            rays: self.blocks(case).rays(),
+        });
+        let used = self.built.used().kind();
+        given_lines("one given surface", &self.settings, used, cases)
     }
 }
 
-impl<G: BuildAccelerator> RegionRun<G> {
-    /// As of the whole surface, with the rays of all regions.
+impl EnsembleRun {
+    /// Accelerator, and how each case is estimated.
     pub(super) fn explained(&self) -> Vec<String> {
-        self.run
-            .explained_by(|case| self.regions.count() * self.rays_of_region(case))
+        let group = self.group();
+        let rays = self.surfaces() * group.rays_of_surface();
+        let cases = self.cases.iter().map(|traced| Explained {
+            number: traced.number,
+            case: &traced.case,
+            method: &traced.method,
+            tried: false,
+            rays,
+        });
+        let kind = self.settings.accelerator;
+        let (surfaces, used) = match &self.members {
+            Members::Regions(built, _) => ("one given surface".to_owned(), built.used().kind()),
+            Members::Surfaces(shapes) => {
+                let used = match &shapes[0] {
+                    Shape::HeightField { top, .. } => top.resolve(kind),
+                    Shape::Smooth { top, .. } => top.resolve(kind),
+                    Shape::TriangleMesh { top, .. } => top.resolve(kind),
+                };
+                (counted(self.surfaces(), "given surface"), used)
+            }
+        };
+        given_lines(&surfaces, &self.settings, used, cases)
     }
 }

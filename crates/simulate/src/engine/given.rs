@@ -1,41 +1,36 @@
-//! Cases on one given surface: what is refused, and the surface built.
+//! Cases on given surfaces: what is refused, and the surface built where there is one.
 
+use std::mem::discriminant;
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_surface::{Border, HeightField, RefinementError};
-use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface, SmoothSurface};
+use asperity_surface::{Border, RefinementError};
+use asperity_tracer::{BottomSurface, Shape};
 
-use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
+use super::built_surface::{BuiltSurface, Meshes};
+use super::context::Context;
+use super::ensemble_run::{EnsembleRun, Members};
 use super::given_run::{GivenCase, GivenRun};
 use super::ready_group::ReadyGroup;
-use super::region_run::RegionRun;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
-use crate::input::case::Case;
 use crate::input::estimator::Estimator;
-use crate::input::layer::BottomSurface;
-use crate::input::limits::{
-    check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
-    smooth_accelerator_bytes,
-};
+use crate::input::limits::{check_results, check_shape, check_shape_memory};
 use crate::input::settings::Settings;
-use crate::input::surface_source::Shape;
 use crate::methods::method::Method;
-use crate::observer::Observer;
 
-/// Cases on one given surface.
+/// Cases on given surfaces.
 #[derive(Clone)]
 pub(crate) struct GivenGroup {
-    shape: Shape,
+    shapes: Vec<Shape>,
     settings: Settings,
     cases: Vec<NumberedCase>,
 }
 
 impl GivenGroup {
-    /// Refuses what no run on this surface does.
+    /// Refuses what no run on these surfaces does.
     pub(crate) fn new(
-        shape: Shape,
+        shapes: Vec<Shape>,
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
@@ -44,71 +39,61 @@ impl GivenGroup {
             return Err(SimulateError::IndependentBottom);
         }
         let group = Self {
-            shape,
+            shapes,
             settings: *settings,
             cases,
         };
-        match &group.shape {
-            Shape::HeightField { top, bottom } => {
-                group.check_height_field(top.field(), 1 + usize::from(bottom.is_some()))?;
-            }
-            Shape::Smooth { top, bottom } => {
-                group.check_smooth(top, 1 + usize::from(bottom.is_some()))?;
-            }
-            Shape::TriangleMesh { top, .. } => group.check_triangle_mesh(top)?,
+        group.check_number()?;
+        for shape in &group.shapes {
+            group.check(shape)?;
         }
-        let tallies = settings.regions.map_or(1, |regions| regions.count());
+        let tallies = settings
+            .regions
+            .map_or(group.shapes.len() as u64, |regions| regions.count());
         let spec = settings.largest_spec(group.cases.iter().map(|one| &one.case));
         check_results(&spec, tallies, group.cases.len(), settings.refine)?;
         Ok(group)
     }
 
-    /// `surfaces`: this one, and the bottom if there is one.
-    fn check_height_field(
-        &self,
-        field: &HeightField,
-        surfaces: usize,
-    ) -> Result<(), SimulateError> {
+    /// Refuses no surface at all, and what is for one surface alone where there are several.
+    fn check_number(&self) -> Result<(), SimulateError> {
         let settings = &self.settings;
-        if settings.refine && field.border() == Border::Open {
-            return Err(RefinementError::Open.into());
-        }
-        let random_azimuth = self.cases.iter().any(|one| one.case.light.random_azimuth);
-        if random_azimuth && settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::AzimuthControl);
-        }
-        let bytes = meshes_bytes(
-            field.shape(),
-            settings.accelerator,
-            field.is_flat(),
-            settings.refine,
-        );
-        let more = surfaces.saturating_mul(bytes) - surfaces * size_of_val(field.heights());
-        check_memory("tracing this surface", more)
+        let only_of_one = [
+            ("a target error", settings.target().is_some()),
+            (
+                "the controlled estimator",
+                settings.estimator == Estimator::Controlled,
+            ),
+            ("a division into regions", settings.regions.is_some()),
+        ];
+        let what = only_of_one.into_iter().find(|(_, requested)| *requested);
+        let kind = self.shapes.first().map(discriminant);
+        let is_other = |shape| Some(discriminant(shape)) != kind;
+        Err(match (self.shapes.as_slice(), what) {
+            ([], _) => SimulateError::NoSurface,
+            ([_], _) => return Ok(()),
+            (_, Some((what, _))) => SimulateError::OnlyOfOne { what },
+            (shapes, _) if shapes.iter().any(is_other) => SimulateError::MixedCells,
+            _ => return Ok(()),
+        })
     }
 
-    /// `surfaces`: this one, and the bottom if there is one.
-    fn check_smooth(&self, surface: &SmoothSurface, surfaces: usize) -> Result<(), SimulateError> {
-        if self.settings.refine {
-            return Err(SimulateError::SmoothRefinement);
-        }
-        if self.settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::SmoothControl);
-        }
-        let shape = surface.spline().shape();
-        let bytes = smooth_accelerator_bytes(shape, self.settings.accelerator);
-        check_memory("tracing this surface", surfaces.saturating_mul(bytes))
-    }
-
-    fn check_triangle_mesh(&self, mesh: &MeshSurface) -> Result<(), SimulateError> {
-        check_memory(
-            "this mesh with its hierarchy",
-            hierarchy_bytes(mesh.facet_count()),
-        )?;
-        if self.settings.estimator == Estimator::Controlled {
-            return Err(SimulateError::MeshControl);
-        }
-        Ok(())
+    fn check(&self, shape: &Shape) -> Result<(), SimulateError> {
+        let settings = &self.settings;
+        let is_controlled = settings.estimator == Estimator::Controlled;
+        let random_azimuth = || self.cases.iter().any(|one| one.case.light.random_azimuth);
+        Err(match shape {
+            Shape::HeightField { .. } if settings.refine && shape.border() == Border::Open => {
+                RefinementError::Open.into()
+            }
+            Shape::HeightField { .. } if is_controlled && random_azimuth() => {
+                SimulateError::AzimuthControl
+            }
+            Shape::Smooth { .. } if settings.refine => SimulateError::SmoothRefinement,
+            Shape::Smooth { .. } if is_controlled => SimulateError::SmoothControl,
+            Shape::TriangleMesh { .. } if is_controlled => SimulateError::MeshControl,
+            _ => return check_shape_memory(shape, settings.accelerator, settings.refine),
+        })
     }
 
     /// The same with another effort and seed.
@@ -125,62 +110,48 @@ impl GivenGroup {
         self.settings.effort.total_rays().saturating_mul(cases)
     }
 
-    /// Builds the accelerators, and finds how each case is estimated on each mesh.
-    pub(crate) fn build(
-        self,
-        observer: &dyn Observer,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        observer.begin("building", 1);
-        let refine = self.settings.refine;
+    /// Builds the accelerators of one surface, and finds how each case is estimated on each mesh. Several surfaces are built while
+    /// they are traced.
+    pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+        let Self {
+            mut shapes,
+            settings,
+            cases,
+        } = self;
+        let shape = match shapes.pop() {
+            Some(shape) if shapes.is_empty() => shape,
+            last => {
+                shapes.extend(last);
+                let members = Members::Surfaces(shapes);
+                return Ok(Box::new(EnsembleRun::new(members, cases, settings, 0.0)));
+            }
+        };
+        context.observer.begin("building", 1);
         let clock = Instant::now();
-        let run: Box<dyn ReadyGroup> = match self.shape.clone() {
-            Shape::HeightField { top, bottom } => {
-                let bottom = bottom.map(|bottom| Meshes::new(bottom, refine));
-                let meshes = SurfaceMeshes {
-                    top: Meshes::new(top, refine)?,
-                    bottom: bottom.transpose()?,
-                };
-                self.build_on(meshes, Method::of_surface, clock)?
-            }
-            Shape::Smooth { top, bottom } => self.build_plain(top, bottom, clock)?,
-            Shape::TriangleMesh { top, bottom } => self.build_plain(top, bottom, clock)?,
-        };
-        observer.end();
-        Ok(run)
-    }
-
-    /// Builds on one mesh, whose light no control variate foresees.
-    fn build_plain<G: BuildAccelerator + 'static>(
-        self,
-        top: Arc<G>,
-        bottom: Option<Arc<G>>,
-        clock: Instant,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        let meshes = SurfaceMeshes {
-            top: Meshes::of_one(top),
-            bottom: bottom.map(Meshes::of_one),
-        };
-        let plain = |_: &G, _: &Case, settings: &Settings| Ok(Method::plain(settings));
-        self.build_on(meshes, plain, clock)
-    }
-
-    /// Builds on these meshes; `clock` began before they were made.
-    fn build_on<G: BuildAccelerator + 'static>(
-        self,
-        meshes: SurfaceMeshes<G>,
-        method_of: impl Fn(&G, &Case, &Settings) -> Result<Method, SimulateError>,
-        clock: Instant,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        let settings = self.settings;
-        let built = BuiltSurface::build(meshes, settings.accelerator)?;
+        let meshes = Meshes::new(shape, settings.refine)?;
+        let built = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
+        if let Some(regions) = settings.regions {
+            context.observer.end();
+            let members = Members::Regions(Arc::new(built), regions);
+            let seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
+            return Ok(Box::new(EnsembleRun::new(
+                members, cases, settings, seconds,
+            )));
+        }
         let prepare = |NumberedCase { number, case }| {
-            for mesh in built.meshes() {
-                check_grazing(mesh, case.light.incidence)?;
-            }
+            let method = |mesh| {
+                check_shape(mesh, case.light.incidence)?;
+                // No control variate foresees the light of curved cells and of triangle meshes.
+                let method = match mesh {
+                    Shape::HeightField { top, .. } => Method::of_surface(top, &case, &settings)?,
+                    _ => Method::plain(&settings),
+                };
+                Ok(Arc::new(method))
+            };
             let methods = built
-                .meshes()
-                .map(|mesh| method_of(mesh, &case, &settings).map(Arc::new))
-                .collect::<Result<_, _>>()?;
+                .shapes()
+                .map(method)
+                .collect::<Result<_, SimulateError>>()?;
             Ok(GivenCase {
                 number,
                 case,
@@ -189,18 +160,14 @@ impl GivenGroup {
                 rays: settings.effort.total_rays(),
             })
         };
-        let cases = self.cases.into_iter().map(prepare);
+        let cases = cases.into_iter().map(prepare);
         let cases = cases.collect::<Result<Vec<_>, SimulateError>>()?;
-        let build_seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-        let run = GivenRun {
+        context.observer.end();
+        Ok(Box::new(GivenRun {
             built,
+            build_seconds: clock.elapsed().as_secs_f64() / cases.len().max(1) as f64,
             cases,
             settings,
-            build_seconds,
-        };
-        Ok(match settings.regions {
-            None => Box::new(run),
-            Some(regions) => Box::new(RegionRun { run, regions }),
-        })
+        }))
     }
 }

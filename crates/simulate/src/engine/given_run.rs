@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_tracer::{BuildAccelerator, PathSettings};
+use asperity_tracer::PathSettings;
 
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::BuiltSurface;
@@ -19,7 +19,6 @@ use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
-use crate::observer::Observer;
 use crate::output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 use crate::output::stopping::Stopping;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds};
@@ -32,8 +31,8 @@ const PILOT_STRATA: u64 = 64;
 const MIN_RAYS: f64 = 65_536.0;
 
 /// Cases on one given surface, which is built.
-pub(crate) struct GivenRun<G: BuildAccelerator> {
-    pub(crate) built: BuiltSurface<G>,
+pub(crate) struct GivenRun {
+    pub(crate) built: BuiltSurface,
     pub(crate) cases: Vec<GivenCase>,
     pub(crate) settings: Settings,
     /// Of each case.
@@ -84,7 +83,7 @@ impl GivenPilot {
     }
 }
 
-impl<G: BuildAccelerator> GivenRun<G> {
+impl GivenRun {
     /// The blocks planned for a case.
     pub(super) fn blocks(&self, case: &GivenCase) -> Blocks {
         Blocks::plan(case.rays, MIN_BLOCKS_OF_ONE, self.settings.sampling)
@@ -100,7 +99,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         &'a self,
         case: &'a GivenCase,
         planned: Blocks,
-    ) -> Result<RayBlocks<'a, G>, SimulateError> {
+    ) -> Result<RayBlocks<'a>, SimulateError> {
         let method_of = |i: usize| &*case.methods[i];
         let lit = self.built.lit(&case.case, method_of, &self.settings)?;
         Ok(RayBlocks {
@@ -122,29 +121,29 @@ impl<G: BuildAccelerator> GivenRun<G> {
     fn run_pilot(
         &self,
         case: GivenCase,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<GivenPilot, SimulateError> {
         let blocks = self.pilot_blocks();
         let mut pilot = RayBlocks {
             realisation: pilot::FIRST,
             ..self.ray_blocks(&case, blocks)?
         };
-        pilot.trace_first(blocks.count, Context::without_store(observer));
+        let store = None;
+        pilot.trace_first(blocks.count, Context { store, ..context });
+        let error_over_target = pilot.error_over_target().unwrap_or(0.0);
+        let cost_of_ray_ns = cost_of_ray_ns(&pilot.found.work);
+        drop(pilot);
         Ok(GivenPilot {
-            error_over_target: pilot.error_over_target().unwrap_or(0.0),
-            cost_of_ray_ns: cost_of_ray_ns(&pilot.found.work),
             case,
+            error_over_target,
+            cost_of_ray_ns,
         })
     }
 
     /// A case on the paths and with the rays that reach the target at the least cost, by pilot runs.
-    fn planned(
-        &self,
-        case: GivenCase,
-        observer: &dyn Observer,
-    ) -> Result<GivenCase, SimulateError> {
+    fn planned(&self, case: GivenCase, context: Context<'_>) -> Result<GivenCase, SimulateError> {
         let others = self.settings.paths.alternatives(case.case.material);
-        let first = self.run_pilot(case, observer)?;
+        let first = self.run_pilot(case, context)?;
         let mut pilots = vec![first];
         if is_worth(
             pilots[0].cost_of_ray_ns * others.len() as f64,
@@ -152,11 +151,11 @@ impl<G: BuildAccelerator> GivenRun<G> {
         ) {
             for paths in others {
                 let other = pilots[0].case.on(paths);
-                pilots.push(self.run_pilot(other, observer)?);
+                pilots.push(self.run_pilot(other, context)?);
             }
         }
         // A trial that was stopped says nothing.
-        if observer.stop().is_some() {
+        if context.observer.stop().is_some() {
             pilots.truncate(1);
         }
         let costs = pilots.iter().map(GivenPilot::cost).collect();
@@ -194,30 +193,19 @@ impl<G: BuildAccelerator> GivenRun<G> {
     }
 
     fn stopping(&self, case: &GivenCase, rounds: Rounds, error: Option<f64>) -> Stopping {
-        let target = self.settings.target();
         let paths = || ChosenPaths {
             way: case.way(),
             tried: case.tried.clone(),
         };
         Stopping {
-            target_error: target.map(|target| target.error()),
-            of: target.map(|target| target.of()),
             error,
-            mesh_error: None,
-            pilot: None,
-            paths: target.is_some().then(paths),
-            realisations: 1,
-            rays_per_surface: self.blocks(case).rays(),
-            size: None,
-            spacing: None,
-            rounds: rounds.added,
-            stopped_by: rounds.stopped_by,
-            warnings: Vec::new(),
+            paths: self.settings.target().map(|_| paths()),
+            ..rounds.stopping(&self.settings, 1, self.blocks(case).rays())
         }
     }
 }
 
-impl<G: BuildAccelerator> ReadyGroup for GivenRun<G> {
+impl ReadyGroup for GivenRun {
     fn explanations(&self) -> Vec<String> {
         self.explained()
     }
@@ -231,7 +219,7 @@ impl<G: BuildAccelerator> ReadyGroup for GivenRun<G> {
             return Ok(());
         }
         for i in 0..self.cases.len() {
-            self.cases[i] = self.planned(self.cases[i].clone(), context.observer)?;
+            self.cases[i] = self.planned(self.cases[i].clone(), context)?;
         }
         Ok(())
     }

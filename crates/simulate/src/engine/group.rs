@@ -1,5 +1,6 @@
 //! Group: cases that share surfaces, ready to be planned and traced.
 
+use super::context::Context;
 use super::given::GivenGroup;
 use super::random::RandomGroup;
 use super::ready_group::ReadyGroup;
@@ -8,14 +9,13 @@ use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
-use crate::observer::Observer;
 
 /// Cases that share surfaces, checked.
 #[derive(Clone)]
 pub(crate) enum Group {
     /// Random surfaces.
     Random(Box<RandomGroup>),
-    /// One given surface.
+    /// Given surfaces.
     Given(GivenGroup),
 }
 
@@ -42,7 +42,9 @@ impl Group {
         let checked = |(source, cases)| match source {
             SurfaceSource::Random(surfaces) => RandomGroup::new(*surfaces, cases, settings)
                 .map(|group| Self::Random(Box::new(group))),
-            SurfaceSource::Given(shape) => GivenGroup::new(shape, cases, settings).map(Self::Given),
+            SurfaceSource::Given(shapes) => {
+                GivenGroup::new(shapes, cases, settings).map(Self::Given)
+            }
         };
         groups.into_iter().map(checked).collect()
     }
@@ -64,13 +66,10 @@ impl Group {
     }
 
     /// Builds a given surface.
-    pub(crate) fn build(
-        self,
-        observer: &dyn Observer,
-    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+    pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         match self {
             Self::Random(group) => Ok(group),
-            Self::Given(group) => group.build(observer),
+            Self::Given(group) => group.build(context),
         }
     }
 }

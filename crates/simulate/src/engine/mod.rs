@@ -1,9 +1,9 @@
 //! How rays are divided, traced and added until an error is reached.
 //!
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
-//! surfaces, drawn by the recipes in [`draw`] and [`draw_fields`], and [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
+//! surfaces, drawn by the recipes in [`draw`] and [`draw_fields`], and [`given`] for given ones. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, [`block_run`] traces them, and [`built_surface`] is what
-//! they are traced on. [`region_run`] lights regions of a given surface on their own. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
+//! they are traced on. [`ensemble_run`] traces several given surfaces, or regions of one that are lit on their own, like random surfaces. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
 //! its outcome. [`explanation`] says what is about to be traced, and why.
 
@@ -13,6 +13,7 @@ pub(crate) mod built_surface;
 pub(crate) mod context;
 pub(crate) mod draft;
 pub(crate) mod draw;
+pub(crate) mod ensemble_run;
 mod explanation;
 pub(crate) mod given;
 pub(crate) mod given_run;
@@ -25,7 +26,6 @@ pub(crate) mod random_plan;
 pub(crate) mod random_rounds;
 pub(crate) mod ray_blocks;
 pub(crate) mod ready_group;
-pub(crate) mod region_run;
 pub(crate) mod rounds;
 pub(crate) mod simulation;
 pub(crate) mod spacings;

@@ -12,7 +12,7 @@ use super::pilot::{self, Figures};
 use super::ready_group::ReadyGroup;
 use super::rounds::Rounds;
 use super::spacings::PilotSurfaces;
-use super::surfaces::{SurfaceGroup, SurfacePlan};
+use super::surfaces::{SurfaceGroup, SurfacePlan, Surfaces};
 use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
 use crate::error::SimulateError;
@@ -171,7 +171,7 @@ impl RandomGroup {
             Stage::CoarsePilot => pilot.and_then(|pilot| pilot.coarse.as_ref()),
         };
         SurfaceGroup {
-            surfaces: surfaces.unwrap_or(&self.surfaces),
+            surfaces: Surfaces::Random(surfaces.unwrap_or(&self.surfaces)),
             cases: &self.traced,
             settings,
             plan,
@@ -181,22 +181,13 @@ impl RandomGroup {
 
     /// What the stopping of all cases has in common.
     fn stopping(&self, rounds: Rounds) -> Stopping {
-        let target = self.settings.target();
         let [ny, nx] = self.surfaces.shape();
+        let rays = self.group(Stage::Result).blocks().rays();
         Stopping {
-            target_error: target.map(|target| target.error()),
-            of: target.map(|target| target.of()),
-            error: None,
-            mesh_error: None,
-            pilot: None,
-            paths: None,
-            realisations: self.plan.surfaces,
-            rays_per_surface: self.group(Stage::Result).blocks().rays(),
             size: Some([nx, ny]),
             spacing: Some(self.surfaces.spacing()),
-            rounds: rounds.added,
-            stopped_by: rounds.stopped_by,
             warnings: self.pilot.warnings.clone(),
+            ..rounds.stopping(&self.settings, self.plan.surfaces, rays)
         }
     }
 

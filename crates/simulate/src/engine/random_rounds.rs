@@ -26,10 +26,7 @@ impl RandomGroup {
             most: most_realisations(&self.largest_spec(), all_cases),
         };
         let rounds = if self.traced.is_empty() {
-            Rounds {
-                added: 0,
-                stopped_by: StoppedBy::Plan,
-            }
+            Rounds::as_planned(StoppedBy::Plan)
         } else {
             let planned = match self.settings.target() {
                 Some(_) => PlannedBatches::in_halves(self.plan.surfaces),

@@ -5,8 +5,6 @@
 
 use std::time::Instant;
 
-use asperity_tracer::Geometry;
-
 use super::block_run::{FinishedGroup, LitMesh, run_blocks};
 use super::blocks::Blocks;
 use super::context::Context;
@@ -26,8 +24,8 @@ pub(crate) const MARGIN: f64 = 1.2;
 pub(crate) const MAX_RAYS: f64 = 1e15;
 
 /// Ray blocks on one surface as batches.
-pub(crate) struct RayBlocks<'a, G: Geometry> {
-    pub(crate) lit: Vec<LitMesh<'a, G>>,
+pub(crate) struct RayBlocks<'a> {
+    pub(crate) lit: Vec<LitMesh<'a>>,
     pub(crate) settings: &'a Settings,
     /// Number of the case among those of the run.
     pub(crate) number: usize,
@@ -45,7 +43,7 @@ pub(crate) struct RayBlocks<'a, G: Geometry> {
     pub(crate) seconds_before: f64,
 }
 
-impl<G: Geometry> RayBlocks<'_, G> {
+impl RayBlocks<'_> {
     /// Traces the blocks below `count` that are not traced yet, and saves them in the store of the context. Returns
     /// whether all of them are complete.
     pub(crate) fn trace_first(&mut self, count: u64, context: Context<'_>) -> bool {
@@ -130,7 +128,7 @@ impl<G: Geometry> RayBlocks<'_, G> {
     }
 }
 
-impl<G: Geometry> Batches for RayBlocks<'_, G> {
+impl Batches for RayBlocks<'_> {
     fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
         if self.round > 0 {
             let more = count - self.found.tally.batches();

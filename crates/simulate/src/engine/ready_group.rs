@@ -7,10 +7,14 @@ use crate::error::SimulateError;
 /// Cases that share surfaces, of which those that are given are built.
 pub(crate) trait ReadyGroup {
     /// Rays of the pilot run.
-    fn pilot_rays(&self) -> u64;
+    fn pilot_rays(&self) -> u64 {
+        0
+    }
 
-    /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
-    fn plan(&mut self, all_cases: usize, context: Context<'_>) -> Result<(), SimulateError>;
+    /// Plans the effort by a pilot run, where it follows from a target error. `_all_cases`: cases of the run.
+    fn plan(&mut self, _all_cases: usize, _context: Context<'_>) -> Result<(), SimulateError> {
+        Ok(())
+    }
 
     /// What is about to be traced and why, a line each.
     fn explanations(&self) -> Vec<String>;

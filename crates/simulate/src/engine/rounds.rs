@@ -4,7 +4,9 @@
 
 use super::context::Context;
 use crate::error::SimulateError;
+use crate::input::settings::Settings;
 use crate::output::stopped_by::StoppedBy;
+use crate::output::stopping::Stopping;
 
 /// Times that batches are added to those planned, at most.
 const MAX_ROUNDS: u32 = 4;
@@ -57,6 +59,34 @@ pub(crate) struct Rounds {
     /// Times that batches were added.
     pub(crate) added: u32,
     pub(crate) stopped_by: StoppedBy,
+}
+
+impl Rounds {
+    /// All that was planned, at once.
+    pub(crate) const fn as_planned(stopped_by: StoppedBy) -> Self {
+        let added = 0;
+        Self { added, stopped_by }
+    }
+
+    /// What is said of the end of a run on so many surfaces.
+    pub(crate) fn stopping(self, settings: &Settings, surfaces: u64, rays: u64) -> Stopping {
+        let target = settings.target();
+        Stopping {
+            target_error: target.map(|target| target.error()),
+            of: target.map(|target| target.of()),
+            error: None,
+            mesh_error: None,
+            pilot: None,
+            paths: None,
+            realisations: surfaces,
+            rays_per_surface: rays,
+            size: None,
+            spacing: None,
+            rounds: self.added,
+            stopped_by: self.stopped_by,
+            warnings: Vec::new(),
+        }
+    }
 }
 
 /// Traces the batches `planned`, fewer if the first of them show that fewer do, and further ones while the error is above its target.

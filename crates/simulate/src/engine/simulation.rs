@@ -1,6 +1,9 @@
 //! Simulation: the entry point of the engine.
 
+use std::sync::Arc;
+
 use asperity_tally::TallySpec;
+use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
@@ -62,6 +65,7 @@ pub struct Simulation {
     settings: Settings,
     /// The largest of what is recorded of a case.
     largest_spec: TallySpec,
+    engine: Arc<dyn Engine>,
 }
 
 impl Simulation {
@@ -75,7 +79,14 @@ impl Simulation {
             cases: cases.len(),
             settings: *settings,
             largest_spec: settings.largest_spec(cases.iter()),
+            engine: Arc::new(CpuEngine),
         })
+    }
+
+    /// The same on another engine, which gives the same bytes.
+    #[must_use]
+    pub fn on(self, engine: Arc<dyn Engine>) -> Self {
+        Self { engine, ..self }
     }
 
     /// The same cases, by the same estimators, with another effort and seed.
@@ -92,6 +103,7 @@ impl Simulation {
             cases: self.cases,
             settings,
             largest_spec: self.largest_spec,
+            engine: self.engine.clone(),
         }
     }
 
@@ -106,7 +118,7 @@ impl Simulation {
     /// # Errors
     /// As [`simulate`].
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
-        self.run_in(Context::without_store(observer))
+        self.run_in(None, observer)
     }
 
     /// Runs the cases, with what `store` keeps of an earlier run of the same cases and settings; what is finished is
@@ -119,13 +131,21 @@ impl Simulation {
         store: &dyn SurfaceStore,
         observer: &dyn Observer,
     ) -> Result<Vec<Outcome>, SimulateError> {
-        let store = Some(store);
-        self.run_in(Context { observer, store })
+        self.run_in(Some(store), observer)
     }
 
-    fn run_in(self, context: Context<'_>) -> Result<Vec<Outcome>, SimulateError> {
+    fn run_in(
+        self,
+        store: Option<&dyn SurfaceStore>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Outcome>, SimulateError> {
         let settings = self.settings;
-        let drafts = self.trace(context)?;
+        let engine = self.engine.clone();
+        let drafts = self.trace(Context {
+            engine: &*engine,
+            observer,
+            store,
+        })?;
         if drafts.is_empty() {
             return Err(SimulateError::Interrupted);
         }
@@ -137,7 +157,7 @@ impl Simulation {
     fn trace(self, context: Context<'_>) -> Result<Vec<Draft>, SimulateError> {
         let observer = context.observer;
         let all_cases = self.cases;
-        let groups = self.groups.into_iter().map(|group| group.build(observer));
+        let groups = self.groups.into_iter().map(|group| group.build(context));
         let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
         if self.settings.target().is_some() {
             observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());

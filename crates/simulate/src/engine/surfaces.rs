@@ -1,31 +1,31 @@
-//! Surface group: draws random surfaces, and traces all cases that share them on each.
+//! Surface group: draws surfaces, or takes given ones, and traces all cases that share them on each.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
 use asperity_surface::SlopeMoments;
 use asperity_tally::TallySpec;
-use asperity_tracer::BuildAccelerator;
+use asperity_tracer::{BottomSurface, Shape, Window};
 use rayon::prelude::*;
 
 use super::block_run::run_blocks;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
-use super::built_surface::{BuiltSurface, SurfaceMeshes};
+use super::built_surface::BuiltSurface;
 use super::context::Context;
-use super::draw::{Draw, Drawer};
+use super::draw::Drawer;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
-use crate::input::layer::BottomSurface;
-use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
+use crate::input::limits::{check_memory, meshes_bytes, shape_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
+use crate::input::regions::Regions;
 use crate::input::settings::Settings;
-use crate::observer::Observer;
 use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
@@ -43,6 +43,9 @@ const MIN_BLOCKS_OF_EACH: u64 = 2;
 /// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
 const FIRST_BOTTOM: u64 = 1 << 50;
 
+/// Number of the surface whose random streams the rays of the first region have: beyond those of pilot runs.
+const FIRST_REGION: u64 = 1 << 41;
+
 /// How many surfaces are planned, and rays on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SurfacePlan {
@@ -50,10 +53,62 @@ pub(crate) struct SurfacePlan {
     pub(crate) rays: u64,
 }
 
+/// Surfaces by their number.
+#[derive(Clone, Copy)]
+pub(crate) enum Surfaces<'a> {
+    /// Those that a recipe draws.
+    Random(&'a RandomSurfaces),
+    /// Given ones.
+    Given(&'a [Shape]),
+    /// Regions of a given surface, which is built.
+    Regions(&'a Arc<BuiltSurface>, Regions),
+}
+
+impl<'a> Surfaces<'a> {
+    /// Memory that each one takes at its peak, beyond what is held anyway.
+    fn bytes(self, cases: &[TracedCase], settings: &Settings) -> usize {
+        match self {
+            Self::Random(surfaces) => surface_bytes(surfaces, cases, settings),
+            Self::Given(shapes) => {
+                let all = shapes
+                    .iter()
+                    .map(|shape| shape_bytes(shape, settings.accelerator, settings.refine));
+                all.max().unwrap_or(0)
+            }
+            Self::Regions(..) => 0,
+        }
+    }
+
+    fn drawer(self, refine: bool) -> Result<Drawer<'a>, SimulateError> {
+        match self {
+            Self::Random(surfaces) => Drawer::new(surfaces, refine),
+            Self::Given(shapes) => Ok(Drawer::Given(shapes, refine)),
+            // Its surface is built.
+            Self::Regions(..) => Ok(Drawer::Given(&[], refine)),
+        }
+    }
+
+    /// Where light falls on the surface of a number.
+    fn windows(self, number: u64) -> Vec<Window> {
+        match self {
+            Self::Regions(built, regions) => regions.windows(number, built.border()),
+            _ => vec![Window::WHOLE],
+        }
+    }
+
+    /// Number of the random streams that the rays on the surface of a number have.
+    const fn stream(self, number: u64) -> u64 {
+        match self {
+            Self::Regions(..) => FIRST_REGION + number,
+            _ => number,
+        }
+    }
+}
+
 /// Cases that share their surfaces, and how they are traced.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfaceGroup<'a> {
-    pub(crate) surfaces: &'a RandomSurfaces,
+    pub(crate) surfaces: Surfaces<'a>,
     pub(crate) cases: &'a [TracedCase],
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
@@ -61,8 +116,8 @@ pub(crate) struct SurfaceGroup<'a> {
 }
 
 /// A surface that was drawn, ready to be traced.
-struct DrawnSurface<G: BuildAccelerator> {
-    built: BuiltSurface<G>,
+struct DrawnSurface {
+    built: Arc<BuiltSurface>,
     slopes: Option<SlopeMoments>,
     seconds: Seconds,
 }
@@ -104,15 +159,25 @@ fn have_independent_bottom(cases: &[TracedCase]) -> bool {
 }
 
 impl SurfaceGroup<'_> {
-    /// Rays that each case gets from one surface.
+    /// Rays that each case gets in each window of a surface.
     pub(crate) fn blocks(&self) -> Blocks {
         let SurfacePlan { surfaces, rays } = self.plan;
-        let fewest = if surfaces == 1 {
-            MIN_BLOCKS_OF_ONE
-        } else {
-            MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH)
+        let fewest = match self.surfaces {
+            Surfaces::Regions(..) => MIN_BLOCKS_OF_EACH,
+            _ if surfaces == 1 => MIN_BLOCKS_OF_ONE,
+            _ => MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH),
         };
-        Blocks::plan(rays.div_ceil(surfaces), fewest, self.settings.sampling)
+        let rays = rays.div_ceil(surfaces * self.windows_of_one());
+        Blocks::plan(rays, fewest, self.settings.sampling)
+    }
+
+    fn windows_of_one(&self) -> u64 {
+        self.surfaces.windows(0).len() as u64
+    }
+
+    /// Rays that each case gets from one surface.
+    pub(crate) fn rays_of_surface(&self) -> u64 {
+        self.blocks().rays() * self.windows_of_one()
     }
 
     /// Draws the surfaces of these numbers once each and traces all cases on each.
@@ -125,12 +190,12 @@ impl SurfaceGroup<'_> {
         surfaces: Range<u64>,
         context: Context<'_>,
     ) -> Result<Vec<CaseTallies>, SimulateError> {
-        let bytes = surface_bytes(self.surfaces, self.cases, &self.settings);
+        let bytes = self.surfaces.bytes(self.cases, &self.settings);
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
-        let fit = MEMORY_BUDGET.min(available) / bytes as u64;
+        let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
-        let drawer = Drawer::new(self.surfaces, self.settings.refine)?;
+        let drawer = self.surfaces.drawer(self.settings.refine)?;
         let next = AtomicU64::new(surfaces.start);
         let watch = self.watch();
         let mut found: Vec<Numbered> = (0..side_by_side)
@@ -162,7 +227,7 @@ impl SurfaceGroup<'_> {
         Watch::new(
             target.filter(|_| self.stage == Stage::Result),
             self.plan.surfaces,
-            self.blocks().rays() * self.cases.len() as u64,
+            self.rays_of_surface() * self.cases.len() as u64,
         )
     }
 
@@ -206,14 +271,17 @@ impl SurfaceGroup<'_> {
         drawer: &Drawer<'_>,
         surface: u64,
         memory: &mut Vec<f64>,
-        Context { observer, store }: Context<'_>,
+        context: Context<'_>,
     ) -> Numbered {
+        let Context {
+            observer, store, ..
+        } = context;
         let key = SurfaceKey {
             case: self.cases.first().map_or(0, |traced| traced.number),
             stage: self.stage,
             number: surface,
         };
-        let rays = self.blocks().rays();
+        let rays = self.rays_of_surface();
         let is_complete = |found: &SurfaceTallies| {
             let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
                 found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
@@ -231,7 +299,7 @@ impl SurfaceGroup<'_> {
                 complete: true,
             };
         }
-        let found = self.trace(drawer, surface, memory, observer);
+        let found = self.trace(drawer, surface, memory, context);
         let complete = found.as_ref().is_ok_and(is_complete);
         if let (Some(store), Ok(found), true) = (store, &found, complete) {
             let saved = SavedSurface::new(
@@ -251,40 +319,44 @@ impl SurfaceGroup<'_> {
 
     /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
     /// accelerators.
-    fn build<D: Draw>(
+    fn build(
         &self,
-        recipe: &D,
+        drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
-        observer: &dyn Observer,
-    ) -> Result<DrawnSurface<D::Surface>, SimulateError> {
+        context: Context<'_>,
+    ) -> Result<DrawnSurface, SimulateError> {
+        if let Surfaces::Regions(built, _) = self.surfaces {
+            return Ok(DrawnSurface {
+                built: built.clone(),
+                slopes: None,
+                seconds: Seconds::default(),
+            });
+        }
         let draw = |number, memory| {
-            observer.surface_drawn(number);
-            recipe.draw_into(self.settings.seed, number, memory)
+            context.observer.surface_drawn(number);
+            drawer.draw(self.settings.seed, number, memory)
         };
         let mut seconds = Seconds::default();
         let clock = Instant::now();
         let top = draw(number, std::mem::take(memory))?;
-        let bottom = if have_independent_bottom(self.cases) {
-            Some(draw(FIRST_BOTTOM + number, Vec::new())?)
-        } else {
-            None
-        };
+        let bottom = have_independent_bottom(self.cases)
+            .then(|| draw(FIRST_BOTTOM + number, Vec::new()))
+            .transpose()?;
         // Plain results are left as they are counted.
-        let slopes = (self.settings.estimator != Estimator::Plain).then(|| D::slope_moments(&top));
+        let is_plain = self.settings.estimator == Estimator::Plain;
+        let slopes = match self.surfaces {
+            Surfaces::Random(_) if !is_plain => top.slope_moments(),
+            _ => None,
+        };
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let refine = self.settings.refine;
-        let bottom = bottom.map(|bottom| D::meshes(bottom, refine));
-        let meshes = SurfaceMeshes {
-            top: D::meshes(top, refine)?,
-            bottom: bottom.transpose()?,
-        };
-        let built = BuiltSurface::build(meshes, self.settings.accelerator)?;
+        let meshes = top.over(bottom);
+        let built = BuiltSurface::build(meshes, self.settings.accelerator, context.engine)?;
         seconds.build = clock.elapsed().as_secs_f64();
         Ok(DrawnSurface {
-            built,
+            built: Arc::new(built),
             slopes,
             seconds,
         })
@@ -296,49 +368,41 @@ impl SurfaceGroup<'_> {
         drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
-        observer: &dyn Observer,
-    ) -> Result<SurfaceTallies, SimulateError> {
-        match drawer {
-            Drawer::Facets(recipe) => self.trace_on(recipe, number, memory, observer),
-            Drawer::GaussianSplines(recipe) => self.trace_on(&**recipe, number, memory, observer),
-            Drawer::SplinesThroughFields(recipe) => {
-                self.trace_on(&**recipe, number, memory, observer)
-            }
-        }
-    }
-
-    /// The same on a surface that `recipe` draws.
-    fn trace_on<D: Draw>(
-        &self,
-        recipe: &D,
-        number: u64,
-        memory: &mut Vec<f64>,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<SurfaceTallies, SimulateError> {
         let DrawnSurface {
             built,
             slopes,
             mut seconds,
-        } = self.build(recipe, number, memory, observer)?;
+        } = self.build(drawer, number, memory, context)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
-            let lit = built.lit(case, |_| method, &self.settings)?;
+            let mut lit = built.lit(case, |_| method, &self.settings)?;
             let spec = self.settings.spec_of(case);
             let mut found = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
-            run_blocks(
-                &lit,
-                &self.settings,
-                number,
-                self.blocks(),
-                observer,
-                |group| found.push(&group.blocks, group.work),
-            );
+            for (i, window) in (0..).zip(self.surfaces.windows(number)) {
+                lit.iter_mut().for_each(|mesh| mesh.light.window = window);
+                let blocks = self.blocks();
+                let blocks = Blocks {
+                    first: i * blocks.count,
+                    ..blocks
+                };
+                let stream = self.surfaces.stream(number);
+                run_blocks(
+                    &lit,
+                    &self.settings,
+                    stream,
+                    blocks,
+                    context.observer,
+                    |group| found.push(&group.blocks, group.work),
+                );
+            }
             cases.push(found);
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = built.used();
-        *memory = built.into_given().map_or_else(Vec::new, D::into_memory);
+        *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);
         Ok(SurfaceTallies {
             cases,
             slopes,
@@ -350,8 +414,6 @@ impl SurfaceGroup<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use asperity_optics::{Incidence, Material};
     use asperity_surface::{Psd, Synthesis};
     use asperity_tracer::{Branching, HalfSpace, PathSettings, Sampling};
@@ -360,7 +422,7 @@ mod tests {
     use crate::input::case::{Case, Light};
     use crate::input::surface_source::SurfaceSource;
     use crate::methods::method::Method;
-    use crate::observer::Silent;
+    use crate::observer::{Observer, Silent};
 
     /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
     /// blocks, which are not traced together since they are not stratified; one random branch of each path.
@@ -388,7 +450,7 @@ mod tests {
             method: Arc::new(Method::plain(&settings)),
         }];
         let group = SurfaceGroup {
-            surfaces: &surfaces,
+            surfaces: Surfaces::Random(&surfaces),
             cases: &cases,
             settings,
             plan: SurfacePlan {

@@ -3,11 +3,11 @@
 use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
 use asperity_surface::{Border, Synthesis};
 use asperity_tally::{ByEntry, ControlVariate, TallySpec, TallyValues, UnshadowedFluxes};
+use asperity_tracer::Shape;
 
 use super::refinement::Refinement;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
-use crate::input::surface_source::Shape;
 use crate::methods::method::Method;
 use crate::slopes::slopes;
 
@@ -81,12 +81,17 @@ impl MeshErrors {
         }
     }
 
-    /// Of a given surface, and what its refinement showed, if it was refined.
-    pub(crate) fn of_given(shape: &Shape, spec: TallySpec, refinement: Option<Refinement>) -> Self {
+    /// Of given surfaces, and what their refinement showed, if they were refined.
+    pub(crate) fn of_given(
+        shapes: &[Shape],
+        spec: TallySpec,
+        refinement: Option<Refinement>,
+    ) -> Self {
         if let Some(refinement) = refinement {
             return Self::of_refined(refinement);
         }
-        match shape {
+        let with_relief = shapes.iter().find(|shape| !shape.is_level());
+        match with_relief.unwrap_or(&shapes[0]) {
             Shape::TriangleMesh { .. } => Self::unknown(spec, TRIANGLES),
             Shape::Smooth { .. } => Self::unknown(spec, SMOOTH),
             Shape::HeightField { top, .. } if top.is_flat() => Self {

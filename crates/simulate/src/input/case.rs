@@ -5,10 +5,9 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_tally::HemisphereGrid;
-use asperity_tracer::HalfSpace;
+use asperity_tracer::{HalfSpace, LayerBelow};
 
 use super::coordinates::Coordinates;
-use super::layer::LayerBelow;
 use super::surface_source::SurfaceSource;
 
 /// What is simulated: a surface, what it is made of, what lies below it, and the light.

@@ -336,7 +336,10 @@ impl Case {
         let part = CasePart::new;
         let mut parts = Vec::new();
         parts.extend(self.at.smoothness.map(|s| part(Surface, "s", short(s))));
-        parts.extend(self.grooves().map(|grooves| CasePart::bare(Surface, "grooves", grooves)));
+        parts.extend(
+            self.grooves()
+                .map(|grooves| CasePart::bare(Surface, "grooves", grooves)),
+        );
         parts.push(match self.material {
             asperity_optics::Material::Lambertian { reflectance } => {
                 part(Material, "reflectance", short(reflectance))
@@ -353,7 +356,9 @@ impl Case {
                 parts.push(part(Layer, "mean free path", path));
                 parts.push(part(Layer, "albedo", short(medium.albedo())));
                 parts.push(match medium.phase() {
-                    PhaseFunction::Rayleigh => CasePart::bare(Layer, "phase", "Rayleigh".to_owned()),
+                    PhaseFunction::Rayleigh => {
+                        CasePart::bare(Layer, "phase", "Rayleigh".to_owned())
+                    }
                     phase => part(Layer, "g", short(phase.mean_cosine())),
                 });
             }

@@ -6,7 +6,7 @@ use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 use asperity_tracer::{
-    AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, can_traverse, tiles_crossed,
+    AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, Shape, can_traverse, tiles_crossed,
 };
 
 use crate::error::SimulateError;
@@ -54,7 +54,7 @@ pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize
 
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced, and, if it is refined, with
 /// it a finer and a coarser mesh of it, each with its accelerator.
-pub fn meshes_bytes(
+pub(crate) fn meshes_bytes(
     [ny, nx]: [usize; 2],
     accelerator: AcceleratorKind,
     is_flat: bool,
@@ -79,7 +79,7 @@ pub(crate) const fn smooth_bytes([ny, nx]: [usize; 2]) -> usize {
 }
 
 /// Bytes that the accelerator of a smooth surface of `[ny, nx]` samples takes.
-pub const fn smooth_accelerator_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
+const fn smooth_accelerator_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
     let cells = nx.saturating_mul(ny);
     match accelerator {
         AcceleratorKind::Mesh => hierarchy_bytes(cells),
@@ -113,7 +113,7 @@ pub(crate) fn smooth_meshes_bytes(
 
 /// Bytes that the hierarchy over the triangles of a mesh takes in addition to the mesh: as over those of a cell,
 /// without their heights.
-pub const fn hierarchy_bytes(triangles: usize) -> usize {
+const fn hierarchy_bytes(triangles: usize) -> usize {
     triangles.saturating_mul(270)
 }
 
@@ -178,6 +178,42 @@ pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(
         theta_deg: incidence.theta_deg(),
         tiles,
     })
+}
+
+/// Bytes that tracing a shape takes, with its bottom, in addition to what it holds.
+pub(crate) fn shape_bytes(shape: &Shape, accelerator: AcceleratorKind, refine: bool) -> usize {
+    let of_one = match shape {
+        Shape::HeightField { top, .. } => {
+            let field = top.field();
+            let all = meshes_bytes(field.shape(), accelerator, field.is_flat(), refine);
+            all.saturating_sub(size_of_val(field.heights()))
+        }
+        Shape::Smooth { top, .. } => smooth_accelerator_bytes(top.spline().shape(), accelerator),
+        Shape::TriangleMesh { top, .. } => hierarchy_bytes(top.facet_count()),
+    };
+    of_one.saturating_mul(1 + usize::from(shape.has_bottom()))
+}
+
+/// Refuses a shape whose tracing takes more memory than is left.
+///
+/// # Errors
+/// [`SimulateError::NotEnoughMemory`].
+pub fn check_shape_memory(
+    shape: &Shape,
+    accelerator: AcceleratorKind,
+    refine: bool,
+) -> Result<(), SimulateError> {
+    let what = "tracing this surface";
+    check_memory(what, shape_bytes(shape, accelerator, refine))
+}
+
+/// Refuses what [`check_grazing`] does, of a shape of any kind.
+pub(crate) fn check_shape(shape: &Shape, incidence: Incidence) -> Result<(), SimulateError> {
+    match shape {
+        Shape::HeightField { top, .. } => check_grazing(&**top, incidence),
+        Shape::Smooth { top, .. } => check_grazing(&**top, incidence),
+        Shape::TriangleMesh { top, .. } => check_grazing(&**top, incidence),
+    }
 }
 
 #[cfg(test)]

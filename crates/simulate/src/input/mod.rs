@@ -4,7 +4,6 @@ pub(crate) mod case;
 pub(crate) mod cells;
 pub(crate) mod coordinates;
 pub(crate) mod estimator;
-pub(crate) mod layer;
 pub(crate) mod limits;
 pub(crate) mod path_choice;
 pub(crate) mod random_surfaces;

@@ -5,6 +5,8 @@ use asperity_surface::{
     SurfaceRecipe, Synthesis, SynthesisError,
 };
 
+use asperity_tracer::Shape;
+
 use super::cells::Cells;
 
 /// Random surfaces, by the cells that they consist of.
@@ -119,6 +121,33 @@ impl RandomSurfaces {
         // Spacing is that of columns, then of rows; shape the number of rows, then of columns.
         let spacing = [0, 1].map(|i| spacing[i] * shape[1 - i] as f64 / cells[1 - i] as f64);
         Self::new(self.cells(), self.recipe().clone(), cells, spacing, insist).ok()
+    }
+
+    /// The same surfaces of the same tile with exactly `scale` times the spacing, which must divide it.
+    pub(crate) fn scaled(&self, scale: f64) -> Result<Self, SynthesisError> {
+        let shape = self.shape().map(|n| (n as f64 / scale) as usize);
+        let spacing = self.spacing().map(|d| d * scale);
+        Self::new(self.cells(), self.recipe().clone(), shape, spacing, false)
+    }
+
+    /// The surface of a seed and number, drawn in the memory given.
+    pub(crate) fn draw_into(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<Shape, SynthesisError> {
+        Ok(match self {
+            Self::Flat(recipe) => Shape::height_field(recipe.draw_into(seed, number, memory)?),
+            Self::Smooth(recipe) => Shape::smooth(recipe.draw_into(seed, number, memory)?),
+            Self::Fields(FieldSurfaces { synthesis, cells }) => {
+                let field = synthesis.draw_into(seed, number, memory)?;
+                match cells {
+                    Cells::Flat => Shape::height_field(field),
+                    Cells::Smooth => Shape::smooth(SplineSurface::through(&field)),
+                }
+            }
+        })
     }
 
     /// Bytes that a program holds at the peak of drawing one of them.

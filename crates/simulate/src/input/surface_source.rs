@@ -1,10 +1,9 @@
 //! Where the surface of a case comes from.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use asperity_surface::{HeightField, SplineSurface, SurfaceRecipe};
-use asperity_tracer::{MeshSurface, SmoothSurface, Surface};
+use asperity_tracer::{MeshSurface, Shape};
 
 use super::cells::Cells;
 use super::limits::{check_memory, smooth_bytes};
@@ -18,8 +17,9 @@ use crate::error::SimulateError;
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
     Random(Box<RandomSurfaces>),
-    /// One surface. The result is that of this surface alone.
-    Given(Shape),
+    /// One surface, whose result is that of this surface alone; or several, such as scans of one sample, whose result is their mean,
+    /// with the errors that their scatter shows. All have the same kind of cells; sizes may differ.
+    Given(Vec<Shape>),
 }
 
 impl SurfaceSource {
@@ -33,13 +33,13 @@ impl SurfaceSource {
     /// A surface given by its heights.
     #[must_use]
     pub fn height_field(field: HeightField) -> Self {
-        Self::Given(Shape::height_field(field))
+        Self::Given(vec![Shape::height_field(field)])
     }
 
     /// A surface given by its triangles.
     #[must_use]
     pub fn triangle_mesh(mesh: MeshSurface) -> Self {
-        Self::Given(Shape::triangle_mesh(mesh))
+        Self::Given(vec![Shape::triangle_mesh(mesh)])
     }
 
     /// What random surfaces are drawn by; `None` for a given surface.
@@ -51,170 +51,82 @@ impl SurfaceSource {
         }
     }
 
-    /// What lies between heights; `None` for a triangle mesh.
+    /// Given surfaces; none of random ones.
     #[must_use]
-    pub const fn cells(&self) -> Option<Cells> {
+    pub fn shapes(&self) -> &[Shape] {
         match self {
-            Self::Random(surfaces) => Some(surfaces.cells()),
-            Self::Given(Shape::HeightField { .. }) => Some(Cells::Flat),
-            Self::Given(Shape::Smooth { .. }) => Some(Cells::Smooth),
-            Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Random(_) => &[],
+            Self::Given(shapes) => shapes,
         }
     }
 
-    /// Whether it is one given surface without any relief.
+    /// What lies between heights; `None` for triangle meshes.
+    #[must_use]
+    pub fn cells(&self) -> Option<Cells> {
+        match self {
+            Self::Random(surfaces) => Some(surfaces.cells()),
+            Self::Given(shapes) => match shapes.first()? {
+                Shape::HeightField { .. } => Some(Cells::Flat),
+                Shape::Smooth { .. } => Some(Cells::Smooth),
+                Shape::TriangleMesh { .. } => None,
+            },
+        }
+    }
+
+    /// Whether surfaces are given and have no relief at all.
     #[must_use]
     pub fn is_level(&self) -> bool {
         match self {
             Self::Random(_) => false,
-            Self::Given(Shape::HeightField { top, .. }) => top.is_flat(),
-            Self::Given(Shape::Smooth { top, .. }) => top.spline().samples().is_flat(),
-            Self::Given(Shape::TriangleMesh { top, .. }) => top.size()[2] == 0.0,
+            Self::Given(shapes) => shapes.iter().all(Shape::is_level),
         }
     }
 
-    /// The heights of a given surface; `None` for random surfaces and for a triangle mesh.
+    /// The heights of the first given surface; `None` for random surfaces and for triangle meshes.
     #[must_use]
     pub fn heights(&self) -> Option<Cow<'_, HeightField>> {
-        match self {
-            Self::Random(_) | Self::Given(Shape::TriangleMesh { .. }) => None,
-            Self::Given(Shape::HeightField { top, .. }) => Some(Cow::Borrowed(top.field())),
-            Self::Given(Shape::Smooth { top, .. }) => Some(Cow::Owned(top.spline().samples())),
+        match self.shapes().first()? {
+            Shape::HeightField { top, .. } => Some(Cow::Borrowed(top.field())),
+            Shape::Smooth { top, .. } => Some(Cow::Owned(top.spline().samples())),
+            Shape::TriangleMesh { .. } => None,
         }
     }
 
-    /// Samples along x and y; `None` for a triangle mesh.
+    /// Samples along x and y, of the first of given surfaces; `None` for triangle meshes.
     #[must_use]
     pub fn size(&self) -> Option<[usize; 2]> {
-        let [ny, nx] = match self {
-            Self::Random(surfaces) => surfaces.shape(),
-            Self::Given(Shape::HeightField { top, .. }) => top.field().shape(),
-            Self::Given(Shape::Smooth { top, .. }) => top.spline().shape(),
-            Self::Given(Shape::TriangleMesh { .. }) => return None,
-        };
+        let ([ny, nx], _) = self.grid()?;
         Some([nx, ny])
     }
 
-    /// Length units per sample along x and y; `None` for a triangle mesh.
+    /// Length units per sample along x and y, of the first of given surfaces; `None` for triangle meshes.
     #[must_use]
     pub fn spacing(&self) -> Option<[f64; 2]> {
+        Some(self.grid()?.1)
+    }
+
+    fn grid(&self) -> Option<([usize; 2], [f64; 2])> {
         match self {
-            Self::Random(surfaces) => Some(surfaces.spacing()),
-            Self::Given(Shape::HeightField { top, .. }) => Some(top.field().spacing()),
-            Self::Given(Shape::Smooth { top, .. }) => Some(top.spline().spacing()),
-            Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Random(surfaces) => Some((surfaces.shape(), surfaces.spacing())),
+            Self::Given(shapes) => match shapes.first()? {
+                Shape::HeightField { top, .. } => {
+                    Some((top.field().shape(), top.field().spacing()))
+                }
+                Shape::Smooth { top, .. } => Some((top.spline().shape(), top.spline().spacing())),
+                Shape::TriangleMesh { .. } => None,
+            },
         }
     }
 }
 
-/// The shape of a given surface, and of the bottom of a layer below it where that has a shape of its own.
+/// Heights on a grid, and the bicubic B-spline through them.
 ///
-/// A clone shares the memory of the original. Shapes are equal if they are one in memory.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// Heights on a grid, two triangles per cell.
-    HeightField {
-        /// The surface.
-        top: Arc<Surface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<Surface>>,
-    },
-    /// A bicubic B-spline.
-    Smooth {
-        /// The surface.
-        top: Arc<SmoothSurface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<SmoothSurface>>,
-    },
-    /// Triangles, also with overhangs.
-    TriangleMesh {
-        /// The surface.
-        top: Arc<MeshSurface>,
-        /// The bottom of the layer.
-        bottom: Option<Arc<MeshSurface>>,
-    },
-}
-
-impl Shape {
-    /// Heights on a grid, two triangles per cell.
-    #[must_use]
-    pub fn height_field(field: HeightField) -> Self {
-        Self::HeightField {
-            top: Arc::new(Surface::new(field)),
-            bottom: None,
-        }
-    }
-
-    /// Heights on a grid, and the bicubic B-spline through them.
-    ///
-    /// # Errors
-    /// [`SimulateError::NotEnoughMemory`].
-    pub fn smooth(field: &HeightField) -> Result<Self, SimulateError> {
-        check_memory(
-            "a smooth surface of these heights",
-            smooth_bytes(field.shape()),
-        )?;
-        let spline = SplineSurface::through(field);
-        Ok(Self::Smooth {
-            top: Arc::new(SmoothSurface::new(spline)),
-            bottom: None,
-        })
-    }
-
-    /// Triangles.
-    #[must_use]
-    pub fn triangle_mesh(mesh: MeshSurface) -> Self {
-        Self::TriangleMesh {
-            top: Arc::new(mesh),
-            bottom: None,
-        }
-    }
-
-    /// The same with `bottom` as the shape of the bottom of a layer; `None` if they are not of one kind.
-    #[must_use]
-    pub fn over(self, bottom: Self) -> Option<Self> {
-        match (self, bottom) {
-            (Self::HeightField { top, .. }, Self::HeightField { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::HeightField { top, bottom })
-            }
-            (Self::Smooth { top, .. }, Self::Smooth { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::Smooth { top, bottom })
-            }
-            (Self::TriangleMesh { top, .. }, Self::TriangleMesh { top: bottom, .. }) => {
-                let bottom = Some(bottom);
-                Some(Self::TriangleMesh { top, bottom })
-            }
-            _ => None,
-        }
-    }
-}
-
-impl PartialEq for Shape {
-    fn eq(&self, other: &Self) -> bool {
-        fn same<T>(a: &Arc<T>, b: &Arc<T>) -> bool {
-            Arc::ptr_eq(a, b)
-        }
-        fn same_bottom<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
-            match (a, b) {
-                (Some(a), Some(b)) => same(a, b),
-                (None, None) => true,
-                _ => false,
-            }
-        }
-        match (self, other) {
-            (Self::HeightField { top: a, bottom: c }, Self::HeightField { top: b, bottom: d }) => {
-                same(a, b) && same_bottom(c.as_ref(), d.as_ref())
-            }
-            (Self::Smooth { top: a, bottom: c }, Self::Smooth { top: b, bottom: d }) => {
-                same(a, b) && same_bottom(c.as_ref(), d.as_ref())
-            }
-            (
-                Self::TriangleMesh { top: a, bottom: c },
-                Self::TriangleMesh { top: b, bottom: d },
-            ) => same(a, b) && same_bottom(c.as_ref(), d.as_ref()),
-            _ => false,
-        }
-    }
+/// # Errors
+/// [`SimulateError::NotEnoughMemory`].
+pub fn smooth_shape(field: &HeightField) -> Result<Shape, SimulateError> {
+    check_memory(
+        "a smooth surface of these heights",
+        smooth_bytes(field.shape()),
+    )?;
+    Ok(Shape::smooth(SplineSurface::through(field)))
 }

@@ -22,7 +22,7 @@ use crate::methods::method::{ControlVariateMean, Method};
 const PARTS: usize = 64;
 
 impl Method {
-    /// The method for light on one given surface.
+    /// The method for light on one given surface of flat cells.
     ///
     /// Where the choice is free, a control variate is taken if it promises to pay and the sum over all facets
     /// costs less than the rays do.

@@ -1,6 +1,6 @@
 //! What a run did, and how long it took.
 
-use asperity_tracer::{Accelerator, AcceleratorKind, Branching, Geometry, Sampling, Starts, Work};
+use asperity_tracer::{AcceleratorKind, Branching, PreparedSurface, Sampling, Starts, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::input::estimator::Estimator;
@@ -68,10 +68,10 @@ pub(crate) struct Used {
 }
 
 impl Used {
-    pub(crate) fn of<G: Geometry>(accelerator: &dyn Accelerator<G>) -> Self {
+    pub(crate) fn of(surface: &dyn PreparedSurface) -> Self {
         Self {
-            accelerator: accelerator.kind(),
-            instructions: accelerator.instructions(),
+            accelerator: surface.accelerator(),
+            instructions: surface.instructions(),
         }
     }
 }

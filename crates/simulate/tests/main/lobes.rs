@@ -120,7 +120,7 @@ fn the_peak_of_a_given_surface_is_that_of_its_count_of_slopes() {
         let field = given().with_border(border);
         let shape = Shape::height_field(field.clone());
         let light = Light::from_above(incidence);
-        let case = with_own_bins(Case::new(SurfaceSource::Given(shape), glass(), light));
+        let case = with_own_bins(Case::new(SurfaceSource::Given(vec![shape]), glass(), light));
         for estimator in [Estimator::Plain, Estimator::Controlled] {
             let settings = Settings {
                 estimator,

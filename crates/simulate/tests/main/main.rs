@@ -8,6 +8,8 @@
 
 mod after;
 mod budget;
+mod engines;
+mod ensembles;
 mod fold;
 mod lobes;
 mod mesh_error;

@@ -93,7 +93,7 @@ impl TraceConfig {
                 unit,
                 ..Coordinates::default()
             },
-            surface: SurfaceSource::Given(surface),
+            surface: SurfaceSource::Given(vec![surface]),
             material: self.material()?,
             layer: self.layer()?.map(|layer| LayerBelow {
                 layer,

@@ -91,7 +91,10 @@ impl<'a> Stage<'a> {
         let methods = plan.methods.iter().chain([&plan.reference.method]);
         let prepared = methods.map(|method| prepare(config, plan, &case, method));
         let recipe = case.surface.recipe();
-        let slopes = recipe.map(slopes).transpose().map_err(SimulateError::from)?;
+        let slopes = recipe
+            .map(slopes)
+            .transpose()
+            .map_err(SimulateError::from)?;
         Ok(Self {
             plan,
             slopes,

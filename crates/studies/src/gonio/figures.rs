@@ -11,8 +11,8 @@ use asperity_plot::{
 use asperity_tally::{Component, Side, TallySpec, rests_on_few_rays};
 use rayon::prelude::*;
 
-use super::config::PlotScale;
 use super::components::{component_names, components as components_of};
+use super::config::PlotScale;
 use super::distinction::Distinction;
 use super::summary::labelled;
 use super::tables::projected_in_plane;
@@ -197,7 +197,10 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
         side: plot_side(side),
         row_title: String::new(),
         column_title,
-        rows: component_names(outcome.spec()).into_iter().map(Cow::into_owned).collect(),
+        rows: component_names(outcome.spec())
+            .into_iter()
+            .map(Cow::into_owned)
+            .collect(),
         colours: SharedColours::Rows,
         cells: cells.collect(),
         columns,
@@ -316,7 +319,11 @@ fn hemisphere(direction: &Direction<'_>, side: Side, component: Component) -> Op
             .map(|bin| bsdf(bin).map(Some))
             .collect::<Option<_>>()?,
         few_rays: (disc_bins(spec, side).enumerate())
-            .filter(|(_, bin)| direction.bin(component, *bin).is_some_and(rests_on_few_rays))
+            .filter(|(_, bin)| {
+                direction
+                    .bin(component, *bin)
+                    .is_some_and(rests_on_few_rays)
+            })
             .map(|(place, _)| place)
             .collect(),
         light_deg: (!incidence.is_vertical()).then(|| incidence.phi_deg()),

@@ -79,7 +79,10 @@ fn validity_note(outcome: &GonioOutcome) -> Option<String> {
         0 => String::new(),
         more => format!("; {more} other directions are doubtful"),
     };
-    Some(format!("{}: {validity}{others}", direction.case.direction_name()))
+    Some(format!(
+        "{}: {validity}{others}",
+        direction.case.direction_name()
+    ))
 }
 
 /// Numbers of bins of a side: of all directions, or of that with the fewest and of that with the most.

@@ -252,7 +252,9 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
     type Row<'a> = Direction<'a>;
     let incidence = |row: &Row<'_>| row.case.light.incidence;
     let mut table = Table::new()
-        .column(Column::new("theta", "", move |row| incidence(row).theta_deg()))
+        .column(Column::new("theta", "", move |row| {
+            incidence(row).theta_deg()
+        }))
         .column(Column::new("phi", "", move |row| incidence(row).phi_deg()));
     for side in spec.sides() {
         let shown = match side {
@@ -279,7 +281,9 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
             .column(Column::new("at theta, phi", "", place));
     }
     let ends = ["absorbed", "truncated"].into_iter().enumerate();
-    table.columns(ends.map(|(i, name)| {
-        Column::estimate(name, "", move |row: &Row<'_>| Some(row.endings()?[i]))
-    }))
+    table.columns(
+        ends.map(|(i, name)| {
+            Column::estimate(name, "", move |row: &Row<'_>| Some(row.endings()?[i]))
+        }),
+    )
 }

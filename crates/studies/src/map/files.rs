@@ -23,8 +23,7 @@ pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), Rep
     let files = outcome.config.files();
     folder.claim_all(files.iter().map(String::as_str))?;
     let place = Place::root(folder);
-    tables::map(outcome)
-        .write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
+    tables::map(outcome).write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
     if outcome.config.output.plots {
         for light in ComparedLight::BOTH {
             let figure = figure(outcome, light).draw()?;

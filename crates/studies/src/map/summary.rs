@@ -42,7 +42,13 @@ pub(super) fn thetas(outcome: &MapOutcome) -> Vec<f64> {
 
 /// Its smoothness values, rough to smooth.
 pub(super) fn smoothness(outcome: &MapOutcome) -> Vec<f64> {
-    let mut values = each_once(outcome.plan.cases.iter().filter_map(|case| case.at.smoothness));
+    let mut values = each_once(
+        outcome
+            .plan
+            .cases
+            .iter()
+            .filter_map(|case| case.at.smoothness),
+    );
     values.sort_by(f64::total_cmp);
     values
 }
@@ -96,7 +102,9 @@ fn verdicts(
     light: ComparedLight,
     model: usize,
 ) -> Vec<PlacedVerdict> {
-    let here = outcome.found().filter(|(case, _)| case.material == material);
+    let here = outcome
+        .found()
+        .filter(|(case, _)| case.material == material);
     let verdict = |(case, results): (&Case, &CellResults)| {
         let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
         Some(PlacedVerdict {

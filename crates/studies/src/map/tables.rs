@@ -4,10 +4,10 @@ use asperity_simulate::{Case, CaseGroup};
 use asperity_tally::Side;
 use asperity_tracer::Polarisation;
 
+use super::MapOutcome;
 use super::cell::{
     CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
 };
-use super::MapOutcome;
 use crate::comparison::peak::PeakDifference;
 use crate::output::{Cell, Column, Table, case_columns};
 

@@ -281,11 +281,19 @@ fn overview(outcome: &VerifyOutcome) -> String {
     let judged: Vec<Row<'_>> = judged.collect();
     let multiple = |row: &Row<'_>| {
         let of = |side| {
-            row.case.outcome.statistics.means()[outcome.plan.settings.tally.flux_entry(side, Component::Multiple)]
+            row.case.outcome.statistics.means()[outcome
+                .plan
+                .settings
+                .tally
+                .flux_entry(side, Component::Multiple)]
         };
         of(Side::Reflected) + of(Side::Transmitted)
     };
-    let titles: Vec<String> = outcome.cases.iter().map(|c| c.outcome.case.label()).collect();
+    let titles: Vec<String> = outcome
+        .cases
+        .iter()
+        .map(|c| c.outcome.case.label())
+        .collect();
     let longest = |texts: &mut dyn Iterator<Item = String>| {
         texts.map(|text| text.chars().count()).max().unwrap_or(0)
     };

@@ -5,8 +5,7 @@ mod tests;
 
 use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes, sidak_level};
 use asperity_simulate::{
-    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation,
-    SurfaceSource, short,
+    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation, short,
 };
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
@@ -142,8 +141,8 @@ impl PlannedComparison {
             TooSmall::Widths([x, y]) => TraceError::FewRegions { name: name(), x, y },
         })?;
         let regions = [plan.regions.columns as usize, plan.regions.rows as usize];
-        let found = match &case.surface {
-            SurfaceSource::Given(Shape::Smooth { top, .. }) => top.spline().region_slopes(regions),
+        let found = match case.surface.shapes() {
+            [Shape::Smooth { top, .. }] => top.spline().region_slopes(regions),
             _ => field.region_slopes(regions),
         };
         let mut warnings: Vec<String> = slope_warnings(field, &found).into_iter().collect();
@@ -262,8 +261,8 @@ fn tables(
     case: &Case,
     regions: [usize; 2],
 ) -> Result<SlopeTables, SlopeTableError> {
-    let samples = match &case.surface {
-        SurfaceSource::Given(Shape::Smooth { top, .. }) => top.spline().slope_samples(regions),
+    let samples = match case.surface.shapes() {
+        [Shape::Smooth { top, .. }] => top.spline().slope_samples(regions),
         _ => field.slope_samples(regions),
     };
     let symmetry = match field.border() {

@@ -1,7 +1,7 @@
 //! Geometry: the facets that rays meet, in one tile of a surface that continues as its border says.
 //!
 //! `height_field` is a grid of heights as triangles, `smooth` a grid of curved cells, `mesh` any triangles, and
-//! `export.rs` writes a list of triangles.
+//! `shape.rs` any of them, and `export.rs` writes a list of triangles.
 
 mod blocks;
 pub(crate) mod export;
@@ -12,6 +12,7 @@ mod horizon_bounds;
 pub(crate) mod mesh;
 mod nearby;
 mod outlooks;
+pub(crate) mod shape;
 pub(crate) mod smooth;
 mod windows;
 

@@ -4,8 +4,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use asperity_optics::Layer;
-use asperity_tracer::{Accelerator, BottomShape, Geometry, TracedLayer, TracedLayerError};
 use serde::{Deserialize, Serialize};
+
+use super::layer::{BottomShape, TracedLayer, TracedLayerError};
+use crate::accelerators::Accelerator;
+use crate::geometry::Geometry;
 
 /// The shape of a layer's bottom.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

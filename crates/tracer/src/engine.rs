@@ -1,0 +1,180 @@
+//! Engine: the seam at which batches of paths are traced, on the processor or elsewhere.
+//!
+//! Everything above it knows surfaces by their [`Shape`] and tracers by these traits. A second engine is a crate of its own that
+//! implements the three.
+
+use std::sync::Arc;
+
+use asperity_optics::Material;
+use asperity_tally::{ControlVariate, TallySpec, TallyValues};
+
+use crate::accelerators::Accelerator;
+use crate::accelerators::accelerator::BuildError;
+use crate::accelerators::chooser::BuildAccelerator;
+use crate::accelerators::kind::AcceleratorKind;
+use crate::geometry::Geometry;
+use crate::geometry::shape::Shape;
+use crate::interaction::below::{LayerBelow, SearchedSurface};
+use crate::interaction::layer::TracedLayerError;
+use crate::path::{Illumination, Tracer, Work};
+use crate::random::PathStream;
+use crate::ray::HalfSpace;
+use crate::sampling::BatchedRays;
+use crate::settings::PathSettings;
+
+/// Prepares surfaces for light. Called from any thread, for several surfaces at a time.
+pub trait Engine: Send + Sync {
+    /// Prepares a surface, and the bottom below it if it has a shape of its own, for any number of cases.
+    ///
+    /// Clones of `shape` are dropped with what is returned: the memory of a surface serves the next one.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is no accelerator of this kind for this surface.
+    fn prepare(
+        &self,
+        shape: &Shape,
+        accelerator: AcceleratorKind,
+    ) -> Result<Box<dyn PreparedSurface>, BuildError>;
+}
+
+/// A surface that an engine has prepared.
+pub trait PreparedSurface: Send + Sync {
+    /// The accelerator that was built.
+    fn accelerator(&self) -> AcceleratorKind;
+
+    /// The instructions with which it searches, where there is a choice.
+    fn instructions(&self) -> Option<String>;
+
+    /// The tracer of a case.
+    ///
+    /// # Errors
+    /// [`TracedLayerError`] if the layer does not fit below the surface.
+    fn tracer(&self, case: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError>;
+}
+
+/// What paths meet on a surface, and how they are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct TracedPaths {
+    /// The material of the interface; its indices are relative to the medium that the light comes from.
+    pub material: Material,
+    /// The half space that the light comes from.
+    pub incident: HalfSpace,
+    /// How paths branch and end, and what they know of polarisation.
+    pub settings: PathSettings,
+    /// The layer below the surface, if there is one.
+    pub layer: Option<LayerBelow>,
+    /// Scatterings inside the layer after which a path is truncated.
+    pub max_scatterings: u32,
+}
+
+/// Traces batches of paths of one case on one surface. Called from any thread, for several groups of batches at a time.
+pub trait BatchTracer: Sync {
+    /// Traces rays of several batches together, as [`Tracer::batches`]: the tally of each batch, and the work done.
+    ///
+    /// The same arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are functions
+    /// of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since the effort of runs is
+    /// planned by them.
+    fn batches(
+        &self,
+        illumination: &Illumination,
+        rays: &BatchedRays,
+        spec: TallySpec,
+        control: Option<&ControlVariate>,
+        stream: PathStream,
+    ) -> (Vec<TallyValues>, Work);
+}
+
+impl<G: Geometry> BatchTracer for Tracer<'_, G> {
+    fn batches(
+        &self,
+        illumination: &Illumination,
+        rays: &BatchedRays,
+        spec: TallySpec,
+        control: Option<&ControlVariate>,
+        stream: PathStream,
+    ) -> (Vec<TallyValues>, Work) {
+        self.batches(illumination, rays, spec, control, stream)
+    }
+}
+
+/// The engine of this crate: a [`Tracer`] on the threads that call it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CpuEngine;
+
+impl Engine for CpuEngine {
+    fn prepare(
+        &self,
+        shape: &Shape,
+        accelerator: AcceleratorKind,
+    ) -> Result<Box<dyn PreparedSurface>, BuildError> {
+        match shape {
+            Shape::HeightField { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
+            Shape::Smooth { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
+            Shape::TriangleMesh { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
+        }
+    }
+}
+
+/// A surface with its accelerator.
+struct Searched<G> {
+    geometry: Arc<G>,
+    accelerator: Box<dyn Accelerator<G>>,
+}
+
+/// A surface, and the bottom below it if it has a shape of its own.
+struct OnCpu<G> {
+    top: Searched<G>,
+    bottom: Option<Searched<G>>,
+}
+
+fn prepared<G: BuildAccelerator + 'static>(
+    top: &Arc<G>,
+    bottom: Option<&Arc<G>>,
+    kind: AcceleratorKind,
+) -> Result<Box<dyn PreparedSurface>, BuildError> {
+    let searched = |geometry: &Arc<G>| {
+        Ok(Searched {
+            geometry: geometry.clone(),
+            accelerator: geometry.accelerator(kind)?,
+        })
+    };
+    Ok(Box::new(OnCpu {
+        top: searched(top)?,
+        bottom: bottom.map(searched).transpose()?,
+    }))
+}
+
+impl<G: Geometry> Searched<G> {
+    fn get(&self) -> SearchedSurface<'_, G> {
+        SearchedSurface {
+            geometry: &self.geometry,
+            accelerator: &*self.accelerator,
+        }
+    }
+}
+
+impl<G: Geometry> PreparedSurface for OnCpu<G> {
+    fn accelerator(&self) -> AcceleratorKind {
+        self.top.accelerator.kind()
+    }
+
+    fn instructions(&self) -> Option<String> {
+        self.top.accelerator.instructions()
+    }
+
+    fn tracer(&self, case: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError> {
+        let top = self.top.get();
+        let TracedPaths {
+            material,
+            incident,
+            settings,
+            ..
+        } = *case;
+        let mut tracer = Tracer::new(top.geometry, top.accelerator, material, incident, settings);
+        if let Some(layer) = &case.layer {
+            let bottom = self.bottom.as_ref().map(Searched::get);
+            tracer = tracer.over(layer.traced(top, bottom, case.max_scatterings)?);
+        }
+        Ok(Box::new(tracer))
+    }
+}
