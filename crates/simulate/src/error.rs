@@ -96,6 +96,11 @@ pub enum SimulateError {
     /// Smooth cells of a triangle mesh.
     #[error("smooth cells are for height maps; this is a triangle mesh, so take flat cells")]
     SmoothMesh,
+    /// A surface of which a result file has kept no points.
+    #[error(
+        "a result file describes this surface, but does not hold its points; read the surface itself to trace it"
+    )]
+    DescribedSurface,
     /// A layer whose bottom would have to be drawn, below a surface that is not.
     #[error(
         "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
@@ -151,6 +156,7 @@ impl SimulateError {
             | Self::SmoothControl
             | Self::SmoothRefinement
             | Self::SmoothMesh
+            | Self::DescribedSurface
             | Self::IndependentBottom => true,
             Self::Slopes(_)
             | Self::Coarsening(_)

@@ -35,6 +35,7 @@ pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
 pub use input::case::{Case, CaseBins, Light};
 pub use input::cells::Cells;
+pub use input::described_shape::{DescribedShape, DescribedSurface, corners_hash, heights_hash};
 pub use input::estimator::Estimator;
 pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder, layer_name};
 pub use input::limits::{
@@ -42,7 +43,7 @@ pub use input::limits::{
     smooth_accelerator_bytes, smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
-pub use input::random_surfaces::{FieldSurfaces, RandomSurfaces};
+pub use input::random_surfaces::RandomSurfaces;
 pub use input::regions::Regions;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};
@@ -53,7 +54,7 @@ pub use output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;
 pub use output::stopping::{PilotFigures, Stopping};
-pub use output::work::SummaryWork;
+pub use output::work::{MachineWork, SummaryWork};
 pub use slopes::slopes;
 pub use store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
 pub use stream::{convergence_stream, picture_stream, point_stream};

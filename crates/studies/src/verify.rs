@@ -235,7 +235,7 @@ pub fn resume_verify(
     observer: &dyn Observer,
 ) -> Result<VerifyOutcome, VerifyError> {
     verify_with(config, observer, |simulation, observer| {
-        simulation.resume(checkpoints, observer)
+        checkpoints.resume(simulation, observer)
     })
 }
 

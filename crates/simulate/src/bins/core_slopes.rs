@@ -46,10 +46,12 @@ impl CoreSlopes {
         }
     }
 
-    pub(crate) fn of_source(source: &SurfaceSource) -> Self {
+    /// `None` of a surface that is only described.
+    pub(crate) fn of_source(source: &SurfaceSource) -> Option<Self> {
         match source {
-            SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
-            SurfaceSource::Given(shape) => Self::of_shape(shape),
+            SurfaceSource::Random(surfaces) => Some(Self::of_recipe(surfaces.recipe())),
+            SurfaceSource::Given(shape) => Some(Self::of_shape(shape)),
+            SurfaceSource::Described(_) => None,
         }
     }
 

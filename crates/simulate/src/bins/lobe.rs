@@ -52,10 +52,12 @@ impl Lobe {
         Side::BOTH.map(|side| Self::of_side(light.incidence, material, side, slopes))
     }
 
-    /// The lobes of a case. Light that is transmitted through a layer has none.
+    /// The lobes of a case. Light that is transmitted through a layer has none, and none are known of a surface that is only described.
     #[must_use]
     pub fn of_case(case: &Case) -> [Option<Self>; 2] {
-        let slopes = CoreSlopes::of_source(&case.surface);
+        let Some(slopes) = CoreSlopes::of_source(&case.surface) else {
+            return [None; 2];
+        };
         let [reflected, transmitted] = Self::of(&case.light, &case.material, slopes);
         [reflected, transmitted.filter(|_| case.layer.is_none())]
     }

@@ -11,7 +11,7 @@ use asperity_tracer::{BuildAccelerator, SmoothSurface, Surface};
 use super::built_surface::Meshes;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
-use crate::input::random_surfaces::{FieldSurfaces, RandomSurfaces};
+use crate::input::random_surfaces::{Planned, RandomSurfaces};
 
 /// A recipe of random surfaces of one kind of cells.
 pub(crate) trait Draw {
@@ -51,12 +51,12 @@ pub(crate) enum Drawer<'a> {
 impl<'a> Drawer<'a> {
     /// Of surfaces that are refined or not.
     pub(crate) fn new(surfaces: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
-        Ok(match surfaces {
-            RandomSurfaces::Flat(recipe) => Self::Facets(Facets::OfGaussian(recipe)),
-            RandomSurfaces::Smooth(recipe) => {
+        Ok(match surfaces.planned()? {
+            Planned::Flat(recipe) => Self::Facets(Facets::OfGaussian(recipe)),
+            Planned::Smooth(recipe) => {
                 Self::GaussianSplines(Box::new(Splines::new(recipe, refine)?))
             }
-            RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
+            Planned::Fields(synthesis) => match surfaces.cells() {
                 Cells::Flat => Self::Facets(Facets::OfOther(synthesis)),
                 Cells::Smooth => {
                     Self::SplinesThroughFields(Box::new(Splines::new(synthesis, refine)?))

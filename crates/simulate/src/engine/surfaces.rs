@@ -119,7 +119,7 @@ impl SurfaceGroup<'_> {
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If the run is
     /// to stop, the surfaces that are complete are returned, or, if none is, the finished part of the first, if it
-    /// has begun.
+    /// has begun. The finished parts of all are saved.
     pub(crate) fn run(
         &self,
         surfaces: Range<u64>,
@@ -223,17 +223,21 @@ impl SurfaceGroup<'_> {
         };
         let saved = store.and_then(|store| store.load(key));
         let saved = saved.and_then(|saved| saved.restore(&self.specs()));
-        if let Some(saved) = saved.filter(is_complete) {
-            observer.advance(rays * self.cases.len() as u64);
-            return Numbered {
-                surface,
-                found: Ok(saved),
-                complete: true,
-            };
-        }
-        let found = self.trace(drawer, surface, memory, observer);
+        let resumed = match saved {
+            Some(saved) if is_complete(&saved) => {
+                observer.advance(rays * self.cases.len() as u64);
+                return Numbered {
+                    surface,
+                    found: Ok(saved),
+                    complete: true,
+                };
+            }
+            Some(saved) => saved.cases,
+            None => Vec::new(),
+        };
+        let found = self.trace(drawer, surface, memory, resumed, observer);
         let complete = found.as_ref().is_ok_and(is_complete);
-        if let (Some(store), Ok(found), true) = (store, &found, complete) {
+        if let (Some(store), Ok(found)) = (store, &found) {
             let saved = SavedSurface::new(
                 &found.cases,
                 found.slopes,
@@ -290,21 +294,37 @@ impl SurfaceGroup<'_> {
         })
     }
 
-    /// Traces all cases on one surface, which is drawn in `memory`.
+    /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `resumed`.
     fn trace(
         &self,
         drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
+        resumed: Vec<CaseOnSurface>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
         match drawer {
-            Drawer::Facets(recipe) => self.trace_on(recipe, number, memory, observer),
-            Drawer::GaussianSplines(recipe) => self.trace_on(&**recipe, number, memory, observer),
+            Drawer::Facets(recipe) => self.trace_on(recipe, number, memory, resumed, observer),
+            Drawer::GaussianSplines(recipe) => {
+                self.trace_on(&**recipe, number, memory, resumed, observer)
+            }
             Drawer::SplinesThroughFields(recipe) => {
-                self.trace_on(&**recipe, number, memory, observer)
+                self.trace_on(&**recipe, number, memory, resumed, observer)
             }
         }
+    }
+
+    /// The first blocks of a case as an earlier run has left them, or none yet, as in `new`: a run that was stopped while it was planned
+    /// may have divided its rays in another way, on other paths.
+    fn resumed(&self, left: Option<CaseOnSurface>, new: CaseOnSurface) -> CaseOnSurface {
+        let blocks = self.blocks();
+        let is_part = |left: &CaseOnSurface| {
+            let done = left.tally.batches();
+            left.way == new.way
+                && done <= blocks.count
+                && left.work.rays == done * blocks.rays_of_one()
+        };
+        left.filter(is_part).unwrap_or(new)
     }
 
     /// The same on a surface that `recipe` draws.
@@ -313,6 +333,7 @@ impl SurfaceGroup<'_> {
         recipe: &D,
         number: u64,
         memory: &mut Vec<f64>,
+        resumed: Vec<CaseOnSurface>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
         let DrawnSurface {
@@ -322,18 +343,20 @@ impl SurfaceGroup<'_> {
         } = self.build(recipe, number, memory, observer)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
+        let mut resumed = resumed.into_iter();
         for TracedCase { case, method, .. } in self.cases {
             let lit = built.lit(case, |_| method, &self.settings)?;
             let spec = self.settings.spec_of(case);
-            let mut found = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
-            run_blocks(
-                &lit,
-                &self.settings,
-                number,
-                self.blocks(),
-                observer,
-                |group| found.push(&group.blocks, group.work),
-            );
+            let new = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
+            let mut found = self.resumed(resumed.next(), new);
+            let blocks = self.blocks().after(found.tally.batches());
+            observer.advance(found.work.rays);
+            run_blocks(&lit, &self.settings, number, blocks, observer, |group| {
+                // Blocks behind one that a stop left out are of no use to a later run.
+                if group.first == found.tally.batches() {
+                    found.push(&group.blocks, group.work);
+                }
+            });
             cases.push(found);
         }
         seconds.trace = clock.elapsed().as_secs_f64();

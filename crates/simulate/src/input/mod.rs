@@ -2,6 +2,7 @@
 
 pub(crate) mod case;
 pub(crate) mod cells;
+pub(crate) mod described_shape;
 pub(crate) mod estimator;
 pub(crate) mod layer;
 pub(crate) mod limits;

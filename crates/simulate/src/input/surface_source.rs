@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use asperity_surface::{HeightField, SplineSurface};
 use asperity_tracer::{MeshSurface, SmoothSurface, Surface};
+use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
+use super::described_shape::DescribedShape;
 use super::limits::{check_memory, smooth_bytes};
 use super::random_surfaces::RandomSurfaces;
 use crate::error::SimulateError;
@@ -14,12 +16,42 @@ use crate::error::SimulateError;
 /// Where the surface of a case comes from.
 ///
 /// Cases whose sources are equal share their surfaces: each surface is drawn, or prepared, once.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "SavedSource", from = "SavedSource")]
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
     Random(Box<RandomSurfaces>),
     /// One surface. The result is that of this surface alone.
     Given(Shape),
+    /// A surface that was given to the run whose results were read from a file, which does not hold its points. It cannot be traced.
+    Described(Box<DescribedShape>),
+}
+
+/// A source as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SavedSource {
+    Random(Box<RandomSurfaces>),
+    Given(Box<DescribedShape>),
+}
+
+impl From<SurfaceSource> for SavedSource {
+    fn from(source: SurfaceSource) -> Self {
+        match source {
+            SurfaceSource::Random(surfaces) => Self::Random(surfaces),
+            SurfaceSource::Given(shape) => Self::Given(Box::new(DescribedShape::of(&shape))),
+            SurfaceSource::Described(shape) => Self::Given(shape),
+        }
+    }
+}
+
+impl From<SavedSource> for SurfaceSource {
+    fn from(saved: SavedSource) -> Self {
+        match saved {
+            SavedSource::Random(surfaces) => Self::Random(surfaces),
+            SavedSource::Given(shape) => Self::Described(shape),
+        }
+    }
 }
 
 impl SurfaceSource {
@@ -47,9 +79,8 @@ impl SurfaceSource {
     pub const fn cells(&self) -> Option<Cells> {
         match self {
             Self::Random(surfaces) => Some(surfaces.cells()),
-            Self::Given(Shape::HeightField { .. }) => Some(Cells::Flat),
-            Self::Given(Shape::Smooth { .. }) => Some(Cells::Smooth),
-            Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Given(shape) => shape.cells(),
+            Self::Described(shape) => shape.cells,
         }
     }
 
@@ -61,14 +92,15 @@ impl SurfaceSource {
             Self::Given(Shape::HeightField { top, .. }) => top.is_flat(),
             Self::Given(Shape::Smooth { top, .. }) => top.spline().samples().is_flat(),
             Self::Given(Shape::TriangleMesh { top, .. }) => top.size()[2] == 0.0,
+            Self::Described(shape) => shape.top.is_level,
         }
     }
 
-    /// The heights of a given surface; `None` for random surfaces and for a triangle mesh.
+    /// The heights of a given surface; `None` for random surfaces, for one that is only described, and for a triangle mesh.
     #[must_use]
     pub fn heights(&self) -> Option<Cow<'_, HeightField>> {
         match self {
-            Self::Random(_) | Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Random(_) | Self::Described(_) | Self::Given(Shape::TriangleMesh { .. }) => None,
             Self::Given(Shape::HeightField { top, .. }) => Some(Cow::Borrowed(top.field())),
             Self::Given(Shape::Smooth { top, .. }) => Some(Cow::Owned(top.spline().samples())),
         }
@@ -82,6 +114,7 @@ impl SurfaceSource {
             Self::Given(Shape::HeightField { top, .. }) => top.field().shape(),
             Self::Given(Shape::Smooth { top, .. }) => top.spline().shape(),
             Self::Given(Shape::TriangleMesh { .. }) => return None,
+            Self::Described(shape) => return shape.top.size,
         };
         Some([nx, ny])
     }
@@ -94,6 +127,16 @@ impl SurfaceSource {
             Self::Given(Shape::HeightField { top, .. }) => Some(top.field().spacing()),
             Self::Given(Shape::Smooth { top, .. }) => Some(top.spline().spacing()),
             Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Described(shape) => shape.top.spacing,
+        }
+    }
+
+    /// Without the points of a given surface, which then cannot be traced.
+    #[must_use]
+    pub fn described(&self) -> Self {
+        match self {
+            Self::Given(shape) => Self::Described(Box::new(DescribedShape::of(shape))),
+            described => described.clone(),
         }
     }
 }
@@ -127,6 +170,16 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// What lies between heights; `None` for a triangle mesh.
+    #[must_use]
+    pub const fn cells(&self) -> Option<Cells> {
+        match self {
+            Self::HeightField { .. } => Some(Cells::Flat),
+            Self::Smooth { .. } => Some(Cells::Smooth),
+            Self::TriangleMesh { .. } => None,
+        }
+    }
+
     /// Heights on a grid, two triangles per cell.
     #[must_use]
     pub fn height_field(field: HeightField) -> Self {

@@ -18,4 +18,5 @@ mod resuming;
 mod sharing;
 mod smooth;
 mod stopping;
+mod streaming;
 mod support;

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use asperity_tally::{HemisphereGrid, TallySpec};
+use asperity_tally::TallySpec;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -46,7 +46,7 @@ struct Direction<'a> {
     /// `None` if it was not measured yet.
     results: Option<Results<'a>>,
     /// Numbers of rings and sectors of a side.
-    bins: HemisphereGrid,
+    bins: String,
     /// The brightest bin of each side; `None` where no light leaves, and before the direction is measured.
     peak: BySide<Option<Peak>>,
     /// Lobes of single scattering next to the bins that hold their middles.
@@ -80,7 +80,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             .results
             .as_ref()
             .map(|results| describe(spec, results)),
-        bins: direction.spec.grid(),
+        bins: direction.spec.grid().to_string(),
         peak: BySide::of(|side| Peak::of(direction, side)),
         lobes: &direction.lobes,
         validity: direction.validity,
