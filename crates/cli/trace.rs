@@ -72,7 +72,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     };
     let end = ended.close(folder)?;
     common.say(|| {
-        let work = &outcome.outcome.work;
+        let work = &outcome.outcome.work.machine;
         format!(
             "built in {:.3} s, traced in {:.3} s",
             work.build_seconds, work.trace_seconds

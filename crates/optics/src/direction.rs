@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::elementary::sin_cos_of_turn;
 
@@ -81,7 +82,7 @@ pub enum IncidenceError {
 /// assert!(Incidence::from_degrees(90.0, 0.0).is_err());
 /// # Ok::<(), asperity_optics::IncidenceError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Incidence {
     theta: f64,
     phi: f64,

@@ -1,12 +1,12 @@
 //! Layer below a surface: a participating medium and its lower boundary.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::material::valid_eta;
 use crate::{MaterialError, ParticipatingMedium};
 
 /// Lower boundary of a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Bottom {
@@ -40,14 +40,14 @@ pub enum Bottom {
 /// assert!(!layer.transmits());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
     medium: ParticipatingMedium,
     slab: Option<Slab>,
 }
 
 /// Thickness and lower boundary of a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slab {
     /// From the mean plane of the surface to that of the bottom, in the unit of the surface.
     pub thickness: f64,

@@ -1,13 +1,13 @@
 //! Participating medium: absorption, scattering and phase function.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::phase::PhaseFunction;
 
 /// A homogeneous participating medium.
 ///
 /// Held as extinction and albedo, lengths in the unit of the surface above it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParticipatingMedium {
     extinction: f64,
     albedo: f64,

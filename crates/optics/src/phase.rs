@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::direction::around;
 
@@ -19,7 +19,7 @@ use crate::direction::around;
 /// assert!((scattered.length() - 1.0).abs() < 1e-15);
 /// # Ok::<(), asperity_optics::PhaseFunctionError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum PhaseFunction {

@@ -112,6 +112,11 @@ pub enum SimulateError {
         /// What was requested.
         what: &'static str,
     },
+    /// A surface of which a result file has kept no points.
+    #[error(
+        "a result file describes this surface, but does not hold its points; read the surface itself to trace it"
+    )]
+    DescribedSurface,
     /// A layer whose bottom would have to be drawn, below a surface that is not.
     #[error(
         "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
@@ -170,6 +175,7 @@ impl SimulateError {
             | Self::NoSurface
             | Self::MixedCells
             | Self::OnlyOfOne { .. }
+            | Self::DescribedSurface
             | Self::IndependentBottom => true,
             Self::Slopes(_)
             | Self::Coarsening(_)

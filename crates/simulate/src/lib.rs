@@ -39,13 +39,14 @@ pub use input::cells::Cells;
 pub use input::coordinates::{
     CaseColumn, CaseGroup, CasePart, Coordinate, Coordinates, bottom_text, material_text,
 };
+pub use input::described_shape::{DescribedShape, DescribedSurface, corners_hash, heights_hash};
 pub use input::estimator::Estimator;
 pub use input::limits::{
     check_grazing, check_height, check_memory, check_results, check_shape_memory,
     smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
-pub use input::random_surfaces::{FieldSurfaces, RandomSurfaces};
+pub use input::random_surfaces::RandomSurfaces;
 pub use input::regions::Regions;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{SurfaceSource, smooth_shape};
@@ -56,7 +57,7 @@ pub use output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;
 pub use output::stopping::{PilotFigures, Stopping};
-pub use output::work::SummaryWork;
+pub use output::work::{MachineWork, SummaryWork};
 pub use slopes::slopes;
 pub use store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
 pub use stream::{convergence_stream, picture_stream, point_stream};

@@ -20,6 +20,10 @@ pub trait Observer: Sync {
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
     fn surface_drawn(&self, _number: u64) {}
+    /// Why no further cases should begin, if so, although those that have begun go on. Asked between groups of cases that share surfaces.
+    fn stop_between(&self) -> Option<StoppedBy> {
+        None
+    }
     /// Why the run should end with what is there, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
@@ -73,6 +77,9 @@ impl Observer for Deadline<'_> {
     }
     fn surface_drawn(&self, number: u64) {
         self.observer.surface_drawn(number);
+    }
+    fn stop_between(&self) -> Option<StoppedBy> {
+        self.observer.stop_between()
     }
     fn stop(&self) -> Option<StoppedBy> {
         self.observer.stop().or_else(|| {

@@ -7,12 +7,10 @@
 //! was not ended. A store must keep runs of other cases and settings apart.
 
 use asperity_surface::SlopeMoments;
-use asperity_tally::{SavedStatistics, TallySpec};
-use asperity_tracer::Work;
+use asperity_tally::TallySpec;
 use serde::{Deserialize, Serialize};
 
 use crate::errors::refinement::MeshShifts;
-use crate::output::chosen_paths::WayOfPaths;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -57,26 +55,10 @@ pub enum Stage {
     Regions,
 }
 
-/// What one surface did with the light of every case that shares it.
+/// What one surface did with the light of every case that shares it, perhaps of the first blocks of rays alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct SavedSurface {
-    /// By case.
-    cases: Vec<SavedCase>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    slopes: Option<SlopeMoments>,
-    seconds: Seconds,
-    used: Used,
-}
-
-/// What one surface did with the light of one case.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct SavedCase {
-    way: WayOfPaths,
-    tally: SavedStatistics,
-    /// What differs between its meshes, where it has several.
-    shifts: Vec<SavedStatistics>,
-    work: Work,
-}
+#[serde(transparent)]
+pub struct SavedSurface(SurfaceTallies);
 
 impl SavedSurface {
     pub(crate) fn new(
@@ -85,48 +67,22 @@ impl SavedSurface {
         seconds: Seconds,
         used: Used,
     ) -> Self {
-        let save = |case: &CaseOnSurface| SavedCase {
-            way: case.way,
-            tally: SavedStatistics::from(&case.tally),
-            shifts: case.shifts.as_ref().map_or_else(Vec::new, MeshShifts::save),
-            work: case.work,
-        };
-        Self {
-            cases: cases.iter().map(save).collect(),
+        Self(SurfaceTallies {
+            cases: cases.to_vec(),
             slopes,
             seconds,
             used,
-        }
+        })
     }
 
-    /// The tallies by the spec of each case; `None` if they were of others.
+    /// The tallies, if they are by the spec of each case.
     pub(crate) fn restore(self, specs: &[TallySpec]) -> Option<SurfaceTallies> {
-        if self.cases.len() != specs.len() {
-            return None;
-        }
-        let restore = |(case, &spec): (SavedCase, &TallySpec)| {
-            let shifts = if case.shifts.is_empty() {
-                None
-            } else {
-                Some(MeshShifts::restore(case.shifts, spec)?)
-            };
-            Some(CaseOnSurface {
-                way: case.way,
-                tally: case.tally.restore(spec)?,
-                shifts,
-                work: case.work,
-            })
+        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
+            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
+            [case.tally.spec(), of_shifts] == [spec; 2]
         };
-        Some(SurfaceTallies {
-            cases: self
-                .cases
-                .into_iter()
-                .zip(specs)
-                .map(restore)
-                .collect::<Option<_>>()?,
-            slopes: self.slopes,
-            seconds: self.seconds,
-            used: self.used,
-        })
+        let cases = &self.0.cases;
+        let fits = cases.len() == specs.len() && cases.iter().zip(specs).all(is_by);
+        fits.then_some(self.0)
     }
 }

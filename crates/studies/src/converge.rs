@@ -414,9 +414,9 @@ impl ConvergeWork {
         self.rays += run.work.rays;
         self.segments += run.work.segments;
         self.segments_skipped += run.work.segments_skipped;
-        self.generate_seconds += run.work.generate_seconds;
-        self.build_seconds += run.work.build_seconds;
-        self.trace_seconds += run.work.trace_seconds;
+        self.generate_seconds += run.work.machine.generate_seconds;
+        self.build_seconds += run.work.machine.build_seconds;
+        self.trace_seconds += run.work.machine.trace_seconds;
         self.lost = self.lost.max(run.statistics.means().budget().lost.abs());
     }
 }

@@ -7,7 +7,6 @@ mod columns;
 mod head;
 mod number;
 mod place;
-mod points_hash;
 mod rounding;
 mod summary_of_cases;
 mod support;
@@ -29,7 +28,6 @@ pub(crate) use columns::{
 pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
-pub(crate) use points_hash::{corners_hash, heights_hash, shape_hash};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub(crate) use support::{Support, Supported};
 pub use surface_checkpoints::SurfaceCheckpoints;

@@ -24,7 +24,7 @@ pub struct Plan {
 impl Plan {
     /// Cases whose bins refine around their narrow lobes, unless `run` names bins.
     fn new(mut cases: Vec<Case>, settings: Settings, run: &RunConfig) -> Self {
-        let mut last: Option<(SurfaceSource, CoreSlopes)> = None;
+        let mut last: Option<(SurfaceSource, Option<CoreSlopes>)> = None;
         let lobes = cases.iter_mut().map(|case| {
             // Slopes of a given surface are counted facet by facet.
             let slopes = match &last {

@@ -10,8 +10,8 @@ mod text;
 use asperity_analysis::ModelError;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, StoppedBy,
-    Stopping, short,
+    Cells, Deadline, DescribedShape, Lobe, Observer, Outcome, Shape, SimulateError, Simulation,
+    StoppedBy, Stopping, short,
 };
 use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
@@ -29,7 +29,7 @@ use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::given::{GivenShape, GivenSurface};
-use crate::output::{CheckpointError, SurfaceCheckpoints, shape_hash};
+use crate::output::{CheckpointError, SurfaceCheckpoints};
 use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
@@ -255,7 +255,7 @@ impl PlannedTrace {
         settings.light.wavelength = None;
         settings.output.plots = true;
         let mut settings = json!(settings);
-        settings["points"] = shape_hash(&self.shape);
+        settings["points"] = json!(DescribedShape::of(&self.shape));
         SurfaceCheckpoints::open(folder, "trace", settings)
     }
 
@@ -271,7 +271,7 @@ impl PlannedTrace {
         let time = self.config.run.max_time.and_then(Seconds::duration);
         let deadline = Deadline::new(observer, time);
         let outcomes = match checkpoints {
-            Some(checkpoints) => self.simulation.resume(checkpoints, &deadline),
+            Some(checkpoints) => checkpoints.resume(self.simulation, &deadline),
             None => self.simulation.run(&deadline),
         };
         let outcome = outcomes?.into_iter().next();

@@ -8,7 +8,7 @@ use asperity_optics::{azimuth, polar_angle};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::edges::{SideEdges, interned};
+use crate::edges::{SideEdges, SideEdgesError, interned};
 use crate::side::Side;
 
 /// Why a grid of bins is refused.
@@ -38,6 +38,9 @@ pub enum HemisphereGridError {
     /// The text is not `THETAxPHI`.
     #[error("`{0}` is not a grid of bins; write it as THETAxPHI, such as 18x36")]
     BadText(String),
+    /// The edges are no edges of bins.
+    #[error(transparent)]
+    Edges(#[from] SideEdgesError),
 }
 
 /// One bin of solid angle.
@@ -69,7 +72,7 @@ impl Bin {
 /// direction that is closer to an edge than 1e-9 bin widths counts as lying on it, so that exact
 /// directions fall where exact arithmetic puts them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[serde(into = "SavedGrid", try_from = "SavedGrid")]
 pub struct HemisphereGrid {
     n_theta: usize,
     n_phi: usize,
@@ -301,17 +304,48 @@ impl FromStr for HemisphereGrid {
     }
 }
 
-impl From<HemisphereGrid> for String {
+/// A grid as it is written: as text, or by the edges of both sides.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a grid of bins is THETAxPHI, such as 18x36, or the edges of both sides"
+)]
+enum SavedGrid {
+    Even(String),
+    Edges([SavedEdges; 2]),
+}
+
+#[derive(Serialize, Deserialize)]
+struct SavedEdges {
+    theta_deg: Vec<f64>,
+    phi_deg: Vec<f64>,
+}
+
+impl From<HemisphereGrid> for SavedGrid {
     fn from(grid: HemisphereGrid) -> Self {
-        grid.to_string()
+        match grid.edges {
+            None => Self::Even(grid.to_string()),
+            Some(edges) => Self::Edges(edges.each_ref().map(|side| SavedEdges {
+                theta_deg: side.theta_deg().to_vec(),
+                phi_deg: side.phi_deg().to_vec(),
+            })),
+        }
     }
 }
 
-impl TryFrom<String> for HemisphereGrid {
+impl TryFrom<SavedGrid> for HemisphereGrid {
     type Error = HemisphereGridError;
 
-    fn try_from(text: String) -> Result<Self, Self::Error> {
-        text.parse()
+    fn try_from(saved: SavedGrid) -> Result<Self, Self::Error> {
+        let [reflected, transmitted] = match saved {
+            SavedGrid::Even(text) => return text.parse(),
+            SavedGrid::Edges(edges) => edges,
+        };
+        let of = |side, saved: SavedEdges| SideEdges::new(side, saved.theta_deg, saved.phi_deg);
+        Self::with_edges([
+            of(Side::Reflected, reflected)?,
+            of(Side::Transmitted, transmitted)?,
+        ])
     }
 }
 

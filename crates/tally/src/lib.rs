@@ -78,5 +78,5 @@ pub use spec::{SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};
 pub use tallies::Tallies;
 pub use tally::{Azimuth, Tally};
-pub use tally_statistics::{SavedStatistics, TallyStatistics};
+pub use tally_statistics::TallyStatistics;
 pub use values::{ByEntry, SideFluxes, TallyValues};

@@ -4,6 +4,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Deserializer, Serialize};
+
 use crate::component::MAX_LISTED_ORDER;
 use crate::entry::{Entries, Entry, Score};
 use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
@@ -46,13 +48,31 @@ pub enum SpecError {
 /// assert_eq!(spec.in_plane_filter(Side::Reflected).theta_deg(35), [85.0, 90.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TallySpec {
     grid: HemisphereGrid,
     in_plane_half_width: f64,
     sides: Sides,
+    #[serde(deserialize_with = "components_by_name")]
     components: &'static [Component],
     polarimetry: Polarimetry,
+}
+
+/// Reads the names of components that a spec of this crate keeps: none, or those of the medium.
+fn components_by_name<'de, D: Deserializer<'de>>(
+    source: D,
+) -> Result<&'static [Component], D::Error> {
+    let names = Vec::<String>::deserialize(source)?;
+    let known: [&'static [Component]; 2] = [&[], &Component::MEDIUM];
+    let found = known.into_iter().find(|known| {
+        let known = known.iter().map(|component| component.name());
+        known.eq(names.iter().map(String::as_str))
+    });
+    found.ok_or_else(|| {
+        serde::de::Error::custom(format!(
+            "this program has no tally of the components {names:?}"
+        ))
+    })
 }
 
 impl TallySpec {

@@ -27,7 +27,8 @@ use crate::{Estimate, Measure, Polarimetry, TallyResult, TallySpec};
 /// assert!((estimate.mean - 0.2).abs() < 1e-12);
 /// assert!((estimate.se.unwrap() - 0.1).abs() < 1e-12);
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "SavedStatistics")]
 pub struct TallyStatistics {
     batches: u64,
     means: TallyValues,
@@ -35,6 +36,7 @@ pub struct TallyStatistics {
     /// Co-moments of measures with what they are compared with, in the order of their entries: see [`TallyStatistics::over_flux`].
     products: Vec<f64>,
     /// The flux entries of all places of measures.
+    #[serde(skip)]
     flux_of_places: Vec<usize>,
     /// Errors below which none is reported, if any are.
     least_errors: Option<TallyValues>,
@@ -181,40 +183,34 @@ impl TallyStatistics {
     }
 }
 
-/// Statistics as plain numbers, to be written to a file and read again.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SavedStatistics {
+/// Statistics as they are read, perhaps of values that do not go together.
+#[derive(Deserialize)]
+struct SavedStatistics {
     batches: u64,
-    means: Vec<f64>,
-    squares: Vec<f64>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    means: TallyValues,
+    squares: TallyValues,
     products: Vec<f64>,
+    least_errors: Option<TallyValues>,
 }
 
-impl From<&TallyStatistics> for SavedStatistics {
-    /// Without the errors below which none is reported.
-    fn from(statistics: &TallyStatistics) -> Self {
-        Self {
-            batches: statistics.batches,
-            means: statistics.means.as_slice().to_vec(),
-            squares: statistics.squares.as_slice().to_vec(),
-            products: statistics.products.clone(),
+impl TryFrom<SavedStatistics> for TallyStatistics {
+    type Error = String;
+
+    fn try_from(saved: SavedStatistics) -> Result<Self, String> {
+        let empty = Self::new(*saved.means.spec());
+        let others = [Some(&saved.squares), saved.least_errors.as_ref()];
+        let same_spec = |values: &TallyValues| values.spec() == empty.spec();
+        if !others.into_iter().flatten().all(same_spec)
+            || saved.products.len() != empty.products.len()
+        {
+            return Err("statistics of several tally specs".to_owned());
         }
-    }
-}
-
-impl SavedStatistics {
-    /// The statistics of tallies by `spec`; `None` if they were of another one.
-    #[must_use]
-    pub fn restore(self, spec: TallySpec) -> Option<TallyStatistics> {
-        let empty = TallyStatistics::new(spec);
-        let fits = [&self.means, &self.squares].map(|values| values.len() == spec.len());
-        let is_sound = fits == [true; 2] && self.products.len() == empty.products.len();
-        is_sound.then(|| TallyStatistics {
-            batches: self.batches,
-            means: TallyValues::from_vec(spec, self.means),
-            squares: TallyValues::from_vec(spec, self.squares),
-            products: self.products,
+        Ok(Self {
+            batches: saved.batches,
+            means: saved.means,
+            squares: saved.squares,
+            products: saved.products,
+            least_errors: saved.least_errors,
             ..empty
         })
     }
@@ -241,6 +237,7 @@ impl TallyResult for TallyStatistics {
 mod tests {
     use super::*;
     use crate::{Component, Side};
+    use crate::{HemisphereGrid, SideEdges, Sides};
 
     #[test]
     fn a_ratio_has_the_error_of_what_both_do_not_share() {
@@ -267,7 +264,8 @@ mod tests {
         assert_eq!((one.mean, one.se), (1.0, Some(0.0)));
 
         // The same after saving; nothing of what is not kept, or where nothing has arrived.
-        let restored = SavedStatistics::from(&statistics).restore(spec).unwrap();
+        let saved = serde_json::to_value(&statistics).unwrap();
+        let restored: TallyStatistics = serde_json::from_value(saved).unwrap();
         assert_eq!(restored.over_flux(flux, m10), Some(ratio));
         assert_eq!(statistics.over_flux(flux, Measure::Averaging), None);
         let transmitted = spec.flux_entry(Side::Transmitted, Component::All);
@@ -296,17 +294,42 @@ mod tests {
     }
 
     #[test]
-    fn saved_statistics_are_restored_to_the_same_numbers_and_only_by_their_spec() {
-        let mut statistics = TallyStatistics::new(TallySpec::default());
-        statistics.push(&batch(1.0 / 3.0));
-        statistics.push(&batch(0.1));
-        let saved = SavedStatistics::from(&statistics);
-        let restored = saved.clone().restore(TallySpec::default()).unwrap();
-        assert_eq!(restored.means(), statistics.means());
-        assert_eq!(restored.error_squares(), statistics.error_squares());
-        assert_eq!(restored.batches(), 2);
-        let other = TallySpec::new("2x1".parse().unwrap(), 0.1).unwrap();
-        assert!(saved.restore(other).is_none());
+    fn saved_statistics_are_read_to_the_same_numbers_and_never_with_those_of_another_spec() {
+        let edges = [Side::Reflected, Side::Transmitted].map(|side| {
+            let start = 90.0 * side.index() as f64;
+            let theta = [0.0, 100.0 / 3.0, 90.0].map(|deg| start + deg).to_vec();
+            SideEdges::new(side, theta, vec![10.1, 200.0, 370.1]).unwrap()
+        });
+        let uneven = HemisphereGrid::with_edges(edges).unwrap();
+        for spec in [
+            TallySpec::default().with_sides(Sides::Reflected),
+            TallySpec::new(uneven, 0.1).unwrap().with_medium(),
+        ] {
+            let mut statistics = TallyStatistics::new(spec);
+            for lost in [1.0 / 3.0, 0.1] {
+                statistics.push(&TallyValues::filled(spec, lost));
+            }
+            let statistics = statistics.with_least_errors(TallyValues::filled(spec, 1e-300));
+            let mut saved = serde_json::to_value(&statistics).unwrap();
+            let read = |saved| serde_json::from_value::<TallyStatistics>(saved);
+            let restored = read(saved.clone()).unwrap();
+            // Also the bits of every number, since digits read back exactly.
+            assert_eq!(format!("{restored:?}"), format!("{statistics:?}"));
+            saved["squares"]["spec"]["in_plane_half_width"] = 0.05.into();
+            assert!(
+                read(saved.clone())
+                    .unwrap_err()
+                    .to_string()
+                    .contains("several")
+            );
+            saved["means"]["spec"]["grid"] = "2x1".into();
+            assert!(
+                read(saved)
+                    .unwrap_err()
+                    .to_string()
+                    .contains("of a tally of")
+            );
+        }
     }
 
     #[test]

@@ -2,15 +2,40 @@
 
 use std::ops::{AddAssign, Index, IndexMut};
 
+use serde::{Deserialize, Serialize};
+
 use crate::entry::{Entries, Entry};
 use crate::filters::BinFilter;
 use crate::{Component, Event, EventPath, Side, TallyResult, TallySpec};
 
 /// One `T` for each entry of a spec.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "SavedValues<T>")]
 pub struct ByEntry<T> {
     spec: TallySpec,
     values: Vec<T>,
+}
+
+/// Values as they are read, perhaps of another spec.
+#[derive(Deserialize)]
+struct SavedValues<T> {
+    spec: TallySpec,
+    values: Vec<T>,
+}
+
+impl<T> TryFrom<SavedValues<T>> for ByEntry<T> {
+    type Error = String;
+
+    fn try_from(SavedValues { spec, values }: SavedValues<T>) -> Result<Self, String> {
+        match values.len() == spec.len() {
+            true => Ok(Self { spec, values }),
+            false => Err(format!(
+                "{} values of a tally of {}",
+                values.len(),
+                spec.len()
+            )),
+        }
+    }
 }
 
 /// Flux fractions by entry: what one batch or one surface did, what a model expects, or errors.

@@ -1,9 +1,11 @@
 //! Rays: in the coordinates of one tile, with the half space that they are in, and where they meet the tile.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Half space of a ray: the side of the surface on which it travels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum HalfSpace {
     /// Above the surface.
     Above,

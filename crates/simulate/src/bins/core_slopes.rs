@@ -46,16 +46,17 @@ impl CoreSlopes {
         }
     }
 
-    /// Those of a surface source.
+    /// Those of a surface source, of several given surfaces the mean; `None` of a surface that is only described.
     #[must_use]
-    pub fn of_source(source: &SurfaceSource) -> Self {
+    pub fn of_source(source: &SurfaceSource) -> Option<Self> {
         match source {
-            SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
+            SurfaceSource::Random(surfaces) => Some(Self::of_recipe(surfaces.recipe())),
             SurfaceSource::Given(shapes) => {
                 let all = shapes.iter().map(|shape| Self::of_shape(shape).0);
                 let sum = all.fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
-                Self(sum.map(|sum| sum / shapes.len() as f64))
+                Some(Self(sum.map(|sum| sum / shapes.len() as f64)))
             }
+            SurfaceSource::Described(_) => None,
         }
     }
 

@@ -52,7 +52,7 @@ impl Lobe {
         Side::BOTH.map(|side| Self::of_side(light.incidence, material, side, slopes))
     }
 
-    /// The lobes of a case. Light that is transmitted through a layer has none.
+    /// The lobes of a case. Light that is transmitted through a layer has none, and none are known of a surface that is only described.
     #[must_use]
     pub fn of_case(case: &Case) -> [Option<Self>; 2] {
         Self::of_slopes(case, CoreSlopes::of_source(&case.surface))
@@ -60,7 +60,10 @@ impl Lobe {
 
     /// The lobes of a case whose surface has these slopes.
     #[must_use]
-    pub fn of_slopes(case: &Case, slopes: CoreSlopes) -> [Option<Self>; 2] {
+    pub fn of_slopes(case: &Case, slopes: Option<CoreSlopes>) -> [Option<Self>; 2] {
+        let Some(slopes) = slopes else {
+            return [None; 2];
+        };
         let [reflected, transmitted] = Self::of(&case.light, &case.material, slopes);
         [reflected, transmitted.filter(|_| case.layer.is_none())]
     }

@@ -53,6 +53,15 @@ impl Blocks {
         }
     }
 
+    /// Those after the first `done`.
+    pub(crate) const fn after(self, done: u64) -> Self {
+        Self {
+            first: self.first + done,
+            count: self.count - done,
+            ..self
+        }
+    }
+
     /// Rays of all blocks.
     pub(crate) const fn rays(self) -> u64 {
         self.count * (self.strata as u64).pow(2)

@@ -10,7 +10,7 @@ use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
 use crate::input::case::Case;
-use crate::input::random_surfaces::RandomSurfaces;
+use crate::input::random_surfaces::Planned;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::method::Method;
@@ -72,8 +72,18 @@ impl Draft {
                 ErrorBudget::of_surfaces(&statistics, of_rays, traced_rays, mesh)
             }
         };
-        let seconds = self.tallies.seconds;
         let (tallies, method) = (self.tallies, self.method);
+        let mut work = SummaryWork::new(tallies.work, tallies.used, &method, settings.sampling);
+        work.realisations = if is_analytic {
+            0
+        } else {
+            tallies.surfaces.len() as u64
+        };
+        work.slope_control = self.slope_control;
+        work.machine.generate_seconds = tallies.seconds.generate;
+        work.machine.build_seconds = tallies.seconds.build;
+        work.machine.trace_seconds = tallies.seconds.trace;
+        work.machine.seconds = self.seconds;
         Outcome {
             number: self.number,
             case: self.case,
@@ -81,19 +91,7 @@ impl Draft {
             errors_from,
             errors,
             deviation_bound: self.deviation_bound,
-            work: SummaryWork {
-                realisations: if is_analytic {
-                    0
-                } else {
-                    tallies.surfaces.len() as u64
-                },
-                generate_seconds: seconds.generate,
-                build_seconds: seconds.build,
-                trace_seconds: seconds.trace,
-                seconds: self.seconds,
-                slope_control: self.slope_control,
-                ..SummaryWork::new(tallies.work, tallies.used, &method, settings.sampling)
-            },
+            work,
             surfaces: tallies.surfaces,
             stopping: self.stopping,
             seed: settings.seed,
@@ -108,8 +106,8 @@ impl Draft {
             SurfaceSource::Random(surfaces) => {
                 let by_pilot_run = self.stopping.mesh_by_pilot_run(surfaces.cells());
                 let by_pilot_run = by_pilot_run.as_deref();
-                match &**surfaces {
-                    RandomSurfaces::Flat(synthesis) => MeshErrors::of_random(
+                match surfaces.planned() {
+                    Ok(Planned::Flat(synthesis)) => MeshErrors::of_random(
                         &self.case,
                         synthesis,
                         &self.method,
@@ -117,15 +115,17 @@ impl Draft {
                         refinement,
                         by_pilot_run,
                     ),
-                    RandomSurfaces::Smooth(_) => {
+                    Ok(Planned::Smooth(_)) => {
                         MeshErrors::of_random_smooth(&self.method, spec, refinement, by_pilot_run)
                     }
-                    RandomSurfaces::Fields(_) => {
+                    // They are planned, since they were traced.
+                    Ok(Planned::Fields(_)) | Err(_) => {
                         MeshErrors::of_random_fields(&self.method, spec, refinement, by_pilot_run)
                     }
                 }
             }
             SurfaceSource::Given(shapes) => MeshErrors::of_given(shapes, spec, refinement),
+            SurfaceSource::Described(_) => MeshErrors::unknown(spec, "not estimated"),
         }
     }
 
@@ -135,7 +135,9 @@ impl Draft {
         let surface = Some(&self.case.surface).filter(|_| !shifts.is_empty())?;
         let convergence = match surface {
             SurfaceSource::Random(surfaces) => Convergence::of_random(surfaces, 1.0),
-            SurfaceSource::Given(_) => Convergence::of_field(&*surface.heights()?),
+            SurfaceSource::Given(_) | SurfaceSource::Described(_) => {
+                Convergence::of_field(&*surface.heights()?)
+            }
         };
         Refinement::of_surfaces(surface.spacing()?, convergence, shifts)
     }

@@ -79,7 +79,7 @@ impl Explained<'_> {
 fn has_structure(surface: &SurfaceSource) -> bool {
     match surface {
         SurfaceSource::Random(surfaces) => surfaces.recipe().structured().is_some(),
-        SurfaceSource::Given(_) => false,
+        SurfaceSource::Given(_) | SurfaceSource::Described(_) => false,
     }
 }
 

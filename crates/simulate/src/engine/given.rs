@@ -104,6 +104,11 @@ impl GivenGroup {
         }
     }
 
+    /// Number of cases.
+    pub(crate) const fn len(&self) -> usize {
+        self.cases.len()
+    }
+
     /// Rays of all cases, as far as they are planned without a pilot run.
     pub(crate) fn rays(&self) -> u64 {
         let cases = self.cases.len() as u64;

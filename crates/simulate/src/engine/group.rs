@@ -7,12 +7,16 @@ use super::ready_group::ReadyGroup;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::case::Case;
+use crate::input::limits::most_cases;
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 
-/// Cases that share surfaces, checked.
+/// Cases that share surfaces.
 #[derive(Clone)]
 pub(crate) enum Group {
+    /// Random surfaces, of which nothing is prepared.
+    Listed(Box<RandomSurfaces>, Vec<NumberedCase>),
     /// Random surfaces.
     Random(Box<RandomGroup>),
     /// Given surfaces.
@@ -20,56 +24,174 @@ pub(crate) enum Group {
 }
 
 impl Group {
-    /// The groups of cases with equal surface sources, each in the place of its first case.
+    /// The groups of cases with equal surface sources, each in the place of its first case. Of a group with more results than memory holds
+    /// at once there are several, as far as its cases do not share an effort. Cases that are complete are left out in the end,
+    /// so that groups do not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
         settings: &Settings,
+        is_complete: impl Fn(usize) -> bool,
     ) -> Result<Vec<Self>, SimulateError> {
+        let has_target = settings.target().is_some();
         let mut groups: Vec<(SurfaceSource, Vec<NumberedCase>)> = Vec::new();
         for (number, case) in cases.iter().enumerate() {
             let numbered = NumberedCase {
                 number,
                 case: case.clone(),
             };
-            match groups
-                .iter_mut()
-                .find(|(source, _)| *source == case.surface)
-            {
+            let alone = has_target && settings.plan_alone;
+            let mut found = groups.iter_mut();
+            match found.find(|(source, _)| !alone && *source == case.surface) {
                 Some((_, cases)) => cases.push(numbered),
                 None => groups.push((case.surface.clone(), vec![numbered])),
             }
         }
-        let checked = |(source, cases)| match source {
-            SurfaceSource::Random(surfaces) => RandomGroup::new(*surfaces, cases, settings)
-                .map(|group| Self::Random(Box::new(group))),
+        let mut divided = Vec::new();
+        for (source, mut cases) in groups {
+            let spec = settings.largest_spec(cases.iter().map(|one| &one.case));
+            let tallies = match (&source, settings.regions) {
+                (SurfaceSource::Random(_), _) => settings.effort.surfaces(),
+                (SurfaceSource::Given(shapes), None) => shapes.len() as u64,
+                (_, regions) => regions.map_or(1, |regions| regions.count()),
+            };
+            let most = match has_target {
+                true => cases.len(),
+                false => most_cases(&spec, tallies, settings.refine),
+            };
+            while !cases.is_empty() {
+                let others = cases.split_off(most.min(cases.len()));
+                cases.retain(|one| !is_complete(one.number));
+                if !cases.is_empty() {
+                    divided.push(Self::new(source.clone(), cases, settings)?);
+                }
+                cases = others;
+            }
+        }
+        Ok(divided)
+    }
+
+    fn new(
+        source: SurfaceSource,
+        cases: Vec<NumberedCase>,
+        settings: &Settings,
+    ) -> Result<Self, SimulateError> {
+        match source {
+            SurfaceSource::Random(surfaces) => Ok(Self::Listed(surfaces, cases)),
             SurfaceSource::Given(shapes) => {
                 GivenGroup::new(shapes, cases, settings).map(Self::Given)
             }
-        };
-        groups.into_iter().map(checked).collect()
+            SurfaceSource::Described(_) => Err(SimulateError::DescribedSurface),
+        }
+    }
+
+    /// With the control variates of its cases.
+    pub(crate) fn prepared(self, settings: &Settings) -> Result<Self, SimulateError> {
+        Ok(match self {
+            Self::Listed(surfaces, cases) => {
+                Self::Random(Box::new(RandomGroup::new(*surfaces, cases, settings)?))
+            }
+            prepared => prepared,
+        })
     }
 
     /// The same with another effort and seed.
     pub(crate) fn repeated(&self, settings: &Settings) -> Self {
         match self {
+            Self::Listed(..) => self.clone(),
             Self::Random(group) => Self::Random(Box::new(group.repeated(settings))),
             Self::Given(group) => Self::Given(group.repeated(settings)),
         }
     }
 
-    /// Rays of all cases, as far as they are planned without a pilot run.
-    pub(crate) fn rays(&self) -> u64 {
+    /// Number of cases.
+    pub(crate) fn len(&self) -> usize {
         match self {
+            Self::Listed(_, cases) => cases.len(),
+            Self::Random(group) => group.analytic.len() + group.traced.len(),
+            Self::Given(group) => group.len(),
+        }
+    }
+
+    /// Rays of all cases, as far as they are planned without a pilot run.
+    pub(crate) fn rays(&self, settings: &Settings) -> u64 {
+        match self {
+            Self::Listed(_, cases) => {
+                let of_case = settings.effort.total_rays();
+                of_case.saturating_mul(cases.len() as u64)
+            }
             Self::Random(group) => group.rays(),
             Self::Given(group) => group.rays(),
         }
     }
 
-    /// Builds a given surface.
-    pub(crate) fn build(self, context: Context<'_>) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+    /// Prepares random surfaces, and builds a given one.
+    pub(crate) fn build(
+        self,
+        settings: &Settings,
+        context: Context<'_>,
+    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         match self {
+            Self::Listed(surfaces, cases) => {
+                Ok(Box::new(RandomGroup::new(*surfaces, cases, settings)?))
+            }
             Self::Random(group) => Ok(group),
             Self::Given(group) => group.build(context),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_optics::{Incidence, Material};
+    use asperity_surface::{Psd, Synthesis};
+
+    use super::*;
+    use crate::input::case::Light;
+    use crate::input::settings::Effort;
+    use crate::input::target::{Quantity, Target};
+
+    /// Numbers of the cases of each group of five directions on equal surfaces.
+    fn groups(effort: Effort, plan_alone: bool, is_complete: fn(usize) -> bool) -> Vec<Vec<usize>> {
+        let psd = Psd::gaussian(1.0, 4.0).unwrap();
+        let surfaces = Synthesis::new(psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let case = |i: u32| {
+            let incidence = Incidence::from_degrees(f64::from(10 * i), 0.0).unwrap();
+            let surface = SurfaceSource::random(surfaces.clone());
+            Case::new(surface, Material::Mirror, Light::from_above(incidence))
+        };
+        let cases: Vec<Case> = (0..5).map(case).collect();
+        let settings = Settings {
+            effort,
+            plan_alone,
+            ..Settings::default()
+        };
+        let groups = Group::of_cases(&cases, &settings, is_complete).unwrap();
+        let numbers = |group| match group {
+            Group::Listed(_, cases) => cases.iter().map(|one| one.number).collect(),
+            _ => Vec::new(),
+        };
+        groups.into_iter().map(numbers).collect()
+    }
+
+    #[test]
+    fn groups_are_divided_where_memory_ends_whatever_cases_are_complete() {
+        let rays = |surfaces| Effort::Rays {
+            total: 1000 * surfaces,
+            surfaces,
+        };
+        assert_eq!(groups(rays(100), false, |_| false), [[0, 1, 2, 3, 4]]);
+        let many = rays(14_000);
+        assert_eq!(
+            groups(many, false, |_| false),
+            [vec![0, 1], vec![2, 3], vec![4]]
+        );
+        assert_eq!(
+            groups(many, false, |case| case == 1 || case == 4),
+            [vec![0], vec![2, 3]]
+        );
+        // Cases that share the effort for an error stay together, unless each is to plan alone.
+        let error = Effort::TargetError(Target::new(1e-3, Quantity::Bins).unwrap());
+        assert_eq!(groups(error, false, |case| case == 0), [[1, 2, 3, 4]]);
+        assert_eq!(groups(error, true, |case| case < 3), [[3], [4]]);
     }
 }

@@ -48,11 +48,11 @@ impl RayBlocks<'_> {
     /// whether all of them are complete.
     pub(crate) fn trace_first(&mut self, count: u64, context: Context<'_>) -> bool {
         let first = self.found.tally.batches();
-        let blocks = Blocks {
-            first,
-            count: count - first,
+        let planned = Blocks {
+            count,
             ..self.planned
         };
+        let blocks = planned.after(first);
         let mut saving = Saving {
             store: context.store,
             key: self.key(),

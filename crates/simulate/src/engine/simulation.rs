@@ -7,14 +7,15 @@ use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
-use super::draft::Draft;
 use super::group::Group;
+use super::ready_group::ReadyGroup;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::limits::check_results;
 use crate::input::settings::{Effort, Settings};
 use crate::observer::Observer;
 use crate::output::outcome::Outcome;
+use crate::output::stopped_by::StoppedBy;
 use crate::store::SurfaceStore;
 
 /// Simulates cases: traces light on their surfaces until the effort of `settings` is spent or its target reached.
@@ -57,6 +58,10 @@ pub fn simulate(
     Simulation::new(cases, settings)?.run(observer)
 }
 
+/// Groups of cases that are prepared, planned and traced together, so that their progress is shown as one. More are prepared one such
+/// part after the other: the control variates of thousands of cases would fill the memory.
+const GROUPS_AT_ONCE: usize = 32;
+
 /// Cases that are checked and prepared: what [`simulate`] runs.
 #[derive(Clone)]
 pub struct Simulation {
@@ -74,9 +79,30 @@ impl Simulation {
     /// # Errors
     /// As [`simulate`].
     pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
+        Self::of_missing(cases, settings, |_| false)
+    }
+
+    /// The same without the cases of the numbers that are complete. Those that are left keep their numbers, and are estimated as if all
+    /// were there.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn of_missing(
+        cases: &[Case],
+        settings: &Settings,
+        is_complete: impl Fn(usize) -> bool,
+    ) -> Result<Self, SimulateError> {
+        let groups = Group::of_cases(cases, settings, is_complete)?.into_iter();
+        let prepared = groups.enumerate().map(|(i, group)| match i {
+            ..GROUPS_AT_ONCE => group.prepared(settings),
+            _ => Ok(group),
+        });
         Ok(Self {
-            groups: Group::of_cases(cases, settings)?,
-            cases: cases.len(),
+            groups: prepared.collect::<Result<_, _>>()?,
+            cases: match settings.plan_alone {
+                true => 1,
+                false => cases.len(),
+            },
             settings: *settings,
             largest_spec: settings.largest_spec(cases.iter()),
             engine: Arc::new(CpuEngine),
@@ -100,66 +126,113 @@ impl Simulation {
         let groups = self.groups.iter().map(|group| group.repeated(&settings));
         Self {
             groups: groups.collect(),
-            cases: self.cases,
             settings,
-            largest_spec: self.largest_spec,
             engine: self.engine.clone(),
+            ..*self
         }
     }
 
     /// Rays of all cases, as far as they are planned without a pilot run.
     #[must_use]
     pub fn rays(&self) -> u64 {
-        self.groups.iter().map(Group::rays).sum()
+        let groups = self.groups.iter();
+        groups.map(|group| group.rays(&self.settings)).sum()
     }
 
-    /// Runs the cases.
+    /// Runs the cases, and holds the outcomes of all.
     ///
     /// # Errors
     /// As [`simulate`].
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
-        self.run_in(None, observer)
+        let mut outcomes = Vec::new();
+        let held = self.groups.iter().map(Group::len).sum();
+        self.run_in(None, observer, held, |outcome| {
+            outcomes.push(outcome);
+            Ok::<_, SimulateError>(())
+        })?;
+        outcomes.sort_unstable_by_key(|outcome| outcome.number);
+        Ok(outcomes)
     }
 
     /// Runs the cases, with what `store` keeps of an earlier run of the same cases and settings; what is finished is
     /// handed to it. The result has the bytes of a run that was not ended.
     ///
+    /// Outcomes go to `sink` as soon as all cases of equal surfaces are finished, in the order of these groups, and are held no longer.
+    ///
     /// # Errors
-    /// As [`simulate`].
-    pub fn resume(
-        self,
-        store: &dyn SurfaceStore,
-        observer: &dyn Observer,
-    ) -> Result<Vec<Outcome>, SimulateError> {
-        self.run_in(Some(store), observer)
-    }
-
-    fn run_in(
+    /// As [`simulate`], and the first error of `sink`, which ends the run.
+    pub fn resume<E: From<SimulateError>>(
         self,
         store: Option<&dyn SurfaceStore>,
         observer: &dyn Observer,
-    ) -> Result<Vec<Outcome>, SimulateError> {
+        sink: impl FnMut(Outcome) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.run_in(store, observer, 0, sink)
+    }
+
+    /// `held`: cases whose outcomes the sink holds, as far as that is known.
+    fn run_in<E: From<SimulateError>>(
+        self,
+        store: Option<&dyn SurfaceStore>,
+        observer: &dyn Observer,
+        held: usize,
+        mut sink: impl FnMut(Outcome) -> Result<(), E>,
+    ) -> Result<(), E> {
         let settings = self.settings;
         let engine = self.engine.clone();
-        let drafts = self.trace(Context {
+        let context = Context {
             engine: &*engine,
             observer,
             store,
-        })?;
-        if drafts.is_empty() {
-            return Err(SimulateError::Interrupted);
+        };
+        let mut has_outcome = self.groups.is_empty();
+        let mut groups = self.groups.into_iter().peekable();
+        while groups.peek().is_some() {
+            let part: Vec<Group> = groups.by_ref().take(GROUPS_AT_ONCE).collect();
+            let held = part.iter().map(Group::len).fold(held, usize::max);
+            let ready = Self::plan(part, &settings, self.cases, context)?;
+            let surfaces = ready.iter().map(|group| group.surfaces()).max();
+            let surfaces = surfaces.unwrap_or(0);
+            check_results(&self.largest_spec, surfaces, held, settings.refine)?;
+            observer.begin("tracing", ready.iter().map(|group| group.rays()).sum());
+            for group in ready {
+                if has_outcome && observer.stop_between().is_some() {
+                    break;
+                }
+                let drafts = group.run(self.cases, context)?.into_par_iter();
+                let mut finished: Vec<Outcome> =
+                    drafts.map(|draft| draft.finish(&settings)).collect();
+                finished.sort_unstable_by_key(|outcome| outcome.number);
+                for outcome in finished {
+                    has_outcome = true;
+                    sink(outcome)?;
+                }
+            }
+            observer.end();
+            // Out of time, cases still get their first surface.
+            let is_interrupted = observer.stop() == Some(StoppedBy::Interrupt);
+            if has_outcome && (is_interrupted || observer.stop_between().is_some()) {
+                break;
+            }
         }
-        let finish = drafts.into_par_iter().map(|draft| draft.finish(&settings));
-        Ok(finish.collect())
+        match has_outcome {
+            true => Ok(()),
+            false => Err(SimulateError::Interrupted.into()),
+        }
     }
 
-    /// Builds, plans and traces.
-    fn trace(self, context: Context<'_>) -> Result<Vec<Draft>, SimulateError> {
+    /// Builds and plans groups, and says what is about to be traced.
+    fn plan(
+        groups: Vec<Group>,
+        settings: &Settings,
+        all_cases: usize,
+        context: Context<'_>,
+    ) -> Result<Vec<Box<dyn ReadyGroup>>, SimulateError> {
         let observer = context.observer;
-        let all_cases = self.cases;
-        let groups = self.groups.into_iter().map(|group| group.build(context));
+        let groups = groups.into_iter();
+        let groups = groups.map(|group| group.build(settings, context));
         let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
-        if self.settings.target().is_some() {
+        if settings.target().is_some() {
             observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());
             for group in &mut groups {
                 group.plan(all_cases, context)?;
@@ -169,21 +242,6 @@ impl Simulation {
         for line in groups.iter().flat_map(|group| group.explanations()) {
             observer.explain(&line);
         }
-        let surfaces = groups.iter().map(|group| group.surfaces()).max();
-        let surfaces = surfaces.unwrap_or(0);
-        check_results(
-            &self.largest_spec,
-            surfaces,
-            all_cases,
-            self.settings.refine,
-        )?;
-        observer.begin("tracing", groups.iter().map(|group| group.rays()).sum());
-        let mut drafts = Vec::new();
-        for group in groups {
-            drafts.extend(group.run(all_cases, context)?);
-        }
-        observer.end();
-        drafts.sort_unstable_by_key(|draft| draft.number);
-        Ok(drafts)
+        Ok(groups)
     }
 }

@@ -184,7 +184,7 @@ impl SurfaceGroup<'_> {
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If the run is
     /// to stop, the surfaces that are complete are returned, or, if none is, the finished part of the first, if it
-    /// has begun.
+    /// has begun. The finished parts of all are saved.
     pub(crate) fn run(
         &self,
         surfaces: Range<u64>,
@@ -291,17 +291,21 @@ impl SurfaceGroup<'_> {
         };
         let saved = store.and_then(|store| store.load(key));
         let saved = saved.and_then(|saved| saved.restore(&self.specs()));
-        if let Some(saved) = saved.filter(is_complete) {
-            observer.advance(rays * self.cases.len() as u64);
-            return Numbered {
-                surface,
-                found: Ok(saved),
-                complete: true,
-            };
-        }
-        let found = self.trace(drawer, surface, memory, context);
+        let resumed = match saved {
+            Some(saved) if is_complete(&saved) => {
+                observer.advance(rays * self.cases.len() as u64);
+                return Numbered {
+                    surface,
+                    found: Ok(saved),
+                    complete: true,
+                };
+            }
+            Some(saved) => saved.cases,
+            None => Vec::new(),
+        };
+        let found = self.trace(drawer, surface, memory, resumed, context);
         let complete = found.as_ref().is_ok_and(is_complete);
-        if let (Some(store), Ok(found), true) = (store, &found, complete) {
+        if let (Some(store), Ok(found)) = (store, &found) {
             let saved = SavedSurface::new(
                 &found.cases,
                 found.slopes,
@@ -362,12 +366,26 @@ impl SurfaceGroup<'_> {
         })
     }
 
-    /// Traces all cases on one surface, which is drawn in `memory`.
+    /// The first blocks of a case as an earlier run has left them, or none yet, as in `new`: a run that was stopped while it was planned
+    /// may have divided its rays in another way, on other paths.
+    fn resumed(&self, left: Option<CaseOnSurface>, new: CaseOnSurface) -> CaseOnSurface {
+        let blocks = self.blocks();
+        let is_part = |left: &CaseOnSurface| {
+            let done = left.tally.batches();
+            left.way == new.way
+                && done <= blocks.count * self.windows_of_one()
+                && left.work.rays == done * blocks.rays_of_one()
+        };
+        left.filter(is_part).unwrap_or(new)
+    }
+
+    /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `resumed`.
     fn trace(
         &self,
         drawer: &Drawer<'_>,
         number: u64,
         memory: &mut Vec<f64>,
+        resumed: Vec<CaseOnSurface>,
         context: Context<'_>,
     ) -> Result<SurfaceTallies, SimulateError> {
         let DrawnSurface {
@@ -377,17 +395,19 @@ impl SurfaceGroup<'_> {
         } = self.build(drawer, number, memory, context)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
+        let mut resumed = resumed.into_iter();
         for TracedCase { case, method, .. } in self.cases {
             let mut lit = built.lit(case, |_| method, &self.settings)?;
             let spec = self.settings.spec_of(case);
-            let mut found = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
+            let new = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
+            let mut found = self.resumed(resumed.next(), new);
+            context.observer.advance(found.work.rays);
             for (i, window) in (0..).zip(self.surfaces.windows(number)) {
                 lit.iter_mut().for_each(|mesh| mesh.light.window = window);
                 let blocks = self.blocks();
-                let blocks = Blocks {
-                    first: i * blocks.count,
-                    ..blocks
-                };
+                let first = i * blocks.count;
+                let done = found.tally.batches().saturating_sub(first);
+                let blocks = Blocks { first, ..blocks }.after(done.min(blocks.count));
                 let stream = self.surfaces.stream(number);
                 run_blocks(
                     &lit,
@@ -395,7 +415,12 @@ impl SurfaceGroup<'_> {
                     stream,
                     blocks,
                     context.observer,
-                    |group| found.push(&group.blocks, group.work),
+                    |group| {
+                        // Blocks behind one that a stop left out are of no use to a later run.
+                        if group.first == found.tally.batches() {
+                            found.push(&group.blocks, group.work);
+                        }
+                    },
                 );
             }
             cases.push(found);

@@ -1,9 +1,11 @@
 //! Error budget: the errors of a result by where they come from: rays, surfaces, mesh.
 
+use std::borrow::Cow;
+
 use asperity_tally::{
     Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::mesh_error::MeshErrors;
@@ -12,7 +14,7 @@ use crate::input::target::{Quantity, ratio};
 use crate::methods::method::{ControlVariateMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
     /// Standard error by the rays on each surface.
     pub rays: Option<f64>,
@@ -29,18 +31,27 @@ pub struct Errors {
 }
 
 /// How each error was estimated, a sentence each.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Explanation {
     rays: String,
     surfaces: String,
     mesh: String,
     mesh_removed: String,
-    total: &'static str,
+    total: Cow<'static, str>,
 }
 
 /// The errors of all results of a case, by where they come from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ErrorBudget {
+    spec: TallySpec,
+    /// `None` where it was not kept.
+    kept: Option<Box<KeptErrors>>,
+    explanation: Explanation,
+}
+
+/// Errors by entry.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct KeptErrors {
     /// Squares; not a number where no scatter could be seen.
     rays: TallyValues,
     /// Squares, where there were several surfaces.
@@ -48,7 +59,6 @@ pub struct ErrorBudget {
     mesh: MeshErrors,
     /// Of an analytic result.
     bounds: Option<TallyValues>,
-    explanation: Explanation,
 }
 
 /// Each entry has its errors.
@@ -56,7 +66,7 @@ impl TallyResult for ErrorBudget {
     type Value = Errors;
 
     fn spec(&self) -> &TallySpec {
-        self.rays.spec()
+        &self.spec
     }
 
     fn at(&self, entry: Entry) -> Errors {
@@ -93,17 +103,21 @@ impl ErrorBudget {
     pub(crate) fn of_bounds(bounds: TallyValues) -> Self {
         let none = || "none: nothing was traced".to_owned();
         let spec = *bounds.spec();
-        Self {
+        let kept = KeptErrors {
             rays: TallyValues::filled(spec, f64::NAN),
             surfaces: None,
             mesh: MeshErrors::unknown(spec, "none: nothing was traced"),
             bounds: Some(bounds),
+        };
+        Self {
+            spec,
+            kept: Some(Box::new(kept)),
             explanation: Explanation {
                 rays: none(),
                 surfaces: none(),
                 mesh: none(),
                 mesh_removed: none(),
-                total: "bound on what shadow, masking and multiple scattering can change",
+                total: "bound on what shadow, masking and multiple scattering can change".into(),
             },
         }
     }
@@ -158,37 +172,50 @@ impl ErrorBudget {
             all.zip_map(&of_rays, |a, r| a - r)
         };
         let said_of_mesh = mesh.explanation.clone();
-        Self {
+        let kept = KeptErrors {
             surfaces: of_surfaces.squares.map(less_rays),
             rays: of_rays,
             mesh,
             bounds: None,
+        };
+        Self {
+            spec: *means.spec(),
+            kept: Some(Box::new(kept)),
             explanation: Explanation {
                 rays: BY_BLOCKS.to_owned(),
                 surfaces: of_surfaces.explanation,
                 mesh: said_of_mesh.remaining,
                 mesh_removed: said_of_mesh.removed,
-                total: TOTAL,
+                total: TOTAL.into(),
             },
         }
     }
 
+    /// Without the errors of any entry, which are all `None` then; how they were estimated remains.
+    #[must_use]
+    pub fn without_values(self) -> Self {
+        Self { kept: None, ..self }
+    }
+
     fn errors(&self, i: Entry) -> Errors {
+        let Some(kept) = &self.kept else {
+            return Errors::default();
+        };
         let known = |square: f64| (!square.is_nan()).then(|| square.max(0.0).sqrt());
-        let rays = known(self.rays[i]);
-        let surfaces = self.surfaces.as_ref().and_then(|squares| known(squares[i]));
-        let mesh = self.mesh.remaining[i];
+        let rays = known(kept.rays[i]);
+        let surfaces = kept.surfaces.as_ref().and_then(|squares| known(squares[i]));
+        let mesh = kept.mesh.remaining[i];
         Errors {
             rays,
             surfaces,
             mesh,
-            mesh_se: self
+            mesh_se: kept
                 .mesh
                 .refinement
                 .as_ref()
                 .and_then(|refinement| refinement.remaining(i).se),
-            mesh_removed: self.mesh.removed.as_ref().map(|removed| removed[i]),
-            total: self
+            mesh_removed: kept.mesh.removed.as_ref().map(|removed| removed[i]),
+            total: kept
                 .bounds
                 .as_ref()
                 .map(|bounds| bounds[i])
@@ -203,8 +230,8 @@ impl ErrorBudget {
 
     /// What meshes of several spacings showed, if there were several.
     #[must_use]
-    pub const fn refinement(&self) -> Option<&Refinement> {
-        self.mesh.refinement.as_ref()
+    pub fn refinement(&self) -> Option<&Refinement> {
+        self.kept.as_ref()?.mesh.refinement.as_ref()
     }
 
     /// What a reader should be warned of about the mesh error that several spacings showed.
@@ -225,17 +252,20 @@ impl ErrorBudget {
     /// that of rays. `mesh` is therefore without a sign; `mesh_se` and `mesh_removed` are not given.
     #[must_use]
     pub fn relative(&self, of: Quantity, means: &TallyValues) -> Errors {
+        let Some(kept) = &self.kept else {
+            return Errors::default();
+        };
         let entries = of.entries(self.spec());
         let norm = of.norm(entries.iter().map(|&i| means[i].powi(2)).sum());
         let sum = |square: &dyn Fn(Entry) -> f64| {
             let sum: f64 = entries.iter().map(|&i| square(i)).sum();
             (!sum.is_nan()).then(|| sum.max(0.0))
         };
-        let rays = sum(&|i| self.rays[i]);
-        let of_surfaces = self.surfaces.as_ref();
+        let rays = sum(&|i| kept.rays[i]);
+        let of_surfaces = kept.surfaces.as_ref();
         let surfaces = of_surfaces.and_then(|squares| sum(&|i| squares[i]));
-        let mesh = sum(&|i| self.mesh.remaining[i].map_or(f64::NAN, |mesh| mesh.powi(2)));
-        let total = match &self.bounds {
+        let mesh = sum(&|i| kept.mesh.remaining[i].map_or(f64::NAN, |mesh| mesh.powi(2)));
+        let total = match &kept.bounds {
             Some(bounds) => sum(&|i| bounds[i].powi(2)),
             None => rays.map(|rays| rays + surfaces.unwrap_or(0.0) + mesh.unwrap_or(0.0)),
         };
@@ -264,7 +294,7 @@ impl ErrorBudget {
             out.insert(of.to_string(), json!(self.relative(of, means)));
         }
         out.insert("explanations".to_owned(), json!(self.explanation));
-        if let Some(refinement) = &self.mesh.refinement {
+        if let Some(refinement) = self.refinement() {
             out.insert("refinement".to_owned(), refinement_json(refinement, spec));
         }
         Value::Object(out)

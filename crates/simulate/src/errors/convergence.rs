@@ -1,6 +1,7 @@
 //! Convergence: what meshes of two spacings tell of the error of the finer one.
 
 use asperity_surface::HeightField;
+use serde::{Deserialize, Serialize};
 
 use crate::input::cells::Cells;
 
@@ -11,7 +12,8 @@ use crate::input::random_surfaces::RandomSurfaces;
 const LARGEST_TURN: f64 = 3.464_101_615_137_754_6 / 16.0;
 
 /// How the error of a mesh falls with its spacing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Convergence {
     /// Smooth cells: fourth order.
     Fourth,

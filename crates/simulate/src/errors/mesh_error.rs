@@ -4,6 +4,7 @@ use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed
 use asperity_surface::{Border, Synthesis};
 use asperity_tally::{ByEntry, ControlVariate, TallySpec, TallyValues, UnshadowedFluxes};
 use asperity_tracer::Shape;
+use serde::{Deserialize, Serialize};
 
 use super::refinement::Refinement;
 use crate::input::case::Case;
@@ -40,7 +41,7 @@ const SIGN: &str = "what the mesh adds to the result, so less it is that of the 
 const LEAST_SLOPE_VARIANCE: f64 = 1e-12;
 
 /// The error of a mesh, by the entries of a tally.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MeshErrors {
     /// What the mesh adds, where that is known.
     pub(crate) remaining: ByEntry<Option<f64>>,
@@ -52,7 +53,7 @@ pub(crate) struct MeshErrors {
 }
 
 /// How the errors of a mesh were estimated, or why not: a sentence each.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MeshExplanation {
     pub(crate) remaining: String,
     pub(crate) removed: String,

@@ -1,8 +1,7 @@
 //! Refinement: what meshes of several spacings show of one another.
 
-use asperity_tally::{
-    Entry, Estimate, SavedStatistics, TallyResult, TallySpec, TallyStatistics, TallyValues,
-};
+use asperity_tally::{Entry, Estimate, TallyResult, TallySpec, TallyStatistics, TallyValues};
+use serde::{Deserialize, Serialize};
 
 use super::convergence::Convergence;
 
@@ -13,7 +12,7 @@ const RESOLVED: f64 = 3.0;
 const SECOND_ORDER: std::ops::RangeInclusive<f64> = 1.5..=2.5;
 
 /// Statistics of what differs between the finer, the given, and perhaps the coarser mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MeshShifts {
     /// The given mesh less the finer one.
     given_less_finer: TallyStatistics,
@@ -44,24 +43,9 @@ impl MeshShifts {
         }
     }
 
-    /// As plain numbers.
-    pub(crate) fn save(&self) -> Vec<SavedStatistics> {
-        let always = [&self.given_less_finer, &self.extrapolated];
-        let all = always.into_iter().chain(&self.coarser_less_given);
-        all.map(SavedStatistics::from).collect()
-    }
-
-    /// From plain numbers; `None` if they are not those of such shifts by `spec`.
-    pub(crate) fn restore(saved: Vec<SavedStatistics>, spec: TallySpec) -> Option<Self> {
-        let mut all = saved.into_iter().map(|one| one.restore(spec));
-        Some(Self {
-            given_less_finer: all.next()??,
-            extrapolated: all.next()??,
-            coarser_less_given: match all.next() {
-                Some(coarser) => Some(coarser?),
-                None => None,
-            },
-        })
+    /// What is kept of the light.
+    pub(crate) const fn spec(&self) -> &TallySpec {
+        self.given_less_finer.spec()
     }
 
     /// Adds one surface: the means of its own batches.
@@ -77,7 +61,7 @@ impl MeshShifts {
 }
 
 /// What meshes of several spacings showed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Refinement {
     /// Spacing of the given mesh, length units along x and y.
     pub(crate) given: [f64; 2],
@@ -116,7 +100,7 @@ impl Refinement {
 
     /// What is kept of the light.
     pub(crate) const fn spec(&self) -> &TallySpec {
-        self.shifts.given_less_finer.means().spec()
+        self.shifts.spec()
     }
 
     /// Whether there was a mesh of twice the given spacing.

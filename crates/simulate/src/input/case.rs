@@ -6,6 +6,7 @@
 use asperity_optics::{Incidence, Material};
 use asperity_tally::HemisphereGrid;
 use asperity_tracer::{HalfSpace, LayerBelow};
+use serde::{Deserialize, Serialize};
 
 use super::coordinates::Coordinates;
 use super::surface_source::SurfaceSource;
@@ -24,7 +25,7 @@ use super::surface_source::SurfaceSource;
 /// assert!(case.layer.is_none());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
     /// Where the surface comes from.
     pub surface: SurfaceSource,
@@ -41,7 +42,7 @@ pub struct Case {
 }
 
 /// Bins of a case.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseBins {
     /// The bins.
     pub grid: HemisphereGrid,
@@ -50,7 +51,7 @@ pub struct CaseBins {
 }
 
 /// Collimated light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
     /// The direction towards the light.
     pub incidence: Incidence,

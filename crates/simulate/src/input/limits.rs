@@ -117,6 +117,15 @@ const fn hierarchy_bytes(triangles: usize) -> usize {
     triangles.saturating_mul(270)
 }
 
+/// Bytes of a tally for each surface and case, with the copies that the comparison makes, and the signs of its flips.
+fn result_bytes(spec: &TallySpec, surfaces: u64, cases: usize, refine: bool) -> f64 {
+    // A tally, and the squares of its errors; of several meshes, three shifts with theirs.
+    let values = if refine { 8.0 } else { 2.0 };
+    let tallies = (spec.len() * cases) as f64 * values * (surfaces as f64 + 4.0);
+    let signs = surfaces as f64 * 4096.0;
+    8.0 * (tallies + signs)
+}
+
 /// Refuses more results than memory should hold: a tally for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
 ///
@@ -128,11 +137,7 @@ pub fn check_results(
     cases: usize,
     refine: bool,
 ) -> Result<(), SimulateError> {
-    // A tally, and the squares of its errors; of several meshes, three shifts with theirs.
-    let values = if refine { 8.0 } else { 2.0 };
-    let tallies = (spec.len() * cases) as f64 * values * (realisations as f64 + 4.0);
-    let signs = realisations as f64 * 4096.0;
-    let gib = 8.0 * (tallies + signs) / GIB;
+    let gib = result_bytes(spec, realisations, cases, refine) / GIB;
     if gib * GIB > RESULT_BUDGET {
         let bins = spec.grid().len();
         return Err(SimulateError::TooManyResults {
@@ -143,6 +148,12 @@ pub fn check_results(
         });
     }
     Ok(())
+}
+
+/// Most cases whose results on as many surfaces fit into memory, at least one.
+pub(crate) fn most_cases(spec: &TallySpec, surfaces: u64, refine: bool) -> usize {
+    let [of_none, of_one] = [0, 1].map(|cases| result_bytes(spec, surfaces, cases, refine));
+    ((RESULT_BUDGET - of_none) / (of_one - of_none)).max(1.0) as usize
 }
 
 /// Most surfaces whose results fit in memory with those of all `cases`.

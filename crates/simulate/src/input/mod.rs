@@ -3,6 +3,7 @@
 pub(crate) mod case;
 pub(crate) mod cells;
 pub(crate) mod coordinates;
+pub(crate) mod described_shape;
 pub(crate) mod estimator;
 pub(crate) mod limits;
 pub(crate) mod path_choice;

@@ -52,6 +52,9 @@ pub struct Settings {
     pub max_scatterings: u32,
     /// How much is traced.
     pub effort: Effort,
+    /// Whether each case plans what a target error takes for itself, as if it were the only one. Cases of equal surfaces otherwise
+    /// share the effort of the most demanding one, and their surfaces.
+    pub plan_alone: bool,
     /// Whether the error of the mesh is estimated by quadrature where a case of random surfaces is not
     /// refined. It takes up to a second per case.
     pub mesh_quadrature: bool,
@@ -72,6 +75,7 @@ impl Default for Settings {
             seed: 1,
             max_scatterings: DEFAULT_MAX_SCATTERINGS,
             effort: Effort::default(),
+            plan_alone: false,
             mesh_quadrature: true,
         }
     }

@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use asperity_surface::{HeightField, SplineSurface, SurfaceRecipe};
 use asperity_tracer::{MeshSurface, Shape};
+use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
+use super::described_shape::DescribedShape;
 use super::limits::{check_memory, smooth_bytes};
 use super::random_surfaces::RandomSurfaces;
 use crate::error::SimulateError;
@@ -13,13 +15,45 @@ use crate::error::SimulateError;
 /// Where the surface of a case comes from.
 ///
 /// Cases whose sources are equal share their surfaces: each surface is drawn, or prepared, once.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "SavedSource", from = "SavedSource")]
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
     Random(Box<RandomSurfaces>),
     /// One surface, whose result is that of this surface alone; or several, such as scans of one sample, whose result is their mean,
     /// with the errors that their scatter shows. All have the same kind of cells; sizes may differ.
     Given(Vec<Shape>),
+    /// Surfaces that were given to the run whose results were read from a file, which does not hold their points. They cannot be traced.
+    Described(Vec<DescribedShape>),
+}
+
+/// A source as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SavedSource {
+    Random(Box<RandomSurfaces>),
+    Given(Vec<DescribedShape>),
+}
+
+impl From<SurfaceSource> for SavedSource {
+    fn from(source: SurfaceSource) -> Self {
+        match source {
+            SurfaceSource::Random(surfaces) => Self::Random(surfaces),
+            SurfaceSource::Given(shapes) => {
+                Self::Given(shapes.iter().map(DescribedShape::of).collect())
+            }
+            SurfaceSource::Described(shapes) => Self::Given(shapes),
+        }
+    }
+}
+
+impl From<SavedSource> for SurfaceSource {
+    fn from(saved: SavedSource) -> Self {
+        match saved {
+            SavedSource::Random(surfaces) => Self::Random(surfaces),
+            SavedSource::Given(shapes) => Self::Described(shapes),
+        }
+    }
 }
 
 impl SurfaceSource {
@@ -47,15 +81,15 @@ impl SurfaceSource {
     pub const fn recipe(&self) -> Option<&SurfaceRecipe> {
         match self {
             Self::Random(surfaces) => Some(surfaces.recipe()),
-            Self::Given(_) => None,
+            Self::Given(_) | Self::Described(_) => None,
         }
     }
 
-    /// Given surfaces; none of random ones.
+    /// Given surfaces; none of random ones, or of described ones.
     #[must_use]
     pub fn shapes(&self) -> &[Shape] {
         match self {
-            Self::Random(_) => &[],
+            Self::Random(_) | Self::Described(_) => &[],
             Self::Given(shapes) => shapes,
         }
     }
@@ -65,11 +99,8 @@ impl SurfaceSource {
     pub fn cells(&self) -> Option<Cells> {
         match self {
             Self::Random(surfaces) => Some(surfaces.cells()),
-            Self::Given(shapes) => match shapes.first()? {
-                Shape::HeightField { .. } => Some(Cells::Flat),
-                Shape::Smooth { .. } => Some(Cells::Smooth),
-                Shape::TriangleMesh { .. } => None,
-            },
+            Self::Given(shapes) => cells_of(shapes.first()?),
+            Self::Described(shapes) => shapes.first()?.cells,
         }
     }
 
@@ -79,6 +110,7 @@ impl SurfaceSource {
         match self {
             Self::Random(_) => false,
             Self::Given(shapes) => shapes.iter().all(Shape::is_level),
+            Self::Described(shapes) => shapes.iter().all(|shape| shape.top.is_level),
         }
     }
 
@@ -115,7 +147,30 @@ impl SurfaceSource {
                 Shape::Smooth { top, .. } => Some((top.spline().shape(), top.spline().spacing())),
                 Shape::TriangleMesh { .. } => None,
             },
+            Self::Described(shapes) => {
+                let top = &shapes.first()?.top;
+                let [nx, ny] = top.size?;
+                Some(([ny, nx], top.spacing?))
+            }
         }
+    }
+
+    /// Without the points of a given surface, which then cannot be traced.
+    #[must_use]
+    pub fn described(&self) -> Self {
+        match self {
+            Self::Given(shapes) => Self::Described(shapes.iter().map(DescribedShape::of).collect()),
+            described => described.clone(),
+        }
+    }
+}
+
+/// What lies between the heights of a shape; `None` for a triangle mesh.
+pub(crate) const fn cells_of(shape: &Shape) -> Option<Cells> {
+    match shape {
+        Shape::HeightField { .. } => Some(Cells::Flat),
+        Shape::Smooth { .. } => Some(Cells::Smooth),
+        Shape::TriangleMesh { .. } => None,
     }
 }
 

@@ -12,10 +12,10 @@ impl RandomSurfaces {
     /// As [`slopes`].
     pub fn slope_mixture(&self) -> Result<Option<SlopeMixture>, SlopeError> {
         let recipe = self.recipe();
-        let Self::Fields(fields) = self else {
+        let Some(synthesis) = self.other_heights() else {
             return Ok(Some(slopes(recipe)?.into()));
         };
-        let Some(mixture) = fields.synthesis.slope_mixture() else {
+        let Some(mixture) = synthesis.slope_mixture() else {
             return Ok(None);
         };
         let slopes = of_covariance(mixture.covariance(), recipe.is_isotropic())?;

@@ -9,7 +9,7 @@ use asperity_tally::{
     ControlVariate, Mirror, RayErrors, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts, Window};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::SimulateError;
 use crate::input::case::{Case, Light};
@@ -27,7 +27,7 @@ pub(crate) struct Method {
 }
 
 /// Where the mean of a control variate comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ControlVariateMean {
     /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,

@@ -9,7 +9,7 @@ use crate::input::estimator::Estimator;
 use crate::methods::method::Method;
 
 /// The paths that a run with a target follows.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChosenPaths {
     /// How they are followed.
     #[serde(flatten)]
@@ -54,7 +54,7 @@ impl fmt::Display for WayOfPaths {
 }
 
 /// Paths that a pilot run tried.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TriedPaths {
     /// How they were followed.
     #[serde(flatten)]

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use asperity_tally::{TallyStatistics, TallyValues};
+use serde::{Deserialize, Serialize};
 
 use super::stopping::Stopping;
 use super::work::SummaryWork;
@@ -10,7 +11,9 @@ use crate::errors::budget::ErrorBudget;
 use crate::input::case::Case;
 
 /// What was found of one case.
-#[derive(Clone, Debug)]
+///
+/// It is written and read as a whole. What depends on the machine and the moment is in [`SummaryWork::machine`] alone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// Number of the case among those that were given.
     pub number: usize,
@@ -20,9 +23,10 @@ pub struct Outcome {
     pub statistics: TallyStatistics,
     /// What the standard errors come from.
     pub errors_from: ErrorSource,
-    /// Flux fractions of each surface, or of each region of a given one, with which models are compared.
+    /// Flux fractions of each surface, or of each region of a given one, with which models are compared; empty
+    /// [without details](Self::without_details).
     pub surfaces: Vec<TallyValues>,
-    /// The errors of the fluxes by where they come from.
+    /// The errors of the fluxes by where they come from; none of them [without details](Self::without_details).
     pub errors: ErrorBudget,
     /// What no sum of fluxes differs by, if no rays were traced.
     pub deviation_bound: Option<f64>,
@@ -34,8 +38,21 @@ pub struct Outcome {
     pub seed: u64,
 }
 
+impl Outcome {
+    /// Means and standard errors alone, without what takes a tally per surface and the errors by where they come from.
+    #[must_use]
+    pub fn without_details(self) -> Self {
+        Self {
+            surfaces: Vec::new(),
+            errors: self.errors.without_values(),
+            ..self
+        }
+    }
+}
+
 /// What standard errors come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ErrorSource {
     /// The scatter between surfaces.
     Surfaces,

@@ -1,9 +1,9 @@
 //! What ended a run.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What ended a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StoppedBy {
     /// The target error was reached.

@@ -1,7 +1,7 @@
 //! How a run came to its end.
 
 use asperity_surface::LengthUnit;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::input::cells::Cells;
 use crate::input::target::Quantity;
@@ -11,7 +11,7 @@ use crate::text::{error_in_short, short};
 
 /// What a pilot run found, for the requested quantity; variances and differences are divided by the
 /// norm of the fluxes, as the error is.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PilotFigures {
     /// Surfaces.
     pub realisations: u64,
@@ -31,7 +31,7 @@ pub struct PilotFigures {
 }
 
 /// How a run came to its end, and what had been planned.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stopping {
     /// The target error.
     pub target_error: Option<f64>,
@@ -58,7 +58,7 @@ pub struct Stopping {
     /// What ended the run.
     pub stopped_by: StoppedBy,
     /// What a reader should not miss.
-    #[serde(skip)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 

@@ -10,7 +10,7 @@ use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
 /// What one surface did with the light of every case that shares it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SurfaceTallies {
     /// By case.
     pub(crate) cases: Vec<CaseOnSurface>,
@@ -21,7 +21,7 @@ pub(crate) struct SurfaceTallies {
 }
 
 /// What one surface did with the light of one case, block of rays by block of rays.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CaseOnSurface {
     /// How paths were followed.
     pub(crate) way: WayOfPaths,

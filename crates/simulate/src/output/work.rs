@@ -7,7 +7,7 @@ use crate::input::estimator::Estimator;
 use crate::methods::method::{ControlVariateMean, Method};
 
 /// What was done, and how long it took.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SummaryWork {
     /// Surfaces.
     pub realisations: u64,
@@ -22,15 +22,13 @@ pub struct SummaryWork {
     /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_recorded: u64,
     /// Scatterings inside a medium.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub scatterings: u64,
     /// Most scatterings of one path.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub most_scatterings: u64,
     /// Accelerator used.
     pub accelerator: AcceleratorKind,
-    /// Instructions with which it searches, where there is a choice.
-    pub instructions: Option<String>,
     /// Estimator used.
     pub estimator: Estimator,
     /// Where the mean of its control variate comes from; `None` without one.
@@ -48,6 +46,15 @@ pub struct SummaryWork {
     pub starts: Starts,
     /// How they are spread.
     pub sampling: Sampling,
+    /// What depends on the machine and the moment.
+    pub machine: MachineWork,
+}
+
+/// What of the work depends on the machine and the moment, which comparisons of results leave out.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct MachineWork {
+    /// Instructions with which the accelerator searches, where there is a choice.
+    pub instructions: Option<String>,
     /// Seconds spent on drawing surfaces, summed over surfaces.
     pub generate_seconds: f64,
     /// Seconds spent on building accelerators, summed over surfaces.
@@ -103,7 +110,6 @@ impl SummaryWork {
             scatterings: work.scatterings,
             most_scatterings: work.max_scatterings.into(),
             accelerator: used.accelerator,
-            instructions: used.instructions,
             estimator: method.estimator(),
             control_variate: method.control_variate_mean(),
             slope_control: None,
@@ -112,11 +118,11 @@ impl SummaryWork {
             roulette: method.paths.roulette(),
             starts: method.starts,
             sampling,
-            generate_seconds: 0.0,
-            build_seconds: 0.0,
-            trace_seconds: 0.0,
-            seconds: 0.0,
-            threads: rayon::current_num_threads(),
+            machine: MachineWork {
+                instructions: used.instructions,
+                threads: rayon::current_num_threads(),
+                ..MachineWork::default()
+            },
         }
     }
 }

@@ -20,4 +20,5 @@ mod resuming;
 mod sharing;
 mod smooth;
 mod stopping;
+mod streaming;
 mod support;

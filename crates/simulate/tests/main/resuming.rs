@@ -50,7 +50,22 @@ pub(crate) fn resume(
     observer: &dyn Observer,
 ) -> Vec<Outcome> {
     let simulation = Simulation::new(cases, settings).unwrap();
-    simulation.resume(keeper, observer).unwrap()
+    resumed(simulation, keeper, observer).unwrap()
+}
+
+/// The outcomes of a run, in the order of the cases.
+pub(crate) fn resumed(
+    simulation: Simulation,
+    keeper: &Keeper,
+    observer: &dyn Observer,
+) -> Result<Vec<Outcome>, SimulateError> {
+    let mut outcomes = Vec::new();
+    simulation.resume(Some(keeper), observer, |outcome| {
+        outcomes.push(outcome);
+        Ok::<_, SimulateError>(())
+    })?;
+    outcomes.sort_by_key(|outcome| outcome.number);
+    Ok(outcomes)
 }
 
 /// All numbers that follow from the rays.
@@ -143,7 +158,7 @@ fn a_run_that_tries_paths_resumes_to_the_same_numbers() {
     // One pilot run, three of the trial and a coarse one.
     for (rays, tries) in [(of_pilot / 2, 0), (2 * of_pilot, 1), (9 * of_pilot / 2, 2)] {
         let simulation = Simulation::new(&case, &settings).unwrap();
-        let ended = simulation.resume(&keeper, &After::rays(rays));
+        let ended = resumed(simulation, &keeper, &After::rays(rays));
         assert_eq!(ended.err(), Some(SimulateError::Interrupted));
         let kept = keeper.0.lock().unwrap();
         let of_stage = |stage: Stage| kept.keys().filter(|key| key.stage == stage).count();

@@ -195,7 +195,7 @@ impl<'a> Stage<'a> {
             surfaces: effort.surfaces,
             error: targets.reference.own_error(&standard_errors),
             error_exact: exact.map(|exact| exact.relative_rms(&self.fluxes(run))),
-            seconds: run.work.seconds,
+            seconds: run.work.machine.seconds,
         }
     }
 
@@ -259,7 +259,7 @@ impl<'a> Stage<'a> {
         let left = means.budget().reflected + means.budget().transmitted;
         let exact = targets.exact.as_ref();
         RunSample {
-            seconds: run.work.seconds,
+            seconds: run.work.machine.seconds,
             rays_per_surface: run.rays_per_surface,
             error: targets.reference.relative_rms(&fluxes),
             error_exact: exact.map(|exact| exact.relative_rms(&fluxes)),

@@ -1,12 +1,11 @@
 //! A given surface as a measurement takes it.
 
-use asperity_simulate::{Cells, Shape, SimulateError};
+use asperity_simulate::{Cells, Shape, SimulateError, corners_hash, heights_hash};
 use asperity_surface::{Form, HeightField, LengthUnit};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
 use crate::given::{GivenShape, GivenSurface};
-use crate::output::{corners_hash, heights_hash};
 use crate::surface_lengths::SurfaceLengths;
 
 /// A given surface.

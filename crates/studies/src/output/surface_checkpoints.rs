@@ -18,7 +18,9 @@ use asperity_analysis::fnv1a;
 use asperity_io::{
     Build, ReadError, ResultFolder, ResultFolderError, names_in, read_text, write_bytes,
 };
-use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceStore};
+use asperity_simulate::{
+    Observer, Outcome, SavedSurface, SimulateError, Simulation, SurfaceKey, SurfaceStore,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -135,6 +137,21 @@ impl<'a> SurfaceCheckpoints<'a> {
                 failure: None,
             }),
         })
+    }
+
+    /// Runs a simulation with these checkpoints, and holds all outcomes.
+    pub(crate) fn resume(
+        &self,
+        simulation: Simulation,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Outcome>, SimulateError> {
+        let mut outcomes = Vec::new();
+        simulation.resume(Some(self), observer, |outcome| {
+            outcomes.push(outcome);
+            Ok::<_, SimulateError>(())
+        })?;
+        outcomes.sort_unstable_by_key(|outcome| outcome.number);
+        Ok(outcomes)
     }
 
     /// Number of surfaces that an earlier run has left.

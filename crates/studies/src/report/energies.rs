@@ -152,7 +152,7 @@ pub(crate) fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
 /// The effort in words.
 #[must_use]
 pub(crate) fn work_line(work: &SummaryWork) -> String {
-    let instructions = match &work.instructions {
+    let instructions = match &work.machine.instructions {
         Some(name) => format!(" ({name})"),
         None => String::new(),
     };
@@ -188,7 +188,7 @@ pub(crate) fn work_line(work: &SummaryWork) -> String {
         work.segments_skipped,
         work.accelerator,
         instructions,
-        work.seconds,
-        work.threads
+        work.machine.seconds,
+        work.machine.threads
     ))
 }

@@ -4,7 +4,7 @@ use asperity_simulate::{Outcome, Stopping, SummaryWork};
 use asperity_tally::{
     Component, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side, TallyResult, TallyStatistics,
 };
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, Head, Supported};
@@ -85,7 +85,40 @@ pub struct Summary {
     /// What the fluxes are sure not to differ by, where nothing was traced.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_bound: Option<f64>,
+    #[serde(serialize_with = "side_by_side")]
     work: SummaryWork,
+}
+
+/// Writes the work with what depends on the machine next to the rest.
+fn side_by_side<S: Serializer>(work: &SummaryWork, serializer: S) -> Result<S::Ok, S::Error> {
+    const KEYS: [&str; 23] = [
+        "realisations",
+        "rays",
+        "segments",
+        "segments_skipped",
+        "segments_skipped_nearby",
+        "branches_not_recorded",
+        "scatterings",
+        "most_scatterings",
+        "accelerator",
+        "instructions",
+        "estimator",
+        "control_variate",
+        "slope_control",
+        "folded",
+        "branching",
+        "roulette",
+        "starts",
+        "sampling",
+        "generate_seconds",
+        "build_seconds",
+        "trace_seconds",
+        "seconds",
+        "threads",
+    ];
+    let all = serde_json::json!(work);
+    let value = |key: &str| all.get(key).or_else(|| all["machine"].get(key));
+    serializer.collect_map(KEYS.iter().filter_map(|key| Some((key, value(key)?))))
 }
 
 impl Summary {
@@ -118,7 +151,7 @@ impl Summary {
                 left_patch: support.ended(budget.left_patch),
                 not_recorded: support.ended(budget.not_recorded),
             },
-            error_budget: outcome.errors.to_json(outcome.statistics.means()),
+            error_budget: outcome.errors.to_json(statistics.means()),
             orders: BySide::of(orders),
             paths: paths(statistics, &support),
             components: spec
@@ -154,7 +187,11 @@ impl Summary {
     /// With how the run came to its end, if that was to be found out.
     #[must_use]
     pub fn with_stopping(mut self, stopping: Option<Stopping>) -> Self {
-        self.stopping = stopping;
+        self.stopping = stopping.map(|stopping| Stopping {
+            // They are among those of the run.
+            warnings: Vec::new(),
+            ..stopping
+        });
         self
     }
 

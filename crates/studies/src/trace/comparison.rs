@@ -200,7 +200,7 @@ impl PlannedComparison {
         let effort = Effort::rays(whole.work.rays);
         let simulation = self.simulation.repeated(effort, self.settings.seed);
         let outcomes = match checkpoints {
-            Some(checkpoints) => simulation.resume(checkpoints, observer),
+            Some(checkpoints) => checkpoints.resume(simulation, observer),
             None => simulation.run(observer),
         };
         let outcome = match outcomes {

@@ -47,7 +47,7 @@ impl FromStr for BottomSurface {
 }
 
 /// A layer of a medium below a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerBelow {
     /// The medium, the thickness, and what it ends on.
     pub layer: Layer,

@@ -1,0 +1,109 @@
+//! Described shape: what is known of a given surface without its points, and a hash that tells these apart.
+
+use asperity_analysis::fnv1a;
+use asperity_surface::{Border, HeightField, SplineSurface};
+use asperity_tracer::{Geometry, MeshSurface, Shape, Triangles};
+use serde::{Deserialize, Serialize};
+
+use super::cells::Cells;
+use super::surface_source::cells_of;
+
+/// A given surface, and the bottom below it where that has a shape of its own, without their points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DescribedShape {
+    /// What lies between heights; `None` for a triangle mesh.
+    pub cells: Option<Cells>,
+    /// The surface.
+    pub top: DescribedSurface,
+    /// The bottom.
+    pub bottom: Option<DescribedSurface>,
+}
+
+/// A surface without its points.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DescribedSurface {
+    /// Samples along x and y; `None` for a triangle mesh.
+    pub size: Option<[usize; 2]>,
+    /// Length units per sample along x and y; `None` for a triangle mesh.
+    pub spacing: Option<[f64; 2]>,
+    /// What lies beyond its border.
+    pub border: Border,
+    /// Whether it has no relief.
+    pub is_level: bool,
+    /// Hash of its heights, spline coefficients or corners.
+    pub points: String,
+}
+
+impl DescribedShape {
+    /// Describes a shape, whose points are all read once.
+    #[must_use]
+    pub fn of(shape: &Shape) -> Self {
+        let (top, bottom) = match shape {
+            Shape::HeightField { top, bottom } => {
+                let bottom = bottom.as_ref().map(|bottom| of_heights(bottom.field()));
+                (of_heights(top.field()), bottom)
+            }
+            Shape::Smooth { top, bottom } => {
+                let bottom = bottom.as_ref().map(|bottom| of_spline(bottom.spline()));
+                (of_spline(top.spline()), bottom)
+            }
+            Shape::TriangleMesh { top, bottom } => {
+                (of_mesh(top), bottom.as_ref().map(|bottom| of_mesh(bottom)))
+            }
+        };
+        Self {
+            cells: cells_of(shape),
+            top,
+            bottom,
+        }
+    }
+}
+
+fn of_heights(field: &HeightField) -> DescribedSurface {
+    let [ny, nx] = field.shape();
+    DescribedSurface {
+        size: Some([nx, ny]),
+        spacing: Some(field.spacing()),
+        border: field.border(),
+        is_level: field.is_flat(),
+        points: heights_hash(field),
+    }
+}
+
+fn of_spline(spline: &SplineSurface) -> DescribedSurface {
+    let [ny, nx] = spline.shape();
+    DescribedSurface {
+        size: Some([nx, ny]),
+        spacing: Some(spline.spacing()),
+        border: spline.border(),
+        is_level: spline.samples().is_flat(),
+        points: hash(spline.coefficients().iter().copied()),
+    }
+}
+
+fn of_mesh(mesh: &MeshSurface) -> DescribedSurface {
+    DescribedSurface {
+        size: None,
+        spacing: None,
+        border: mesh.border(),
+        is_level: mesh.size()[2] == 0.0,
+        points: corners_hash(mesh),
+    }
+}
+
+/// Hash of the heights of a field.
+#[must_use]
+pub fn heights_hash(field: &HeightField) -> String {
+    hash(field.heights().iter().copied())
+}
+
+/// Hash of the corners of all triangles of a mesh.
+#[must_use]
+pub fn corners_hash(mesh: &MeshSurface) -> String {
+    let corners = (0..mesh.facet_count()).flat_map(|i| mesh.corners(mesh.facet(i)));
+    hash(corners.flat_map(|corner| corner.to_array()))
+}
+
+fn hash(numbers: impl Iterator<Item = f64>) -> String {
+    format!("{:016x}", fnv1a(numbers.flat_map(f64::to_le_bytes)))
+}
