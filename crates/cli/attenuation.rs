@@ -49,7 +49,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         ),
         again: Again::Restarts,
     };
-    let end = ended.close(folder)?;
+    let end = ended.close(folder.as_ref())?;
     common.say(|| {
         let work = &outcome.work;
         format!(

@@ -1,41 +1,64 @@
-//! How the cases of a run that resumes came about, on standard error.
+//! Runs that resume: opening what an earlier one has left, and the end, with lines on standard error.
 
 use asperity_io::ResultFolder;
+use asperity_results::{Header, ResultSet};
+use asperity_simulate::{Case, counted};
 
 use crate::common::Common;
 use crate::end::{Again, End, EndedRun, finished};
 use crate::failure::Failure;
 use crate::output::say;
 
-/// Prints what a reader should know of the checkpoints.
+/// Prints what a reader should know.
 pub(crate) fn say_notes(notes: &[String]) {
     for note in notes {
         say(&format!("note: {note}"));
     }
 }
 
-/// Cases of a run that resumes.
-pub(crate) struct Cases {
-    /// What one is called.
-    pub(crate) noun: &'static str,
-    pub(crate) total: usize,
-    pub(crate) missing: usize,
+/// The results of an earlier run in `folder`, or none, and says what is resumed. Another run that is complete is replaced.
+pub(crate) fn open_results(
+    folder: Option<&ResultFolder>,
+    header: Header,
+) -> Result<ResultSet<'_>, Failure> {
+    let Some(folder) = folder else {
+        return Ok(ResultSet::in_memory(header));
+    };
+    let found = ResultSet::open(folder, header).map_err(Failure::failed)?;
+    say_resumed(&found);
+    Ok(found)
 }
 
-/// Closes the folder of a run that resumes. Prints notes, and with `--verbose` how many cases were computed.
-pub(crate) fn close_resumable(
-    cases: &Cases,
-    folder: ResultFolder,
+/// The results of an earlier run of some of `cases` in `folder`, and says what is resumed. Other cases are refused.
+pub(crate) fn open_cases<'a>(
+    folder: &'a ResultFolder,
+    header: Header,
+    cases: &[Case],
     common: &Common,
+) -> Result<ResultSet<'a>, Failure> {
+    let found = ResultSet::open_cases(folder, header, cases).map_err(Failure::failed)?;
+    say_resumed(&found);
+    common.say(|| format!("{} resumed", counted(found.resumed().cases as u64, "case")));
+    Ok(found)
+}
+
+fn say_resumed(found: &ResultSet<'_>) {
+    say_notes(found.notes());
+    if found.resumed().parts > 0 {
+        say("resumed with what the run that was ended had finished");
+    }
+}
+
+/// Closes the folder of a run of several cases, which resumes. `noun`: what one is called.
+pub(crate) fn close_cases(
+    found: &ResultSet<'_>,
+    noun: &str,
+    folder: &ResultFolder,
 ) -> Result<End, Failure> {
-    let Cases {
-        noun,
-        total,
-        missing,
-    } = *cases;
+    let done = (0..found.len()).filter(|&case| found.is_complete(case));
     let ended = EndedRun {
-        stopped_by: None,
-        so_far: &finished(total - missing, total, noun),
+        stopped_by: found.stopped_by(),
+        so_far: &finished(done.count(), found.len(), noun),
         again: Again::Resumes,
     };
     ended.close(Some(folder))

@@ -35,7 +35,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         so_far: &finished(done, done + outcome.left_out, "case"),
         again: Again::Restarts,
     };
-    let end = ended.close(Some(folder))?;
+    let end = ended.close(Some(&folder))?;
     common.say(|| {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)

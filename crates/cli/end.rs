@@ -48,7 +48,7 @@ pub(crate) fn finished(done: usize, total: usize, noun: &str) -> String {
 
 impl EndedRun<'_> {
     /// Marks the results in `folder` as complete or not, and says what stopped the run, if something did.
-    pub(crate) fn close(self, folder: Option<ResultFolder>) -> Result<End, Failure> {
+    pub(crate) fn close(self, folder: Option<&ResultFolder>) -> Result<End, Failure> {
         if let Some(folder) = folder {
             let is_complete = self.stopped_by.is_none();
             folder.finish(is_complete).map_err(Failure::failed)?;

@@ -2,11 +2,11 @@
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GonioConfig, ResultSet, Sample, gonio, gonio_report, gonio_summary, gonio_table,
+    GonioConfig, Sample, gonio, gonio_report, gonio_summary, gonio_table,
 };
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, close_resumable, say_notes};
+use crate::completion::{close_cases, open_cases, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
@@ -45,16 +45,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let folder = result_folder(&results.required(), "gonio", &inputs, &names)?;
 
     let progress = Progress::begin_run(common);
-    let mut found = ResultSet::new(plan.cases.len());
+    let header = config.header(sample);
+    let header = header.map_err(|error| refuse_config(document, &error))?;
+    let mut found = open_cases(&folder, header, &plan.cases, common)?;
     let about = sample.map(|sample| &sample.about);
     let outcome = gonio(&config, about, &plan, &mut found, &progress).map_err(Failure::failed)?;
     gonio_report(&folder, &outcome).map_err(Failure::failed)?;
-    let cases = Cases {
-        noun: "direction",
-        total: plan.cases.len(),
-        missing: outcome.missing(),
-    };
-    let end = close_resumable(&cases, folder, common)?;
+    let end = close_cases(outcome.found, "direction", &folder)?;
     results.print(
         common,
         || gonio_summary(&outcome),

@@ -1,10 +1,10 @@
 //! `asperity map`: where each model is within tolerance.
 
 use asperity_studies::settings::Document;
-use asperity_studies::{MapConfig, ResultSet, map, map_report, map_summary, map_table};
+use asperity_studies::{MapConfig, map, map_report, map_summary, map_table};
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, close_resumable, say_notes};
+use crate::completion::{close_cases, open_cases, say_notes};
 use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{read_surface_files, refuse_verification};
@@ -25,15 +25,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let folder = result_folder(&results.required(), "map", &[document.file()], &names)?;
 
     let progress = Progress::begin_run(common);
-    let mut found = ResultSet::new(plan.cases.len());
+    let header = config.header();
+    let header = header.map_err(|error| refuse_verification(document, error.into()))?;
+    let mut found = open_cases(&folder, header, &plan.cases, common)?;
     let outcome = map(&config, &plan, &mut found, &progress).map_err(Failure::failed)?;
     map_report(&folder, &outcome).map_err(Failure::failed)?;
-    let cases = Cases {
-        noun: "cell",
-        total: plan.cases.len(),
-        missing: outcome.missing(),
-    };
-    let end = close_resumable(&cases, folder, common)?;
+    let end = close_cases(&found, "cell", &folder)?;
     results.print(
         common,
         || map_summary(&outcome),

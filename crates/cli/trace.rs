@@ -4,12 +4,12 @@ use std::path::Path;
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GivenSurface, PlannedTrace, TraceConfig, TraceError, TracedSurfaces, trace_report,
+    GivenSurface, TracePlan, TraceConfig, TraceError, TracedSurfaces, trace_report,
     trace_summary, trace_table,
 };
 
 use crate::common::{Common, Results};
-use crate::completion::say_notes;
+use crate::completion::open_results;
 use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
@@ -23,6 +23,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let refuse = |error: TraceError| match error {
         TraceError::Config(error) => refuse_config(document, &error),
         TraceError::Simulate(error) => refuse_simulation(document.own_unit(), error),
+        TraceError::Results(error) => Failure::failed(error),
         error => Failure::usage(error),
     };
     // Everything that can be is checked before the surface is read.
@@ -35,42 +36,30 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         file(&surfaces.surface),
         surfaces.bottom.as_ref().and_then(file),
     ];
-    let planned = PlannedTrace::new(&config, surfaces).map_err(refuse)?;
+    let plan = TracePlan::new(&config, surfaces).map_err(refuse)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
     let names = config.files().map_err(|error| refuse(error.into()))?;
     let inputs = inputs.each_ref().map(Option::as_deref);
     let folder = results.output.as_ref();
     let folder = folder.map(|path| result_folder(path, "trace", &inputs, &names));
     let folder = folder.transpose()?;
-    let checkpoints = folder.as_ref().map(|folder| planned.checkpoints(folder));
-    let checkpoints = checkpoints.transpose().map_err(Failure::failed)?;
-    if let Some(checkpoints) = &checkpoints {
-        say_notes(checkpoints.notes());
-        if checkpoints.resumed() > 0 {
-            say("resumed with the rays of the run that was ended");
-        }
-    }
+    let mut found = open_results(folder.as_ref(), plan.header())?;
 
     let progress = Progress::begin_run(common);
-    let outcome = planned
-        .run(checkpoints.as_ref(), &progress)
-        .map_err(refuse)?;
-    let stopped_by = outcome.stopped_by;
-    if let (Some(folder), Some(checkpoints)) = (&folder, checkpoints) {
+    let outcome = trace(&plan, &mut found, &progress).map_err(refuse)?;
+    if let Some(folder) = &folder {
         trace_report(folder, &outcome).map_err(Failure::failed)?;
-        let closed = checkpoints.close(stopped_by.is_some());
-        closed.map_err(Failure::failed)?;
     }
     let (so_far, again) = match &folder {
         Some(_) => ("the results so far are written", Again::Resumes),
         None => ("these are the results so far", Again::ResumesWithOutput),
     };
     let ended = EndedRun {
-        stopped_by,
+        stopped_by: outcome.stopped_by,
         so_far,
         again,
     };
-    let end = ended.close(folder)?;
+    let end = ended.close(folder.as_ref())?;
     common.say(|| {
         let work = &outcome.outcome.work.machine;
         format!(

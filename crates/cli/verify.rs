@@ -3,15 +3,15 @@
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    ResultSet, VerifyConfig, verify, verify_report, verify_summary, verify_table,
+    VerifyConfig, verify, verify_report, verify_summary, verify_table,
 };
 
 use crate::common::{Common, Results};
-use crate::completion::say_notes;
+use crate::completion::{open_results, say_notes};
 use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::input::{read_surface_files, refuse_config, refuse_verification};
-use crate::output::{result_folder, say};
+use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
@@ -30,17 +30,16 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let folder = result_folder(&results.required(), "verify", &[document.file()], &names)?;
 
     let progress = Progress::begin_run(common);
-    let mut found = ResultSet::new(plan.cases.len());
+    let mut found = open_results(Some(&folder), config.header())?;
     let outcome = verify(&config, &plan, &mut found, &progress)
         .map_err(|error| refuse_verification(document, error))?;
     verify_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
-    let stopped_by = outcome.stopped_by();
     let ended = EndedRun {
-        stopped_by,
+        stopped_by: outcome.found.stopped_by(),
         so_far: "the results so far are written",
         again: Again::Resumes,
     };
-    let end = ended.close(Some(folder))?;
+    let end = ended.close(Some(&folder))?;
     common.say(|| {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)

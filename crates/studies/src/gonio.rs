@@ -13,17 +13,16 @@ mod sample;
 mod summary;
 mod tables;
 
+use asperity_results::ResultSet;
 use asperity_simulate::{Case, Deadline, Lobe, Observer, Outcome};
 use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
-use serde_json::Value;
 
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::output::{Supported, over, projected_solid_angle};
 use crate::plan::Plan;
 use crate::report::flux_support::FluxSupport;
-use crate::result_set::{CaseResult, ResultSet};
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::error::VerifyError;
@@ -106,7 +105,7 @@ pub struct GonioOutcome<'a> {
     /// What is measured: by setting, polar angle and azimuth, in that order of nesting.
     pub plan: &'a Plan,
     /// What was found.
-    pub found: &'a ResultSet,
+    pub found: &'a ResultSet<'a>,
     /// Polar angles of the light, degrees, as in the configuration.
     pub thetas: Vec<f64>,
     /// Azimuths of the light, degrees.
@@ -171,7 +170,7 @@ impl<'a> GonioOutcome<'a> {
             setting: number / self.per_setting(),
             case,
             spec: self.plan.settings.spec_of(case),
-            outcome: self.found.outcome(number),
+            outcome: self.found.case(number).map(|found| &found.outcome),
             lobes: self.plan.lobes[number],
         }
     }
@@ -193,18 +192,14 @@ pub fn gonio<'a>(
     config: &'a GonioConfig,
     sample: Option<&'a AboutSample>,
     plan: &'a Plan,
-    found: &'a mut ResultSet,
+    found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
 ) -> Result<GonioOutcome<'a>, VerifyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time);
-    let keep = |outcome: Outcome| {
-        Ok::<_, VerifyError>(CaseResult {
-            outcome,
-            findings: Value::Null,
-        })
-    };
-    found.run_missing(&plan.cases, &plan.settings, keep, observer)?;
+    let keep = |outcome: Outcome| Ok::<_, VerifyError>(outcome.without_details().into());
+    found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
+    found.close()?;
     let [thetas, phis] = config.light.angles()?;
     Ok(GonioOutcome {
         config,

@@ -1,4 +1,4 @@
-//! Studies: from a typed configuration to results with errors, as tables, figures and checkpoints.
+//! Studies: from a typed configuration to results with errors, as tables and figures.
 //!
 //! [`verify`] simulates light on random surfaces and compares it with statistical models; [`converge()`] measures what the ways of
 //! computing cost, run time against error; [`map()`] says over a grid of cases where models are within tolerance; [`gonio()`]
@@ -17,7 +17,6 @@ mod model;
 mod output;
 mod plan;
 mod report;
-mod result_set;
 pub mod settings;
 mod surface_lengths;
 mod trace;
@@ -69,7 +68,7 @@ pub use model::{
     Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
     model_list,
 };
-pub use output::{CheckpointError, SurfaceCheckpoints, wrapped};
+pub use output::wrapped;
 pub use plan::Plan;
 pub use report::areal_parameters::areal_table;
 pub use report::case_report::verify_table;
@@ -80,10 +79,9 @@ pub use report::files::{verify_report, verify_summary};
 pub use report::flux_support::FluxSupport;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
-pub use result_set::{CaseResult, ResultSet};
 pub use surface_lengths::SurfaceLengths;
 pub use trace::{
-    PlannedTrace, TraceComparison, TraceError, TraceOutcome, TracedSurfaces, trace_report,
+    TraceComparison, TraceError, TraceOutcome, TracePlan, TracedSurfaces, trace, trace_report,
     trace_summary, trace_table,
 };
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};

@@ -11,13 +11,13 @@ mod json;
 mod summary;
 mod tables;
 
+use asperity_results::{CaseResult, ResultSet};
 use asperity_simulate::{Case, Deadline, Observer, Outcome};
 use serde::Deserialize;
 use serde_json::json;
 
 use crate::config::values::Seconds;
 use crate::plan::Plan;
-use crate::result_set::{CaseResult, ResultSet};
 use crate::verify::error::VerifyError;
 use crate::verify::judge_case;
 
@@ -79,7 +79,7 @@ impl MapOutcome<'_> {
 pub fn map<'a>(
     config: &'a MapConfig,
     plan: &'a Plan,
-    found: &mut ResultSet,
+    found: &mut ResultSet<'_>,
     observer: &dyn Observer,
 ) -> Result<MapOutcome<'a>, VerifyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
@@ -89,14 +89,15 @@ pub fn map<'a>(
         let judged = judge_case(&verification, &outcome)?;
         Ok::<_, VerifyError>(CaseResult {
             findings: json!(CellResults::of(&judged)),
-            outcome,
+            outcome: outcome.without_details(),
         })
     };
-    found.run_missing(&plan.cases, &plan.settings, keep, observer)?;
-    let read = |one: &CaseResult| CellResults::deserialize(&one.findings).ok();
+    found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
+    found.close()?;
+    let read = |cell| CellResults::deserialize(&found.case(cell)?.findings).ok();
     Ok(MapOutcome {
         config,
         plan,
-        results: found.cases.iter().map(|one| read(one.as_ref()?)).collect(),
+        results: (0..plan.cases.len()).map(read).collect(),
     })
 }

@@ -1,26 +1,19 @@
-//! Output: tables, numbers as text, checkpoints and result folders, for every study.
+//! Output: tables, numbers as text and places in result folders, for every study.
 
 mod align;
 mod by_side;
-mod checkpoints;
 mod columns;
 mod head;
 mod number;
 mod place;
-mod rounding;
 mod summary_of_cases;
 mod support;
-mod surface_checkpoints;
 mod table;
 
 pub(crate) use align::TEXT_WIDTH;
 pub use align::wrapped;
 pub(crate) use align::{aligned, indented, listed};
 pub(crate) use by_side::BySide;
-#[cfg(test)]
-pub(crate) use checkpoints::Found;
-pub(crate) use checkpoints::{CHANGED, CheckpointCase, Checkpoints};
-pub use checkpoints::{CheckpointError, Completion};
 pub(crate) use columns::{
     GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
     projected_solid_angle, ray_count, solid_angle_column,
@@ -30,6 +23,5 @@ pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub(crate) use support::{Support, Supported};
-pub use surface_checkpoints::SurfaceCheckpoints;
 pub(crate) use table::unit_of_lengths;
 pub(crate) use table::{Cell, Column, Format, Table};

@@ -103,6 +103,9 @@ pub enum TraceError {
     /// The simulation was refused or failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
+    /// Results cannot be kept.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
 }
 
 /// A given surface, and the one below it.
@@ -143,35 +146,21 @@ impl TracedSurfaces {
 }
 
 /// What was found on a surface.
-pub struct TraceOutcome {
-    /// The configuration that was run.
-    pub config: TraceConfig,
-    /// Name of the surface.
-    pub name: String,
-    /// Unit of its lengths.
-    pub unit: LengthUnit,
-    /// Where each quantity stands in the statistics.
-    pub spec: TallySpec,
+pub struct TraceOutcome<'a> {
+    /// What was planned.
+    pub plan: &'a TracePlan,
     /// What the engine found.
-    pub outcome: Outcome,
+    pub outcome: &'a Outcome,
     /// The surface against models; `None` without any, or if a stop came before.
-    pub comparison: Option<TraceComparison>,
+    pub comparison: Option<TraceComparison<'a>>,
     /// What ended the run before all that was planned was done.
     pub stopped_by: Option<StoppedBy>,
-    /// What a reader should know.
-    pub warnings: Vec<String>,
-    /// Lengths of the surface against the wavelength, where its unit is known.
-    pub validity: Option<Validity>,
-    /// The lobes of single scattering next to the bins.
-    lobes: Vec<BinnedLobe>,
-    /// The configuration as summary.json holds it.
-    described: Value,
 }
 
-impl TraceOutcome {
+impl TraceOutcome<'_> {
     /// Whether a stop came before the comparison that was requested.
-    fn lacks_comparison(&self) -> bool {
-        self.comparison.is_none() && !self.config.compare.models.is_empty()
+    const fn lacks_comparison(&self) -> bool {
+        self.comparison.is_none() && self.plan.comparison.is_some()
     }
 
     /// The models that the surface is compared with.
@@ -180,31 +169,63 @@ impl TraceOutcome {
         comparison.map_or(&[], |comparison| &comparison.models)
     }
 
+    /// Where each quantity stands in the statistics.
+    const fn spec(&self) -> &TallySpec {
+        self.outcome.statistics.spec()
+    }
+
+    /// The lobes of single scattering next to the bins.
+    fn lobes(&self) -> Vec<BinnedLobe> {
+        BinnedLobe::of_lobes(self.plan.lobes, self.spec())
+    }
+
     /// How the run came to its end, if that was to be found out.
     #[must_use]
     pub fn stopping(&self) -> Option<&Stopping> {
-        let has_target = self.config.run.target_error.is_some();
+        let has_target = self.plan.config.run.target_error.is_some();
         let stopping = &self.outcome.stopping;
         (has_target || stopping.is_cut_short()).then_some(stopping)
+    }
+
+    /// What a reader should know.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.plan.warnings.clone();
+        warnings.extend(lost_warning(&self.outcome.statistics));
+        let stopping = self.stopping().into_iter();
+        warnings.extend(stopping.flat_map(|stopping| stopping.warnings.clone()));
+        let comparison = self.comparison.as_ref();
+        warnings.extend(comparison.and_then(TraceComparison::rim_warning));
+        if self.lacks_comparison() {
+            warnings.push(
+                "the run was ended before the surface was compared with models; the same command resumes it"
+                    .to_owned(),
+            );
+        }
+        warnings.extend(self.outcome.errors.mesh_warning().map(str::to_owned));
+        warnings.extend(self.lobes().iter().filter_map(BinnedLobe::warning));
+        warnings
     }
 }
 
 /// Light on a given surface, checked and ready to be traced.
-pub struct PlannedTrace {
-    config: TraceConfig,
-    name: String,
-    unit: LengthUnit,
-    spec: TallySpec,
+pub struct TracePlan {
+    /// The configuration.
+    pub config: TraceConfig,
+    /// Name of the surface.
+    pub name: String,
+    /// Lengths of the surface against the wavelength, where its unit is known.
+    pub validity: Option<Validity>,
+    case: Case,
+    settings: Settings,
     lobes: [Option<Lobe>; 2],
-    shape: Shape,
-    simulation: Simulation,
     comparison: Option<PlannedComparison>,
     warnings: Vec<String>,
-    validity: Option<Validity>,
+    /// The configuration as summary.json holds it.
     described: Value,
 }
 
-impl PlannedTrace {
+impl TracePlan {
     /// Checks everything that can be before a ray is traced.
     ///
     /// # Errors
@@ -212,113 +233,88 @@ impl PlannedTrace {
     pub fn new(config: &TraceConfig, surfaces: TracedSurfaces) -> Result<Self, TraceError> {
         surfaces.check(config)?;
         let settings = config.ray_settings()?;
-        let name = surfaces.surface.name.clone();
-        let unit = surfaces.surface.unit;
         let surface = surfaces.surface.clone();
         let mut warnings = surface.warnings();
         let theta = config.incidence()?.theta();
         let validity = Validity::new(&surface.lengths(), theta, config.light.wavelength_nm());
         let description = description::Surfaces::of(&surfaces, config);
         let shape = surfaces.shape(config.surface.cells.of_given())?;
-        let case = config.case(shape.clone(), unit)?;
-        let described = description.config(config, &case);
+        let case = config.case(shape, surface.unit)?;
         let comparison = PlannedComparison::new(config, &surface, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());
         Ok(Self {
+            described: description.config(config, &case),
             config: config.clone(),
-            name,
-            unit,
-            spec: settings.spec_of(&case),
+            name: surface.name,
+            validity,
             lobes: Lobe::of_case(&case),
-            shape,
-            simulation: Simulation::new(&[case], &settings)?,
+            case,
+            settings,
             comparison,
             warnings,
-            validity,
-            described,
         })
     }
 
-    /// What an earlier run of this configuration on this surface has left in `folder`. The time that a run is given,
-    /// its plots and the wavelength, which changes nothing that is traced, do not belong to it.
-    ///
-    /// # Errors
-    /// [`CheckpointError`] if a checkpoint cannot be read, or is of another results epoch, of other settings or of
-    /// another surface.
-    pub fn checkpoints<'a>(
-        &self,
-        folder: &'a ResultFolder,
-    ) -> Result<SurfaceCheckpoints<'a>, CheckpointError> {
+    /// What the results of this configuration on this surface are kept under. The time that a run is given, its plots and the
+    /// wavelength, which changes nothing that is traced, do not belong to it.
+    #[must_use]
+    pub fn header(&self) -> Header {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
         settings.light.wavelength = None;
         settings.output.plots = true;
         let mut settings = json!(settings);
-        settings["points"] = json!(DescribedShape::of(&self.shape));
-        SurfaceCheckpoints::open(folder, "trace", settings)
+        settings["points"] = json!(self.case.surface);
+        Header::new("trace", self.config.run.seed, settings)
     }
+}
 
-    /// Traces, until the time of the configuration is over, with what `checkpoints` keep of an earlier run.
-    ///
-    /// # Errors
-    /// [`TraceError::Simulate`] and [`TraceError::Compare`].
-    pub fn run(
-        self,
-        checkpoints: Option<&SurfaceCheckpoints<'_>>,
-        observer: &dyn Observer,
-    ) -> Result<TraceOutcome, TraceError> {
-        let time = self.config.run.max_time.and_then(Seconds::duration);
-        let deadline = Deadline::new(observer, time);
-        let outcomes = match checkpoints {
-            Some(checkpoints) => checkpoints.resume(self.simulation, &deadline),
-            None => self.simulation.run(&deadline),
-        };
-        let outcome = outcomes?.into_iter().next();
-        let outcome = outcome.ok_or(SimulateError::Interrupted)?;
-        let comparison = self.comparison;
-        let comparison = comparison.map(|planned| planned.run(&outcome, checkpoints, &deadline));
-        let comparison = comparison.transpose()?.flatten();
-        let mut found = TraceOutcome {
-            lobes: BinnedLobe::of_lobes(self.lobes, &self.spec),
-            config: self.config,
-            name: self.name,
-            unit: self.unit,
-            spec: self.spec,
-            outcome,
-            comparison,
-            stopped_by: None,
-            warnings: self.warnings,
-            validity: self.validity,
-            described: self.described,
-        };
-        let stopping = &found.outcome.stopping;
-        found.stopped_by = if stopping.is_cut_short() {
-            Some(stopping.stopped_by)
-        } else if found.lacks_comparison() {
-            deadline.stop().or(Some(StoppedBy::Interrupt))
-        } else {
-            None
-        };
-        let lost = lost_warning(&found.outcome.statistics);
-        let ending = found.stopping().map(|stopping| stopping.warnings.clone());
-        found.warnings.extend(lost);
-        found.warnings.extend(ending.into_iter().flatten());
-        let rim = found
-            .comparison
-            .as_ref()
-            .and_then(TraceComparison::rim_warning);
-        found.warnings.extend(rim);
-        if found.lacks_comparison() {
-            found.warnings.push(
-                "the run was ended before the surface was compared with models; the same command resumes it"
-                    .to_owned(),
-            );
+/// Traces what `found` lacks until the time of the configuration is over, and compares the surface with the models.
+///
+/// # Errors
+/// [`TraceError::Simulate`], [`TraceError::Results`] and [`TraceError::Compare`].
+pub fn trace<'a>(
+    plan: &'a TracePlan,
+    found: &'a mut ResultSet<'_>,
+    observer: &dyn Observer,
+) -> Result<TraceOutcome<'a>, TraceError> {
+    let time = plan.config.run.max_time.and_then(Seconds::duration);
+    let deadline = Deadline::new(observer, time);
+    let keep = |outcome: Outcome| Ok::<_, TraceError>(outcome.into());
+    let cases = std::slice::from_ref(&plan.case);
+    found.run_missing(0, cases, &plan.settings, &deadline, keep)?;
+    if let (Some(planned), Some(whole)) = (&plan.comparison, found.case(0)) {
+        let rays = whole.outcome.work.rays;
+        if !whole.is_cut_short() {
+            // All regions together have as many rays.
+            let settings = planned.settings(rays);
+            match found.run_missing(1, cases, &settings, &deadline, keep) {
+                Err(TraceError::Simulate(SimulateError::Interrupted)) => {}
+                run => run?,
+            }
         }
-        let mesh = found.outcome.errors.mesh_warning();
-        found.warnings.extend(mesh.map(str::to_owned));
-        let narrow = found.lobes.iter().filter_map(BinnedLobe::warning);
-        found.warnings.extend(narrow.collect::<Vec<_>>());
-        Ok(found)
     }
+    found.close()?;
+    let found = &*found;
+    let whole = found.case(0).ok_or(SimulateError::Interrupted)?;
+    let compared = plan.comparison.as_ref().zip(found.case(1));
+    let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
+    let comparison = compared.map(|(planned, regions)| {
+        planned.judge(&plan.case, &regions.outcome, plan.config.run.seed, &deadline)
+    });
+    let mut outcome = TraceOutcome {
+        plan,
+        outcome: &whole.outcome,
+        comparison: comparison.transpose()?,
+        stopped_by: None,
+    };
+    outcome.stopped_by = if whole.is_cut_short() {
+        Some(whole.outcome.stopping.stopped_by)
+    } else if outcome.lacks_comparison() {
+        deadline.stop().or(Some(StoppedBy::Interrupt))
+    } else {
+        None
+    };
+    Ok(outcome)
 }

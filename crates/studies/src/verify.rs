@@ -7,6 +7,7 @@ mod tests;
 use std::time::Instant;
 
 use asperity_analysis::{SmithSlopes, sidak_level};
+use asperity_results::{CaseResult, Header, ResultSet};
 use asperity_simulate::{
     Case, Cells, Deadline, Lobe, Observer, Outcome, StoppedBy, Stopping, SurfaceSource,
 };
@@ -24,7 +25,6 @@ use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::plan::Plan;
-use crate::result_set::{CaseResult, ResultSet};
 use crate::validity::Validity;
 
 /// What was found for one case.
@@ -98,6 +98,8 @@ pub struct VerifyOutcome<'a> {
     pub config: &'a VerifyConfig,
     /// Its cases, and how they are simulated.
     pub plan: &'a Plan,
+    /// What was found of them.
+    pub found: &'a ResultSet<'a>,
     /// The cases that were found, in the order of the plan.
     pub cases: Vec<CaseOutcome<'a>>,
     /// Seconds from beginning to end.
@@ -114,17 +116,13 @@ impl VerifyOutcome<'_> {
     pub(crate) fn left_out(&self) -> usize {
         self.plan.cases.len() - self.cases.len()
     }
+}
 
-    /// What ended the run before all that was planned was done; an interrupt, if that and the time limit ended cases.
+impl VerifyConfig {
+    /// What the results of this configuration are kept under.
     #[must_use]
-    pub fn stopped_by(&self) -> Option<StoppedBy> {
-        let ends = self.cases.iter().filter_map(|case| case.stopping.as_ref());
-        let ended = |by| ends.clone().any(|stopping| stopping.stopped_by == by);
-        if self.left_out() > 0 || ended(StoppedBy::Interrupt) {
-            Some(StoppedBy::Interrupt)
-        } else {
-            ended(StoppedBy::Time).then_some(StoppedBy::Time)
-        }
+    pub fn header(&self) -> Header {
+        Header::new("verify", self.run.seed, self.document())
     }
 }
 
@@ -137,14 +135,15 @@ impl VerifyOutcome<'_> {
 pub fn verify<'a>(
     config: &'a VerifyConfig,
     plan: &'a Plan,
-    found: &'a mut ResultSet,
+    found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
 ) -> Result<VerifyOutcome<'a>, VerifyError> {
     let began = Instant::now();
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time);
     let keep = |outcome| Ok::<_, VerifyError>(CaseResult::from(outcome));
-    found.run_missing(&plan.cases, &plan.settings, keep, observer)?;
+    found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
+    found.close()?;
     let mut judged = judge(config, plan, found, observer)?;
     judged.seconds = began.elapsed().as_secs_f64();
     Ok(judged)
@@ -157,13 +156,13 @@ pub fn verify<'a>(
 pub fn judge<'a>(
     config: &'a VerifyConfig,
     plan: &'a Plan,
-    found: &'a ResultSet,
+    found: &'a ResultSet<'_>,
     observer: &dyn Observer,
 ) -> Result<VerifyOutcome<'a>, VerifyError> {
     let began = Instant::now();
-    let found: Vec<&CaseResult> = found.cases.iter().flatten().collect();
-    observer.begin("comparing", found.len() as u64);
-    let cases = found
+    let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
+    observer.begin("comparing", cases.len() as u64);
+    let cases = cases
         .into_par_iter()
         .map(|one| {
             let judged = judge_case(config, &one.outcome);
@@ -175,6 +174,7 @@ pub fn judge<'a>(
     Ok(VerifyOutcome {
         config,
         plan,
+        found,
         cases,
         seconds: began.elapsed().as_secs_f64(),
     })

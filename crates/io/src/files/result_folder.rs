@@ -247,7 +247,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// [`ResultFolderError`] if a file cannot be read or removed, or the manifest not written.
-    pub fn finish(self, is_complete: bool) -> Result<(), ResultFolderError> {
+    pub fn finish(&self, is_complete: bool) -> Result<(), ResultFolderError> {
         self.claim_all([])?;
         let files = self.files();
         for name in files.only_earlier() {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
@@ -130,6 +130,33 @@ struct Numbered {
     complete: bool,
 }
 
+/// Whose turn it is of the surfaces that are run side by side.
+struct Turns {
+    next: AtomicU64,
+    end: u64,
+    /// Whether one was begun that no earlier run has finished.
+    has_begun: AtomicBool,
+}
+
+impl Turns {
+    fn take(&self) -> Option<u64> {
+        let surface = self.next.fetch_add(1, Ordering::Relaxed);
+        (surface < self.end).then_some(surface)
+    }
+
+    /// Whether no further surface is begun. One is even if there is no time for it, so that repeated runs come to an end.
+    fn are_over(&self, observer: &dyn Observer) -> bool {
+        match observer.stop() {
+            Some(StoppedBy::Interrupt) => true,
+            Some(_) => self.has_begun.swap(true, Ordering::Relaxed),
+            None => {
+                self.has_begun.store(true, Ordering::Relaxed);
+                false
+            }
+        }
+    }
+}
+
 /// Memory that one surface takes at its peak.
 pub(crate) fn surface_bytes(
     surfaces: &RandomSurfaces,
@@ -196,12 +223,16 @@ impl SurfaceGroup<'_> {
         let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
         let drawer = self.surfaces.drawer(self.settings.refine)?;
-        let next = AtomicU64::new(surfaces.start);
+        let turns = Turns {
+            next: AtomicU64::new(surfaces.start),
+            end: surfaces.end,
+            has_begun: AtomicBool::new(false),
+        };
         let watch = self.watch();
         let mut found: Vec<Numbered> = (0..side_by_side)
             .into_par_iter()
             .with_max_len(1)
-            .flat_map_iter(|_| self.run_in_turn(&drawer, &next, &surfaces, &watch, context))
+            .flat_map_iter(|_| self.run_in_turn(&drawer, &turns, &watch, context))
             .collect();
         found.sort_unstable_by_key(|one| one.surface);
         // A surface that a stop cut short counts only if there is no other.
@@ -231,88 +262,88 @@ impl SurfaceGroup<'_> {
         )
     }
 
-    /// Runs the surface whose turn it is, each in the memory of the one before, until all have had theirs, one
-    /// fails or the run is to stop.
+    /// Runs the surface whose turn it is, each in the memory of the one before, until all have had theirs or one fails. Once the run is to
+    /// stop, those that the store holds are still loaded.
     fn run_in_turn(
         &self,
         drawer: &Drawer<'_>,
-        next: &AtomicU64,
-        surfaces: &Range<u64>,
+        turns: &Turns,
         watch: &Watch,
         context: Context<'_>,
     ) -> Vec<Numbered> {
         let observer = context.observer;
         let mut all = Vec::new();
         let mut memory = Vec::new();
-        loop {
-            let surface = next.fetch_add(1, Ordering::Relaxed);
-            // The first surface is traced even if there is no time for it.
-            let over = match observer.stop() {
-                Some(StoppedBy::Interrupt) => true,
-                Some(_) => surface > 0,
-                None => false,
+        while let Some(surface) = turns.take() {
+            let saved = self.load(surface, context);
+            let one = match saved {
+                Some(saved) if self.is_complete(&saved) => {
+                    observer.advance(self.rays_of_surface() * self.cases.len() as u64);
+                    Numbered {
+                        surface,
+                        found: Ok(saved),
+                        complete: true,
+                    }
+                }
+                _ if turns.are_over(observer) => continue,
+                saved => {
+                    let left = saved.map_or_else(Vec::new, |saved| saved.cases);
+                    self.trace_and_save(drawer, surface, &mut memory, left, context)
+                }
             };
-            if over || surface >= surfaces.end {
-                return all;
-            }
-            let one = self.load_or_trace(drawer, surface, &mut memory, context);
             match &one.found {
                 Ok(found) if one.complete => watch.add(found, observer),
                 Ok(_) => {}
-                Err(_) => next.store(surfaces.end, Ordering::Relaxed),
+                Err(_) => turns.next.store(turns.end, Ordering::Relaxed),
             }
             all.push(one);
         }
+        all
     }
 
-    /// What the store holds of a surface, or what is found on it, which is then saved.
-    fn load_or_trace(
+    fn key(&self, surface: u64) -> SurfaceKey {
+        SurfaceKey {
+            case: self.cases.first().map_or(0, |traced| traced.number),
+            stage: self.stage,
+            number: surface,
+        }
+    }
+
+    /// What the store holds of a surface.
+    fn load(&self, surface: u64, context: Context<'_>) -> Option<SurfaceTallies> {
+        let saved = context.store?.load(self.key(surface))?;
+        saved.restore(&self.specs())
+    }
+
+    /// Whether a surface has had all of its rays, on the paths that are planned.
+    fn is_complete(&self, found: &SurfaceTallies) -> bool {
+        let rays = self.rays_of_surface();
+        let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
+            found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
+        };
+        let all_there = found.cases.len() == self.cases.len();
+        all_there && found.cases.iter().zip(self.cases).all(same)
+    }
+
+    /// What is found on a surface, of which an earlier run has `left` the first blocks of each case; it is saved.
+    fn trace_and_save(
         &self,
         drawer: &Drawer<'_>,
         surface: u64,
         memory: &mut Vec<f64>,
+        left: Vec<CaseOnSurface>,
         context: Context<'_>,
     ) -> Numbered {
-        let Context {
-            observer, store, ..
-        } = context;
-        let key = SurfaceKey {
-            case: self.cases.first().map_or(0, |traced| traced.number),
-            stage: self.stage,
-            number: surface,
-        };
-        let rays = self.rays_of_surface();
-        let is_complete = |found: &SurfaceTallies| {
-            let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
-                found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
-            };
-            let all_there = found.cases.len() == self.cases.len();
-            all_there && found.cases.iter().zip(self.cases).all(same)
-        };
-        let saved = store.and_then(|store| store.load(key));
-        let saved = saved.and_then(|saved| saved.restore(&self.specs()));
-        let resumed = match saved {
-            Some(saved) if is_complete(&saved) => {
-                observer.advance(rays * self.cases.len() as u64);
-                return Numbered {
-                    surface,
-                    found: Ok(saved),
-                    complete: true,
-                };
-            }
-            Some(saved) => saved.cases,
-            None => Vec::new(),
-        };
-        let found = self.trace(drawer, surface, memory, resumed, context);
-        let complete = found.as_ref().is_ok_and(is_complete);
-        if let (Some(store), Ok(found)) = (store, &found) {
+        let found = self.trace(drawer, surface, memory, left, context);
+        let complete = found.as_ref().is_ok_and(|found| self.is_complete(found));
+        if let (Some(store), Ok(found)) = (context.store, &found) {
             let saved = SavedSurface::new(
                 &found.cases,
                 found.slopes,
                 found.seconds,
                 found.used.clone(),
             );
-            store.save(key, saved);
+            store.save(self.key(surface), saved);
         }
         Numbered {
             surface,

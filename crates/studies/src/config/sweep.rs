@@ -4,6 +4,7 @@
 //! further row there.
 
 use asperity_optics::Incidence;
+use serde_json::{Value, json};
 use asperity_simulate::{Case, Coordinates, LayerBelow, Light, SurfaceSource};
 
 use crate::config::VerifyConfig;
@@ -76,6 +77,33 @@ impl VerifyConfig {
             configs.into_iter().flat_map(with).collect()
         };
         Ok(lists.into_iter().fold(vec![self.clone()], with_values))
+    }
+
+    /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given
+    /// surface in place of the random ones.
+    pub(crate) fn document_of_cases(&self, measured: Option<&Value>) -> Value {
+        let mut settings = self.clone();
+        for (_, dimension) in DIMENSIONS {
+            if let Some(list) = dimension(&mut settings) {
+                *list = OneOrMany::Many(Vec::new());
+            }
+        }
+        let mut document = settings.document();
+        if let Some(measured) = measured {
+            document["surface"] = json!({ "cells": self.surface.cells.of_given() });
+            document["measured"] = measured.clone();
+        }
+        document
+    }
+
+    /// The settings that the results depend on: neither the time that a run is given, nor plots, nor the wavelength, which changes nothing
+    /// that is traced.
+    pub(crate) fn document(&self) -> Value {
+        let mut settings = self.clone();
+        settings.run.max_time = None;
+        settings.light.wavelength = None;
+        settings.output.plots = true;
+        json!(settings)
     }
 
     /// The case of a configuration without lists, on `surface`, in the bins of the settings.

@@ -1,6 +1,7 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
 use asperity_optics::Incidence;
+use asperity_results::Header;
 use asperity_simulate::{BottomSurface, check_memory, check_results};
 use asperity_tally::{HemisphereGrid, Polarimetry};
 use serde::{Deserialize, Serialize};
@@ -173,6 +174,16 @@ impl GonioConfig {
             compare: CompareConfig::none(),
             output: OutputConfig { plots: true },
         })
+    }
+
+    /// What the results of this configuration are kept under; `sample` is the given surface, if there is one.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn header(&self, sample: Option<&Sample>) -> Result<Header, ConfigError> {
+        let measured = sample.map(|sample| &sample.about.description);
+        let document = self.as_verification()?.document_of_cases(measured);
+        Ok(Header::new("gonio", self.run.seed, document))
     }
 
     /// What is measured, checked as far as it can be before a ray is traced; `sample` is the given surface, if there is one.

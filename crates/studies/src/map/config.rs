@@ -1,5 +1,6 @@
 //! The configuration of a map: what `asperity map` reads from a file.
 
+use asperity_results::Header;
 use asperity_simulate::check_results;
 use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
@@ -85,10 +86,22 @@ impl MapConfig {
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self) -> Result<Plan, VerifyError> {
         let verification = self.as_verification()?;
-        let plan = verification.plan()?;
+        let mut plan = verification.plan()?;
+        // What a cell finds does not depend on the others.
+        plan.settings.plan_alone = true;
         let (spec, refine) = (&plan.settings.tally, plan.settings.refine);
         check_results(spec, self.run.realisations.0, 1, refine)?;
         Ok(plan)
+    }
+
+    /// What the results of this configuration are kept under: tolerances are applied to them.
+    ///
+    /// # Errors
+    /// As [`plan`](Self::plan).
+    pub fn header(&self) -> Result<Header, ConfigError> {
+        let verification = self.as_verification()?;
+        let document = verification.document_of_cases(None);
+        Ok(Header::new("map", self.run.seed, document))
     }
 
     /// The verification that fills all cells.

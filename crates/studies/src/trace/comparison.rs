@@ -26,7 +26,6 @@ use crate::config::error::ConfigError;
 use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
 use crate::given::{GivenShape, GivenSurface};
-use crate::output::SurfaceCheckpoints;
 
 /// Mean slope, over the root mean square slope, above which a surface is called tilted.
 const TILTED: f64 = 0.05;
@@ -38,14 +37,14 @@ const SLANTED: f64 = 0.1;
 const PAST_RIM: f64 = 1e-4;
 
 /// A given surface against models.
-pub struct TraceComparison {
+pub struct TraceComparison<'a> {
     /// What the regions of the surface did: a tally of each.
-    pub outcome: Outcome,
+    pub outcome: &'a Outcome,
     /// The models.
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the components that models claim.
     pub level: f64,
-    slopes: Slopes,
+    slopes: &'a Slopes,
 }
 
 /// The slopes that models are made for.
@@ -113,10 +112,7 @@ impl Slopes {
 /// A comparison, checked and ready to be run after the surface is traced.
 pub(super) struct PlannedComparison {
     config: CompareConfig,
-    seed: u64,
     slopes: Slopes,
-    simulation: Simulation,
-    case: Case,
     settings: Settings,
     pub(super) warnings: Vec<String>,
 }
@@ -173,65 +169,52 @@ impl PlannedComparison {
             regions: Some(slopes.plan.regions),
             estimator: Estimator::Plain,
             refine: false,
-            effort: Effort::rays(Effort::DEFAULT_RAYS),
             ..*settings
         };
         Ok(Some(Self {
             config: config.compare.clone(),
-            seed: config.run.seed,
             slopes,
-            simulation: Simulation::new(std::slice::from_ref(case), &settings)?,
-            case: case.clone(),
             settings,
             warnings,
         }))
     }
 
-    /// Traces the regions with as many rays as `whole` has, and compares; `None` if a stop comes before all regions are traced.
-    pub(super) fn run(
-        self,
-        whole: &Outcome,
-        checkpoints: Option<&SurfaceCheckpoints<'_>>,
-        observer: &dyn Observer,
-    ) -> Result<Option<TraceComparison>, TraceError> {
-        if whole.stopping.is_cut_short() {
-            return Ok(None);
+    /// How `rays` are traced on all regions together.
+    pub(super) const fn settings(&self, rays: u64) -> Settings {
+        Settings {
+            effort: Effort::rays(rays),
+            ..self.settings
         }
-        let effort = Effort::rays(whole.work.rays);
-        let simulation = self.simulation.repeated(effort, self.settings.seed);
-        let outcomes = match checkpoints {
-            Some(checkpoints) => checkpoints.resume(simulation, observer),
-            None => simulation.run(observer),
-        };
-        let outcome = match outcomes {
-            Err(SimulateError::Interrupted) => None,
-            outcomes => outcomes?.into_iter().next(),
-        };
-        let regions = self.slopes.plan.regions.count();
-        let complete = |outcome: &Outcome| outcome.surfaces.len() as u64 == regions;
-        let Some(outcome) = outcome.filter(complete) else {
-            return Ok(None);
-        };
+    }
+
+    /// What the regions of the surface say of the models.
+    pub(super) fn judge<'a>(
+        &'a self,
+        case: &Case,
+        outcome: &'a Outcome,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<TraceComparison<'a>, TraceError> {
         observer.begin("comparing", self.config.models.len() as u64);
         let compared = Compared {
             config: &self.config,
-            seed: self.seed,
+            seed,
             spec: outcome.statistics.spec(),
-            incidence: self.case.light.incidence,
+            incidence: case.light.incidence,
             free_azimuth: false,
-            surface: self.slopes.modelled(&self.case),
-            outcome: &outcome,
+            surface: self.slopes.modelled(case),
+            outcome,
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
         };
         let (models, tests) = compare_models(&compared)?;
         observer.end();
-        Ok(Some(TraceComparison {
+        Ok(TraceComparison {
             level: sidak_level(self.config.level, tests.max(1)),
             outcome,
             models,
-            slopes: self.slopes,
-        }))
+            slopes: &self.slopes,
+        })
     }
 }
 
@@ -291,11 +274,11 @@ fn centred(border: Border, mut regions: Vec<RegionSlopes>) -> Vec<RegionSlopes> 
     regions
 }
 
-impl TraceComparison {
+impl TraceComparison<'_> {
     pub(super) fn compared(&self) -> ComparedCase<'_> {
         ComparedCase {
             spec: self.outcome.statistics.spec(),
-            outcome: &self.outcome,
+            outcome: self.outcome,
             models: &self.models,
             level: self.level,
             free_azimuth: false,
@@ -303,7 +286,7 @@ impl TraceComparison {
     }
 
     pub(super) const fn slopes(&self) -> &Slopes {
-        &self.slopes
+        self.slopes
     }
 
     /// What an open patch loses past its rim, which no model knows of.
@@ -325,7 +308,7 @@ impl TraceComparison {
             shifts,
             tables,
             ..
-        } = &self.slopes;
+        } = self.slopes;
         let [xx, xy, yy] = shifts.elements();
         value["slopes"] = json!({
             "variance_x": xx,

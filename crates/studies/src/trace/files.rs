@@ -42,10 +42,10 @@ impl TraceConfig {
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(), ReportError> {
-    let names = outcome.config.files()?;
+    let names = outcome.plan.config.files()?;
     folder.claim_all(names.iter().map(String::as_str))?;
     let place = Place::root(folder);
-    let draw = || match outcome.config.output.plots {
+    let draw = || match outcome.plan.config.output.plots {
         true => draw(&place, outcome),
         false => Ok(()),
     };
@@ -66,11 +66,11 @@ pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(),
 }
 
 /// The tables of fluxes.
-fn tables(outcome: &TraceOutcome) -> FluxTables<'_> {
-    let found = &outcome.outcome;
+fn tables<'a>(outcome: &'a TraceOutcome<'_>) -> FluxTables<'a> {
+    let found = outcome.outcome;
     FluxTables {
         fluxes: Fluxes {
-            spec: &outcome.spec,
+            spec: outcome.spec(),
             statistics: &found.statistics,
             errors: &found.errors,
             rays: found.work.rays,
@@ -84,15 +84,15 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
     let case = &outcome.outcome.case;
     let light = PlottedCase {
         case,
-        max_order: outcome.config.run.max_order,
+        max_order: outcome.plan.config.run.max_order,
     };
     let map = || match case.surface.heights() {
-        Some(field) => figures::height_map(&[place], &field, &outcome.name),
+        Some(field) => figures::height_map(&[place], &field, &outcome.plan.name),
         None => Ok(()),
     };
     let statistics = &outcome.outcome.statistics;
     let models = outcome.models();
-    let lobes = || figures::lobes_and_curves(place, &light, &outcome.spec, statistics, models);
+    let lobes = || figures::lobes_and_curves(place, &light, outcome.spec(), statistics, models);
     let polarised = || draw_polarised(place, &light, statistics);
     let (map, (lobes, polarised)) = rayon::join(map, || rayon::join(lobes, polarised));
     map.and(lobes).and(polarised)
@@ -101,8 +101,8 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
 /// The contents of summary.json.
 #[must_use]
 pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
-    let found = &outcome.outcome;
-    let config: Value = outcome.described.clone();
+    let found = outcome.outcome;
+    let config: Value = outcome.plan.described.clone();
     let mut columns = tables(outcome).columns();
     let comparison = outcome.comparison.as_ref();
     if let Some(of_comparison) = comparison.and_then(|c| comparison_columns(c.compared())) {
@@ -115,8 +115,8 @@ pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
     };
     summary
         .with_columns(columns)
-        .with_lobes(outcome.lobes.clone())
-        .with_warnings(outcome.warnings.clone())
+        .with_lobes(outcome.lobes())
+        .with_warnings(outcome.warnings())
         .with_stopping(outcome.stopping().cloned())
-        .with_validity(outcome.validity)
+        .with_validity(outcome.plan.validity)
 }

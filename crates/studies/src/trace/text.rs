@@ -15,10 +15,10 @@ use crate::report::polarised::polarised_text;
 /// Surface and light, then energies, errors and notes.
 #[must_use]
 pub fn trace_table(outcome: &TraceOutcome) -> String {
-    let found = &outcome.outcome;
+    let found = outcome.outcome;
     let mut text = format!(
         "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}{}\n",
-        outcome.name,
+        outcome.plan.name,
         light_line(&found.case),
         found.statistics.batches(),
         energy_table(&found.statistics, &FluxSupport::of(found)),
@@ -31,14 +31,14 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     }
     if let Some(line) = outcome
         .stopping()
-        .and_then(|stopping| stopping.line(outcome.unit))
+        .and_then(|stopping| stopping.line(found.case.at.unit))
     {
         let _ = writeln!(text, "{line}");
     }
-    if let Some(validity) = &outcome.validity {
+    if let Some(validity) = &outcome.plan.validity {
         let _ = writeln!(text, "{}", wrapped(&format!("note: {validity}")));
     }
-    for warning in &outcome.warnings {
+    for warning in outcome.warnings() {
         let _ = writeln!(text, "note: {warning}");
     }
     wrapped(&text)

@@ -1,6 +1,7 @@
 //! Why a verification fails.
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeTableError};
+use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
 
 use crate::comparison::error::CompareError;
@@ -19,6 +20,9 @@ pub enum VerifyError {
     /// A model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// Results cannot be kept.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
@@ -46,7 +50,7 @@ impl VerifyError {
         match self {
             Self::Config(_) | Self::Model(_) => true,
             Self::Simulate(error) => error.is_usage(),
-            Self::Comparison(_) => false,
+            Self::Results(_) | Self::Comparison(_) => false,
         }
     }
 
