@@ -7,7 +7,6 @@ mod columns;
 mod head;
 mod number;
 mod place;
-mod rounding;
 mod summary_of_cases;
 mod support;
 mod surface_checkpoints;

@@ -17,8 +17,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::rounding::rounding;
 use crate::config::values::Seconds;
+use asperity_results::rounding;
 
 /// Form of the files; another number is another form.
 const SCHEMA: u64 = 5;

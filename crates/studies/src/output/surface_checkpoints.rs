@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::checkpoints::{CHANGED, CheckpointError, Found, first_difference, other_build};
-use super::rounding::rounding;
+use asperity_results::rounding;
 
 /// Folder of the files within the result folder.
 const FOLDER: &str = "checkpoints";

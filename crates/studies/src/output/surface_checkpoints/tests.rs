@@ -136,7 +136,7 @@ fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refus
     let (header, surfaces) = text.split_once('\n').unwrap();
     // A changed number, and a file that was cut short, are not believed; numbers of a machine that rounds differently are
     // not mixed with those of this one.
-    let rounding = format!("\"rounding\":\"{}\"", super::rounding());
+    let rounding = format!("\"rounding\":\"{}\"", asperity_results::rounding());
     assert!(header.contains(&rounding), "{header}");
     let other_rounding = header.replacen(&rounding, "\"rounding\":\"0123\"", 1);
     let damaged = "is damaged and is computed again";

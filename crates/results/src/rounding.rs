@@ -1,7 +1,7 @@
-//! Rounding: a fingerprint of how this machine rounds, which checkpoints carry.
+//! Rounding: a fingerprint of how this machine rounds, which results carry.
 //!
 //! The functions of the standard library, such as `exp`, are those of the operating system, whose last digits differ
-//! between systems and versions. Cells that were computed by different ones would not add up to the bytes of either.
+//! between systems and versions. Cases that were computed by different ones would not add up to the bytes of either.
 
 use std::hint::black_box;
 use std::sync::OnceLock;
@@ -38,7 +38,8 @@ const SHAPE: [usize; 2] = [32, 60];
 
 /// The fingerprint of this machine: a hash of elementary functions at fixed arguments and of the heights of a small
 /// surface, which come out of a Fourier transform.
-pub(super) fn rounding() -> &'static str {
+#[must_use]
+pub fn rounding() -> &'static str {
     static ROUNDING: OnceLock<String> = OnceLock::new();
     ROUNDING.get_or_init(|| {
         // Drawing fails only if memory runs out.
