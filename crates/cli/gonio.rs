@@ -1,9 +1,7 @@
 //! `asperity gonio`: the whole BRDF and BTDF.
 
 use asperity_studies::settings::Document;
-use asperity_studies::{
-    GonioConfig, Sample, gonio, gonio_report, gonio_summary, gonio_table,
-};
+use asperity_studies::{GonioConfig, Sample, gonio, gonio_report, gonio_summary, gonio_table};
 
 use crate::common::{Common, Results};
 use crate::completion::{close_cases, open_cases, say_notes};

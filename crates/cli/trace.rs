@@ -4,8 +4,8 @@ use std::path::Path;
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GivenSurface, TracePlan, TraceConfig, TraceError, TracedSurfaces, trace_report,
-    trace_summary, trace_table,
+    GivenSurface, TraceConfig, TraceError, TracePlan, TracedSurfaces, trace_report, trace_summary,
+    trace_table,
 };
 
 use crate::common::{Common, Results};

@@ -2,9 +2,7 @@
 
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
-use asperity_studies::{
-    VerifyConfig, verify, verify_report, verify_summary, verify_table,
-};
+use asperity_studies::{VerifyConfig, verify, verify_report, verify_summary, verify_table};
 
 use crate::common::{Common, Results};
 use crate::completion::{open_results, say_notes};

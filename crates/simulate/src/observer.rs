@@ -44,6 +44,8 @@ impl Observer for Silent {
 pub struct Deadline<'a> {
     observer: &'a dyn Observer,
     end: Option<Instant>,
+    /// Whether no further cases begin after it, even without any result.
+    ends_between: bool,
 }
 
 impl<'a> Deadline<'a> {
@@ -52,7 +54,20 @@ impl<'a> Deadline<'a> {
     pub fn new(observer: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
         let end = time.and_then(|time| Instant::now().checked_add(time));
-        Self { observer, end }
+        Self {
+            observer,
+            end,
+            ends_between: false,
+        }
+    }
+
+    /// The same, after which no further cases begin.
+    #[must_use]
+    pub const fn between_cases(self) -> Self {
+        Self {
+            ends_between: true,
+            ..self
+        }
     }
 }
 
@@ -79,7 +94,10 @@ impl Observer for Deadline<'_> {
         self.observer.surface_drawn(number);
     }
     fn stop_between(&self) -> Option<StoppedBy> {
-        self.observer.stop_between()
+        match self.ends_between {
+            true => self.stop(),
+            false => self.observer.stop_between(),
+        }
     }
     fn stop(&self) -> Option<StoppedBy> {
         self.observer.stop().or_else(|| {

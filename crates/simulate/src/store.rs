@@ -29,7 +29,7 @@ pub trait SurfaceStore: Sync {
 }
 
 /// Which part of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct SurfaceKey {
     /// Number of the first traced case of those that share the surface, among the cases of the run.
     pub case: usize,
@@ -40,7 +40,7 @@ pub struct SurfaceKey {
 }
 
 /// What a part of a run belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
     /// Surfaces of the pilot run, from which the effort is planned.

@@ -196,7 +196,7 @@ pub fn gonio<'a>(
     observer: &dyn Observer,
 ) -> Result<GonioOutcome<'a>, VerifyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
-    let observer = &Deadline::new(observer, time);
+    let observer = &Deadline::new(observer, time).between_cases();
     let keep = |outcome: Outcome| Ok::<_, VerifyError>(outcome.without_details().into());
     found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
     found.close()?;

@@ -83,7 +83,7 @@ pub fn map<'a>(
     observer: &dyn Observer,
 ) -> Result<MapOutcome<'a>, VerifyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
-    let observer = &Deadline::new(observer, time);
+    let observer = &Deadline::new(observer, time).between_cases();
     let verification = config.as_verification()?;
     let keep = |outcome: Outcome| {
         let judged = judge_case(&verification, &outcome)?;

@@ -8,12 +8,11 @@ mod region_plan;
 mod text;
 
 use asperity_analysis::ModelError;
-use asperity_io::ResultFolder;
+use asperity_results::{Header, ResultSet, ResultsError};
 use asperity_simulate::{
-    Cells, Deadline, DescribedShape, Lobe, Observer, Outcome, Shape, SimulateError, Simulation,
-    StoppedBy, Stopping, short,
+    Case, Cells, Deadline, Lobe, Observer, Outcome, Settings, Shape, SimulateError, StoppedBy,
+    Stopping, short,
 };
-use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
 use serde_json::{Value, json};
 
@@ -29,7 +28,6 @@ use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::given::{GivenShape, GivenSurface};
-use crate::output::{CheckpointError, SurfaceCheckpoints};
 use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
@@ -301,7 +299,12 @@ pub fn trace<'a>(
     let compared = plan.comparison.as_ref().zip(found.case(1));
     let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
     let comparison = compared.map(|(planned, regions)| {
-        planned.judge(&plan.case, &regions.outcome, plan.config.run.seed, &deadline)
+        planned.judge(
+            &plan.case,
+            &regions.outcome,
+            plan.config.run.seed,
+            &deadline,
+        )
     });
     let mut outcome = TraceOutcome {
         plan,

@@ -8,9 +8,7 @@ use std::time::Instant;
 
 use asperity_analysis::{SmithSlopes, sidak_level};
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{
-    Case, Cells, Deadline, Lobe, Observer, Outcome, StoppedBy, Stopping, SurfaceSource,
-};
+use asperity_simulate::{Case, Cells, Deadline, Lobe, Observer, Outcome, Stopping, SurfaceSource};
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 

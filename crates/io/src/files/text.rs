@@ -1,4 +1,4 @@
-//! Configurations and results: plain text and JSON, read whole.
+//! Configurations and results: files, text and JSON, read whole.
 
 use std::io::Read;
 use std::path::Path;
@@ -8,20 +8,29 @@ use serde::de::DeserializeOwned;
 use super::open::open;
 use crate::error::ReadError;
 
+/// Reads a whole file, which may be empty.
+///
+/// # Errors
+/// [`ReadError`] if it does not exist or is not a regular file.
+pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>, ReadError> {
+    let path = path.as_ref();
+    let (mut file, length) = match open(path) {
+        Err(ReadError::Empty { .. }) => return Ok(Vec::new()),
+        other => other?,
+    };
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    file.read_to_end(&mut bytes)
+        .map_err(|e| ReadError::io(path, e))?;
+    Ok(bytes)
+}
+
 /// Reads a whole text file in UTF-8, which may be empty.
 ///
 /// # Errors
 /// [`ReadError`] if it does not exist, is not a regular file or not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, ReadError> {
     let path = path.as_ref();
-    let (mut file, length) = match open(path) {
-        Err(ReadError::Empty { .. }) => return Ok(String::new()),
-        other => other?,
-    };
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    file.read_to_end(&mut bytes)
-        .map_err(|e| ReadError::io(path, e))?;
-    String::from_utf8(bytes).map_err(|e| {
+    String::from_utf8(read_bytes(path)?).map_err(|e| {
         let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
         let column = 1 + valid

@@ -26,6 +26,7 @@ use crate::input::limits::{check_memory, meshes_bytes, shape_bytes, smooth_meshe
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::regions::Regions;
 use crate::input::settings::Settings;
+use crate::observer::Observer;
 use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};

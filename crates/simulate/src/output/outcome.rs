@@ -25,6 +25,7 @@ pub struct Outcome {
     pub errors_from: ErrorSource,
     /// Flux fractions of each surface, or of each region of a given one, with which models are compared; empty
     /// [without details](Self::without_details).
+    #[serde(with = "rows")]
     pub surfaces: Vec<TallyValues>,
     /// The errors of the fluxes by where they come from; none of them [without details](Self::without_details).
     pub errors: ErrorBudget,
@@ -36,6 +37,50 @@ pub struct Outcome {
     pub stopping: Stopping,
     /// The seed of surfaces and rays.
     pub seed: u64,
+}
+
+/// Tallies of one spec as rows of one array.
+mod rows {
+    use asperity_tally::{TallySpec, TallyValues};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    struct Rows {
+        spec: TallySpec,
+        values: Vec<Vec<f64>>,
+    }
+
+    pub(super) fn serialize<S: Serializer>(
+        tallies: &[TallyValues],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let rows = tallies.first().map(|first| Rows {
+            spec: *first.spec(),
+            values: tallies
+                .iter()
+                .map(|tally| tally.iter().copied().collect())
+                .collect(),
+        });
+        rows.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        source: D,
+    ) -> Result<Vec<TallyValues>, D::Error> {
+        let Some(Rows { spec, values }) = Option::deserialize(source)? else {
+            return Ok(Vec::new());
+        };
+        let tally = |row: Vec<f64>| {
+            let mut row = row.into_iter();
+            let is_whole = row.len() == spec.len();
+            let tally = TallyValues::from_fn(spec, |_| row.next().unwrap_or(f64::NAN));
+            is_whole
+                .then_some(tally)
+                .ok_or_else(|| D::Error::custom("rows of another tally spec"))
+        };
+        values.into_iter().map(tally).collect()
+    }
 }
 
 impl Outcome {

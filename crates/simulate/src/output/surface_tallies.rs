@@ -16,6 +16,7 @@ pub(crate) struct SurfaceTallies {
     pub(crate) cases: Vec<CaseOnSurface>,
     /// Moments of its slopes, of a random surface.
     pub(crate) slopes: Option<SlopeMoments>,
+    #[serde(rename = "machine")]
     pub(crate) seconds: Seconds,
     pub(crate) used: Used,
 }

@@ -47,6 +47,7 @@ pub struct SummaryWork {
     /// How they are spread.
     pub sampling: Sampling,
     /// What depends on the machine and the moment.
+    #[serde(default)]
     pub machine: MachineWork,
 }
 
@@ -71,6 +72,7 @@ pub struct MachineWork {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Used {
     accelerator: AcceleratorKind,
+    #[serde(rename = "machine")]
     instructions: Option<String>,
 }
 

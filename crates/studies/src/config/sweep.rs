@@ -4,8 +4,8 @@
 //! further row there.
 
 use asperity_optics::Incidence;
-use serde_json::{Value, json};
 use asperity_simulate::{Case, Coordinates, LayerBelow, Light, SurfaceSource};
+use serde_json::{Value, json};
 
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;

@@ -4,9 +4,7 @@
 mod tests;
 
 use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes, sidak_level};
-use asperity_simulate::{
-    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation, short,
-};
+use asperity_simulate::{Case, Effort, Estimator, Observer, Outcome, Settings, Shape, short};
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
 use asperity_tracer::Polarisation;

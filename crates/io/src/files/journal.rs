@@ -1,0 +1,202 @@
+//! Journal: a file of records that grows at its end, each with its length and a checksum.
+//!
+//! A record is its length, 8 bytes, little endian, the MD5 of length and content, 16 bytes, and the content. What a killed process has
+//! written of a record, and whatever follows a damaged one, is dropped.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use md5::{Digest, Md5};
+
+use super::open::open;
+use crate::error::{ReadError, WriteError};
+
+/// Bytes before the content of a record.
+const HEAD: usize = 8 + 16;
+
+/// A journal that is written.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    end: u64,
+}
+
+/// The records of a journal that are as they were written.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct JournalRecords {
+    /// Where each record begins, and its content.
+    pub records: Vec<(u64, Vec<u8>)>,
+    /// Where the last of them ends.
+    pub end: u64,
+    /// Bytes behind it, which are no whole record.
+    pub dropped: u64,
+}
+
+impl Journal {
+    /// Opens the journal `path` to go on at `end`, and drops what is behind; a new one is made for an end of 0.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the operating system refuses.
+    pub fn open(path: impl AsRef<Path>, end: u64) -> Result<Self, WriteError> {
+        let path = path.as_ref().to_owned();
+        let open = || {
+            let mut options = File::options();
+            let file = options.read(true).write(true).create(true).truncate(false);
+            let file = file.open(&path)?;
+            file.set_len(end)?;
+            Ok(file)
+        };
+        let file = open().map_err(WriteError::io(&path))?;
+        Ok(Self { path, file, end })
+    }
+
+    /// Adds records, and returns where each begins once all of them are on the disk.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the operating system refuses, as where the disk is full.
+    pub fn append(&mut self, records: &[Vec<u8>]) -> Result<Vec<u64>, WriteError> {
+        let mut bytes = Vec::new();
+        let mut begins = Vec::new();
+        for record in records {
+            begins.push(self.end + bytes.len() as u64);
+            let length = (record.len() as u64).to_le_bytes();
+            bytes.extend(length);
+            bytes.extend(checksum(length, record));
+            bytes.extend(record);
+        }
+        let write = || {
+            (&self.file).seek(SeekFrom::Start(self.end))?;
+            (&self.file).write_all(&bytes)?;
+            self.file.sync_data()
+        };
+        write().map_err(WriteError::io(&self.path))?;
+        self.end += bytes.len() as u64;
+        Ok(begins)
+    }
+
+    /// The content of the record that begins at `begin`.
+    ///
+    /// # Errors
+    /// [`ReadError`] if the operating system refuses, or the record is no longer as it was written.
+    pub fn read(&self, begin: u64) -> Result<Vec<u8>, ReadError> {
+        let read = || {
+            (&self.file).seek(SeekFrom::Start(begin))?;
+            next_record(&mut &self.file, self.end - begin)
+        };
+        match read() {
+            Ok(Some(record)) => Ok(record),
+            Ok(None) => Err(ReadError::io(
+                &self.path,
+                io::ErrorKind::UnexpectedEof.into(),
+            )),
+            Err(error) => Err(ReadError::io(&self.path, error)),
+        }
+    }
+}
+
+/// Reads the records of the journal `path` up to the first that is torn or damaged; none if there is no such file, or it is empty.
+///
+/// # Errors
+/// [`ReadError`] if the operating system refuses.
+pub fn read_journal(path: impl AsRef<Path>) -> Result<JournalRecords, ReadError> {
+    let path = path.as_ref();
+    let (file, length) = match open(path) {
+        Err(ReadError::NotFound { .. } | ReadError::Empty { .. }) => {
+            return Ok(JournalRecords::default());
+        }
+        opened => opened?,
+    };
+    let mut source = io::BufReader::with_capacity(1 << 16, file);
+    let mut found = JournalRecords::default();
+    loop {
+        let left = length - found.end;
+        let record = next_record(&mut source, left).map_err(|error| ReadError::io(path, error))?;
+        let Some(record) = record else {
+            found.dropped = left;
+            return Ok(found);
+        };
+        let end = found.end + (HEAD + record.len()) as u64;
+        found.records.push((found.end, record));
+        found.end = end;
+    }
+}
+
+/// The next record, of which at most `left` bytes are there; `None` if it is torn or damaged, or there is none.
+fn next_record(source: &mut impl Read, left: u64) -> io::Result<Option<Vec<u8>>> {
+    if left < HEAD as u64 {
+        return Ok(None);
+    }
+    let (mut length, mut expected) = ([0; 8], [0; 16]);
+    source.read_exact(&mut length)?;
+    source.read_exact(&mut expected)?;
+    let bytes = u64::from_le_bytes(length);
+    if bytes > left - HEAD as u64 {
+        return Ok(None);
+    }
+    let mut record = vec![0; bytes as usize];
+    source.read_exact(&mut record)?;
+    Ok((checksum(length, &record) == expected).then_some(record))
+}
+
+fn checksum(length: [u8; 8], record: &[u8]) -> [u8; 16] {
+    let mut digest = Md5::new();
+    digest.update(length);
+    digest.update(record);
+    digest.finalize().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn contents(path: &Path) -> Vec<Vec<u8>> {
+        let found = read_journal(path).unwrap();
+        found
+            .records
+            .into_iter()
+            .map(|(_, record)| record)
+            .collect()
+    }
+
+    #[test]
+    fn a_tail_torn_at_any_byte_and_a_flipped_bit_cost_the_last_record_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        let records: Vec<Vec<u8>> = vec![b"first".to_vec(), Vec::new(), b"the last".to_vec()];
+        let mut journal = Journal::open(&path, 0).unwrap();
+        let begins = journal.append(&records).unwrap();
+        assert_eq!(journal.read(begins[2]).unwrap(), records[2]);
+        let whole = fs::read(&path).unwrap();
+        assert_eq!(contents(&path), records);
+        let last = begins[2] as usize;
+        for length in last..whole.len() {
+            fs::write(&path, &whole[..length]).unwrap();
+            let found = read_journal(&path).unwrap();
+            assert_eq!(
+                (found.end, found.dropped),
+                (begins[2], (length - last) as u64)
+            );
+            assert_eq!(found.records.len(), 2);
+            // The next run goes on behind what is whole.
+            let mut journal = Journal::open(&path, found.end).unwrap();
+            journal.append(&[b"again".to_vec()]).unwrap();
+            assert_eq!(contents(&path).last().unwrap(), b"again");
+        }
+        for bit in 8 * last..8 * whole.len() {
+            let mut flipped = whole.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&path, &flipped).unwrap();
+            assert_eq!(contents(&path), records[..2], "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn no_journal_has_no_records() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(contents(&folder.path().join("none")), Vec::<Vec<u8>>::new());
+    }
+}

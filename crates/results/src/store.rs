@@ -1,0 +1,272 @@
+//! Part store: finished parts and cases of a run while it goes on, in memory and in a journal.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use asperity_io::Journal;
+use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceSource, SurfaceStore};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::error::ResultsError;
+use crate::header::Header;
+use crate::set::CaseResult;
+
+/// How often the journal is written, and thus what a killed run may lose.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Least time between two writes.
+    pub(crate) interval: Duration,
+    /// So many times what the last write took, at least, lies between two.
+    pub(crate) rest: u32,
+}
+
+impl Pace {
+    /// Every 10 s, and no more than 1 % of the time.
+    pub(crate) const DEFAULT: Self = Self {
+        interval: Duration::from_secs(10),
+        rest: 99,
+    };
+}
+
+/// A record of the journal behind the first, which is the header as JSON.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum Record {
+    Case(usize, Box<CaseResult>),
+    Part(SurfaceKey, Box<SavedSurface>),
+}
+
+/// A finished part.
+#[derive(Clone, Debug)]
+pub(crate) enum Part {
+    Held(Box<SavedSurface>),
+    /// In the journal, where its record begins.
+    Journal(u64),
+}
+
+/// Finished parts of a run, and its journal.
+#[derive(Debug)]
+pub struct PartStore {
+    state: Mutex<State>,
+    /// Added to the case numbers of keys: the first case of the simulation that runs.
+    first: usize,
+}
+
+#[derive(Debug)]
+pub(crate) struct State {
+    pub(crate) parts: BTreeMap<SurfaceKey, Part>,
+    /// Parts and cases that are not in the journal yet.
+    new_parts: Vec<SurfaceKey>,
+    new_cases: Vec<(usize, Arc<CaseResult>)>,
+    /// Given surfaces, and what is written in their place.
+    described: Vec<(SurfaceSource, SurfaceSource)>,
+    /// Header of the journal, and where it is; `None` in memory alone.
+    target: Option<(Header, PathBuf)>,
+    journal: Option<Journal>,
+    /// Where the journal of an earlier run ends; 0 to begin a new one.
+    end: u64,
+    /// Whether anything came that is not in the file of results.
+    pub(crate) is_changed: bool,
+    /// When the journal is to be written next, if there is a clock that goes so far.
+    due: Option<Instant>,
+    pace: Pace,
+    failure: Option<ResultsError>,
+    /// Time spent on the journal.
+    pub(crate) journal_time: Duration,
+}
+
+impl PartStore {
+    /// `target`: header of the journal, and its path; `None` in memory alone. `end`: where the journal of an earlier run ends, or 0.
+    pub(crate) fn new(target: Option<(Header, PathBuf)>, end: u64, pace: Pace) -> Self {
+        Self {
+            state: Mutex::new(State {
+                parts: BTreeMap::new(),
+                new_parts: Vec::new(),
+                new_cases: Vec::new(),
+                described: Vec::new(),
+                target,
+                journal: None,
+                end,
+                is_changed: end > 0,
+                due: Instant::now().checked_add(pace.interval),
+                pace,
+                failure: None,
+                journal_time: Duration::ZERO,
+            }),
+            first: 0,
+        }
+    }
+
+    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
+        // What is kept is changed in one step, so a panic of another thread leaves it whole.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The same for the simulation whose first case has this number.
+    pub(crate) const fn begin(&mut self, first: usize) {
+        self.first = first;
+    }
+
+    fn key(&self, key: SurfaceKey) -> SurfaceKey {
+        SurfaceKey {
+            case: self.first + key.case,
+            ..key
+        }
+    }
+}
+
+impl SurfaceStore for PartStore {
+    fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
+        let mut state = self.state();
+        let part = state.parts.get(&self.key(key)).cloned()?;
+        state.part(&part)
+    }
+
+    fn save(&self, key: SurfaceKey, surface: SavedSurface) {
+        let key = self.key(key);
+        let mut state = self.state();
+        state.is_changed = true;
+        state.parts.insert(key, Part::Held(Box::new(surface)));
+        if !state.new_parts.contains(&key) {
+            state.new_parts.push(key);
+        }
+        state.write_if_due();
+    }
+
+    fn is_due(&self) -> bool {
+        self.state().is_due()
+    }
+}
+
+impl State {
+    /// A part as it was saved; `None` if the journal cannot be read any more.
+    pub(crate) fn part(&mut self, part: &Part) -> Option<SavedSurface> {
+        match part {
+            Part::Held(surface) => Some((**surface).clone()),
+            Part::Journal(begin) => {
+                let record = self.journal.as_ref()?.read(*begin).ok()?;
+                match ciborium::from_reader(record.as_slice()).ok()? {
+                    Record::Part(_, surface) => Some(*surface),
+                    Record::Case(..) => None,
+                }
+            }
+        }
+    }
+
+    /// Adds a case that is finished, of which no parts are needed any more.
+    pub(crate) fn add_case(&mut self, number: usize, case: &Arc<CaseResult>) {
+        self.is_changed = true;
+        if !case.is_cut_short() {
+            self.parts.retain(|key, _| key.case != number);
+            self.new_parts.retain(|key| key.case != number);
+        }
+        if self.target.is_some() {
+            self.new_cases.push((number, case.clone()));
+        }
+        self.write_if_due();
+    }
+
+    /// Names what is written in the place of given surfaces, whose points are read once for that.
+    pub(crate) fn describe<'a>(&mut self, sources: impl Iterator<Item = &'a SurfaceSource>) {
+        for source in sources.filter(|source| matches!(source, SurfaceSource::Given(_))) {
+            if self.described_as(source).is_none() {
+                self.described.push((source.clone(), source.described()));
+            }
+        }
+    }
+
+    /// What is written in the place of a given surface.
+    pub(crate) fn described_as(&self, source: &SurfaceSource) -> Option<&SurfaceSource> {
+        let mut known = self.described.iter();
+        known.find_map(|(live, described)| (live == source).then_some(described))
+    }
+
+    /// A case as it is written.
+    pub(crate) fn to_write(&self, case: &CaseResult) -> CaseResult {
+        let mut case = case.clone();
+        if let Some(described) = self.described_as(&case.outcome.case.surface) {
+            case.outcome.case.surface = described.clone();
+        }
+        case
+    }
+
+    fn is_due(&self) -> bool {
+        self.target.is_some() && self.due.is_some_and(|due| Instant::now() >= due)
+    }
+
+    /// Writes what is new, if it is time to. A failure is kept for the end: the run itself needs no journal.
+    fn write_if_due(&mut self) {
+        if self.is_due() && self.failure.is_none() {
+            let clock = Instant::now();
+            self.failure = self.write().err();
+            let spent = clock.elapsed();
+            self.journal_time += spent;
+            let rest = self.pace.interval.max(spent * self.pace.rest);
+            self.due = Instant::now().checked_add(rest);
+        }
+    }
+
+    fn write(&mut self) -> Result<(), ResultsError> {
+        let keys = std::mem::take(&mut self.new_parts);
+        let cases = std::mem::take(&mut self.new_cases);
+        let mut records = Vec::new();
+        for key in &keys {
+            if let Some(Part::Held(surface)) = self.parts.get(key) {
+                records.push(bytes(&Record::Part(*key, surface.clone()))?);
+            }
+        }
+        for (number, case) in cases {
+            records.push(bytes(&Record::Case(
+                number,
+                Box::new(self.to_write(&case)),
+            ))?);
+        }
+        let Some((header, path)) = &self.target else {
+            return Ok(());
+        };
+        let journal = match &mut self.journal {
+            Some(journal) => journal,
+            closed => {
+                let mut journal = Journal::open(path, self.end)?;
+                if self.end == 0 {
+                    journal.append(&[json!(header).to_string().into_bytes()])?;
+                }
+                closed.insert(journal)
+            }
+        };
+        let begins = journal.append(&records)?;
+        // They are on the disk, and need no memory.
+        for (key, begin) in keys.into_iter().zip(begins) {
+            self.parts.insert(key, Part::Journal(begin));
+        }
+        Ok(())
+    }
+
+    /// The first failure to write the journal.
+    pub(crate) const fn take_failure(&mut self) -> Option<ResultsError> {
+        self.failure.take()
+    }
+
+    /// Parts and all else that is needed of the journal, which is given up then.
+    pub(crate) fn hold_parts(&mut self) {
+        for (key, part) in self.parts.clone() {
+            match self.part(&part) {
+                Some(surface) => self.parts.insert(key, Part::Held(Box::new(surface))),
+                None => self.parts.remove(&key),
+            };
+        }
+        self.new_parts.clear();
+        self.new_cases.clear();
+        self.journal = None;
+        self.end = 0;
+    }
+}
+
+fn bytes(record: &Record) -> Result<Vec<u8>, ResultsError> {
+    let mut bytes = Vec::new();
+    let written = ciborium::into_writer(record, &mut bytes);
+    written.map_err(|error| ResultsError::Unwritable(error.to_string()))?;
+    Ok(bytes)
+}
