@@ -4,8 +4,8 @@ use std::path::Path;
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GivenSurface, TraceConfig, TraceError, TracePlan, TracedSurfaces, trace_report, trace_summary,
-    trace_table,
+    GivenSurface, TraceConfig, TraceError, TracePlan, TracedSurfaces, trace, trace_report,
+    trace_summary, trace_table,
 };
 
 use crate::common::{Common, Results};
@@ -14,7 +14,7 @@ use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
-use crate::output::{result_folder, say};
+use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
