@@ -52,8 +52,9 @@ impl Machine {
     /// This one.
     fn current() -> Self {
         let host = read_text("/proc/sys/kernel/hostname").ok();
+        let host = host.map(|host| host.trim().to_owned());
         Self {
-            host: host.map(|host| host.trim().to_owned()),
+            host: host.filter(|host| !host.is_empty()),
             threads: rayon::current_num_threads(),
             instructions: Instructions::best().to_string(),
             seconds: 0.0,

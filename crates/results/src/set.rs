@@ -165,6 +165,7 @@ impl ResultSet<'static> {
         let mut shards = shards.into_iter();
         let first = shards.next().ok_or(ResultsError::NoShards)?;
         let mut header = first.header.clone();
+        header.machine.seconds = 0.0;
         let mut found = Found::default();
         for shard in std::iter::once(first).chain(shards) {
             if let Some(difference) = header.difference(&json!(shard.header)) {
@@ -174,9 +175,7 @@ impl ResultSet<'static> {
                 let difference = "machines that round differently".to_owned();
                 return Err(ResultsError::OtherShard(difference));
             }
-            if shard.header != header {
-                header.machine.seconds += shard.header.machine.seconds;
-            }
+            header.machine.seconds += shard.header.machine.seconds;
             found.count = found.count.max(shard.cases.len());
             for (number, case) in shard.cases.iter().enumerate() {
                 let Some(case) = case else { continue };
@@ -325,13 +324,14 @@ impl<'a> ResultSet<'a> {
                 ));
             }
         }
+        let before = found.seconds;
         let mut set = Self::of(header, found, Some(folder), pace);
+        set.header.machine.seconds += before;
         set.notes = notes;
         Ok(set)
     }
 
-    fn of(mut header: Header, found: Found, folder: Option<&'a ResultFolder>, pace: Pace) -> Self {
-        header.machine.seconds += found.seconds;
+    fn of(header: Header, found: Found, folder: Option<&'a ResultFolder>, pace: Pace) -> Self {
         let last = found.cases.last_key_value().map_or(0, |(last, _)| last + 1);
         let mut cases = vec![None; last.max(found.count)];
         for (number, case) in found.cases {
