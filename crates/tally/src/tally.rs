@@ -37,8 +37,8 @@ const LOW_DIGITS: u32 = 62;
 
 /// Sums over one batch of rays.
 ///
-/// Fluxes are added as integers, in units of `2^-75` of the largest weight of a path, in 128 bits. Such sums are exact, so that
-/// no order of rays and no division of a batch into parts, which [`AddAssign`] joins again, changes a bit of them.
+/// Fluxes are added as integers of 128 bits, in units of `2^-75` of the largest weight of a path. Such sums are exact: no order of
+/// rays and no division of a batch into parts, which `+=` joins again, changes a bit of them.
 ///
 /// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
 /// scattered once counts with what its visible fraction leaves of it, and light that would be scattered

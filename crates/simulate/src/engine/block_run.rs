@@ -249,13 +249,13 @@ mod tests {
         }
     }
 
-    /// Of the default tally 17 blocks are traced together, and ask once.
+    /// Of the default tally 8 blocks are traced together, and ask once.
     #[test]
     fn a_stopped_run_finishes_the_groups_that_it_has_begun() {
         let values = Settings::default().tally.len();
-        let together = (1 << 17) / values as u64;
-        assert!((2..20).contains(&together));
-        for (limit, expected) in [(0, together), (1, 20)] {
+        let together = (1 << 16) / values as u64;
+        assert!((2..10).contains(&together));
+        for (limit, expected) in [(0, together), (1, 2 * together), (2, 20)] {
             assert_eq!(blocks_until(limit, Sampling::Stratified), expected);
         }
     }
