@@ -25,6 +25,7 @@
 //! is private.
 
 mod budget;
+mod closing;
 mod component;
 mod control_variate;
 mod describe;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::closing::Closing;
 use crate::exit::Exit;
 use crate::filters::Half;
 use crate::places::Places;
@@ -32,14 +33,17 @@ impl Tally<'_> {
             .slice
             .is_some()
             .then(|| places.measured_bins(at.bin(spec, exit)));
-        for place in [all, ring, in_plane, bin].into_iter().flatten() {
-            let start = places.measures_start() + place * measures.len();
-            for (entry, column) in (start..).zip(measures) {
-                self.add(entry, column[i] * exit.flux);
+        for (measure, column) in measures.iter().enumerate() {
+            let units = self.units(column[i] * exit.flux);
+            for place in [all, ring, in_plane, bin].into_iter().flatten() {
+                let start = places.measures_start() + place * measures.len();
+                self.add(start + measure, units);
             }
         }
     }
+}
 
+impl Closing {
     /// Sets the measures of all orders to the sums of those of the groups and, where azimuths are free, spreads them.
     pub(crate) fn sum_measures(&mut self) {
         let spec = self.spec;
@@ -51,7 +55,7 @@ impl Tally<'_> {
         let grid = spec.grid();
         for side in Side::BOTH.map(Side::index) {
             for ring in 0..grid.n_theta() {
-                if self.slice.is_none() {
+                if self.is_free {
                     self.spread_measures(side, ring);
                 }
                 for measure in 0..measures {

@@ -1,5 +1,7 @@
 //! Tallies: those of several batches of rays that are traced together.
 
+use std::ops::AddAssign;
+
 use crate::exit_columns::ExitColumns;
 use crate::{ControlVariate, Side, Tally, TallyValues};
 
@@ -48,8 +50,8 @@ impl<'c> Tallies<'c> {
         self.all.locate(exits);
     }
 
-    /// Adds exits to the bins that [`Tallies::locate`] has found, in the tallies of their batches and in their order, and removes
-    /// them: as [`Tally::add_exit`] and [`Tally::add_masked`] do.
+    /// Adds exits to the bins that [`Tallies::locate`] has found, in the tallies of their batches, and removes them: as [`Tally::add_exit`] and
+    /// [`Tally::add_masked`] do.
     pub fn add_located(&mut self, exits: &mut ExitColumns) {
         for i in 0..exits.len() {
             self.of(exits.batch[i]).add_located(exits, i);
@@ -60,10 +62,19 @@ impl<'c> Tallies<'c> {
     /// Closes the tallies: fractions of the incident flux, for batches of `rays` rays of flux one each.
     #[must_use]
     pub fn into_fractions(self, rays: u64) -> Vec<TallyValues> {
-        if self.batches == 1 {
-            return vec![self.all.into_fractions(rays)];
-        }
-        let tallies = (0..self.batches).map(|batch| self.all.of_batch(batch));
-        tallies.map(|tally| tally.into_fractions(rays)).collect()
+        let batches = 0..self.batches;
+        batches
+            .map(|batch| self.all.fractions_of_batch(batch, rays))
+            .collect()
+    }
+}
+
+/// Adds what other rays of the same batches did; in which order does not matter.
+///
+/// # Panics
+/// If the tallies are of different specs, batches or largest weights.
+impl AddAssign<&Self> for Tallies<'_> {
+    fn add_assign(&mut self, other: &Self) {
+        self.all += &other.all;
     }
 }

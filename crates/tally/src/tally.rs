@@ -1,8 +1,8 @@
 //! Tally: collects what one batch of rays did.
 
-use std::f64::consts::TAU;
+use std::ops::AddAssign;
 
-use crate::component::{FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
+use crate::closing::close;
 use crate::exit::{Exit, Loss};
 use crate::exit_columns::{ExitColumns, InSlice};
 use crate::filters::Half;
@@ -27,7 +27,18 @@ pub enum Azimuth {
     Free,
 }
 
+/// The largest weight in high parts of a contribution, of which each is [`LOW`] units. That makes `2^75` units, so that 128 bits hold the
+/// sum of `2^51` contributions to an entry, of a block of `2^18` rays `2^33` per ray.
+const HIGH: f64 = (1_u64 << 13) as f64;
+
+/// Units in a high part, so that high and low parts fit into 64 bits.
+const LOW: f64 = (1_u64 << LOW_DIGITS) as f64;
+const LOW_DIGITS: u32 = 62;
+
 /// Sums over one batch of rays.
+///
+/// Fluxes are added as integers of 128 bits, in units of `2^-75` of the largest weight of a path. Such sums are exact: no order of
+/// rays and no division of a batch into parts, which `+=` joins again, changes a bit of them.
 ///
 /// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
 /// scattered once counts with what its visible fraction leaves of it, and light that would be scattered
@@ -63,8 +74,13 @@ pub struct Tally<'c> {
     finder: BinFinder,
     /// `None` where the azimuth is free.
     pub(crate) slice: Option<InPlaneSlice>,
-    /// Sums of all batches: those of one entry side by side, since paths that start side by side often end in the same bin.
-    pub(crate) values: Vec<f64>,
+    /// Exact sums of all batches, in units of flux: those of one entry side by side, since paths that start side by side often end in
+    /// the same bin.
+    sums: Vec<i128>,
+    /// High parts in a flux of one.
+    scale: f64,
+    /// Units in a ray that is counted.
+    hit: i128,
     /// Number of batches, and of the one that is added to.
     batches: usize,
     batch: usize,
@@ -84,7 +100,9 @@ impl<'c> Tally<'c> {
                 }
                 Azimuth::Free => None,
             },
-            values: vec![0.0; spec.len()],
+            sums: vec![0; spec.len()],
+            scale: HIGH,
+            hit: units(1.0, HIGH),
             batches: 1,
             batch: 0,
         }
@@ -95,6 +113,25 @@ impl<'c> Tally<'c> {
     pub fn with_control_variate(self, control_variate: Option<&'c ControlVariate>) -> Self {
         Self {
             control_variate,
+            ..self
+        }
+    }
+
+    /// The same for contributions of at most `weight`, in place of one. It holds the sum of `2^51` of them, each to less than `2^-74` of
+    /// the weight.
+    ///
+    /// # Panics
+    /// Unless `weight` is positive and finite.
+    #[must_use]
+    pub fn with_largest_weight(self, weight: f64) -> Self {
+        assert!(
+            weight > 0.0 && weight.is_finite(),
+            "a largest weight of {weight}"
+        );
+        let scale = HIGH / weight.log2().ceil().exp2();
+        Self {
+            scale,
+            hit: units(1.0, scale),
             ..self
         }
     }
@@ -215,13 +252,14 @@ impl<'c> Tally<'c> {
         }
         let target = at.target;
         let bin = target.bin as usize;
+        let flux = self.units(flux);
         self.add(target.order as usize, flux);
         self.add(target.path as usize, flux);
         self.add(target.ring as usize, flux);
         if self.slice.is_some() {
             self.add(bin, flux);
         }
-        self.add(spec.places().hits_of_bin(bin), 1.0);
+        self.add(spec.places().hits_of_bin(bin), self.hit);
         if let Some(in_plane) = at.in_plane(&spec, exit.side) {
             let group = Component::order_group(exit.path.order());
             let start = spec.places().in_plane_start(exit.side, group);
@@ -233,7 +271,7 @@ impl<'c> Tally<'c> {
     }
 
     /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
-    fn book_components(&mut self, exit: &Exit, flux: f64, at: &Direction) {
+    fn book_components(&mut self, exit: &Exit, flux: i128, at: &Direction) {
         let spec = self.spec;
         let side = exit.side;
         let bin = at.bin(&spec, exit);
@@ -249,7 +287,7 @@ impl<'c> Tally<'c> {
                 flux,
             );
             let bins = start + 2;
-            self.add(bins + spec.grid().len() + bin, 1.0);
+            self.add(bins + spec.grid().len() + bin, self.hit);
             if self.slice.is_some() {
                 self.add(bins + bin, flux);
             }
@@ -279,6 +317,7 @@ impl<'c> Tally<'c> {
     /// Adds flux that ended without an exit.
     pub fn add_loss(&mut self, loss: Loss, flux: f64) {
         const BUDGET: crate::Budget<crate::Entry> = TallySpec::BUDGET;
+        let flux = self.units(flux);
         match loss {
             Loss::Absorbed => self.add(BUDGET.absorbed.0, flux),
             Loss::Truncated => self.add(BUDGET.truncated.0, flux),
@@ -294,16 +333,23 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// Adds to the sum of an entry.
+    /// A flux in units, of which sums are made.
     #[inline(always)]
-    pub(crate) fn add(&mut self, entry: usize, value: f64) {
-        self.values[entry * self.batches + self.batch] += value;
+    pub(crate) fn units(&self, flux: f64) -> i128 {
+        units(flux, self.scale)
+    }
+
+    /// Adds units to the sum of an entry.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, entry: usize, units: i128) {
+        let sum = &mut self.sums[entry * self.batches + self.batch];
+        *sum += units;
     }
 
     /// The same for several batches: an empty tally of each.
     pub(crate) fn for_batches(self, batches: usize) -> Self {
         Self {
-            values: vec![0.0; self.spec.len() * batches],
+            sums: vec![0; self.spec.len() * batches],
             batches,
             ..self
         }
@@ -316,135 +362,45 @@ impl<'c> Tally<'c> {
         self.batch = batch;
     }
 
-    /// The tally of one of several batches.
-    pub(crate) fn of_batch(&self, batch: usize) -> Self {
-        Self {
-            spec: self.spec,
-            control_variate: self.control_variate,
-            finder: self.finder.clone(),
-            slice: self.slice,
-            values: self.values[batch..]
-                .iter()
-                .step_by(self.batches)
-                .copied()
-                .collect(),
-            batches: 1,
-            batch: 0,
-        }
-    }
-
     /// Closes the tally: fractions of the incident flux, for a batch of `rays` rays of flux one.
     #[must_use]
-    pub fn into_fractions(mut self, rays: u64) -> TallyValues {
-        let spec = self.spec;
-        if self.slice.is_none() {
-            for side in spec.sides() {
-                for ring in 0..spec.grid().n_theta() {
-                    self.spread(side, ring);
-                    for place in 0..spec.components().len() {
-                        self.spread_component(side, ring, spec.places().component_start(place));
-                    }
-                }
-            }
-        }
-        for side in Side::BOTH {
-            self.sum_orders(side);
-            for i in 0..spec.ring_filter(side).len() {
-                self.sum_groups(|group| spec.places().rings_start(side, group) + i);
-            }
-            for i in 0..spec.in_plane_filter(side).len() {
-                self.sum_groups(|group| spec.places().in_plane_start(side, group) + i);
-            }
-        }
-        for i in 0..spec.grid().len() {
-            let [single, multiple, all] =
-                [0, 1, 2].map(|place| spec.places().bins_start(place) + i);
-            self.values[all] = self.values[single] + self.values[multiple];
-        }
-        self.sum_measures();
-        let per_ray = 1.0 / rays as f64;
-        self.values.iter_mut().for_each(|v| *v *= per_ray);
-        TallyValues::from_vec(spec, self.values)
+    pub fn into_fractions(self, rays: u64) -> TallyValues {
+        self.fractions_of_batch(0, rays)
     }
 
-    /// Spreads one ring evenly over its bins and over the in-plane slice.
-    fn spread(&mut self, side: Side, ring: usize) {
-        let spec = self.spec;
-        let fluxes = [0, 1, 2, 3].map(|group| {
-            let flux = self.values[spec.places().rings_start(side, group) + ring];
-            self.spread_in_plane(side, ring, spec.places().in_plane_start(side, group), flux);
-            flux
-        });
-        let [first, second, third, more] = fluxes;
-        for (place, flux) in [(0, first), (1, second + third + more)] {
-            let [bins, hits] = [
-                spec.places().bins_start(place),
-                spec.places().hits_start(place),
-            ];
-            self.spread_over_bins(side, ring, [bins, hits], flux);
-        }
+    /// The same of one of several batches.
+    pub(crate) fn fractions_of_batch(&self, batch: usize, rays: u64) -> TallyValues {
+        let sums = self.sums[batch..].iter().step_by(self.batches);
+        let unit = 1.0 / (self.scale * LOW * rays as f64);
+        let fractions = sums.map(|&sum| sum as f64 * unit).collect();
+        close(self.spec, self.slice.is_none(), fractions)
     }
+}
 
-    /// The same for the component whose first entry is `start`.
-    fn spread_component(&mut self, side: Side, ring: usize, start: usize) {
-        let spec = self.spec;
-        let flux = self.values[spec.places().rings_of_component(start, side) + ring];
-        self.spread_in_plane(
-            side,
-            ring,
-            spec.places().in_plane_of_component(start, side),
-            flux,
-        );
-        let bins = start + 2;
-        self.spread_over_bins(side, ring, [bins, bins + spec.grid().len()], flux);
+/// Adds the sums of the same batches, of which these rays were not yet a part.
+///
+/// # Panics
+/// If the tallies are of different specs, batches or largest weights.
+impl AddAssign<&Self> for Tally<'_> {
+    fn add_assign(&mut self, other: &Self) {
+        let key = |tally: &Self| (tally.sums.len(), tally.batches, tally.scale);
+        assert_eq!(key(self), key(other), "sums of different tallies");
+        let pairs = self.sums.iter_mut().zip(&other.sums);
+        pairs.for_each(|(sum, other)| *sum += other);
     }
+}
 
-    /// Gives each half of the in-plane slice its fraction of the `flux` of a ring.
-    fn spread_in_plane(&mut self, side: Side, ring: usize, start: usize, flux: f64) {
-        // Each half of the slice is twice its half width wide.
-        let fraction = 2.0 * self.spec.in_plane_half_width() / TAU;
-        for half in Half::BOTH {
-            let i = self.spec.in_plane_filter(side).number(ring, half);
-            self.values[start + i] = fraction * flux;
-        }
-    }
-
-    /// Gives each bin of a ring the part of its azimuths of the ring's `flux` and of its rays, which its first bin holds.
-    fn spread_over_bins(&mut self, side: Side, ring: usize, [bins, hits]: [usize; 2], flux: f64) {
-        let grid = self.spec.grid();
-        let n_phi = grid.n_phi();
-        let first = (side.index() * grid.n_theta() + ring) * n_phi;
-        let rays = self.values[hits + first];
-        for (start, of_ring) in [(bins, flux), (hits, rays)] {
-            let values = self.values[start + first..][..n_phi].iter_mut();
-            for (sector, value) in values.enumerate() {
-                *value = grid.part_of_ring(side, sector, of_ring);
-            }
-        }
-    }
-
-    /// Sets the flux of a side, and that of it which was scattered more than once, from its orders.
-    fn sum_orders(&mut self, side: Side) {
-        let spec = self.spec;
-        let orders = &self.values[spec.order_entries(side).range()];
-        let multiple: f64 = orders[1..MAX_LISTED_ORDER].iter().sum();
-        let all = orders[0] + multiple;
-        self.values[spec.flux_entry(side, Component::All).0] = all;
-        self.values[spec.flux_entry(side, Component::Multiple).0] = multiple;
-        let first = usize::from(FIRST_GROUPED_ORDER) - 1;
-        let grouped = self.values[spec.order_entries(side).range()][first..]
-            .iter()
-            .sum();
-        let component = Component::OrderAndAbove(FIRST_GROUPED_ORDER);
-        self.values[spec.flux_entry(side, component).0] = grouped;
-    }
-
-    /// Sets the entry of all orders to the sum of those of the groups.
-    pub(crate) fn sum_groups(&mut self, entry: impl Fn(usize) -> usize) {
-        let [first, second, third, more, all] = [0, 1, 2, 3, 4].map(entry);
-        self.values[all] =
-            self.values[first] + self.values[second] + self.values[third] + self.values[more];
-    }
+/// A flux in units, with `scale` high parts in a flux of one: what is below one unit is cut off.
+///
+/// # Panics
+/// If it is no number, or `2^49` times the largest weight.
+#[inline(always)]
+fn units(flux: f64, scale: f64) -> i128 {
+    let scaled = flux * scale;
+    assert!(scaled.abs() < LOW, "a flux of {flux}");
+    let high = scaled as i64;
+    let low = ((scaled - high as f64) * LOW) as i64;
+    (i128::from(high) << LOW_DIGITS) + i128::from(low)
 }
 
 /// Where an exit counts: its ring, the half of the in-plane slice that holds it, and its entries.

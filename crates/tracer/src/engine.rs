@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use asperity_optics::Material;
-use asperity_tally::{ControlVariate, TallySpec, TallyValues};
+use asperity_tally::{ControlVariate, Tallies, TallySpec};
 
 use crate::accelerators::Accelerator;
 use crate::accelerators::accelerator::BuildError;
@@ -69,30 +69,30 @@ pub struct TracedPaths {
 
 /// Traces batches of paths of one case on one surface. Called from any thread, for several groups of batches at a time.
 pub trait BatchTracer: Sync {
-    /// Traces rays of several batches together, as [`Tracer::batches`]: the tally of each batch, and the work done.
+    /// Traces rays of several batches together, as [`Tracer::batches`]: sums in a tally of each batch, and the work done.
     ///
     /// The same arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are functions
     /// of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since the effort of runs is
     /// planned by them.
-    fn batches(
+    fn batches<'c>(
         &self,
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&ControlVariate>,
+        control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Vec<TallyValues>, Work);
+    ) -> (Tallies<'c>, Work);
 }
 
 impl<G: Geometry> BatchTracer for Tracer<'_, G> {
-    fn batches(
+    fn batches<'c>(
         &self,
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&ControlVariate>,
+        control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Vec<TallyValues>, Work) {
+    ) -> (Tallies<'c>, Work) {
         self.batches(illumination, rays, spec, control, stream)
     }
 }

@@ -1,8 +1,6 @@
 //! How the blocks of one surface are traced: in groups, and these in parts, side by side.
 
-use std::sync::OnceLock;
-
-use asperity_tally::{ControlVariate, Mirror, TallySpec, TallyValues};
+use asperity_tally::{ControlVariate, Mirror, Tallies, TallySpec, TallyValues};
 use asperity_tracer::{BatchTracer, Illumination, PathStream, Work};
 use rayon::prelude::*;
 
@@ -20,7 +18,7 @@ pub(crate) struct LitMesh<'a> {
     pub(crate) mirror: Option<Mirror>,
 }
 
-/// Parts per thread that are traced side by side, if their tallies fit: at the end threads wait for the
+/// Parts per thread that are traced side by side, if the tallies of their groups fit: at the end threads wait for the
 /// last part, on average for half of one.
 const PARTS_PER_THREAD: usize = 32;
 
@@ -63,7 +61,7 @@ pub(crate) fn run_blocks(
     let parts = PARTS_PER_THREAD * rayon::current_num_threads();
     let wave = groups.peek().map_or(1, |group| {
         let of_parts = parts.div_ceil(group.parts() as usize);
-        let of_tallies = tallies / (group.parts() * group.count) as usize;
+        let of_tallies = tallies / group.count as usize;
         of_parts.min(of_tallies).max(1)
     });
     let mut traced = Vec::new();
@@ -75,10 +73,10 @@ pub(crate) fn run_blocks(
         let before = std::mem::take(&mut traced);
         (traced, ()) = rayon::join(
             || run.trace(&wave),
-            || run.finish(before).for_each(&mut each),
+            || before.into_iter().for_each(&mut each),
         );
     }
-    run.finish(traced).for_each(each);
+    traced.into_iter().for_each(each);
 }
 
 /// The blocks of one surface that are traced.
@@ -90,89 +88,68 @@ struct BlockRun<'a> {
     observer: &'a dyn Observer,
 }
 
-/// What a part of a group of blocks found.
-struct TracedPart {
-    group: BlockGroup,
-    /// Of each mesh, a tally of each block.
-    tallies: Vec<Vec<TallyValues>>,
-    work: Work,
-}
-
 impl BlockRun<'_> {
-    /// Traces groups, all parts side by side; those of a group are none or all there.
-    fn trace(&self, groups: &[BlockGroup]) -> Vec<TracedPart> {
-        let begun: Vec<OnceLock<bool>> = vec![OnceLock::new(); groups.len()];
-        let parts = groups
-            .iter()
-            .zip(&begun)
-            .flat_map(|(&group, begun)| (0..group.parts()).map(move |part| (group, part, begun)));
-        let parts: Vec<_> = parts.collect();
-        // One part at a time, so that a thread without work finds any that is left.
-        let parts = parts.into_par_iter().with_max_len(1);
-        let traced = parts.filter_map(|(group, part, begun)| {
-            let begins = || group.first - self.first < MIN_BLOCKS || self.observer.stop().is_none();
-            begun
-                .get_or_init(begins)
-                .then(|| self.trace_part(group, part))
+    /// Traces groups side by side; those that were not begun before the run is to stop are left out.
+    fn trace(&self, groups: &[BlockGroup]) -> Vec<FinishedGroup> {
+        // One at a time, so that a thread without work finds any that is left.
+        let groups = groups.par_iter().with_max_len(1);
+        let begun = groups.filter(|group| {
+            group.first - self.first < MIN_BLOCKS || self.observer.stop().is_none()
         });
-        traced.collect()
+        begun.map(|group| self.trace_group(*group)).collect()
     }
 
-    fn trace_part(&self, group: BlockGroup, part: u32) -> TracedPart {
+    /// Traces the parts of a group side by side, and closes the tallies.
+    fn trace_group(&self, group: BlockGroup) -> FinishedGroup {
+        let parts = (0..group.parts()).into_par_iter().with_max_len(1);
+        let traced = parts.map(|part| self.trace_part(group, part));
+        let (tallies, work) = traced
+            .reduce_with(|(mut sums, mut work), (part, of_part)| {
+                sums.iter_mut()
+                    .zip(&part)
+                    .for_each(|(sum, part)| *sum += part);
+                work += of_part;
+                (sums, work)
+            })
+            .unwrap_or_default();
+        let mut blocks = vec![Vec::with_capacity(self.meshes.len()); group.count as usize];
+        for (mesh, tallies) in self.meshes.iter().zip(tallies) {
+            let fractions = tallies.into_fractions(group.rays_of_block());
+            for (block, tally) in blocks.iter_mut().zip(fractions) {
+                block.push(complete(mesh, tally));
+            }
+        }
+        FinishedGroup {
+            first: group.first,
+            blocks,
+            work,
+        }
+    }
+
+    /// The sums on each mesh, and the work on the first.
+    fn trace_part(&self, group: BlockGroup, part: u32) -> (Vec<Tallies<'_>>, Work) {
         let rays = group.part(part);
         let stream = self.stream.from_batch(group.first);
         let traced = self.meshes.iter().map(|mesh| {
             mesh.tracer
                 .batches(&mesh.light, &rays, mesh.spec, mesh.control_variate, stream)
         });
-        let (tallies, works): (Vec<_>, Vec<_>) = traced.unzip();
-        self.observer
-            .advance(works.first().map_or(0, |work| work.rays));
-        TracedPart {
-            group,
-            tallies,
-            work: works.first().copied().unwrap_or_default(),
-        }
+        let (tallies, works): (_, Vec<_>) = traced.unzip();
+        let work: Work = works.first().copied().unwrap_or_default();
+        self.observer.advance(work.rays);
+        (tallies, work)
     }
+}
 
-    /// Adds the parts of each group, in the order of their number.
-    fn finish(&self, parts: Vec<TracedPart>) -> impl Iterator<Item = FinishedGroup> {
-        let mut parts = parts.into_iter().peekable();
-        std::iter::from_fn(move || {
-            let mut sum = parts.next()?;
-            while let Some(part) = parts.next_if(|part| part.group == sum.group) {
-                let pairs = sum
-                    .tallies
-                    .iter_mut()
-                    .flatten()
-                    .zip(part.tallies.iter().flatten());
-                pairs.for_each(|(sum, part)| *sum += part);
-                sum.work += part.work;
-            }
-            Some(self.complete(sum))
-        })
+/// Adds what a control variate has subtracted, and folds bins.
+fn complete(mesh: &LitMesh<'_>, mut tally: TallyValues) -> TallyValues {
+    if let Some(control_variate) = mesh.control_variate {
+        control_variate.complete(&mut tally);
     }
-
-    /// Adds what control variates have subtracted, folds bins, and puts the tallies in the order of blocks.
-    fn complete(&self, traced: TracedPart) -> FinishedGroup {
-        let mut blocks = vec![Vec::with_capacity(self.meshes.len()); traced.group.count as usize];
-        for (mesh, tallies) in self.meshes.iter().zip(traced.tallies) {
-            for (block, mut tally) in blocks.iter_mut().zip(tallies) {
-                if let Some(control_variate) = mesh.control_variate {
-                    control_variate.complete(&mut tally);
-                }
-                if let Some(mirror) = mesh.mirror {
-                    mirror.fold(&mut tally);
-                }
-                block.push(tally);
-            }
-        }
-        FinishedGroup {
-            first: traced.group.first,
-            blocks,
-            work: traced.work,
-        }
+    if let Some(mirror) = mesh.mirror {
+        mirror.fold(&mut tally);
     }
+    tally
 }
 
 #[cfg(test)]
@@ -272,13 +249,13 @@ mod tests {
         }
     }
 
-    /// Of the default tally 17 blocks are traced together, and ask once.
+    /// Of the default tally 8 blocks are traced together, and ask once.
     #[test]
     fn a_stopped_run_finishes_the_groups_that_it_has_begun() {
         let values = Settings::default().tally.len();
-        let together = (1 << 17) / values as u64;
-        assert!((2..20).contains(&together));
-        for (limit, expected) in [(0, together), (1, 20)] {
+        let together = (1 << 16) / values as u64;
+        assert!((2..10).contains(&together));
+        for (limit, expected) in [(0, together), (1, 2 * together), (2, 20)] {
             assert_eq!(blocks_until(limit, Sampling::Stratified), expected);
         }
     }

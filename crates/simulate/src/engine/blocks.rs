@@ -23,7 +23,7 @@ pub(crate) const MIN_BLOCKS_OF_ONE: u64 = 64;
 const MAX_RAYS_OF_GROUP: u64 = 1 << 20;
 
 /// Most values in the tallies of blocks that are traced together, so that they stay in cache: 1 MiB.
-const MAX_VALUES_OF_GROUP: usize = 1 << 17;
+const MAX_VALUES_OF_GROUP: usize = 1 << 16;
 
 /// Fewest rays of a part of a group, which has a tally of each block.
 const MIN_RAYS_OF_PART: u64 = 1 << 13;
@@ -107,20 +107,20 @@ pub(crate) struct BlockGroup {
 
 impl BlockGroup {
     /// Rays of a whole block.
-    const fn rays_of_block(self) -> u32 {
-        self.strata * self.strata
+    pub(crate) const fn rays_of_block(self) -> u64 {
+        (self.strata as u64).pow(2)
     }
 
     /// Number of parts; a single block is one part.
     pub(crate) fn parts(self) -> u32 {
-        let rays = u64::from(self.count) * u64::from(self.rays_of_block());
+        let rays = u64::from(self.count) * self.rays_of_block();
         let most = MAX_PARTS.min(self.count.into());
         (rays / MIN_RAYS_OF_PART).clamp(1, most) as u32
     }
 
     /// The rays of one of its parts.
     pub(crate) fn part(self, number: u32) -> BatchedRays {
-        let strata = u64::from(self.rays_of_block());
+        let strata = self.rays_of_block();
         let begin = |part: u32| (strata * u64::from(part) / u64::from(self.parts())) as u32;
         BatchedRays::new(self.strata, self.count, begin(number)..begin(number + 1))
     }

@@ -5,21 +5,15 @@
 //! noise of rays is the only noise.
 
 use asperity_analysis::{ModelError, SlopeCovariance, SlopeMixture, visible_fractions};
-use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
+use asperity_tally::{ControlVariate, Sides};
 use asperity_tracer::{Geometry, Surface, sum_over_facets, unshadowed_fluxes};
-use rayon::prelude::*;
 
 use crate::error::SimulateError;
-use crate::input::case::{Case, Light};
+use crate::input::case::Case;
 use crate::input::estimator::Estimator;
-use crate::input::limits::TALLY_BUDGET;
 use crate::input::settings::Settings;
 use crate::methods::method::{ControlVariateMean, Method};
-
-/// Parts that the sum over facets is divided into, whatever the number of threads.
-const PARTS: usize = 64;
 
 impl Method {
     /// The method for light on one given surface of flat cells.
@@ -69,35 +63,19 @@ impl Method {
             }
             Err(error) => return Err(error.into()),
         };
-        let sum = sum_over_all_facets(surface, case.material, &case.light, both);
+        let facets = 0..surface.facet_count();
+        let sum = sum_over_facets(
+            surface,
+            case.material,
+            incidence,
+            case.light.from,
+            both,
+            facets,
+        );
         let control_variate = ControlVariate::new(tally, fractions, &unshadowed_fluxes(&sum));
         let mean = ControlVariateMean::FacetsOfSurface;
         Self::with_control_variate(settings, control_variate, mean, &slopes, incidence)
     }
-}
-
-/// The sum over all facets, part by part.
-fn sum_over_all_facets(
-    surface: &Surface,
-    material: Material,
-    light: &Light,
-    tally: TallySpec,
-) -> TallyValues {
-    let facets = surface.facet_count();
-    // Tallies of all parts are held until they are added in their order.
-    let parts = (TALLY_BUDGET / (tally.len() * size_of::<f64>())).clamp(1, PARTS);
-    let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
-    let tallies: Vec<TallyValues> = (0..parts)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|part| {
-            let range = bound(part)..bound(part + 1);
-            sum_over_facets(surface, material, light.incidence, light.from, tally, range)
-        })
-        .collect();
-    let mut sum = TallyValues::zeros(tally);
-    tallies.iter().for_each(|part| sum += part);
-    sum
 }
 
 /// Mean squares and products of the facets' slopes, from which visible fractions are estimated; the same along all
@@ -111,10 +89,11 @@ fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_optics::Incidence;
+    use asperity_optics::{Incidence, Material};
     use asperity_surface::{Psd, Synthesis};
 
-    use asperity_tally::TallyResult;
+    use asperity_tally::{TallyResult, TallySpec};
+    use asperity_tracer::HalfSpace;
 
     use super::*;
 
@@ -149,11 +128,9 @@ mod tests {
             }
             let surface = Surface::new(field);
             let facets = surface.facet_count();
-            assert!(
-                !facets.is_multiple_of(PARTS) && lost > facets / 10,
-                "{facets} {lost}"
-            );
-            let tally = sum_over_all_facets(&surface, black, &Light::from_above(incidence), spec);
+            assert!(lost > facets / 10, "{facets} {lost}");
+            let above = HalfSpace::Above;
+            let tally = sum_over_facets(&surface, black, incidence, above, spec, 0..facets);
             println!("{border:?}: {} against {sum}", tally.budget().absorbed);
             // Some 1e4 weights, each with a few roundings.
             assert!((tally.budget().absorbed / sum - 1.0).abs() < 1e-12);

@@ -9,7 +9,7 @@ use asperity_simulate::{
     Silent, Simulation, SurfaceSource,
 };
 use asperity_surface::{Psd, Synthesis};
-use asperity_tally::{ControlVariate, TallySpec, TallyValues};
+use asperity_tally::{ControlVariate, Tallies, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BatchTracer, BatchedRays, BuildError, CpuEngine, Engine, Illumination,
     PathStream, PreparedSurface, TracedLayerError, TracedPaths, Work,
@@ -54,14 +54,14 @@ impl PreparedSurface for Counted<Box<dyn PreparedSurface>> {
 }
 
 impl BatchTracer for Counted<Box<dyn BatchTracer + '_>> {
-    fn batches(
+    fn batches<'c>(
         &self,
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&ControlVariate>,
+        control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Vec<TallyValues>, Work) {
+    ) -> (Tallies<'c>, Work) {
         let found = self.0.batches(illumination, rays, spec, control, stream);
         self.1.0[1].fetch_add(found.1.rays, Ordering::Relaxed);
         found

@@ -1,5 +1,8 @@
 use super::*;
-use crate::{ComponentFilter, Event, EventPath, HemisphereGrid, Sides, TallyResult};
+use crate::{
+    ComponentFilter, Event, EventPath, ExitColumns, HemisphereGrid, Polarimetry, Sides, Tallies,
+    TallyResult, UnshadowedFluxes, VisibleFractions,
+};
 use asperity_optics::from_spherical;
 
 fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
@@ -341,4 +344,142 @@ fn located_exits_count_as_single_ones() {
             assert_eq!(single.collect::<Vec<_>>(), located.into_fractions(10));
         }
     }
+}
+
+/// Exits of many magnitudes, on either side, of all orders.
+fn uneven_exits(count: u32) -> Vec<Exit> {
+    let exits = (0..count).map(|i| {
+        let part = |step: f64| (f64::from(i) * step).fract();
+        let [theta, phi] = [180.0 * part(0.618_034), 360.0 * part(0.754_878)];
+        let side = if theta < 90.0 {
+            Side::Reflected
+        } else {
+            Side::Transmitted
+        };
+        Exit {
+            flux: part(0.569_840) * 10_f64.powi(-(i as i32 % 13)),
+            ..exit(side, theta, phi, 1 + i % 9)
+        }
+    });
+    exits.collect()
+}
+
+fn full_spec() -> TallySpec {
+    let spec = TallySpec::new(HemisphereGrid::new(6, 8).unwrap(), 0.2).unwrap();
+    spec.with_medium().with_polarimetry(Polarimetry::Mueller)
+}
+
+/// Tallies of two batches after exits and losses, under a control variate or not.
+fn tallies<'c>(exits: &[Exit], control_variate: Option<&'c ControlVariate>) -> Tallies<'c> {
+    let tally = Tally::new(full_spec(), Azimuth::From(0.3)).with_control_variate(control_variate);
+    let mut tallies = Tallies::new(tally, 2);
+    let mut columns = ExitColumns::new(Polarimetry::Mueller);
+    for exit in exits {
+        let batch = u32::from(exit.wo.x > 0.0);
+        let measures = [0; 16].map(|_: u8| exit.wo.y);
+        match exit.path.order() {
+            7 => tallies.of(batch).add_loss(Loss::Truncated, -exit.flux),
+            8 => columns.push_masked(exit, batch),
+            _ => columns.push_measured(exit, batch, &measures),
+        }
+    }
+    tallies.locate(&mut columns);
+    tallies.add_located(&mut columns);
+    tallies
+}
+
+#[test]
+fn neither_order_nor_division_changes_a_bit() {
+    let exits = uneven_exits(2000);
+    let spec = full_spec();
+    let fractions = VisibleFractions {
+        rings: Side::BOTH.map(|_| (0..6).map(|ring| 0.15 * f64::from(ring)).collect()),
+        absorbed: 0.3,
+    };
+    let controlled = ControlVariate::new(spec, fractions, &UnshadowedFluxes::zeros(&spec));
+    for control_variate in [None, Some(&controlled)] {
+        let expected = tallies(&exits, control_variate).into_fractions(7);
+        let permuted: Vec<Exit> = (0..2000).map(|i| exits[i * 617 % 2000]).collect();
+        for (exits, size) in [
+            (&exits, 2000),
+            (&permuted, 2000),
+            (&permuted, 1),
+            (&exits, 37),
+        ] {
+            let parts = exits
+                .chunks(size)
+                .map(|part| tallies(part, control_variate));
+            // The last part comes first.
+            let sum = parts.rev().reduce(|mut sum, part| {
+                sum += &part;
+                sum
+            });
+            let found = sum.unwrap().into_fractions(7);
+            for (found, expected) in found.iter().zip(&expected) {
+                let mut pairs = found.iter().zip(expected);
+                assert!(pairs.all(|(a, b)| a.to_bits() == b.to_bits()), "{size}");
+            }
+        }
+    }
+}
+
+/// As many contributions of the largest weight as a tally promises to hold.
+#[test]
+fn sums_hold_their_bound() {
+    for weight in [1.0, 12_345.6, 2_f64.powi(40)] {
+        let mut tally =
+            Tally::new(TallySpec::default(), Azimuth::From(0.0)).with_largest_weight(weight);
+        tally.add_exit(&Exit {
+            flux: weight,
+            ..exit(Side::Reflected, 32.0, 1.0, 1)
+        });
+        tally.add_loss(Loss::Truncated, -weight);
+        for _ in 0..51 {
+            let same = tally.clone();
+            tally += &same;
+        }
+        let values = tally.into_fractions(1 << 51);
+        assert_eq!(values.flux(Side::Reflected, Component::All), weight);
+        assert_eq!(values.budget().truncated, -weight);
+        let hits = &values[TallySpec::default().grid_hit_entries(Component::Single)];
+        assert_eq!(hits.iter().sum::<f64>(), 1.0);
+    }
+}
+
+#[test]
+fn fluxes_are_rounded_to_less_than_the_promised_part_of_the_largest_weight() {
+    for weight in [1.0, 8193.0] {
+        for i in 0..1000 {
+            let flux = weight * (f64::from(i) * 0.618_034).fract() * 10_f64.powi(-(i % 25));
+            let mut tally =
+                Tally::new(TallySpec::default(), Azimuth::From(0.0)).with_largest_weight(weight);
+            tally.add_loss(Loss::Absorbed, flux);
+            let error = (tally.into_fractions(1).budget().absorbed - flux).abs();
+            assert!(error <= weight * 2_f64.powi(-74), "{flux}: {error}");
+        }
+    }
+}
+
+/// What paths from above carry that diffuse facets of the reflectance .001 have scattered n times.
+#[test]
+fn weak_orders_are_not_rounded_away() {
+    for (order, tolerance) in [(4, 1e-10), (6, 1e-4), (7, 0.1)] {
+        let mut tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
+        let flux = 0.001_f64.powi(order as i32);
+        tally.add_exit(&Exit {
+            flux,
+            ..exit(Side::Reflected, 32.0, 1.0, order)
+        });
+        let found = tally
+            .into_fractions(1)
+            .order(Side::Reflected, order as usize);
+        assert!((found / flux - 1.0).abs() < tolerance, "{order}: {found}");
+    }
+}
+
+#[test]
+#[should_panic(expected = "a flux of NaN")]
+fn a_flux_that_is_no_number_is_no_zero() {
+    let mut tally = Tally::new(TallySpec::default(), Azimuth::Free);
+    tally.add_loss(Loss::Absorbed, f64::NAN);
 }

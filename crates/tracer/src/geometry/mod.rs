@@ -71,6 +71,11 @@ pub trait Geometry: Sized + Send + Sync {
         None
     }
 
+    /// An upper bound of the slope of the facets over which paths start; those of a geometry without [`Geometry::facet_over`] are none.
+    fn steepest_slope(&self) -> f64 {
+        0.0
+    }
+
     /// That facet, and its point there.
     fn over(&self, x: f64, y: f64) -> Option<(Self::Facet, DVec3)> {
         let facet = self.facet_over(x, y)?;

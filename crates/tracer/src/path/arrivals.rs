@@ -39,10 +39,6 @@ impl<F: Copy> Arrivals<F> {
         self.facets.len()
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.facets.is_empty()
-    }
-
     pub(super) fn clear(&mut self) {
         self.at.len = 0;
         self.facets.clear();

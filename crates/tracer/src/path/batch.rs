@@ -153,12 +153,14 @@ impl<'r, F: Copy> Batch<'r, F> {
         self.tally_of(of.ray).add_loss(loss, flux);
     }
 
-    /// Whether any segment is left.
+    /// Number of segments in flight, without the lines of sight.
+    pub(super) fn in_flight(&self) -> usize {
+        let inside = self.flights.at.len + self.entering.len;
+        self.searched.len() + self.singles.len() + self.arrivals.len() + inside
+    }
+
+    /// Whether no segment is left.
     pub(super) fn is_finished(&self) -> bool {
-        self.searched.is_empty()
-            && self.singles.is_empty()
-            && self.sightlines.need_no_search()
-            && self.arrivals.is_empty()
-            && self.flights.at.len + self.entering.len == 0
+        self.in_flight() == 0 && self.sightlines.need_no_search()
     }
 }

@@ -96,6 +96,12 @@ impl Beam {
         [x + u * width, y + v * depth]
     }
 
+    /// Upper bound of [`Beam::flux_on`] for facets up to a slope: `1 + slope tan theta_i`, since `m / cos theta_m` is
+    /// `(-gradient, 1)`.
+    pub(crate) fn largest_flux_on(&self, slope: f64) -> f64 {
+        1.0 + slope * self.wi.truncate().length() / self.wi.z.abs()
+    }
+
     /// The flux that falls on a facet with the upward normal `m` from light in the direction `wi`, as a fraction of that of a ray:
     /// `max(0, wi . m) / (cos theta_m cos theta_i)`.
     ///

@@ -63,7 +63,7 @@ impl<G: Geometry> Tracer<'_, G> {
         places: &mut Places,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        let free = MAX_IN_FLIGHT.saturating_sub(self.count_continuing(batch));
+        let free = MAX_IN_FLIGHT.saturating_sub(batch.in_flight());
         let mut drawn = std::mem::take(&mut batch.starts);
         places.draw_many(free, batch.instructions, &mut drawn);
         batch.work.rays += drawn.len() as u64;
@@ -143,24 +143,6 @@ impl<G: Geometry> Tracer<'_, G> {
             let light = self.incident_light(beam, turn, stokes);
             segments.set_light_state(i, &light);
         }
-    }
-
-    /// How many of the segments in flight may be followed by another one.
-    ///
-    /// Segments that are the last of their paths do not count, so that when a path starts does not depend on whether
-    /// they are traced; see [`Tracer::ends_unrecorded`].
-    fn count_continuing(&self, batch: &Batch<'_, G::Facet>) -> usize {
-        let max_order = self.settings.max_order;
-        let order = &batch.segments.order;
-        let continues = |i: &&u32| order[**i as usize] < max_order;
-        let singles = batch.singles.iter().filter(|single| {
-            !matches!(single.kind, RayKind::Path) || single.state.events.order() < max_order
-        });
-        let inside = batch.flights.at.len + batch.entering.len;
-        batch.searched.iter().filter(continues).count()
-            + singles.count()
-            + batch.arrivals.len()
-            + inside
     }
 
     /// Starts a path at the highest point of any surface.

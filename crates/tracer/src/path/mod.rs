@@ -162,32 +162,34 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         stream: PathStream,
     ) -> (TallyValues, Work) {
         let rays = BatchedRays::of_one(strata);
-        let (mut tallies, work) = self.batches(illumination, &rays, spec, control, stream);
-        (tallies.swap_remove(0), work)
+        let (tallies, work) = self.batches(illumination, &rays, spec, control, stream);
+        let mut fractions = tallies.into_fractions(rays.rays_of_batch());
+        (fractions.swap_remove(0), work)
     }
 
     /// Traces rays of several batches together.
     ///
-    /// Returns what they add to the flux fractions of each whole batch, and the work done; under a `control`, to the
-    /// fractions that it leaves, which [`ControlVariate::complete`] turns into flux fractions.
+    /// Returns the sums over these rays in a tally of each batch, and the work done. Those of all rays of the batches, added
+    /// in any order, make flux fractions; under a `control`, what it leaves of them, which [`ControlVariate::complete`] turns
+    /// into flux fractions.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. The rays are paths of `stream`, those of the first batch from its first on, those of the others
-    /// each [`PathStream::MAX_PATHS_OF_BATCH`] further. All accelerators and all instructions give the same result. Batches that
-    /// are traced together differ from batches traced alone by rounding.
+    /// each [`PathStream::MAX_PATHS_OF_BATCH`] further. All accelerators, all instructions and
+    /// all divisions of rays into calls give the same result.
     ///
     /// # Panics
     /// If there is both a layer and a control, the tally keeps other measures than [`crate::Polarisation::polarimetry`], the
     /// sampling is quasi-random and the strata along a side are not [`crate::Sampling::quasi_random_strata`], or it is not stratified and
     /// the rays are not one whole batch.
-    pub fn batches(
+    pub fn batches<'c>(
         &self,
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&ControlVariate>,
+        control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Vec<TallyValues>, Work) {
+    ) -> (Tallies<'c>, Work) {
         assert!(
             self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
@@ -206,7 +208,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Azimuth::From(incidence.phi() + PI)
         };
         let mut places = Places::new(illumination.sampling, rays, turns, stream);
-        let tally = Tally::new(spec, azimuth).with_control_variate(control);
+        let window = illumination.window;
+        let beam = Beam::new(self.geometry, self.incident, incidence, window);
+        let tally = Tally::new(spec, azimuth)
+            .with_control_variate(control)
+            .with_largest_weight(self.largest_weight(&beam, illumination.starts, control));
         let tallies = Tallies::new(tally, rays.batches() as usize);
         let mut batch = Batch::new(
             tallies,
@@ -215,8 +221,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             illumination,
             self.settings.polarisation,
         );
-        let window = illumination.window;
-        let beam = Beam::new(self.geometry, self.incident, incidence, window);
         loop {
             self.start_paths(&beam, illumination.starts, &mut places, &mut batch);
             if batch.is_finished() {
@@ -229,8 +233,17 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             self.tally_exits(&mut batch);
         }
         self.tally_exits(&mut batch);
-        let fractions = batch.tallies.into_fractions(rays.rays_of_batch());
-        (fractions, batch.work)
+        (batch.tallies, batch.work)
+    }
+
+    /// Upper bound of the flux that a path adds to an entry at a time: that with which it starts, which branches share and Russian
+    /// roulette raises to one at the most. Shadowed facets that are traced count for those that are not.
+    fn largest_weight(&self, beam: &Beam, starts: Starts, control: Option<&ControlVariate>) -> f64 {
+        let start = match starts {
+            Starts::FromAbove => 1.0,
+            Starts::OnSurface => beam.largest_flux_on(self.geometry.steepest_slope()),
+        };
+        start / control.map_or(1.0, ControlVariate::shadow_probability)
     }
 
     /// The surface that is an interface, and how hits on it are found; `None` for a flat bottom.

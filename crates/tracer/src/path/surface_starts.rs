@@ -169,7 +169,8 @@ mod tests {
                 into: &mut found,
             });
             assert_eq!(found.len(), starts.len());
-            let mut facing_away = 0;
+            let bound = beam.largest_flux_on(surface.steepest_slope());
+            let (mut facing_away, mut largest) = (0, 0.0_f64);
             for (i, start) in starts.iter().enumerate() {
                 let ([u, v, azimuth], turn) = (start.place, start.turn());
                 let ([x, y], mirrored) = place_in_tile(surface, [u, v]);
@@ -198,7 +199,12 @@ mod tests {
                 assert_eq!((state.events.order(), state.scatterings), (0, 0));
                 assert_eq!(found.at.half_space(i), half_space);
                 facing_away += usize::from(state.flux == 0.0);
+                largest = largest.max(state.flux);
             }
+            assert!(
+                (0.3 * bound..=bound).contains(&largest),
+                "{largest} {bound}"
+            );
             assert!((20..300).contains(&facing_away), "{facing_away}");
         }
     }

@@ -315,6 +315,10 @@ impl Geometry for Surface {
         cell.intersect(facet, ray, half_space, &self.size)
     }
 
+    fn steepest_slope(&self) -> f64 {
+        Grid::steepest(self) * self.aspect().hypot(1.0)
+    }
+
     #[inline(always)]
     fn facet_over(&self, x: f64, y: f64) -> Option<Facet> {
         let cell = |p: f64, count: usize| (p as u32).min(count as u32 - 1);

@@ -247,6 +247,10 @@ impl Geometry for SmoothSurface {
         DVec3::new(x, y, z)
     }
 
+    fn steepest_slope(&self) -> f64 {
+        Grid::steepest(self) * self.aspect().hypot(1.0)
+    }
+
     #[inline(always)]
     fn facet_over(&self, x: f64, y: f64) -> Option<SmoothCell> {
         let index = |p: f64, count: usize| (p as u32).min(count as u32 - 1);
