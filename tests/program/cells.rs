@@ -90,7 +90,7 @@ fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones(
         succeed(&folder, &words(&format!("{line} -o whole")));
         let stopped = asperity(&folder, &words(&format!("{line} --max-time 0.05 -o part")));
         assert!(stopped.status.success());
-        assert!(folder.join("part/checkpoints").exists(), "{line}");
+        assert!(folder.join("part/results.npz").exists(), "{line}");
         let flat = line.replace("--cells smooth", "--cells flat");
         let said = refused(&folder, &words(&format!("{flat} -o part")), 1);
         assert!(

@@ -7,9 +7,9 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, ControlVariateMean, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
+    Case, ControlVariateMean, Estimator, Light, Outcome, Settings, Silent, SurfaceSource, simulate,
 };
-use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
+use asperity_studies::{Count, RunConfig, VerifyConfig};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
@@ -22,8 +22,8 @@ struct Effort {
     bins: &'static str,
 }
 
-/// Light on the surfaces that `text` describes, without models.
-fn outcome(text: &str, effort: Effort, estimator: Estimator, seed: u64) -> VerifyOutcome {
+/// Light on the surfaces that `text` describes, without models, of each case.
+fn outcomes(text: &str, effort: Effort, estimator: Estimator, seed: u64) -> Vec<Outcome> {
     let mut config = VerifyConfig::from_toml(text).unwrap();
     config.run = RunConfig {
         realisations: Count(effort.surfaces),
@@ -34,7 +34,8 @@ fn outcome(text: &str, effort: Effort, estimator: Estimator, seed: u64) -> Verif
         ..config.run
     };
     config.compare.models.clear();
-    verify(&config, &Silent).unwrap()
+    let plan = config.plan().unwrap();
+    simulate(&plan.cases, &plan.settings, &Silent).unwrap()
 }
 
 /// Energies, those of order one and of higher orders, and rings.
@@ -98,17 +99,17 @@ fn compare(text: &str, rays: u64) {
         rays,
         bins: "9x12",
     };
-    let plain = outcome(text, effort, Estimator::Plain, 11);
-    let controlled = outcome(text, effort, Estimator::Controlled, 12);
-    let entries = entries(&plain.spec);
+    let plain = outcomes(text, effort, Estimator::Plain, 11);
+    let controlled = outcomes(text, effort, Estimator::Controlled, 12);
+    let entries = entries(plain[0].statistics.spec());
     let mut all = Scores(Vec::new());
-    for (a, b) in plain.cases.iter().zip(&controlled.cases) {
-        let scores = Scores::new(&entries, &a.outcome.statistics, &b.outcome.statistics);
+    for (a, b) in plain.iter().zip(&controlled) {
+        let scores = Scores::new(&entries, &a.statistics, &b.statistics);
         println!(
             "{}: {} from {:?}, largest |z| {:.2}",
-            a.case,
-            b.outcome.work.estimator,
-            b.outcome.work.starts,
+            a.case.label(),
+            b.work.estimator,
+            b.work.starts,
             scores.largest()
         );
         all.0.extend(scores.0);
@@ -222,17 +223,19 @@ fn a_control_variate_takes_most_of_the_noise_of_smooth_surfaces() {
         rays: 100_000,
         bins: "9x12",
     };
-    let runs = [Estimator::Plain, Estimator::Controlled].map(|e| outcome(text, effort, e, 3));
+    let runs = [Estimator::Plain, Estimator::Controlled].map(|e| outcomes(text, effort, e, 3));
     for (number, least) in [500.0, 100.0].into_iter().enumerate() {
         let [plain, controlled] = runs.each_ref().map(|run| {
-            let statistics = &run.cases[number].outcome.statistics;
-            let bins = run.spec.grid_entries(asperity_tally::Component::All);
+            let statistics = &run[number].statistics;
+            let bins = statistics
+                .spec()
+                .grid_entries(asperity_tally::Component::All);
             bins.iter()
                 .map(|i| squared_error(statistics.at(i)))
                 .sum::<f64>()
         });
         let ratio = plain / controlled;
-        println!("{}: {ratio:.0}", runs[0].cases[number].case);
+        println!("{}: {ratio:.0}", runs[0][number].case.label());
         assert!(ratio > least, "{ratio}");
     }
 }
@@ -245,8 +248,8 @@ fn one_surface_is_not_mixed_with_the_mean_of_others() {
         bins: "9x12",
     };
     let estimator = |asked| {
-        let outcome = outcome("[surface]\nsize = 128", effort, asked, 1);
-        outcome.cases[0].outcome.work.estimator
+        let outcomes = outcomes("[surface]\nsize = 128", effort, asked, 1);
+        outcomes[0].work.estimator
     };
     assert_eq!(estimator(Estimator::Auto), Estimator::Plain);
     assert_eq!(estimator(Estimator::Controlled), Estimator::Controlled);
@@ -268,9 +271,11 @@ fn bins_below_zero_are_reported_as_they_are() {
         rays: 3000,
         bins: "18x36",
     };
-    let run = outcome(text, effort, Estimator::Controlled, 3);
-    let statistics = &run.cases[0].outcome.statistics;
-    let bins = run.spec.grid_entries(asperity_tally::Component::All);
+    let run = outcomes(text, effort, Estimator::Controlled, 3);
+    let statistics = &run[0].statistics;
+    let bins = statistics
+        .spec()
+        .grid_entries(asperity_tally::Component::All);
     let negative = bins
         .iter()
         .map(|i| statistics.at(i))

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, errors_of, files, json, refused, succeed, words};
+use crate::support::{
+    asperity, assert_same_bytes, errors_of, files, json, refused, succeed, words,
+};
 use serde_json::Value;
 
 /// Two media and two angles, in a fraction of a second.
@@ -72,18 +74,6 @@ impl Table {
             .filter(of_side)
             .map(|row| self.number(row, name))
             .sum()
-    }
-}
-
-fn assert_same_bytes(a: &Path, b: &Path) {
-    assert_eq!(files(a), files(b));
-    for name in files(a) {
-        let (a, b) = (a.join(&name), b.join(&name));
-        if a.is_dir() {
-            assert_same_bytes(&a, &b);
-        } else {
-            assert!(fs::read(&a).unwrap() == fs::read(&b).unwrap(), "{name}");
-        }
     }
 }
 
@@ -184,10 +174,10 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
     let folder = folder.path();
     succeed(folder, &words("gonio g.toml --threads 1 -o whole"));
     let whole = folder.join("whole");
-    assert_eq!(files(&whole.join("directions")).len(), 2 * NAMES.len());
+    assert_eq!(files(&whole.join("directions")).len(), NAMES.len());
 
-    // The time of an instant is enough for one direction a run.
-    for left in (0..NAMES.len()).rev() {
+    // The time of an instant is enough for one of four surfaces per run, which all directions share.
+    for left in (0..4).rev() {
         let arguments = words("gonio g.toml --threads 3 --max-time 1e-9 -o pieces");
         let output = asperity(folder, &arguments);
         assert!(output.status.success());
@@ -199,19 +189,20 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
         );
         let report = fs::read_to_string(folder.join("pieces/report.txt")).unwrap();
         assert_eq!(
-            report.contains("directions are missing"),
+            report.contains("4 of 4 directions were cut short"),
             left > 0,
             "{report}"
         );
     }
     assert_same_bytes(&whole, &folder.join("pieces"));
 
-    // One that is cut short or changed is measured again, with a note.
-    let path = folder.join(format!("pieces/directions/{}.json", NAMES[2]));
-    let text = fs::read_to_string(&path).unwrap();
-    let more = text.replacen("\"surfaces\": 4", "\"surfaces\": 5", 1);
-    assert_ne!(text, more);
-    for damage in [&text[..text.len() / 2], &more] {
+    // Damaged results are measured again, with a note.
+    let path = folder.join("pieces/results.npz");
+    let bytes = fs::read(&path).unwrap();
+    let mut changed = bytes.clone();
+    let middle = bytes.len() / 2;
+    changed[middle] ^= 1;
+    for damage in [&bytes[..middle], &changed] {
         fs::write(&path, damage).unwrap();
         let output = asperity(folder, &words("gonio g.toml -o pieces"));
         let said = errors_of(&output);
@@ -233,7 +224,7 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
         folder,
         &words("gonio g.toml --theta 20,50,70 --no-plots -o pieces"),
     );
-    assert_eq!(files(&folder.join("pieces/directions")).len(), 2 * 6);
+    assert_eq!(files(&folder.join("pieces/directions")).len(), 6);
     assert!(!folder.join("pieces/plots").exists());
 }
 
@@ -274,8 +265,7 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
     let out = folder.join("out");
     let before = fs::read(out.join("gonio.csv")).unwrap();
     let name = NAMES[0];
-    let expected =
-        format!("out holds directions of another measurement, as {name}: take another folder");
+    let expected = format!("out holds results of other cases, as {name}: take another folder");
     for flags in [
         "--theta 50 --mean-free-path 4",
         "--theta 20 --mean-free-path 1",
@@ -283,18 +273,15 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
     ] {
         let said = refused(folder, &words(&format!("gonio g.toml {flags} -o out")), 1);
         assert!(said.contains(&expected), "{said}");
-        assert_eq!(files(&out.join("directions")).len(), 2);
+        assert_eq!(files(&out.join("directions")).len(), 1);
         assert_eq!(fs::read(out.join("gonio.csv")).unwrap(), before);
     }
-    // A table without the checkpoints to resume from is one too.
-    fs::remove_file(out.join(format!("directions/{name}.json"))).unwrap();
-    refused(folder, &words("gonio g.toml --theta 50 -o out"), 1);
     // The same with more directions is the same measurement.
     succeed(
         folder,
         &words("gonio g.toml --theta 20,50 --mean-free-path 4 -o out"),
     );
-    assert_eq!(files(&out.join("directions")).len(), 2 * 2);
+    assert_eq!(files(&out.join("directions")).len(), 2);
 }
 
 #[test]
@@ -468,8 +455,16 @@ fn bad_input_gets_a_sentence() {
         assert!(said.contains(&expected), "{said}");
         assert_eq!(files(folder), ["g.toml", "v.toml"]);
     }
-    // Anything else in the place of a direction is damaged and replaced; a folder is an error.
-    fs::create_dir_all(folder.join(format!("out/directions/{}.json", NAMES[0]))).unwrap();
+    // Checkpoints of earlier versions are refused, and so is a folder in the place of the results.
+    fs::create_dir_all(folder.join("old/directions")).unwrap();
+    fs::write(
+        folder.join(format!("old/directions/{}.json", NAMES[0])),
+        "{}",
+    )
+    .unwrap();
+    let said = refused(folder, &words("gonio g.toml -o old"), 1);
+    assert!(said.contains("earlier version"), "{said}");
+    fs::create_dir_all(folder.join("out/results.npz")).unwrap();
     refused(folder, &words("gonio g.toml -o out"), 1);
 }
 
@@ -507,7 +502,7 @@ fn summary_tells_all_and_examples_are_understood() {
         if name.starts_with("translucent_") || name == "small_gonio.toml" {
             let text = fs::read_to_string(&path).unwrap();
             let config = asperity_studies::GonioConfig::from_toml(&text).unwrap();
-            config.check(None).unwrap();
+            config.plan(None).unwrap();
             seen += 1;
         }
     }

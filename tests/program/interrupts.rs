@@ -146,7 +146,7 @@ fn an_interrupt_after_the_time_limit_changes_nothing() {
     send("-INT", &program);
     let (code, errors) = ended(program);
     assert_eq!(code, Some(0), "{errors}");
-    assert!(errors.starts_with("the time is over; 1 of 3"), "{errors}");
+    assert!(errors.starts_with("the time is over; "), "{errors}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
     Case, Effort, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
 };
-use asperity_studies::{VerifyConfig, verify};
+use asperity_studies::VerifyConfig;
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{PathSettings, Polarisation};
@@ -265,20 +265,22 @@ fn random_surfaces_agree_with_an_independent_ensemble() {
         ",
     )
     .unwrap();
-    let outcome = verify(&config, &Silent).unwrap();
-    let spec = outcome.spec;
+    let plan = config.plan().unwrap();
+    let outcomes = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
+    let spec = plan.settings.tally;
     let in_plane = json("ensemble_s3.json");
     let mut family = Family::default();
-    for case in &outcome.cases {
-        let Material::Dielectric { eta } = case.case.material else {
+    for outcome in &outcomes {
+        let case = &outcome.case;
+        let Material::Dielectric { eta } = case.material else {
             unreachable!()
         };
-        let theta = case.case.incidence.theta_deg();
+        let theta = case.light.incidence.theta_deg();
         let (_, _, row) = ENSEMBLE
             .iter()
             .find(|(e, t, _)| (e - eta).abs() < 1e-6 && *t == theta)
             .unwrap();
-        let statistics = &case.outcome.statistics;
+        let statistics = &outcome.statistics;
         assert_eq!(statistics.means().budget().lost, 0.0);
         let [r, t, r1, t1] = *row;
         let single = |side| statistics.at(spec.order_entry(side, 1));
@@ -288,7 +290,7 @@ fn random_surfaces_agree_with_an_independent_ensemble() {
             ("R1", single(Side::Reflected), r1),
             ("T1", single(Side::Transmitted), t1),
         ] {
-            family.compare(&format!("{} {what}", case.case), found, reference, se);
+            family.compare(&format!("{} {what}", case.label()), found, reference, se);
         }
         let Some(reference) = &in_plane else { continue };
         let reference = reference["cases"]
@@ -310,7 +312,7 @@ fn random_surfaces_agree_with_an_independent_ensemble() {
                 se: found.se.map(|se| se * per_sr),
             };
             family.compare(
-                &format!("{} in plane {i}", case.case),
+                &format!("{} in plane {i}", case.label()),
                 found,
                 values[i],
                 errors[i],

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use asperity_results::ResultSet;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -106,5 +107,21 @@ impl Table {
 
     pub(crate) fn number(&self, row: usize, name: &str) -> f64 {
         self.text(row, name).parse().unwrap()
+    }
+}
+
+/// Asserts that two folders hold the same files of the same bytes, and the same results of whatever machine.
+pub(crate) fn assert_same_bytes(a: &Path, b: &Path) {
+    assert_eq!(files(a), files(b));
+    let comparable = |path: &Path| ResultSet::read(path).unwrap().comparable_bytes().unwrap();
+    for name in files(a) {
+        let (a, b) = (a.join(&name), b.join(&name));
+        if a.is_dir() {
+            assert_same_bytes(&a, &b);
+        } else if name == "results.npz" {
+            assert!(comparable(&a) == comparable(&b), "{name}");
+        } else {
+            assert!(fs::read(&a).unwrap() == fs::read(&b).unwrap(), "{name}");
+        }
     }
 }

@@ -464,8 +464,7 @@ fn every_example_configuration_is_understood() {
                 continue;
             }
             let config = asperity_studies::VerifyConfig::from_toml(&text).unwrap();
-            config.run.ray_settings().unwrap();
-            config.check_surfaces().unwrap();
+            config.plan().unwrap();
             seen += 1;
         }
     }

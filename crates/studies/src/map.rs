@@ -47,6 +47,8 @@ pub struct MapOutcome<'a> {
     pub plan: &'a Plan,
     /// What was found in each cell; `None` where the run ended before.
     pub results: Vec<Option<CellResults>>,
+    /// Number of cells that a stop cut short: they are of the surfaces that were finished.
+    pub cut_short: usize,
 }
 
 impl MapOutcome<'_> {
@@ -99,5 +101,6 @@ pub fn map<'a>(
         config,
         plan,
         results: (0..plan.cases.len()).map(read).collect(),
+        cut_short: found.cut_short(),
     })
 }

@@ -19,7 +19,7 @@ pub(crate) use columns::{
     projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;
-pub(crate) use number::{distance, significant, two_digits, with_error};
+pub(crate) use number::{cut_short, distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub(crate) use support::{Support, Supported};

@@ -133,9 +133,9 @@ mod tests {
     #[test]
     fn defaults_make_one_case() {
         let config = VerifyConfig::from_toml("").unwrap();
-        let cases = config.cases().unwrap();
+        let cases = config.plan().unwrap().cases;
         assert_eq!(cases.len(), 1);
-        assert_eq!(cases[0].to_string(), "s = 3, n = 1.5, theta = 30 deg");
+        assert_eq!(cases[0].label(), "s = 3, n = 1.5, theta = 30 deg");
         assert!(config.any_azimuth());
     }
 
@@ -152,7 +152,7 @@ mod tests {
             rays = 1e5
         ";
         let config = VerifyConfig::from_toml(text).unwrap();
-        let cases = config.cases().unwrap();
+        let cases = config.plan().unwrap().cases;
         assert_eq!(cases.len(), 16);
         assert_eq!(cases[0].folder(), "s6_n1.4_theta0");
         assert_eq!(cases[15].folder(), "s0.5_n0.714286_theta30");
@@ -162,13 +162,11 @@ mod tests {
     #[test]
     fn bad_values_get_a_sentence() {
         let refusal = |text: &str| {
-            VerifyConfig::from_toml(text)
-                .and_then(|config| {
-                    config.run.ray_settings()?;
-                    config.cases()
-                })
-                .unwrap_err()
-                .to_string()
+            let config = VerifyConfig::from_toml(text);
+            match config.map(|config| config.plan().map(|_| ())) {
+                Ok(planned) => planned.unwrap_err().to_string(),
+                Err(error) => error.to_string(),
+            }
         };
         for (text, expected) in [
             ("[surface]\nsmoothness = 3\nsigma = 2", "excludes"),

@@ -239,8 +239,8 @@ mod tests {
     fn cases(text: &str) -> Result<Vec<String>, String> {
         let text = format!("[compare]\nmodels = []\n{text}");
         let config = VerifyConfig::from_toml(&text).map_err(|e| e.to_string())?;
-        let cases = config.cases().map_err(|e| e.to_string())?;
-        Ok(cases.iter().map(|case| case.folder()).collect())
+        let plan = config.plan().map_err(|e| e.to_string())?;
+        Ok(plan.cases.iter().map(|case| case.folder()).collect())
     }
 
     #[test]

@@ -49,7 +49,7 @@ mod tests {
         let memo = config.surface.measured.clone();
         let is_kept = || memo.0.lock().unwrap().is_some();
         assert!(!is_kept());
-        let cases = config.cases().unwrap();
+        let cases = config.plan().unwrap().cases;
         assert!(is_kept());
         assert_eq!(cases.len(), 4);
         // A marked measurement comes back for the same structure, and another one is measured anew
@@ -59,8 +59,8 @@ mod tests {
         let foreign = MeasuredStructure::of(&other.surface.structure_synthesis().unwrap()).unwrap();
         *memo.0.lock().unwrap() = Some((synthesis, foreign.clone()));
         assert_eq!(memo.measured(synthesis).unwrap(), foreign);
-        assert_ne!(config.cases().unwrap(), cases);
-        other.cases().unwrap();
-        assert_eq!(config.cases().unwrap(), cases);
+        assert_ne!(config.plan().unwrap().cases, cases);
+        other.plan().unwrap();
+        assert_eq!(config.plan().unwrap().cases, cases);
     }
 }

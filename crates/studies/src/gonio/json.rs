@@ -30,7 +30,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         "thetas_deg": outcome.thetas,
         "phis_deg": outcome.phis,
         "components": component_names(spec),
-        "complete": outcome.missing() == 0,
+        "complete": outcome.missing() + outcome.found.cut_short() == 0,
         "missing": outcome.missing(),
         "directions": directions.collect::<Vec<_>>(),
         "columns": {

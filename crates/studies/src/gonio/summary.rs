@@ -9,7 +9,7 @@ use super::distinction::Distinction;
 use super::tables::{measured, report};
 use super::{Direction, GonioOutcome};
 use crate::config::lobes::BinnedLobe;
-use crate::output::wrapped;
+use crate::output::{cut_short, wrapped};
 use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
@@ -131,6 +131,8 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
             outcome.directions().len()
         ));
     }
+    let all = outcome.directions().len();
+    warnings.extend(cut_short(outcome.found.cut_short(), all, "directions"));
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
         warnings.push(
             "the azimuth of the light is random, so all directions of one polar angle give the same result; give one phi"

@@ -15,7 +15,7 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
     let mut summary = json!({
         "seed": outcome.config.run.seed,
         "config": config_json(outcome.config, &outcome.config.run, &["max_time"]),
-        "complete": outcome.missing() == 0,
+        "complete": outcome.missing() + outcome.cut_short == 0,
         "missing": outcome.missing(),
         "summary": summarise(outcome),
         "cells": cells.collect::<Vec<_>>(),

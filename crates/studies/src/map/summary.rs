@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::MapOutcome;
 use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
-use crate::output::{Column, Table, wrapped};
+use crate::output::{Column, Table, cut_short, wrapped};
 
 /// What the map says of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -223,6 +223,7 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
             outcome.results.len()
         ));
     }
+    warnings.extend(cut_short(outcome.cut_short, outcome.results.len(), "cells"));
     let few = |r: &super::CellResults| r.deviation_bound.is_none() && r.surfaces < FEWEST_SURFACES;
     if results().any(few) {
         warnings.push(format!(
@@ -238,10 +239,8 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::MapCell;
     use super::super::config::MapConfig;
     use super::*;
-    use crate::output::Completion;
 
     fn placed(smoothness: f64, theta_deg: f64, verdict: CellVerdict) -> PlacedVerdict {
         PlacedVerdict {
@@ -255,16 +254,12 @@ mod tests {
     fn a_model_is_within_tolerance_from_where_all_smoother_cells_are() {
         let text = "[surface]\nsmoothness = [1, 2, 3, 4]\n[light]\ntheta = [0, 60]\n[compare]\nmodels = [\"smith\"]";
         let config = MapConfig::from_toml(text).unwrap();
-        let cells = config.cells().unwrap().into_iter();
+        let plan = config.plan().unwrap();
         let outcome = MapOutcome {
-            cells: cells
-                .map(|plan| MapCell {
-                    case: plan.case,
-                    results: None,
-                })
-                .collect(),
-            config,
-            completion: Completion::default(),
+            results: vec![None; plan.cases.len()],
+            config: &config,
+            plan: &plan,
+            cut_short: 0,
         };
         use CellVerdict::{Beyond, NotResolved, Within};
         // Of four smoothness values, at 0 and at 60 degrees.

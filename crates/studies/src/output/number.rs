@@ -19,6 +19,15 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
     }
 }
 
+/// What is said of results that a stop cut short, if there are any.
+pub(crate) fn cut_short(count: usize, all: usize, what: &str) -> Option<String> {
+    (count > 0).then(|| {
+        format!(
+            "{count} of {all} {what} were cut short: their results are of the surfaces that were finished, so they depend on when the run was ended; the same command resumes"
+        )
+    })
+}
+
 /// Three significant digits, with an exponent where there would be many zeros.
 pub(crate) fn significant(value: f64) -> String {
     if value == 0.0 {

@@ -1,29 +1,30 @@
 //! Random surfaces whose slopes are not Gaussian, against models with their root mean square slopes and with all of their slopes.
 
-use asperity_simulate::Silent;
+use asperity_simulate::{RandomSurfaces, Silent, simulate};
 use asperity_surface::{Psd, StudentSlopes};
 use asperity_tally::Component;
 
 use super::*;
 
 /// One case of `settings` on surfaces of GGX slopes, or on Gaussian ones.
-fn outcome(settings: &str, is_ggx: bool) -> CaseOutcome {
+fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&CaseOutcome<'_>) -> T) -> T {
     let text = format!(
         "[surface]\nsize = 128\ntau = 6\nsmoothness = 100\n[material]\nkind = \"mirror\"\n[output]\nplots = false\n{settings}"
     );
     let config = VerifyConfig::from_toml(&text).unwrap();
-    let mut case = config.cases().unwrap().remove(0);
+    let mut plan = config.plan().unwrap();
     if is_ggx {
         let psd = Psd::gaussian(6.0 / 100.0, 6.0).unwrap();
-        case.recipe = StudentSlopes::new(psd, 3.0).unwrap().into();
+        let recipe = StudentSlopes::new(psd, 3.0).unwrap();
+        let [ny, nx] = [128, 128];
+        let surfaces = RandomSurfaces::new(Cells::Smooth, recipe, [ny, nx], [1.0; 2], false);
+        plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }
-    let cases = config.simulated(std::slice::from_ref(&case)).unwrap();
-    let simulation = Simulation::new(&cases, &config.ray_settings().unwrap()).unwrap();
-    let found = simulation.run(&Silent).unwrap().remove(0);
-    judge(&config, case, found).unwrap()
+    let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
+    read(&judge_case(&config, &found[0]).unwrap())
 }
 
-fn p_values(outcome: &CaseOutcome) -> Vec<f64> {
+fn p_values(outcome: &CaseOutcome<'_>) -> Vec<f64> {
     let compared = |model: &ModelOutcome| model.compared(Component::Single).unwrap().clone();
     let models = outcome.models.iter();
     models
@@ -43,7 +44,7 @@ fn ggx_surfaces_have_the_light_of_their_slopes() {
             let run = format!(
                 "[light]\ntheta = 20\nazimuth = \"{azimuth}\"\n[run]\nbins = \"9x12\"\nrays = 100000\nestimator = \"plain\"\nrealisations = 24\nseed = {seed}\n[compare]\nmodels = [\"smith-slopes\", \"smith\"]"
             );
-            let p = p_values(&outcome(&run, true));
+            let p = outcome(&run, true, p_values);
             println!("{azimuth} {seed}: {p:?}");
             low += usize::from(p[0] < 0.05);
             rejected += usize::from(p[1] < 0.01);
@@ -56,7 +57,8 @@ fn ggx_surfaces_have_the_light_of_their_slopes() {
 #[test]
 fn gaussian_surfaces_need_no_table() {
     let run = "[light]\ntheta = 40\n[run]\nbins = \"9x12\"\nrays = 20000\nrealisations = 8\n[compare]\nmodels = [\"smith-slopes\", \"smith\"]";
-    let found = outcome(run, false);
-    let [one, other] = [0, 1].map(|i| found.models[i].expectation.tallies()[0].clone());
+    let [one, other] = outcome(run, false, |found| {
+        [0, 1].map(|i| found.models[i].expectation.tallies()[0].clone())
+    });
     assert_eq!(one, other);
 }

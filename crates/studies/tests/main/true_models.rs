@@ -1,6 +1,7 @@
 //! Models that are true of the surfaces that they are compared with: whole verifications must not reject them more often than
 //! their level says.
 
+use asperity_results::ResultSet;
 use asperity_simulate::Silent;
 use asperity_studies::{VerifyConfig, verify};
 
@@ -21,7 +22,9 @@ fn p_values(case: &TrueModel, seeds: std::ops::Range<u64>) -> Vec<f64> {
             );
             let mut config = VerifyConfig::from_toml(&text).unwrap();
             config.run.seed = seed;
-            let outcome = verify(&config, &Silent).unwrap();
+            let plan = config.plan().unwrap();
+            let mut found = ResultSet::in_memory(config.header());
+            let outcome = verify(&config, &plan, &mut found, &Silent).unwrap();
             let model = &outcome.cases[0].models[0];
             let components = model.components.iter().map(|(_, compared)| compared);
             let tests = components.chain([&model.total]);

@@ -30,7 +30,7 @@ pub(super) fn cases<G: Stressed>(index: usize, surface: &G, effort: Effort) -> V
     let thetas = THETAS
         .into_iter()
         .filter(|theta| tiles_crossed(surface, theta.to_radians()) < effort.tiles);
-    let every_case = effort.every_case && surface.steepest_slope() < SPIKY;
+    let every_case = effort.every_case && Stressed::steepest_slope(surface) < SPIKY;
     let mut cases = Vec::new();
     for (i, theta_deg) in thetas.enumerate() {
         for (j, &material) in materials.iter().enumerate() {

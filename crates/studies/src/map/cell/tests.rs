@@ -3,8 +3,8 @@
 use super::*;
 use crate::config::VerifyConfig;
 use crate::config::values::Number;
-use crate::verify::verify;
-use asperity_simulate::Silent;
+use crate::verify::judge_case;
+use asperity_simulate::{Outcome, Silent, simulate};
 
 /// Of sums and differences of a few numbers near one.
 const ROUNDING: f64 = 1e-14;
@@ -149,7 +149,7 @@ fn no_observed_ray_is_an_error_of_three_rays() {
 }
 
 /// A small run of a model that is sampled and of one that is exact.
-fn run() -> crate::VerifyOutcome {
+fn run() -> (VerifyConfig, Outcome) {
     let text = "
         [surface]
         smoothness = 3
@@ -170,15 +170,19 @@ fn run() -> crate::VerifyOutcome {
         models = ['heitz', 'smith']
         model_rays = 16000
         ";
-    verify(&VerifyConfig::from_toml(text).unwrap(), &Silent).unwrap()
+    let config = VerifyConfig::from_toml(text).unwrap();
+    let plan = config.plan().unwrap();
+    let outcomes = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
+    (config, outcomes.into_iter().next().unwrap())
 }
 
 #[test]
 fn the_numbers_of_a_cell_are_those_of_its_run() {
-    let mut outcome = run();
-    let spec = outcome.spec;
-    let found = CellResults::of(&outcome.cases[0]);
-    let case = &outcome.cases[0];
+    let (config, outcome) = run();
+    let spec = *outcome.statistics.spec();
+    let mut judged = judge_case(&config, &outcome).unwrap();
+    let found = CellResults::of(&judged);
+    let case = &judged;
 
     // Of what the mesh adds to a bin half is light that has moved there, half light that has gone.
     for (model, component) in [(0, Component::All), (1, Component::Single)] {
@@ -204,9 +208,13 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     // Where nothing was traced, noise is that of the model alone: 95 % of each bin, or by Student's quantile
     // of 16 batches a little more.
     let bound = 1e-3;
-    outcome.cases[0].outcome.deviation_bound = Some(bound);
-    let known = CellResults::of(&outcome.cases[0]);
-    let statistics = outcome.cases[0].models[0].expectation.statistics();
+    let bounded = Outcome {
+        deviation_bound: Some(bound),
+        ..outcome.clone()
+    };
+    judged.outcome = &bounded;
+    let known = CellResults::of(&judged);
+    let statistics = judged.models[0].expectation.statistics();
     let errors = spec.grid_entries(Component::All);
     let errors: f64 = errors.iter().map(|i| statistics.at(i).se.unwrap()).sum();
     let [sampled, exact] = [0, 1].map(|i| known.models[i].own.noise_95.unwrap());
@@ -222,11 +230,19 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
 /// A hundredth of the light of a side is the most that may have gone elsewhere.
 #[test]
 fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
-    let mut outcome = run();
-    let light = outcome.cases[0].models[1].judged().sides.clone();
-    let mut peaks_at = |fraction: f64, side: usize| {
-        outcome.cases[0].outcome.deviation_bound = Some(fraction * light[side].explicit);
-        let known = CellResults::of(&outcome.cases[0]);
+    let (config, outcome) = run();
+    let light = judge_case(&config, &outcome).unwrap().models[1]
+        .judged()
+        .sides
+        .clone();
+    let peaks_at = |fraction: f64, side: usize| {
+        let bounded = Outcome {
+            deviation_bound: Some(fraction * light[side].explicit),
+            ..outcome.clone()
+        };
+        let mut judged = judge_case(&config, &outcome).unwrap();
+        judged.outcome = &bounded;
+        let known = CellResults::of(&judged);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)
     };
     for side in [0, 1] {

@@ -1,10 +1,11 @@
 //! Given surfaces against models: true ones are kept, wrong ones rejected.
 
+use asperity_results::ResultSet;
 use asperity_simulate::{Cells, RandomSurfaces, Silent};
 use asperity_surface::{LengthUnit, Psd, RegionSlopes};
 
 use super::*;
-use crate::trace::{PlannedTrace, TraceOutcome, TracedSurfaces};
+use crate::trace::{TraceOutcome, TracePlan, TracedSurfaces, trace};
 
 /// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
 const SMOOTH: f64 = 10.0;
@@ -27,22 +28,24 @@ fn isotropic(smoothness: f64, seed: u64) -> GivenSurface {
     surface(Psd::gaussian(4.0 / smoothness, 4.0).unwrap(), seed)
 }
 
-fn planned(surface: GivenSurface, settings: &str) -> PlannedTrace {
+fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
     let text = format!("[output]\nplots = false\n{settings}");
     let config = TraceConfig::from_toml(&text).unwrap();
     let surfaces = TracedSurfaces {
         surface,
         bottom: None,
     };
-    PlannedTrace::new(&config, surfaces).unwrap()
+    TracePlan::new(&config, surfaces).unwrap()
 }
 
-fn run(planned: PlannedTrace) -> TraceOutcome {
-    planned.run(None, &Silent).unwrap()
+/// What `read` takes from the outcome of a run.
+fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
+    let mut found = ResultSet::in_memory(plan.header());
+    read(&trace(&plan, &mut found, &Silent).unwrap())
 }
 
 /// The p value of the component that each model is judged by.
-fn p_values(outcome: &TraceOutcome) -> Vec<f64> {
+fn p_values(outcome: &TraceOutcome<'_>) -> Vec<f64> {
     let models = outcome.comparison.as_ref().unwrap().models.iter();
     models
         .map(|model| model.judged().comparison.test.as_ref().unwrap().p)
@@ -66,7 +69,7 @@ fn true_models_are_rejected_as_often_as_their_level_says() {
         };
         let cells = ["flat", "smooth"][seed as usize / 2 % 2];
         let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}models = \"smith\"");
-        p_values(&run(planned(surface, &settings)))[0]
+        run(planned(surface, &settings), p_values)[0]
     };
     let p: Vec<f64> = (0..SEEDS).map(of_seed).collect();
     println!("{p:?}");
@@ -105,7 +108,7 @@ fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {
         let cells = ["flat", "smooth"][seed as usize / 2 % 2];
         let models = "models = [\"smith-slopes\", \"smith\"]";
         let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}{models}");
-        p_values(&run(planned(surface, &settings)))
+        run(planned(surface, &settings), p_values)
     };
     let p: Vec<Vec<f64>> = (0..SEEDS).map(of_seed).collect();
     println!("{p:?}");
@@ -145,9 +148,9 @@ fn models_of_other_slopes_are_rejected() {
             region.second = region.second.map(|value| factor * value);
         }
         *shifts = RegionShifts::new(&regions, plan.widths()).unwrap();
-        let outcome = run(planned);
-        println!("{factor}: {:?}", p_values(&outcome));
-        assert!(p_values(&outcome)[0] < 1e-3);
+        let p = run(planned, p_values);
+        println!("{factor}: {p:?}");
+        assert!(p[0] < 1e-3);
     }
 }
 
@@ -155,14 +158,15 @@ fn models_of_other_slopes_are_rejected() {
 #[test]
 fn models_of_other_shadowing_are_rejected() {
     let settings = format!("{GLASS}models = [\"smith\", \"v-cavity\"]").replace("30", "60");
-    let outcome = run(planned(isotropic(1.5, 5), &settings));
-    let p = p_values(&outcome);
+    let (p, distances) = run(planned(isotropic(1.5, 5), &settings), |outcome| {
+        let models = &outcome.comparison.as_ref().unwrap().models;
+        let distance = |i: usize| models[i].judged().comparison.total_variation.observed;
+        (p_values(outcome), [0, 1].map(distance))
+    });
     println!("{p:?}");
     assert!(p[1] < 1e-3, "v-cavity");
     // Smith's shadowing leaves out how heights are correlated; it is far less wrong.
-    let models = &outcome.comparison.as_ref().unwrap().models;
-    let distance = |i: usize| models[i].judged().comparison.total_variation.observed;
-    assert!(distance(1) > 2.0 * distance(0));
+    assert!(distances[1] > 2.0 * distances[0]);
 }
 
 /// The covariance that models are made for is that of the ensemble within its errors, whatever the axes.
