@@ -66,7 +66,7 @@ fn describe(outcome: &GonioOutcome, direction: &Direction<'_>) -> Value {
         "theta_i_deg": incidence.theta_deg(),
         "phi_i_deg": incidence.phi_deg(),
         "results": results(direction),
-        "bins": direction.spec.grid(),
+        "bins": direction.spec.grid().to_string(),
         "peak": BySide::of(|side| Peak::of(direction, side)),
         "lobes": direction.lobes(),
     });

@@ -1,4 +1,5 @@
 //! Whole studies.
 #![cfg(test)]
 
+mod coordinates;
 mod true_models;
