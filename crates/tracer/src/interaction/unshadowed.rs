@@ -16,8 +16,8 @@ use crate::geometry::Triangles;
 use crate::interaction::facet::scatter;
 use crate::ray::HalfSpace;
 
-/// Fewest facets that are summed over at a time.
-const MIN_FACETS: usize = 1 << 10;
+/// Facets that are summed over at a time.
+const FACETS_OF_PART: usize = 1 << 14;
 
 /// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
 /// `incident` medium if nothing is in its way, before or after: flux fractions, summed in parallel.
@@ -33,25 +33,28 @@ pub fn sum_over_facets<G: Triangles>(
     facets: Range<usize>,
 ) -> TallyValues {
     let empty = || Tally::new(spec, Azimuth::From(incidence.phi() + PI));
-    let parts = facets.into_par_iter().with_min_len(MIN_FACETS);
-    let tallies = parts.fold(empty, |mut tally, index| {
-        add_facet(geometry, material, incidence, incident, index, &mut tally);
+    let parts = 0..facets.len().div_ceil(FACETS_OF_PART);
+    let tallies = parts.into_par_iter().map(|part| {
+        let first = facets.start + part * FACETS_OF_PART;
+        let part = first..facets.end.min(first + FACETS_OF_PART);
+        let mut tally = empty();
+        add_facets(geometry, material, incidence, incident, part, &mut tally);
         tally
     });
-    let sum = tallies.reduce(empty, |mut sum, part| {
+    let sum = tallies.reduce_with(|mut sum, part| {
         sum += &part;
         sum
     });
-    sum.into_fractions(1)
+    sum.unwrap_or_else(empty).into_fractions(1)
 }
 
-/// Adds what one facet does.
-fn add_facet<G: Triangles>(
+/// Adds what some facets do.
+fn add_facets<G: Triangles>(
     geometry: &G,
     material: Material,
     incidence: Incidence,
     incident: HalfSpace,
-    index: usize,
+    facets: Range<usize>,
     tally: &mut Tally<'_>,
 ) {
     let [cx, cy] = geometry.extent();
@@ -62,36 +65,38 @@ fn add_facet<G: Triangles>(
         Border::Periodic | Border::Open => &[[1.0, 1.0]],
     };
     let area = images.len() as f64 * cx * cy / geometry.aspect();
-    let corners = geometry.corners(geometry.facet(index));
-    let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y / geometry.aspect(), p.z));
-    // Its length is the facet's area.
-    let normal = 0.5 * incident.sign() * (b - a).cross(c - a);
-    let Some(m) = normal.try_normalize() else {
-        return;
-    };
-    for &[x, y] in images {
-        let image = DVec3::new(x, y, 1.0);
-        let wi = incidence.wi() * upright * image;
-        let flux = wi.dot(normal) / (incidence.wi().z * area);
-        if flux <= 0.0 {
+    for index in facets {
+        let corners = geometry.corners(geometry.facet(index));
+        let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y / geometry.aspect(), p.z));
+        // Its length is the facet's area.
+        let normal = 0.5 * incident.sign() * (b - a).cross(c - a);
+        let Some(m) = normal.try_normalize() else {
             continue;
-        }
-        let scattered = scatter(material, true, wi, m);
-        tally.add_first_absorbed(flux * scattered.absorbed);
-        for branch in scattered.branches {
-            let (side, away) = match branch.event {
-                Event::Reflection => (Side::Reflected, 1.0),
-                Event::Transmission => (Side::Transmitted, -1.0),
-            };
-            let wo = branch.direction * upright * image;
-            if branch.fraction > 0.0 && wo.z * away > 0.0 {
-                tally.add_exit(&Exit {
-                    side,
-                    wo,
-                    flux: flux * branch.fraction,
-                    path: EventPath::default().then(branch.event),
-                    scatterings: 0,
-                });
+        };
+        for &[x, y] in images {
+            let image = DVec3::new(x, y, 1.0);
+            let wi = incidence.wi() * upright * image;
+            let flux = wi.dot(normal) / (incidence.wi().z * area);
+            if flux <= 0.0 {
+                continue;
+            }
+            let scattered = scatter(material, true, wi, m);
+            tally.add_first_absorbed(flux * scattered.absorbed);
+            for branch in scattered.branches {
+                let (side, away) = match branch.event {
+                    Event::Reflection => (Side::Reflected, 1.0),
+                    Event::Transmission => (Side::Transmitted, -1.0),
+                };
+                let wo = branch.direction * upright * image;
+                if branch.fraction > 0.0 && wo.z * away > 0.0 {
+                    tally.add_exit(&Exit {
+                        side,
+                        wo,
+                        flux: flux * branch.fraction,
+                        path: EventPath::default().then(branch.event),
+                        scatterings: 0,
+                    });
+                }
             }
         }
     }
