@@ -168,11 +168,11 @@ impl ResultSet<'static> {
             }
             header.machine.seconds += shard.header.machine.seconds;
             found.count = found.count.max(shard.cases.len());
-            for (number, case) in shard.cases.iter().enumerate() {
+            for (number, case) in shard.cases.into_iter().enumerate() {
                 let Some(case) = case else { continue };
                 let known = found.cases.get(&number);
                 if known.is_none_or(CaseResult::is_cut_short) {
-                    found.cases.insert(number, (**case).clone());
+                    found.cases.insert(number, Arc::unwrap_or_clone(case));
                 }
             }
             let mut state = shard.store.state();
