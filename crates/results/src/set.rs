@@ -19,7 +19,7 @@ use crate::error::ResultsError;
 use crate::header::{Header, other_build};
 use crate::npz::{Machines, NpzReader, NpzWriter};
 use crate::rounding::rounding;
-use crate::store::{Pace, Part, PartStore, Record};
+use crate::store::{Pace, Part, PartStore, ReadRecord};
 
 /// The file of results in a result folder.
 const FILE: &str = "results.npz";
@@ -502,10 +502,10 @@ impl Found {
     fn read_records(&mut self, records: impl Iterator<Item = (u64, Vec<u8>)>) {
         for (_, record) in records {
             match ciborium::from_reader(record.as_slice()) {
-                Ok(Record::Case(number, case)) => {
+                Ok(ReadRecord::Case(number, case)) => {
                     self.cases.insert(number, *case);
                 }
-                Ok(Record::Part(key, surface)) => {
+                Ok(ReadRecord::Part(key, surface)) => {
                     self.parts.insert(key, *surface);
                 }
                 Err(_) => return,
