@@ -61,19 +61,18 @@ impl Packed {
                 }
                 Value::Object(object)
             }
-            Plain::Array(values) => match Array::of(&values) {
-                Some((array, is_missing)) => {
-                    // Edges of bins are the same in all tallies of a case.
-                    let mut known = self.arrays.iter();
-                    let known = known.find_map(|(name, known)| (*known == array).then_some(name));
-                    let own = known.cloned().unwrap_or_else(|| name.to_owned());
-                    let mut reference = Map::from_iter([(ARRAY.to_owned(), json!(own))]);
-                    if is_missing {
-                        reference.insert("missing".to_owned(), json!("NaN"));
-                    }
-                    self.arrays.insert(own, array);
-                    Value::Object(reference)
+            Plain::Bytes(_) => match Array::of_rows(&[value]) {
+                Some(Array { numbers, .. }) => {
+                    let shape = vec![numbers.len() as u64];
+                    self.set_aside(name, Array { shape, numbers }, false)
                 }
+                None => Value::Null,
+            },
+            Plain::Array(values) => match Array::of_rows(&values)
+                .map(|array| (array, false))
+                .or_else(|| Array::of(&values))
+            {
+                Some((array, is_missing)) => self.set_aside(name, array, is_missing),
                 None => {
                     let values = values.into_iter().enumerate();
                     let values =
@@ -95,6 +94,20 @@ impl Packed {
             Plain::Bool(value) => Value::Bool(value),
             _ => Value::Null,
         }
+    }
+
+    /// Writes an array aside, and what stands for it.
+    fn set_aside(&mut self, name: &str, array: Array, is_missing: bool) -> Value {
+        // Edges of bins are the same in all tallies of a case.
+        let mut known = self.arrays.iter();
+        let known = known.find_map(|(name, known)| (*known == array).then_some(name));
+        let own = known.cloned().unwrap_or_else(|| name.to_owned());
+        let mut reference = Map::from_iter([(ARRAY.to_owned(), json!(own))]);
+        if is_missing {
+            reference.insert("missing".to_owned(), json!("NaN"));
+        }
+        self.arrays.insert(own, array);
+        Value::Object(reference)
     }
 
     /// The value, of which the arrays are looked up by name.
@@ -154,6 +167,26 @@ fn join(
 }
 
 impl Array {
+    /// The array of the rows whose bytes these are; `None` unless there are rows, equally long ones.
+    fn of_rows(rows: &[Plain]) -> Option<Self> {
+        let row = rows.first()?.as_bytes()?.len();
+        let mut numbers = Vec::new();
+        for bytes in rows {
+            let bytes = bytes.as_bytes().filter(|bytes| bytes.len() == row)?;
+            let (of_row, _) = bytes.as_chunks();
+            // Which NaN it is does not matter.
+            let number = |bytes| Some(f64::from_le_bytes(bytes)).filter(|x| !x.is_nan());
+            numbers.extend(
+                of_row
+                    .iter()
+                    .map(|bytes| number(*bytes).unwrap_or(f64::NAN)),
+            );
+        }
+        let row = (row / size_of::<f64>()) as u64;
+        let shape = vec![rows.len() as u64, row];
+        Some(Self { shape, numbers })
+    }
+
     /// The array that values make, and whether its NaNs stand for values that are not there. `None` unless they are many numbers of equally
     /// long rows, of which either some are NaN or some are missing.
     fn of(values: &[Plain]) -> Option<(Self, bool)> {

@@ -20,7 +20,7 @@ use crate::error::ResultsError;
 use crate::header::{Header, other_build};
 use crate::npz::{Machines, NpzReader, NpzWriter};
 use crate::rounding::rounding;
-use crate::store::{Pace, Part, PartStore, Record};
+use crate::store::{Pace, Part, PartStore, ReadRecord};
 
 /// The file of results in a result folder.
 const FILE: &str = "results.npz";
@@ -177,11 +177,11 @@ impl ResultSet<'static> {
             }
             header.machine.seconds += shard.header.machine.seconds;
             found.count = found.count.max(shard.cases.len());
-            for (number, case) in shard.cases.iter().enumerate() {
+            for (number, case) in shard.cases.into_iter().enumerate() {
                 let Some(case) = case else { continue };
                 let known = found.cases.get(&number);
                 if known.is_none_or(CaseResult::is_cut_short) {
-                    found.cases.insert(number, (**case).clone());
+                    found.cases.insert(number, Arc::unwrap_or_clone(case));
                 }
             }
             let mut state = shard.store.state();
@@ -595,10 +595,10 @@ impl Found {
     fn read_records(&mut self, records: impl Iterator<Item = (u64, Vec<u8>)>) {
         for (_, record) in records {
             match ciborium::from_reader(record.as_slice()) {
-                Ok(Record::Case(number, case)) => {
+                Ok(ReadRecord::Case(number, case)) => {
                     self.cases.insert(number, *case);
                 }
-                Ok(Record::Part(key, surface)) => {
+                Ok(ReadRecord::Part(key, surface)) => {
                     self.parts.insert(key, *surface);
                 }
                 Err(_) => return,

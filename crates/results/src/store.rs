@@ -1,6 +1,6 @@
 //! Part store: finished parts and cases of a run while it goes on, in memory and in a journal.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -19,24 +19,30 @@ use crate::set::CaseResult;
 pub(crate) struct Pace {
     /// Least time between two writes.
     pub(crate) interval: Duration,
-    /// So many times what the last write took, at least, lies between two.
-    pub(crate) rest: u32,
+    /// Part of the time since the beginning that all writes together may take.
+    pub(crate) part: f64,
 }
 
 impl Pace {
-    /// Every 10 s, and no more than 1 % of the time.
+    /// Every 10 s, and half a per cent of the time, so that writes that take longer than those before stay below one.
     pub(crate) const DEFAULT: Self = Self {
         interval: Duration::from_secs(10),
-        rest: 99,
+        part: 0.005,
     };
 }
 
 /// A record of the journal behind the first, which is the header as JSON.
 #[derive(Serialize, Deserialize)]
-pub(crate) enum Record {
-    Case(usize, Box<CaseResult>),
-    Part(SurfaceKey, Box<SavedSurface>),
+pub(crate) enum Record<C, P> {
+    Case(usize, C),
+    Part(SurfaceKey, P),
 }
+
+/// A record as it is read.
+pub(crate) type ReadRecord = Record<Box<CaseResult>, Box<SavedSurface>>;
+
+/// Bytes of records that are written at once.
+const BYTES_AT_ONCE: usize = 4 << 20;
 
 /// A finished part.
 #[derive(Clone, Debug)]
@@ -58,8 +64,8 @@ pub struct PartStore {
 pub(crate) struct State {
     pub(crate) parts: BTreeMap<SurfaceKey, Part>,
     /// Parts and cases that are not in the journal yet.
-    new_parts: Vec<SurfaceKey>,
-    new_cases: Vec<(usize, Arc<CaseResult>)>,
+    new_parts: VecDeque<SurfaceKey>,
+    new_cases: VecDeque<(usize, Arc<CaseResult>)>,
     /// Given surfaces, and what is written in their place.
     described: Vec<(SurfaceSource, SurfaceSource)>,
     /// Header of the journal, and where it is; `None` in memory alone.
@@ -71,6 +77,7 @@ pub(crate) struct State {
     pub(crate) is_changed: bool,
     /// When the journal is to be written next, if there is a clock that goes so far.
     due: Option<Instant>,
+    began: Instant,
     pace: Pace,
     failure: Option<ResultsError>,
     /// Time spent on the journal.
@@ -83,14 +90,15 @@ impl PartStore {
         Self {
             state: Mutex::new(State {
                 parts: BTreeMap::new(),
-                new_parts: Vec::new(),
-                new_cases: Vec::new(),
+                new_parts: VecDeque::new(),
+                new_cases: VecDeque::new(),
                 described: Vec::new(),
                 target,
                 journal: None,
                 end,
                 is_changed: end > 0,
                 due: Instant::now().checked_add(pace.interval),
+                began: Instant::now(),
                 pace,
                 failure: None,
                 journal_time: Duration::ZERO,
@@ -130,7 +138,7 @@ impl SurfaceStore for PartStore {
         state.is_changed = true;
         state.parts.insert(key, Part::Held(Box::new(surface)));
         if !state.new_parts.contains(&key) {
-            state.new_parts.push(key);
+            state.new_parts.push_back(key);
         }
         state.write_if_due();
     }
@@ -148,8 +156,8 @@ impl State {
             Part::Journal(begin) => {
                 let record = self.journal.as_ref()?.read(*begin).ok()?;
                 match ciborium::from_reader(record.as_slice()).ok()? {
-                    Record::Part(_, surface) => Some(*surface),
-                    Record::Case(..) => None,
+                    ReadRecord::Part(_, surface) => Some(*surface),
+                    ReadRecord::Case(..) => None,
                 }
             }
         }
@@ -163,7 +171,7 @@ impl State {
             self.new_parts.retain(|key| key.case != number);
         }
         if self.target.is_some() {
-            self.new_cases.push((number, case.clone()));
+            self.new_cases.push_back((number, case.clone()));
         }
         self.write_if_due();
     }
@@ -196,35 +204,46 @@ impl State {
         self.target.is_some() && self.due.is_some_and(|due| Instant::now() >= due)
     }
 
-    /// Writes what is new, if it is time to. A failure is kept for the end: the run itself needs no journal.
+    /// Writes what is new, if it is time to and as far as time allows. A failure is kept for the end: the run itself needs no journal.
     fn write_if_due(&mut self) {
-        if self.is_due() && self.failure.is_none() {
-            let clock = Instant::now();
-            self.failure = self.write().err();
-            let spent = clock.elapsed();
-            self.journal_time += spent;
-            let rest = self.pace.interval.max(spent * self.pace.rest);
-            self.due = Instant::now().checked_add(rest);
+        if !self.is_due() || self.failure.is_some() {
+            return;
         }
-    }
-
-    fn write(&mut self) -> Result<(), ResultsError> {
-        let keys = std::mem::take(&mut self.new_parts);
-        let cases = std::mem::take(&mut self.new_cases);
-        let mut records = Vec::new();
-        for key in &keys {
-            if let Some(Part::Held(surface)) = self.parts.get(key) {
-                records.push(bytes(&Record::Part(*key, surface.clone()))?);
+        let clock = Instant::now();
+        let all = self.began.elapsed().as_secs_f64() * self.pace.part;
+        let left = all - self.journal_time.as_secs_f64();
+        while left > clock.elapsed().as_secs_f64() {
+            match self.write_some() {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(error) => {
+                    self.failure = Some(error);
+                    break;
+                }
             }
         }
-        for (number, case) in cases {
-            records.push(bytes(&Record::Case(
-                number,
-                Box::new(self.to_write(&case)),
-            ))?);
+        self.journal_time += clock.elapsed();
+        self.due = Instant::now().checked_add(self.pace.interval);
+    }
+
+    /// Writes some of what is new, cases first; `false` if nothing was.
+    fn write_some(&mut self) -> Result<bool, ResultsError> {
+        let (mut records, mut keys) = (Vec::new(), Vec::new());
+        while records.iter().map(Vec::len).sum::<usize>() < BYTES_AT_ONCE {
+            if let Some((number, case)) = self.new_cases.pop_front() {
+                records.push(bytes(&Record::<_, ()>::Case(number, self.to_write(&case)))?);
+                keys.push(None);
+            } else if let Some(key) = self.new_parts.pop_front() {
+                if let Some(Part::Held(surface)) = self.parts.get(&key) {
+                    records.push(bytes(&Record::<(), _>::Part(key, surface))?);
+                    keys.push(Some(key));
+                }
+            } else {
+                break;
+            }
         }
-        let Some((header, path)) = &self.target else {
-            return Ok(());
+        let Some((header, path)) = self.target.as_ref().filter(|_| !records.is_empty()) else {
+            return Ok(false);
         };
         let journal = match &mut self.journal {
             Some(journal) => journal,
@@ -237,11 +256,13 @@ impl State {
             }
         };
         let begins = journal.append(&records)?;
-        // They are on the disk, and need no memory.
+        // Parts are on the disk, and need no memory.
         for (key, begin) in keys.into_iter().zip(begins) {
-            self.parts.insert(key, Part::Journal(begin));
+            if let Some(key) = key {
+                self.parts.insert(key, Part::Journal(begin));
+            }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The first failure to write the journal.
@@ -264,7 +285,7 @@ impl State {
     }
 }
 
-fn bytes(record: &Record) -> Result<Vec<u8>, ResultsError> {
+fn bytes(record: &impl Serialize) -> Result<Vec<u8>, ResultsError> {
     let mut bytes = Vec::new();
     let written = ciborium::into_writer(record, &mut bytes);
     written.map_err(|error| ResultsError::Unwritable(error.to_string()))?;

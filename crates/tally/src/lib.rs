@@ -44,6 +44,7 @@ mod in_plane;
 mod measured_places;
 mod measures;
 mod mirror;
+mod numbers;
 mod places;
 mod polarimetry;
 mod result;
@@ -70,6 +71,7 @@ pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError};
 
 pub use mirror::Mirror;
+pub use numbers::Numbers;
 pub use places::MAX_LISTED_PATH;
 pub use polarimetry::{Measure, Polarimetry};
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};

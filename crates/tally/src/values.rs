@@ -2,39 +2,73 @@
 
 use std::ops::{AddAssign, Index, IndexMut};
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::entry::{Entries, Entry};
 use crate::filters::BinFilter;
+use crate::numbers::Numbers;
 use crate::{Component, Event, EventPath, Side, TallyResult, TallySpec};
 
 /// One `T` for each entry of a spec.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "SavedValues<T>")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ByEntry<T> {
     spec: TallySpec,
     values: Vec<T>,
 }
 
-/// Values as they are read, perhaps of another spec.
-#[derive(Deserialize)]
-struct SavedValues<T> {
+/// Values as they are written, and read, perhaps of another spec.
+#[derive(Serialize, Deserialize)]
+struct SavedValues<V> {
     spec: TallySpec,
-    values: Vec<T>,
+    values: V,
 }
 
-impl<T> TryFrom<SavedValues<T>> for ByEntry<T> {
-    type Error = String;
-
-    fn try_from(SavedValues { spec, values }: SavedValues<T>) -> Result<Self, String> {
+impl<T> ByEntry<T> {
+    fn read<E: Error>(spec: TallySpec, values: Vec<T>) -> Result<Self, E> {
         match values.len() == spec.len() {
             true => Ok(Self { spec, values }),
-            false => Err(format!(
-                "{} values of a tally of {}",
-                values.len(),
-                spec.len()
-            )),
+            false => {
+                let (found, expected) = (values.len(), spec.len());
+                Err(E::custom(format!(
+                    "{found} values of a tally of {expected}"
+                )))
+            }
         }
+    }
+}
+
+impl Serialize for TallyValues {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let saved = SavedValues {
+            spec: self.spec,
+            values: Numbers(self.values.as_slice().into()),
+        };
+        saved.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for TallyValues {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        let SavedValues { spec, values } = SavedValues::<Numbers<'_>>::deserialize(source)?;
+        Self::read(spec, values.0.into_owned())
+    }
+}
+
+impl Serialize for ByEntry<Option<f64>> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let saved = SavedValues {
+            spec: self.spec,
+            values: &self.values,
+        };
+        saved.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ByEntry<Option<f64>> {
+    fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
+        let SavedValues { spec, values } = SavedValues::deserialize(source)?;
+        Self::read(spec, values)
     }
 }
 

@@ -19,7 +19,7 @@ use super::*;
 /// Writes the journal at every chance.
 const ALWAYS: Pace = Pace {
     interval: Duration::ZERO,
-    rest: 0,
+    part: f64::INFINITY,
 };
 
 #[derive(Debug)]
@@ -701,15 +701,20 @@ fn sizes_and_times() {
         let clock = Instant::now();
         set.close().unwrap();
         let closed = clock.elapsed().as_secs_f64();
-        let bytes = fs::read(folder.path().join(FILE)).unwrap();
+        let file = fs::File::open(folder.path().join(FILE)).unwrap();
+        let length = file.metadata().unwrap().len() as f64 / 1e6;
+        let mut archive = zip::ZipArchive::new(file).unwrap();
+        let stored: u64 = (0..archive.len())
+            .map(|i| archive.by_index(i).unwrap().size())
+            .sum();
         let clock = Instant::now();
         let read = ResultSet::read(folder.path()).unwrap();
         println!(
-            "{name}: {} cases, {ran:.1} s, journal {:.2} %, closed in {closed:.2} s, read in {:.2} s, {:.2} MB",
+            "{name}: {} cases, {ran:.1} s, journal {:.2} %, closed in {closed:.2} s, read in {:.2} s, {length:.2} MB, {:.2} MB stored",
             read.len(),
             100.0 * journal / ran,
             clock.elapsed().as_secs_f64(),
-            bytes.len() as f64 / 1e6
+            stored as f64 / 1e6
         );
     };
     let rays = |total, surfaces| Settings {

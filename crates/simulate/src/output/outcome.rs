@@ -41,14 +41,14 @@ pub struct Outcome {
 
 /// Tallies of one spec as rows of one array.
 mod rows {
-    use asperity_tally::{TallySpec, TallyValues};
+    use asperity_tally::{Numbers, TallySpec, TallyValues};
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     #[derive(Serialize, Deserialize)]
     struct Rows {
         spec: TallySpec,
-        values: Vec<Vec<f64>>,
+        values: Vec<Numbers<'static>>,
     }
 
     pub(super) fn serialize<S: Serializer>(
@@ -59,7 +59,7 @@ mod rows {
             spec: *first.spec(),
             values: tallies
                 .iter()
-                .map(|tally| tally.iter().copied().collect())
+                .map(|tally| Numbers(tally.iter().copied().collect()))
                 .collect(),
         });
         rows.serialize(serializer)
@@ -71,8 +71,8 @@ mod rows {
         let Some(Rows { spec, values }) = Option::deserialize(source)? else {
             return Ok(Vec::new());
         };
-        let tally = |row: Vec<f64>| {
-            let mut row = row.into_iter();
+        let tally = |Numbers(row): Numbers<'_>| {
+            let mut row = row.iter().copied();
             let is_whole = row.len() == spec.len();
             let tally = TallyValues::from_fn(spec, |_| row.next().unwrap_or(f64::NAN));
             is_whole
