@@ -61,10 +61,10 @@ fn units_convert_from_the_file_to_what_is_printed() {
     let trace = |flags: &str| succeed(folder, &words(&format!("trace {um} {flags} {medium}")));
     let plain = trace("--mean-free-path 400");
     let suffixed = trace("--mean-free-path 0.4um");
-    assert!(plain.contains("mean free path 400 nm"), "{plain}");
-    assert!(suffixed.contains("mean free path 400 nm"), "{suffixed}");
+    assert!(plain.contains("mean free path = 400 nm"), "{plain}");
+    assert!(suffixed.contains("mean free path = 400 nm"), "{suffixed}");
     let converted = trace("--unit um --mean-free-path 400nm");
-    assert!(converted.contains("mean free path 0.4 um"), "{converted}");
+    assert!(converted.contains("mean free path = 0.4 um"), "{converted}");
 
     for (arguments, expected) in [
         ("a.txt --unit um", "the file states no unit"),

@@ -55,7 +55,7 @@ fn results_on_a_file_are_refused_by_what_differs() {
         ),
         (
             line("periodic", "1e3", " --light-azimuth random"),
-            "light.any_azimuth false in place of true",
+            "light.azimuth \"fixed\" in place of \"random\"",
         ),
     ] {
         mismatched(folder, &line, what);
@@ -84,13 +84,13 @@ fn results_above_a_medium_are_refused_by_what_differs_below() {
         for (more, what) in [
             (
                 " --bottom-surface same",
-                "medium [\"flat\",100000] in place of [\"same\",100000]",
+                "medium.bottom_surface \"flat\" in place of \"same\"",
             ),
             (
                 " --max-scatterings 7",
-                "medium [\"flat\",100000] in place of [\"flat\",7]",
+                "medium.max_scatterings 100000 in place of 7",
             ),
-            (" --bottom mirror", "layer.slab.bottom"),
+            (" --bottom mirror", "medium.bottom"),
             (" --seed 2", "run.seed 1 in place of 2"),
         ] {
             mismatched(folder, &line(more), what);

@@ -19,7 +19,7 @@ const LONG: [(&str, &str); 7] = [
         "resumes",
     ),
     (
-        "map --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19 --smoothness 1,2,3,4,5,6,7,8,9,10 --models smith --rays 2e4 --realisations 20 --no-plots",
+        "map --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19 --smoothness 1,2,3,4,5,6,7,8,9,10 --models smith --rays 2e4 --realisations 20 --bins 6x6 --no-plots",
         "resumes",
     ),
     (

@@ -299,6 +299,7 @@ fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
         "manifest.json",
         "notes.txt",
         "report.txt",
+        "results.npz",
         "summary.json",
         "theta.csv",
     ];

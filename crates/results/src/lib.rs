@@ -24,6 +24,7 @@
 //! `map` and `gonio` keep moments alone, [without details](asperity_simulate::Outcome::without_details): means, squares of deviations and least
 //! errors. A shard of them is never less than a case.
 
+mod case_result;
 mod error;
 mod header;
 mod npz;
@@ -32,8 +33,9 @@ mod rounding;
 mod set;
 mod store;
 
+pub use case_result::CaseResult;
 pub use error::ResultsError;
 pub use header::{Header, Machine, first_difference};
 pub use rounding::rounding;
-pub use set::{CaseResult, ResultSet, Resumed};
+pub use set::{ResultSet, Resumed};
 pub use store::PartStore;

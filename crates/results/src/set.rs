@@ -13,50 +13,20 @@ use asperity_simulate::{
     Case, Observer, Outcome, SavedSurface, Settings, SimulateError, Simulation, StoppedBy,
     SurfaceKey,
 };
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use crate::case_result::CaseResult;
 use crate::error::ResultsError;
 use crate::header::{Header, other_build};
 use crate::npz::{Machines, NpzReader, NpzWriter};
 use crate::rounding::rounding;
-use crate::store::{Pace, Part, PartStore, ReadRecord};
+use crate::store::{JOURNAL, Pace, Part, PartStore, ReadRecord};
 
 /// The file of results in a result folder.
 const FILE: &str = "results.npz";
 
-/// The journal in a result folder.
-const JOURNAL: &str = "results.journal";
-
 /// Folders of checkpoints of earlier versions.
 const EARLIER: [&str; 3] = ["checkpoints", "cells", "directions"];
-
-/// What is kept of one case.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct CaseResult {
-    /// What was found.
-    pub outcome: Outcome,
-    /// What a study derived from the tallies of surfaces before these were let go; null where nothing was.
-    pub findings: Value,
-}
-
-impl From<Outcome> for CaseResult {
-    /// All of it, and no findings.
-    fn from(outcome: Outcome) -> Self {
-        Self {
-            outcome,
-            findings: Value::Null,
-        }
-    }
-}
-
-impl CaseResult {
-    /// Whether a time limit or an interrupt ended it before all that was planned: the next run goes on with it.
-    #[must_use]
-    pub const fn is_cut_short(&self) -> bool {
-        self.outcome.stopping.is_cut_short()
-    }
-}
 
 /// What an earlier run has left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,7 +63,7 @@ pub struct ResultSet<'a> {
     /// What the results follow from.
     pub header: Header,
     cases: Vec<Option<Arc<CaseResult>>>,
-    store: PartStore,
+    store: PartStore<'a>,
     folder: Option<&'a ResultFolder>,
     resumed: Resumed,
     notes: Vec<String>,
@@ -337,8 +307,7 @@ impl<'a> ResultSet<'a> {
         for (number, case) in found.cases {
             cases[number] = Some(Arc::new(case));
         }
-        let path = |folder: &ResultFolder| folder.path().join(JOURNAL);
-        let target = folder.map(|folder| (header.clone(), path(folder)));
+        let target = folder.map(|folder| (header.clone(), folder));
         let store = PartStore::new(target, found.end, pace);
         let is_complete = |number: usize| {
             let case = cases.get(number).and_then(Option::as_ref);
@@ -429,7 +398,7 @@ impl<'a> ResultSet<'a> {
 
     /// The finished parts of cases that are not complete.
     #[must_use]
-    pub const fn parts(&self) -> &PartStore {
+    pub const fn parts(&self) -> &PartStore<'a> {
         &self.store
     }
 
@@ -446,8 +415,8 @@ impl<'a> ResultSet<'a> {
     /// and the next run goes on with it. If nothing was finished before an interrupt, nothing is added.
     ///
     /// # Errors
-    /// As [`simulate`](asperity_simulate::simulate), the first error of `keep`, and [`ResultsError`] if the result folder lets no journal in.
-    pub fn run_missing<E: From<SimulateError> + From<ResultsError>>(
+    /// As [`simulate`](asperity_simulate::simulate), and the first error of `keep`.
+    pub fn run_missing<E: From<SimulateError>>(
         &mut self,
         first: usize,
         cases: &[Case],
@@ -468,10 +437,6 @@ impl<'a> ResultSet<'a> {
         }
         let simulation =
             Simulation::of_missing(cases, settings, |case| self.is_complete(first + case))?;
-        if let Some(folder) = self.folder {
-            let claimed = folder.claim_checkpoint(JOURNAL);
-            claimed.map_err(ResultsError::from)?;
-        }
         self.store.begin(first);
         let Self { cases, store, .. } = self;
         let store = &*store;
@@ -479,7 +444,7 @@ impl<'a> ResultSet<'a> {
             outcome.number += first;
             let number = outcome.number;
             let case = Arc::new(keep(outcome)?);
-            store.state().add_case(number, &case);
+            store.add_case(number, &case);
             cases[number] = Some(case);
             Ok(())
         });

@@ -1,18 +1,20 @@
 //! Part store: finished parts and cases of a run while it goes on, in memory and in a journal.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asperity_io::Journal;
+use asperity_io::{Journal, ResultFolder};
 use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceSource, SurfaceStore};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::case_result::CaseResult;
 use crate::error::ResultsError;
 use crate::header::Header;
-use crate::set::CaseResult;
+
+/// The journal of a run, in its result folder.
+pub(crate) const JOURNAL: &str = "results.journal";
 
 /// How often the journal is written, and thus what a killed run may lose.
 #[derive(Clone, Copy, Debug)]
@@ -54,8 +56,10 @@ pub(crate) enum Part {
 
 /// Finished parts of a run, and its journal.
 #[derive(Debug)]
-pub struct PartStore {
+pub struct PartStore<'a> {
     state: Mutex<State>,
+    /// The folder that the journal is written to; `None` in memory alone.
+    folder: Option<&'a ResultFolder>,
     /// Added to the case numbers of keys: the first case of the simulation that runs.
     first: usize,
 }
@@ -68,8 +72,8 @@ pub(crate) struct State {
     new_cases: VecDeque<(usize, Arc<CaseResult>)>,
     /// Given surfaces, and what is written in their place.
     described: Vec<(SurfaceSource, SurfaceSource)>,
-    /// Header of the journal, and where it is; `None` in memory alone.
-    target: Option<(Header, PathBuf)>,
+    /// Header of the journal; `None` in memory alone.
+    header: Option<Header>,
     journal: Option<Journal>,
     /// Where the journal of an earlier run ends; 0 to begin a new one.
     end: u64,
@@ -84,16 +88,18 @@ pub(crate) struct State {
     pub(crate) journal_time: Duration,
 }
 
-impl PartStore {
-    /// `target`: header of the journal, and its path; `None` in memory alone. `end`: where the journal of an earlier run ends, or 0.
-    pub(crate) fn new(target: Option<(Header, PathBuf)>, end: u64, pace: Pace) -> Self {
+impl<'a> PartStore<'a> {
+    /// `target`: header of the journal, and its folder; `None` in memory alone. `end`: where the journal of an earlier run ends, or 0.
+    pub(crate) fn new(target: Option<(Header, &'a ResultFolder)>, end: u64, pace: Pace) -> Self {
+        let (header, folder) = target.unzip();
         Self {
+            folder,
             state: Mutex::new(State {
                 parts: BTreeMap::new(),
                 new_parts: VecDeque::new(),
                 new_cases: VecDeque::new(),
                 described: Vec::new(),
-                target,
+                header,
                 journal: None,
                 end,
                 is_changed: end > 0,
@@ -112,6 +118,20 @@ impl PartStore {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Adds a case that is finished, of which no parts are needed any more.
+    pub(crate) fn add_case(&self, number: usize, case: &Arc<CaseResult>) {
+        let mut state = self.state();
+        state.is_changed = true;
+        if !case.is_cut_short() {
+            state.parts.retain(|key, _| key.case != number);
+            state.new_parts.retain(|key| key.case != number);
+        }
+        if state.header.is_some() {
+            state.new_cases.push_back((number, case.clone()));
+        }
+        state.write_if_due(self.folder);
+    }
+
     /// The same for the simulation whose first case has this number.
     pub(crate) const fn begin(&mut self, first: usize) {
         self.first = first;
@@ -125,7 +145,7 @@ impl PartStore {
     }
 }
 
-impl SurfaceStore for PartStore {
+impl SurfaceStore for PartStore<'_> {
     fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
         let mut state = self.state();
         let part = state.parts.get(&self.key(key)).cloned()?;
@@ -140,7 +160,7 @@ impl SurfaceStore for PartStore {
         if !state.new_parts.contains(&key) {
             state.new_parts.push_back(key);
         }
-        state.write_if_due();
+        state.write_if_due(self.folder);
     }
 
     fn is_due(&self) -> bool {
@@ -161,19 +181,6 @@ impl State {
                 }
             }
         }
-    }
-
-    /// Adds a case that is finished, of which no parts are needed any more.
-    pub(crate) fn add_case(&mut self, number: usize, case: &Arc<CaseResult>) {
-        self.is_changed = true;
-        if !case.is_cut_short() {
-            self.parts.retain(|key, _| key.case != number);
-            self.new_parts.retain(|key| key.case != number);
-        }
-        if self.target.is_some() {
-            self.new_cases.push_back((number, case.clone()));
-        }
-        self.write_if_due();
     }
 
     /// Names what is written in the place of given surfaces, whose points are read once for that.
@@ -201,11 +208,11 @@ impl State {
     }
 
     fn is_due(&self) -> bool {
-        self.target.is_some() && self.due.is_some_and(|due| Instant::now() >= due)
+        self.header.is_some() && self.due.is_some_and(|due| Instant::now() >= due)
     }
 
     /// Writes what is new, if it is time to and as far as time allows. A failure is kept for the end: the run itself needs no journal.
-    fn write_if_due(&mut self) {
+    fn write_if_due(&mut self, folder: Option<&ResultFolder>) {
         if !self.is_due() || self.failure.is_some() {
             return;
         }
@@ -213,7 +220,7 @@ impl State {
         let all = self.began.elapsed().as_secs_f64() * self.pace.part;
         let left = all - self.journal_time.as_secs_f64();
         while left > clock.elapsed().as_secs_f64() {
-            match self.write_some() {
+            match self.write_some(folder) {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(error) => {
@@ -227,7 +234,7 @@ impl State {
     }
 
     /// Writes some of what is new, cases first; `false` if nothing was.
-    fn write_some(&mut self) -> Result<bool, ResultsError> {
+    fn write_some(&mut self, folder: Option<&ResultFolder>) -> Result<bool, ResultsError> {
         let (mut records, mut keys) = (Vec::new(), Vec::new());
         while records.iter().map(Vec::len).sum::<usize>() < BYTES_AT_ONCE {
             if let Some((number, case)) = self.new_cases.pop_front() {
@@ -242,13 +249,14 @@ impl State {
                 break;
             }
         }
-        let Some((header, path)) = self.target.as_ref().filter(|_| !records.is_empty()) else {
+        let (Some(header), Some(folder), false) = (&self.header, folder, records.is_empty()) else {
             return Ok(false);
         };
         let journal = match &mut self.journal {
             Some(journal) => journal,
             closed => {
-                let mut journal = Journal::open(path, self.end)?;
+                let path = folder.claim_checkpoint(JOURNAL)?;
+                let mut journal = Journal::open(&path, self.end)?;
                 if self.end == 0 {
                     journal.append(&[json!(header).to_string().into_bytes()])?;
                 }

@@ -35,10 +35,9 @@ pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
 pub use input::case::{Case, CaseBins, Light};
+pub use input::case_words::{CaseColumn, CaseGroup, CasePart, bottom_text, material_text};
 pub use input::cells::Cells;
-pub use input::coordinates::{
-    CaseColumn, CaseGroup, CasePart, Coordinate, Coordinates, bottom_text, material_text,
-};
+pub use input::coordinates::{Coordinate, Coordinates};
 pub use input::described_shape::{DescribedShape, DescribedSurface, corners_hash, heights_hash};
 pub use input::estimator::Estimator;
 pub use input::limits::{

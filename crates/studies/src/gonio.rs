@@ -21,11 +21,11 @@ use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallySta
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::output::{Supported, over, projected_solid_angle};
-use crate::plan::Plan;
 use crate::report::flux_support::FluxSupport;
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::error::VerifyError;
+use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
 pub use files::gonio_report;

@@ -15,7 +15,6 @@ mod inspect;
 mod map;
 mod model;
 mod output;
-mod plan;
 mod report;
 pub mod settings;
 mod surface_lengths;
@@ -69,7 +68,7 @@ pub use model::{
     model_list,
 };
 pub use output::wrapped;
-pub use plan::Plan;
+
 pub use report::areal_parameters::areal_table;
 pub use report::case_report::verify_table;
 pub use report::energies::energy_table;
@@ -86,4 +85,5 @@ pub use trace::{
 };
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::error::VerifyError;
+pub use verify::plan::Plan;
 pub use verify::{CaseOutcome, VerifyOutcome, judge, verify};

@@ -17,9 +17,9 @@ use serde::Deserialize;
 use serde_json::json;
 
 use crate::config::values::Seconds;
-use crate::plan::Plan;
 use crate::verify::error::VerifyError;
 use crate::verify::judge_case;
+use crate::verify::plan::Plan;
 
 pub use cell::{
     CellDistances, CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell,

@@ -1,6 +1,7 @@
 //! Explicit surfaces against statistical models.
 
 pub(crate) mod error;
+pub(crate) mod plan;
 #[cfg(test)]
 mod tests;
 
@@ -22,8 +23,8 @@ use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
-use crate::plan::Plan;
 use crate::validity::Validity;
+use crate::verify::plan::Plan;
 
 /// What was found for one case.
 pub struct CaseOutcome<'a> {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asperity_tracer::Shape;
 use serde::{Deserialize, Serialize};
 
 /// What the cells of a grid of heights are.
@@ -12,6 +13,17 @@ pub enum Cells {
     Flat,
     /// Bicubic B-splines, which join smoothly.
     Smooth,
+}
+
+impl Cells {
+    /// Those of a shape; `None` for a triangle mesh.
+    pub(crate) const fn of(shape: &Shape) -> Option<Self> {
+        match shape {
+            Shape::HeightField { .. } => Some(Self::Flat),
+            Shape::Smooth { .. } => Some(Self::Smooth),
+            Shape::TriangleMesh { .. } => None,
+        }
+    }
 }
 
 impl fmt::Display for Cells {

@@ -6,7 +6,6 @@ use asperity_tracer::{Geometry, MeshSurface, Shape, Triangles};
 use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
-use super::surface_source::cells_of;
 
 /// A given surface, and the bottom below it where that has a shape of its own, without their points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,7 +51,7 @@ impl DescribedShape {
             }
         };
         Self {
-            cells: cells_of(shape),
+            cells: Cells::of(shape),
             top,
             bottom,
         }

@@ -1,6 +1,7 @@
 //! What is simulated, and how: the input of a run.
 
 pub(crate) mod case;
+pub(crate) mod case_words;
 pub(crate) mod cells;
 pub(crate) mod coordinates;
 pub(crate) mod described_shape;

@@ -99,7 +99,7 @@ impl SurfaceSource {
     pub fn cells(&self) -> Option<Cells> {
         match self {
             Self::Random(surfaces) => Some(surfaces.cells()),
-            Self::Given(shapes) => cells_of(shapes.first()?),
+            Self::Given(shapes) => Cells::of(shapes.first()?),
             Self::Described(shapes) => shapes.first()?.cells,
         }
     }
@@ -162,15 +162,6 @@ impl SurfaceSource {
             Self::Given(shapes) => Self::Described(shapes.iter().map(DescribedShape::of).collect()),
             described => described.clone(),
         }
-    }
-}
-
-/// What lies between the heights of a shape; `None` for a triangle mesh.
-pub(crate) const fn cells_of(shape: &Shape) -> Option<Cells> {
-    match shape {
-        Shape::HeightField { .. } => Some(Cells::Flat),
-        Shape::Smooth { .. } => Some(Cells::Smooth),
-        Shape::TriangleMesh { .. } => None,
     }
 }
 

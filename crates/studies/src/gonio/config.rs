@@ -15,9 +15,9 @@ use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
-use crate::plan::Plan;
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;
+use crate::verify::plan::Plan;
 
 /// `[light]`: the directions that light comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

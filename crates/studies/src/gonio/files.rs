@@ -9,8 +9,8 @@ use super::tables::{self, measured};
 use super::{FOLDER, GonioConfig, GonioOutcome, figures};
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
-use crate::plan::Plan;
 use crate::report::error::ReportError;
+use crate::verify::plan::Plan;
 
 /// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, theta_edges.npy, phi_edges.npy, plots,
 /// report.txt, and, last, summary.json.

@@ -12,9 +12,9 @@ use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, MaterialKind, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
-use crate::plan::Plan;
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;
+use crate::verify::plan::Plan;
 
 /// `[map]`: the tolerances of the distances between a model and the explicit result.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,497 @@
+//! Case words: every word for the quantities of a case.
+//!
+//! Labels, folder names, titles of figures, columns of tables and members of JSON follow from the parts listed here.
+
+use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, Slab};
+use asperity_surface::LengthUnit;
+use serde_json::{Map, Value, json};
+
+use super::case::Case;
+use super::coordinates::Coordinate;
+use crate::text::short;
+
+/// Which side of a case a part describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CaseGroup {
+    /// The surface.
+    Surface,
+    /// The material.
+    Material,
+    /// The layer below.
+    Layer,
+    /// A further quantity.
+    Other,
+    /// The light.
+    Light,
+}
+
+/// One quantity of a case, and the words for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CasePart {
+    /// What it describes.
+    pub group: CaseGroup,
+    /// Name of the quantity.
+    pub name: String,
+    /// Value as text.
+    pub value: String,
+    /// Whether the value needs no name before it, as in `mirror`.
+    pub is_bare: bool,
+}
+
+impl CasePart {
+    fn new(group: CaseGroup, name: &str, value: String) -> Self {
+        Self {
+            group,
+            name: name.to_owned(),
+            value,
+            is_bare: false,
+        }
+    }
+
+    fn bare(group: CaseGroup, name: &str, value: String) -> Self {
+        Self {
+            is_bare: true,
+            ..Self::new(group, name, value)
+        }
+    }
+
+    /// Name and value, as in `s = 3`, or the value alone.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.is_bare {
+            true => self.value.clone(),
+            false => format!("{} = {}", self.name, self.value),
+        }
+    }
+}
+
+/// A column that describes cases, and its value for one of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CaseColumn {
+    /// What it describes.
+    pub group: CaseGroup,
+    /// Header.
+    pub name: String,
+    /// Unit; empty for pure numbers and text.
+    pub unit: String,
+    /// Description.
+    pub about: String,
+    /// Number or text; null where the case has no such quantity.
+    pub value: Value,
+}
+
+/// A refractive index, as a quotient where the reciprocal is the shorter number: `1/1.5`.
+fn index_text(eta: f64) -> String {
+    let (index, reciprocal) = (short(eta), short(1.0 / eta));
+    match reciprocal.len() < index.len() {
+        true => format!("1/{reciprocal}"),
+        false => index,
+    }
+}
+
+/// The words for a material: kind as in files, in text, in figures, and as a part of a folder's name.
+struct MaterialWords {
+    kind: &'static str,
+    in_text: CasePart,
+    in_figures: CasePart,
+    tag: String,
+}
+
+impl MaterialWords {
+    fn of(material: Material) -> Self {
+        let index = |value| CasePart::new(CaseGroup::Material, "n", value);
+        let words = |kind, in_text: CasePart, tag| Self {
+            kind,
+            in_figures: in_text.clone(),
+            in_text,
+            tag,
+        };
+        let bare = |value| CasePart::bare(CaseGroup::Material, "material", value);
+        match material {
+            Material::Dielectric { eta } => Self {
+                in_figures: index(index_text(eta)),
+                ..words("dielectric", index(short(eta)), format!("n{}", short(eta)))
+            },
+            Material::Conductor { eta, kappa } => {
+                let [eta, kappa] = [eta, kappa].map(short);
+                let part = index(format!("{eta} + {kappa}i"));
+                words("conductor", part, format!("n{eta}k{kappa}"))
+            }
+            Material::Lambertian { reflectance } => {
+                let reflectance = short(reflectance);
+                let part = bare(format!("Lambertian {reflectance}"));
+                words("lambertian", part, format!("lambertian{reflectance}"))
+            }
+            _ => words("mirror", bare("mirror".to_owned()), "mirror".to_owned()),
+        }
+    }
+}
+
+/// The words for a material in titles of figures, as in `n = 1/1.5`.
+#[must_use]
+pub fn material_text(material: Material) -> String {
+    MaterialWords::of(material).in_figures.text()
+}
+
+/// What a layer ends on, in words.
+#[must_use]
+pub fn bottom_text(bottom: Bottom) -> String {
+    match bottom {
+        Bottom::Open => "open below".to_owned(),
+        Bottom::Interface { eta } => format!("interface of n = {} below", short(eta)),
+        Bottom::Absorbing => "absorbing bottom".to_owned(),
+        Bottom::Mirror => "mirror below".to_owned(),
+        Bottom::Lambertian { reflectance } => {
+            format!("Lambertian bottom of reflectance {}", short(reflectance))
+        }
+        _ => String::new(),
+    }
+}
+
+/// A layer as a part of a folder's name, as in `mfp0.1_albedo0.9_g0.5_d2`.
+fn layer_tag(layer: &Layer) -> String {
+    let medium = layer.medium();
+    let path = match medium.is_clear() {
+        true => "clear".to_owned(),
+        false => format!("mfp{}", short(medium.mean_free_path())),
+    };
+    let phase = match medium.phase() {
+        PhaseFunction::Isotropic => String::new(),
+        PhaseFunction::Rayleigh => "_rayleigh".to_owned(),
+        phase => format!("_g{}", short(phase.mean_cosine())),
+    };
+    let depth = layer
+        .end()
+        .map(|slab| format!("_d{}", short(slab.thickness)));
+    format!(
+        "{path}_albedo{}{phase}{}",
+        short(medium.albedo()),
+        depth.unwrap_or_default()
+    )
+}
+
+const fn phase_name(phase: PhaseFunction) -> &'static str {
+    match phase {
+        PhaseFunction::Isotropic => "isotropic",
+        PhaseFunction::Rayleigh => "rayleigh",
+        _ => "henyey-greenstein",
+    }
+}
+
+impl Case {
+    fn layer(&self) -> Option<Layer> {
+        self.layer.map(|below| below.layer)
+    }
+
+    /// What an anisotropic surface has in addition to the smoothness along its first axis: that along the second, and the angle from +x
+    /// to the first, degrees.
+    #[must_use]
+    pub fn anisotropy(&self) -> Option<[f64; 2]> {
+        let [ratio, azimuth] = self.surface.recipe()?.anisotropy()?;
+        Some([ratio * self.at.smoothness?, azimuth.to_degrees()])
+    }
+
+    fn grooves(&self) -> Option<String> {
+        self.anisotropy().map(|[s_y, azimuth]| {
+            format!(
+                "s = {} along the second axis, first axis at {} deg",
+                short(s_y),
+                short(azimuth)
+            )
+        })
+    }
+
+    /// A layer below for people, as in `mean free path 0.1 um, albedo 0.9, g = 0.5, 2 um thick on a mirror`.
+    fn layer_text(&self) -> Option<String> {
+        let (layer, unit) = (self.layer()?, self.at.unit.suffix());
+        let medium = layer.medium();
+        let mut text = match medium.is_clear() {
+            true => "clear".to_owned(),
+            false => {
+                let [path, albedo] = [medium.mean_free_path(), medium.albedo()].map(short);
+                format!("mean free path {path}{unit}, albedo {albedo}")
+            }
+        };
+        match medium.phase() {
+            PhaseFunction::Isotropic => {}
+            PhaseFunction::Rayleigh => text.push_str(", Rayleigh"),
+            phase => text.push_str(&format!(", g = {}", short(phase.mean_cosine()))),
+        }
+        if let Some(slab) = layer.end() {
+            let bottom = match slab.bottom {
+                Bottom::Open => "open below".to_owned(),
+                Bottom::Interface { eta } => format!("on an interface of n = {}", short(eta)),
+                Bottom::Absorbing => "on an absorbing bottom".to_owned(),
+                Bottom::Mirror => "on a mirror".to_owned(),
+                bottom => format!("on a {}", bottom_text(bottom)),
+            };
+            text.push_str(&format!(", {}{unit} thick {bottom}", short(slab.thickness)));
+        }
+        Some(text)
+    }
+
+    /// The parts of a label: surface, material, further quantities, light, layer.
+    fn label_parts(&self) -> Vec<String> {
+        let part = |name, value| CasePart::new(CaseGroup::Surface, name, value).text();
+        let material = MaterialWords::of(self.material).in_text;
+        let smoothness = self.at.smoothness.map(|s| part("s", short(s)));
+        let mut parts: Vec<String> = smoothness.into_iter().chain(self.grooves()).collect();
+        parts.push(material.text());
+        parts.extend(self.at.others.iter().map(Coordinate::text));
+        let theta = short(self.light.incidence.theta_deg());
+        parts.push(part("theta", format!("{theta} deg")));
+        parts.extend(self.layer_text());
+        parts
+    }
+
+    /// The case in words, as in `s = 3, n = 1.4, theta = 30 deg`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        self.label_parts().join(", ")
+    }
+
+    /// The case in a title or legend of a figure, as in `s = 3, n = 1/1.4, θᵢ = 30°`; the azimuth of the light is that on a given surface.
+    #[must_use]
+    pub fn figure_label(&self) -> String {
+        let smoothness = self.at.smoothness.map(|s| match self.anisotropy() {
+            None => format!("s = {}", short(s)),
+            Some([s_y, azimuth]) => {
+                let [s, s_y, azimuth] = [s, s_y, azimuth].map(short);
+                format!("s = {s} along {azimuth}°, {s_y} across")
+            }
+        });
+        let is_given = smoothness.is_none();
+        let incidence = self.light.incidence;
+        let mut parts: Vec<String> = smoothness.into_iter().collect();
+        parts.push(material_text(self.material));
+        parts.extend(self.at.others.iter().map(Coordinate::text));
+        parts.push(format!("θᵢ = {}°", short(incidence.theta_deg())));
+        if is_given {
+            parts.push(format!("φᵢ = {}°", short(incidence.phi_deg())));
+        }
+        parts.extend(self.layer_text());
+        parts.join(", ")
+    }
+
+    /// A folder's name, as in `s3_n1.4_theta30`.
+    #[must_use]
+    pub fn folder(&self) -> String {
+        let theta = format!("theta{}", short(self.light.incidence.theta_deg()));
+        let smoothness = self.at.smoothness.map(|s| format!("s{}", short(s)));
+        let layer = self.layer().map(|layer| layer_tag(&layer));
+        // On a given surface the light stands last.
+        let (before, after) = match smoothness {
+            Some(_) => (None, layer),
+            None => (layer, None),
+        };
+        let others = self.at.others.iter();
+        let parts = smoothness
+            .into_iter()
+            .chain([MaterialWords::of(self.material).tag])
+            .chain(before)
+            .chain(others.map(|one| format!("{}{}", one.name, short(one.value))))
+            .chain([theta])
+            .chain(after);
+        parts.collect::<Vec<_>>().join("_")
+    }
+
+    /// The same with the azimuth of the light, as in `s3_n1.4_theta30_phi0`.
+    #[must_use]
+    pub fn direction_name(&self) -> String {
+        let phi = short(self.light.incidence.phi_deg());
+        format!("{}_phi{phi}", self.folder())
+    }
+
+    /// What the light falls on, quantity by quantity.
+    #[must_use]
+    pub fn setting_parts(&self) -> Vec<CasePart> {
+        use CaseGroup::{Layer, Material, Other, Surface};
+        let part = CasePart::new;
+        let mut parts = Vec::new();
+        parts.extend(self.at.smoothness.map(|s| part(Surface, "s", short(s))));
+        parts.extend(
+            self.grooves()
+                .map(|grooves| CasePart::bare(Surface, "grooves", grooves)),
+        );
+        parts.push(match self.material {
+            asperity_optics::Material::Lambertian { reflectance } => {
+                part(Material, "reflectance", short(reflectance))
+            }
+            material => MaterialWords::of(material).in_figures,
+        });
+        if let Some(layer) = self.layer() {
+            let length = |length| format!("{}{}", short(length), self.at.unit.suffix());
+            let medium = layer.medium();
+            if medium.is_clear() {
+                parts.push(CasePart::bare(Layer, "medium", "clear medium".to_owned()));
+            } else {
+                let path = length(medium.mean_free_path());
+                parts.push(part(Layer, "mean free path", path));
+                parts.push(part(Layer, "albedo", short(medium.albedo())));
+                parts.push(match medium.phase() {
+                    PhaseFunction::Rayleigh => {
+                        CasePart::bare(Layer, "phase", "Rayleigh".to_owned())
+                    }
+                    phase => part(Layer, "g", short(phase.mean_cosine())),
+                });
+            }
+            if let Some(slab) = layer.end() {
+                parts.push(part(Layer, "thickness", length(slab.thickness)));
+                parts.push(CasePart::bare(Layer, "bottom", bottom_text(slab.bottom)));
+            }
+        }
+        let others = self.at.others.iter();
+        parts.extend(others.map(|one| part(Other, &one.symbol, one.value_text())));
+        parts
+    }
+
+    /// Columns that describe the case; the same ones, in the same order, for all cases of a run.
+    #[must_use]
+    pub fn columns(&self) -> Vec<CaseColumn> {
+        use CaseGroup::{Layer, Light, Material, Other, Surface};
+        let unit = match self.at.unit {
+            LengthUnit::Arbitrary => "length",
+            unit => unit.symbol(),
+        };
+        let column = |group, name: &str, unit: &str, about: &str, value: Value| CaseColumn {
+            group,
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            about: about.to_owned(),
+            value,
+        };
+        let eta = match self.material {
+            asperity_optics::Material::Dielectric { eta }
+            | asperity_optics::Material::Conductor { eta, .. } => Some(eta),
+            _ => None,
+        };
+        let kappa = match self.material {
+            asperity_optics::Material::Conductor { kappa, .. } => Some(kappa),
+            _ => None,
+        };
+        let medium: Option<ParticipatingMedium> = self.layer().map(|layer| layer.medium());
+        let slab: Option<Slab> = self.layer().and_then(|layer| layer.end());
+        // That of a clear medium is infinite, which no field holds.
+        let path = medium.map(|medium| medium.mean_free_path());
+        let path = path.filter(|path| path.is_finite());
+        let kind = MaterialWords::of(self.material).kind;
+        let incidence = self.light.incidence;
+        let mut columns = vec![
+            column(
+                Surface,
+                "s",
+                "",
+                "smoothness tau / sigma",
+                json!(self.at.smoothness),
+            ),
+            column(Material, "material", "", "kind of material", json!(kind)),
+            column(
+                Material,
+                "eta",
+                "",
+                "relative index of refraction",
+                json!(eta),
+            ),
+            column(
+                Material,
+                "kappa",
+                "",
+                "relative extinction coefficient",
+                json!(kappa),
+            ),
+            column(
+                Layer,
+                "mean_free_path",
+                unit,
+                "mean free path in the medium",
+                json!(path),
+            ),
+            column(
+                Layer,
+                "albedo",
+                "",
+                "single-scattering albedo",
+                json!(medium.map(|m| m.albedo())),
+            ),
+            column(
+                Layer,
+                "phase",
+                "",
+                "phase function",
+                json!(medium.map(|m| phase_name(m.phase()))),
+            ),
+            column(
+                Layer,
+                "g",
+                "",
+                "mean cosine of the phase function",
+                json!(medium.map(|m| m.phase().mean_cosine())),
+            ),
+            column(
+                Layer,
+                "thickness",
+                unit,
+                "thickness of the layer",
+                json!(slab.map(|slab| slab.thickness)),
+            ),
+            column(
+                Layer,
+                "bottom",
+                "",
+                "what the layer ends on",
+                json!(slab.map(|slab| bottom_text(slab.bottom))),
+            ),
+        ];
+        let others = self.at.others.iter();
+        columns.extend(
+            others.map(|one| column(Other, &one.name, &one.unit, &one.about, json!(one.value))),
+        );
+        columns.push(column(
+            Light,
+            "theta_deg",
+            "deg",
+            "polar angle of the light",
+            json!(incidence.theta_deg()),
+        ));
+        columns
+    }
+
+    /// What the light falls on, as summary.json holds it.
+    #[must_use]
+    pub fn setting_json(&self) -> Value {
+        let mut out = Map::new();
+        out.insert("smoothness".to_owned(), json!(self.at.smoothness));
+        let grooves = self.grooves().map(|grooves| ("grooves", json!(grooves)));
+        self.insert_into(&mut out, grooves);
+        Value::Object(out)
+    }
+
+    /// The case as summary.json holds it.
+    #[must_use]
+    pub fn summary_json(&self) -> Value {
+        let mut out = Map::new();
+        if let Some(smoothness) = self.at.smoothness {
+            out.insert("smoothness".to_owned(), json!(smoothness));
+        }
+        let recipe = self.surface.recipe();
+        let recipe = recipe.map(|recipe| ("psd", json!(recipe)));
+        self.insert_into(&mut out, recipe);
+        let incidence = self.light.incidence;
+        let angles = json!({ "theta_deg": incidence.theta_deg(), "phi_deg": incidence.phi_deg() });
+        out.insert("incidence".to_owned(), angles);
+        Value::Object(out)
+    }
+
+    /// Puts in what describes the surface, then unit, material, layer and further quantities.
+    fn insert_into(&self, out: &mut Map<String, Value>, surface: Option<(&str, Value)>) {
+        let is_physical = self.at.unit != LengthUnit::Arbitrary;
+        let unit = is_physical.then(|| ("unit", json!(self.at.unit)));
+        let layer = self.layer().map(|layer| ("layer", json!(layer)));
+        let material = Some(("material", json!(self.material)));
+        let members = [surface, unit, material, layer];
+        let members = members.into_iter().flatten();
+        out.extend(members.map(|(key, value)| (key.to_owned(), value)));
+        let others = self.at.others.iter();
+        out.extend(others.map(|one| (one.name.clone(), json!(one.value))));
+    }
+}
