@@ -39,7 +39,7 @@ fn verbose_tells_what_is_done_and_why() {
         ),
         (
             format!("map {random} --models smith -o m"),
-            vec!["s = 3, n = 1.5, theta = 30 deg\n", surfaces, "1 computed"],
+            vec!["theta = 30 deg: ", surfaces, "0 cases resumed"],
         ),
         (
             format!("gonio {random} --theta 0,30 -o g"),
@@ -55,7 +55,6 @@ fn verbose_tells_what_is_done_and_why() {
         // Lines are broken anywhere
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in expected {
-            let part = part.trim_end();
             assert!(said.contains(part), "{line}: {part} is missing in\n{said}");
         }
         let quiet = line.replace(" -v", " -q").replace(" -o ", " -o q");
