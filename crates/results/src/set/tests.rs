@@ -420,7 +420,7 @@ fn results_of_another_run_are_refused_by_the_first_key_that_differs() {
         let mut set = ResultSet::in_memory(header);
         set.folder = Some(&folder);
         set.close().unwrap();
-        let refused = ResultSet::open(&folder, self::header())
+        let refused = ResultSet::open_at(&folder, self::header(), ALWAYS, Complete::Refused)
             .err()
             .unwrap()
             .to_string();
@@ -562,8 +562,8 @@ fn merged_shards_have_the_bytes_of_the_undivided_run() {
         );
 
         // Each shard runs the cases that are dealt to it, some twice.
-        let mut shards: Vec<ResultSet<'_>> =
-            (0..count).map(|_| ResultSet::in_memory(header())).collect();
+        let shard = |_| ResultSet::in_memory(full.header.clone());
+        let mut shards: Vec<ResultSet<'_>> = (0..count).map(shard).collect();
         for (number, case) in full.cases() {
             for _ in 0..=shuffle.below(2) {
                 let shard = &mut shards[shuffle.below(count) as usize];

@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn copies_of_a_configuration_share_what_is_measured() {
-        let text = "[surface]\nstructure = \"pits\"\nsize = 64\nsigma = [0.1, 0.2]\n[light]\ntheta = [0, 30]";
+        let text = "[surface]\nstructure = \"pits\"\nsize = 128\nsigma = [0.1, 0.2]\n[light]\ntheta = [0, 30]";
         let config = VerifyConfig::from_toml(text).unwrap();
         let memo = config.surface.measured.clone();
         let is_kept = || memo.0.lock().unwrap().is_some();
