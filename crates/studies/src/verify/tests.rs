@@ -16,8 +16,9 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&CaseOutcome<'_>) -> T
     if is_ggx {
         let psd = Psd::gaussian(6.0 / 100.0, 6.0).unwrap();
         let recipe = StudentSlopes::new(psd, 3.0).unwrap();
-        let [ny, nx] = [128, 128];
-        let surfaces = RandomSurfaces::new(Cells::Smooth, recipe, [ny, nx], [1.0; 2], false);
+        let grid = &config.surface;
+        let shape = grid.shape().unwrap();
+        let surfaces = RandomSurfaces::new(grid.cells(), recipe, shape, grid.spacing(), false);
         plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }
     let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();

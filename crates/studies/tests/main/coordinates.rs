@@ -130,7 +130,7 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
     let mut found = ResultSet::in_memory(config.header(None).unwrap());
     let outcome = gonio(&config, None, &plan, &mut found, &Silent).unwrap();
     gonio_report(&folder, &outcome).unwrap();
-    for table in ["gonio.csv", "in_plane.csv", "bsdf.csv"] {
+    for table in ["gonio.csv", "bsdf.csv"] {
         assert_in_table(out, table);
     }
     assert_in_text(out, &["report.txt"]);
