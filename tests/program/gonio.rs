@@ -265,7 +265,8 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
     let out = folder.join("out");
     let before = fs::read(out.join("gonio.csv")).unwrap();
     let name = NAMES[0];
-    let expected = format!("out holds results of other cases, as {name}: take another folder");
+    let expected =
+        format!("out holds results of other cases, such as {name}; choose another folder");
     for flags in [
         "--theta 50 --mean-free-path 4",
         "--theta 20 --mean-free-path 1",

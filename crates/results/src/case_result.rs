@@ -1,15 +1,15 @@
-//! Case result: what is kept of one case.
+//! Case result: the stored results of one case.
 
 use asperity_simulate::Outcome;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What is kept of one case.
+/// Stored results of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CaseResult {
-    /// What was found.
+    /// Outcome of the simulation.
     pub outcome: Outcome,
-    /// What a study derived from the tallies of surfaces before these were let go; null where nothing was.
+    /// Values that the study derived from the tallies of single surfaces before these were dropped; null if none.
     pub findings: Value,
 }
 
@@ -24,7 +24,7 @@ impl From<Outcome> for CaseResult {
 }
 
 impl CaseResult {
-    /// Whether a time limit or an interrupt ended it before all that was planned: the next run goes on with it.
+    /// Whether a time limit or an interrupt ended it before its planned effort was spent; the next run continues it.
     #[must_use]
     pub const fn is_cut_short(&self) -> bool {
         self.outcome.stopping.is_cut_short()

@@ -1,10 +1,10 @@
-//! Why results cannot be kept or read.
+//! Errors of storing and reading results.
 
 use std::path::PathBuf;
 
 use asperity_io::{ReadError, ResultFolderError, WriteError};
 
-/// Why results cannot be kept or read.
+/// Error of storing or reading results.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ResultsError {
@@ -17,7 +17,7 @@ pub enum ResultsError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Results of another run, which this one must not overwrite.
+    /// Results of another run, which are not overwritten.
     #[error(
         "{} holds results of another run ({difference}); choose another folder, or remove that file",
         path.display()
@@ -25,11 +25,11 @@ pub enum ResultsError {
     OtherRun {
         /// The file.
         path: PathBuf,
-        /// What differs.
+        /// First key that differs, with both values.
         difference: String,
     },
-    /// Results of cases that are not planned, which tables would not show.
-    #[error("{} holds results of other cases, as {name}: take another folder", folder.display())]
+    /// Results of cases that the run does not plan, and that its tables would omit.
+    #[error("{} holds results of other cases, such as {name}; choose another folder", folder.display())]
     OtherCases {
         /// The folder.
         folder: PathBuf,
@@ -45,21 +45,21 @@ pub enum ResultsError {
         /// The file.
         path: PathBuf,
     },
-    /// A file that does not hold what this program writes.
+    /// A damaged file.
     #[error("{} is damaged ({reason})", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// Results that have no form in a file.
+    /// Results that cannot be serialised.
     #[error("the results cannot be written ({0})")]
     Unwritable(String),
-    /// Results that do not belong to one run.
+    /// Shards of different runs.
     #[error("the shards are of different runs ({0})")]
     OtherShard(String),
-    /// There is nothing to merge.
+    /// An empty list of shards.
     #[error("there are no shards to merge")]
     NoShards,
 }

@@ -1,22 +1,19 @@
-//! Header: what results follow from, by which two runs are told apart.
-
-use std::collections::BTreeMap;
+//! Header: the identity of a run, by which two runs are told apart.
 
 use asperity_io::{Build, RESULTS_EPOCH, read_text};
-use asperity_simulate::Case;
 use asperity_tracer::Instructions;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::rounding::rounding;
 
-/// Form of the files; another number is another form.
+/// Version of the file format.
 const FORMAT: u64 = 1;
 
-/// What results follow from.
+/// Identity of a run: study, build, seed and settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// Form of the files.
+    /// Version of the file format.
     pub format: u64,
     /// Name of the study.
     pub study: String,
@@ -28,9 +25,7 @@ pub struct Header {
     pub seed: u64,
     /// All settings that the results depend on.
     pub document: Value,
-    /// The values of each coordinate in which cases differ.
-    pub axes: BTreeMap<String, Vec<Value>>,
-    /// What depends on the machine and the moment: comparisons leave it out.
+    /// Machine and run time, which comparisons ignore.
     #[serde(default)]
     pub machine: Machine,
 }
@@ -38,18 +33,18 @@ pub struct Header {
 /// The machine of a run, and how long it took.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// Its name, where the system tells it.
+    /// Host name, if the system gives one.
     pub host: Option<String>,
     /// Threads.
     pub threads: usize,
-    /// Instructions by which light is traced.
+    /// Instruction set of the tracer.
     pub instructions: String,
     /// Seconds of all runs from beginning to end.
     pub seconds: f64,
 }
 
 impl Machine {
-    /// This one.
+    /// The current machine.
     fn current() -> Self {
         let host = read_text("/proc/sys/kernel/hostname").ok();
         let host = host.map(|host| host.trim().to_owned());
@@ -73,26 +68,12 @@ impl Header {
             rounding: rounding().to_owned(),
             seed,
             document,
-            axes: BTreeMap::new(),
             machine: Machine::current(),
         }
     }
 
-    /// Sets the axes: each quantity in which the cases differ, with its values.
-    pub(crate) fn set_axes(&mut self, cases: &[Case]) {
-        let mut axes: BTreeMap<String, Vec<Value>> = BTreeMap::new();
-        for column in cases.iter().flat_map(Case::columns) {
-            let values = axes.entry(column.name).or_default();
-            if !values.contains(&column.value) {
-                values.push(column.value);
-            }
-        }
-        axes.retain(|_, values| values.len() > 1);
-        self.axes = axes;
-    }
-
-    /// What tells the header `found`, which may be of any form, from this one: the first key that differs. The commit, the version,
-    /// the rounding and the machine may be others.
+    /// First key in which the header `found`, which may be of any format, differs from this one. Commit, version, rounding and machine
+    /// are not compared.
     pub(crate) fn difference(&self, found: &Value) -> Option<String> {
         other_build(found, &self.study).or_else(|| {
             let own = json!(self);
@@ -106,7 +87,7 @@ impl Header {
     }
 }
 
-/// What tells results from those of this form, study and results epoch; `None` if nothing does.
+/// Difference in format, study or results epoch; `None` if there is none.
 pub(crate) fn other_build(found: &Value, study: &str) -> Option<String> {
     let number = |value: &Value| value.as_u64().map_or("none".to_owned(), |n| n.to_string());
     let format = number(&found["format"]);
@@ -122,7 +103,7 @@ pub(crate) fn other_build(found: &Value, study: &str) -> Option<String> {
         .then(|| format!("results epoch {epoch}, that of this program is {RESULTS_EPOCH}"))
 }
 
-/// The first key whose value differs, with both values.
+/// First key whose value differs, with both values.
 #[must_use]
 pub fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
     if found == expected {

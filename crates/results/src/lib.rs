@@ -26,6 +26,7 @@
 
 mod case_result;
 mod error;
+mod found;
 mod header;
 mod npz;
 mod pack;

@@ -1,4 +1,4 @@
-//! Part store: finished parts and cases of a run while it goes on, in memory and in a journal.
+//! Part store: finished surfaces and cases during a run, in memory and in a journal.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -16,12 +16,12 @@ use crate::header::Header;
 /// The journal of a run, in its result folder.
 pub(crate) const JOURNAL: &str = "results.journal";
 
-/// How often the journal is written, and thus what a killed run may lose.
+/// Schedule of writes to the journal, which bounds what a killed run loses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// Least time between two writes.
     pub(crate) interval: Duration,
-    /// Part of the time since the beginning that all writes together may take.
+    /// Fraction of the run time that all writes together may take.
     pub(crate) part: f64,
 }
 
@@ -33,24 +33,24 @@ impl Pace {
     };
 }
 
-/// A record of the journal behind the first, which is the header as JSON.
+/// A record of the journal after the first, which is the header as JSON.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum Record<C, P> {
     Case(usize, C),
     Part(SurfaceKey, P),
 }
 
-/// A record as it is read.
+/// A record that was read.
 pub(crate) type ReadRecord = Record<Box<CaseResult>, Box<SavedSurface>>;
 
-/// Bytes of records that are written at once.
+/// Bytes of records per write.
 const BYTES_AT_ONCE: usize = 4 << 20;
 
 /// A finished part.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {
     Held(Box<SavedSurface>),
-    /// In the journal, where its record begins.
+    /// In the journal: the offset of its record.
     Journal(u64),
 }
 
@@ -60,7 +60,7 @@ pub struct PartStore<'a> {
     state: Mutex<State>,
     /// The folder that the journal is written to; `None` in memory alone.
     folder: Option<&'a ResultFolder>,
-    /// Added to the case numbers of keys: the first case of the simulation that runs.
+    /// Offset of the case numbers of keys: the number of the first case of the current simulation.
     first: usize,
 }
 

@@ -17,6 +17,7 @@ use asperity_results::ResultSet;
 use asperity_simulate::{Case, Deadline, Lobe, Observer, Outcome};
 use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use serde_json::Value;
 
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
@@ -197,8 +198,8 @@ pub fn gonio<'a>(
 ) -> Result<GonioOutcome<'a>, VerifyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time).between_cases();
-    let keep = |outcome: Outcome| Ok::<_, VerifyError>(outcome.without_details().into());
-    found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
+    let derive = |_: &Outcome| Ok::<_, VerifyError>(Value::Null);
+    found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
     let [thetas, phis] = config.light.angles()?;
     Ok(GonioOutcome {

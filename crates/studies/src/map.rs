@@ -11,7 +11,7 @@ mod json;
 mod summary;
 mod tables;
 
-use asperity_results::{CaseResult, ResultSet};
+use asperity_results::ResultSet;
 use asperity_simulate::{Case, Deadline, Observer, Outcome};
 use serde::Deserialize;
 use serde_json::json;
@@ -87,14 +87,11 @@ pub fn map<'a>(
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time).between_cases();
     let verification = config.as_verification()?;
-    let keep = |outcome: Outcome| {
-        let judged = judge_case(&verification, &outcome)?;
-        Ok::<_, VerifyError>(CaseResult {
-            findings: json!(CellResults::of(&judged)),
-            outcome: outcome.without_details(),
-        })
+    let derive = |outcome: &Outcome| {
+        let judged = judge_case(&verification, outcome)?;
+        Ok::<_, VerifyError>(json!(CellResults::of(&judged)))
     };
-    found.run_missing(0, &plan.cases, &plan.settings, observer, keep)?;
+    found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
     let read = |cell| CellResults::deserialize(&found.case(cell)?.findings).ok();
     Ok(MapOutcome {

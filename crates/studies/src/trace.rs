@@ -279,16 +279,15 @@ pub fn trace<'a>(
 ) -> Result<TraceOutcome<'a>, TraceError> {
     let time = plan.config.run.max_time.and_then(Seconds::duration);
     let deadline = Deadline::new(observer, time);
-    let keep = |outcome: Outcome| Ok::<_, TraceError>(outcome.into());
     let cases = std::slice::from_ref(&plan.case);
-    found.run_missing(0, cases, &plan.settings, &deadline, keep)?;
+    found.run_missing(0, cases, &plan.settings, &deadline)?;
     if let (Some(planned), Some(whole)) = (&plan.comparison, found.case(0)) {
         let rays = whole.outcome.work.rays;
         if !whole.is_cut_short() {
             // All regions together have as many rays.
             let settings = planned.settings(rays);
-            match found.run_missing(1, cases, &settings, &deadline, keep) {
-                Err(TraceError::Simulate(SimulateError::Interrupted)) => {}
+            match found.run_missing(1, cases, &settings, &deadline) {
+                Err(SimulateError::Interrupted) => {}
                 run => run?,
             }
         }

@@ -1,4 +1,4 @@
-//! Journal: a file of records that grows at its end, each with its length and a checksum.
+//! Journal: an append-only file of records, each with its length and a checksum.
 //!
 //! A record is its length, 8 bytes, little endian, the MD5 of length and content, 16 bytes, and the content. What a killed process has
 //! written of a record, and whatever follows a damaged one, is dropped.
@@ -15,7 +15,7 @@ use crate::error::{ReadError, WriteError};
 /// Bytes before the content of a record.
 const HEAD: usize = 8 + 16;
 
-/// A journal that is written.
+/// A journal that is open for appending.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -23,19 +23,19 @@ pub struct Journal {
     end: u64,
 }
 
-/// The records of a journal that are as they were written.
+/// The intact records of a journal.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct JournalRecords {
-    /// Where each record begins, and its content.
+    /// Offset in bytes and content of each record.
     pub records: Vec<(u64, Vec<u8>)>,
-    /// Where the last of them ends.
+    /// Offset in bytes of the end of the last one.
     pub end: u64,
-    /// Bytes behind it, which are no whole record.
+    /// Number of bytes after it, which are not a whole record.
     pub dropped: u64,
 }
 
 impl Journal {
-    /// Opens the journal `path` to go on at `end`, and drops what is behind; a new one is made for an end of 0.
+    /// Opens the journal `path` for appending at the offset `end`, and truncates it there. It is created if there is none.
     ///
     /// # Errors
     /// [`WriteError`] if the operating system refuses.
@@ -52,7 +52,7 @@ impl Journal {
         Ok(Self { path, file, end })
     }
 
-    /// Adds records, and returns where each begins once all of them are on the disk.
+    /// Appends records, and returns the offset of each once all of them are on disk.
     ///
     /// # Errors
     /// [`WriteError`] if the operating system refuses, as where the disk is full.
@@ -76,7 +76,7 @@ impl Journal {
         Ok(begins)
     }
 
-    /// The content of the record that begins at `begin`.
+    /// Content of the record at the offset `begin`.
     ///
     /// # Errors
     /// [`ReadError`] if the operating system refuses, or the record is no longer as it was written.
@@ -123,7 +123,7 @@ pub fn read_journal(path: impl AsRef<Path>) -> Result<JournalRecords, ReadError>
     }
 }
 
-/// The next record, of which at most `left` bytes are there; `None` if it is torn or damaged, or there is none.
+/// Next record of a source of at most `left` bytes; `None` if there is none, or it is torn or damaged.
 fn next_record(source: &mut impl Read, left: u64) -> io::Result<Option<Vec<u8>>> {
     if left < HEAD as u64 {
         return Ok(None);

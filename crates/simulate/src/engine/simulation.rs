@@ -146,7 +146,7 @@ impl Simulation {
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
         let mut outcomes = Vec::new();
         let held = self.groups.iter().map(Group::len).sum();
-        self.run_in(None, observer, held, |outcome| {
+        self.resume(None, observer, held, |outcome| {
             outcomes.push(outcome);
             Ok::<_, SimulateError>(())
         })?;
@@ -157,21 +157,12 @@ impl Simulation {
     /// Runs the cases, with what `store` keeps of an earlier run of the same cases and settings; what is finished is
     /// handed to it. The result has the bytes of a run that was not ended.
     ///
-    /// Outcomes go to `sink` as soon as all cases of equal surfaces are finished, in the order of these groups, and are held no longer.
+    /// Outcomes go to `sink` as soon as all cases of equal surfaces are finished, in the order of these groups, and are dropped here.
+    /// `held`: number of cases whose surfaces the caller keeps in memory, zero if it keeps moments alone.
     ///
     /// # Errors
     /// As [`simulate`], and the first error of `sink`, which ends the run.
     pub fn resume<E: From<SimulateError>>(
-        self,
-        store: Option<&dyn SurfaceStore>,
-        observer: &dyn Observer,
-        sink: impl FnMut(Outcome) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.run_in(store, observer, 0, sink)
-    }
-
-    /// `held`: cases whose outcomes the sink holds, as far as that is known.
-    fn run_in<E: From<SimulateError>>(
         self,
         store: Option<&dyn SurfaceStore>,
         observer: &dyn Observer,

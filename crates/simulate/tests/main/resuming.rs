@@ -60,7 +60,7 @@ pub(crate) fn resumed(
     observer: &dyn Observer,
 ) -> Result<Vec<Outcome>, SimulateError> {
     let mut outcomes = Vec::new();
-    simulation.resume(Some(keeper), observer, |outcome| {
+    simulation.resume(Some(keeper), observer, 0, |outcome| {
         outcomes.push(outcome);
         Ok::<_, SimulateError>(())
     })?;

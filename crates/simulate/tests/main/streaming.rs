@@ -41,7 +41,7 @@ fn a_group_is_handed_over_before_the_next_begins() {
     let simulation = Simulation::new(&cases(), &settings()).unwrap();
     let observer = AfterOne::default();
     let mut found: Vec<Outcome> = Vec::new();
-    let run = simulation.resume(None, &observer, |outcome| {
+    let run = simulation.resume(None, &observer, 0, |outcome| {
         observer.0.fetch_add(1, Ordering::Relaxed);
         found.push(outcome);
         Ok::<_, SimulateError>(())
@@ -56,7 +56,7 @@ fn a_group_is_handed_over_before_the_next_begins() {
 fn a_failing_sink_ends_the_run() {
     let simulation = Simulation::new(&cases(), &settings()).unwrap();
     let drawings = Drawings::default();
-    let run = simulation.resume(None, &drawings, |_| Err(SimulateError::Interrupted));
+    let run = simulation.resume(None, &drawings, 0, |_| Err(SimulateError::Interrupted));
     assert_eq!(run, Err(SimulateError::Interrupted));
     assert_eq!(drawings.0.into_inner(), 6);
 }

@@ -1,0 +1,222 @@
+//! Found results: the contents of the file and the journal of an earlier run.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
+use asperity_simulate::{SavedSurface, SurfaceKey};
+use serde_json::Value;
+
+use crate::case_result::CaseResult;
+use crate::error::ResultsError;
+use crate::header::{Header, other_build};
+use crate::npz::NpzReader;
+use crate::rounding::rounding;
+use crate::store::{JOURNAL, ReadRecord};
+
+/// The file of results in a result folder.
+pub(crate) const FILE: &str = "results.npz";
+
+/// Folders of checkpoints of earlier versions.
+pub(crate) const EARLIER: [&str; 3] = ["checkpoints", "cells", "directions"];
+
+/// Name of the member with finished parts.
+pub(crate) const PARTS: &str = "parts.cbor";
+
+/// Treatment of complete results of another run in the same folder.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Complete {
+    Replaced,
+    Refused,
+}
+
+/// Contents of a result file or a journal.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) cases: BTreeMap<usize, CaseResult>,
+    pub(crate) parts: BTreeMap<SurfaceKey, SavedSurface>,
+    pub(crate) count: usize,
+    pub(crate) seconds: f64,
+    /// Offset in bytes at which the journal can be extended; 0 to begin a new one.
+    pub(crate) end: u64,
+}
+
+impl Found {
+    /// Contents of a result file, or of that of a folder with the journal of a killed run.
+    pub(crate) fn read(path: &Path) -> Result<(Header, Self), ResultsError> {
+        let (file, journal) = match path.is_dir() {
+            true => (path.join(FILE), Some(path.join(JOURNAL))),
+            false => (path.to_owned(), None),
+        };
+        let mut found = Found::default();
+        let mut header = None;
+        let journal = journal.filter(|journal| exists(journal));
+        if journal.is_none() || exists(&file) {
+            let mut reader = NpzReader::new(read_bytes(&file)?).map_err(broken(&file))?;
+            let value = reader.value("header").map_err(broken(&file))?;
+            header = Some(parsed(&file, value)?);
+            found.read_file(&mut reader).map_err(broken(&file))?;
+        }
+        if let Some(path) = journal {
+            let mut records = read_journal(&path)?.records.into_iter();
+            if let Some((_, first)) = records.next() {
+                let value = serde_json::from_slice(&first).map_err(|error| error.to_string());
+                header = Some(parsed(&path, value.map_err(broken(&path))?)?);
+                found.read_records(records);
+            }
+        }
+        let header = header.ok_or_else(|| broken(path)("it has no header".to_owned()))?;
+        Ok((header, found))
+    }
+
+    /// Contents of a result folder for the run of `header`, and notes on them for the user.
+    pub(crate) fn of_folder(
+        folder: &ResultFolder,
+        header: &Header,
+        complete: Complete,
+    ) -> Result<(Self, Vec<String>), ResultsError> {
+        refuse_earlier(folder.path())?;
+        let mut found = Found::default();
+        let mut notes = Vec::new();
+        let file = folder.path().join(FILE);
+        if exists(&file) {
+            folder.keep(FILE);
+            let read = NpzReader::new(read_bytes(&file)?).and_then(|mut reader| {
+                let header = reader.value::<Value>("header")?;
+                Ok((reader, header))
+            });
+            let whole = match read {
+                Err(reason) => Err(reason),
+                Ok((_, of)) if header.difference(&of).is_some() => {
+                    if complete == Complete::Refused || of["complete"] != true {
+                        return Err(other(&file, header.difference(&of).unwrap_or_default()));
+                    }
+                    Ok(())
+                }
+                Ok((_, of)) if of["rounding"] != rounding() => {
+                    notes.push(other_rounding(&file));
+                    Ok(())
+                }
+                Ok((mut reader, _)) => found.read_file(&mut reader),
+            };
+            if let Err(reason) = whole {
+                found = Found::default();
+                notes.push(damaged(&file, &reason));
+            }
+        }
+        let path = folder.path().join(JOURNAL);
+        if exists(&path) {
+            folder.keep(JOURNAL);
+            let journal = read_journal(&path)?;
+            let mut records = journal.records.into_iter();
+            let first = records.next();
+            let first = first.and_then(|(_, first)| serde_json::from_slice::<Value>(&first).ok());
+            match first {
+                None => notes.push(damaged(&path, "it has no header")),
+                Some(of) => match header.difference(&of) {
+                    Some(difference) => return Err(other(&path, difference)),
+                    None if of["rounding"] != rounding() => notes.push(other_rounding(&path)),
+                    None => {
+                        found.read_records(records);
+                        found.end = journal.end;
+                    }
+                },
+            }
+            if journal.dropped > 0 {
+                notes.push(format!(
+                    "the last {} bytes of {} are not a whole record and are computed again",
+                    journal.dropped,
+                    path.display()
+                ));
+            }
+        }
+        Ok((found, notes))
+    }
+
+    fn read_file(&mut self, reader: &mut NpzReader) -> Result<(), String> {
+        let header = reader.value::<Value>("header")?;
+        self.count = header["cases"].as_u64().unwrap_or(0) as usize;
+        self.seconds = header["machine"]["seconds"].as_f64().unwrap_or(0.0);
+        for number in 0..self.count {
+            let name = name_of(number);
+            if reader.has(&format!("{name}.json")) {
+                self.cases.insert(number, reader.value(&name)?);
+            }
+        }
+        if reader.has(PARTS) {
+            let bytes = reader.bytes(PARTS)?;
+            let parts: Vec<(SurfaceKey, SavedSurface)> =
+                ciborium::from_reader(bytes.as_slice()).map_err(|error| error.to_string())?;
+            self.parts.extend(parts);
+        }
+        Ok(())
+    }
+
+    /// Adds the records of a journal, up to the first of unknown form.
+    fn read_records(&mut self, records: impl Iterator<Item = (u64, Vec<u8>)>) {
+        for (_, record) in records {
+            match ciborium::from_reader(record.as_slice()) {
+                Ok(ReadRecord::Case(number, case)) => {
+                    self.cases.insert(number, *case);
+                }
+                Ok(ReadRecord::Part(key, surface)) => {
+                    self.parts.insert(key, *surface);
+                }
+                Err(_) => return,
+            }
+        }
+    }
+}
+
+/// Refuses a folder with checkpoints of an earlier version.
+fn refuse_earlier(folder: &Path) -> Result<(), ResultsError> {
+    for place in EARLIER {
+        let names = names_in(folder.join(place));
+        if let Some(name) = names.into_iter().find(|name| name.ends_with(".json")) {
+            let path = folder.join(place).join(name);
+            return Err(ResultsError::Earlier { path });
+        }
+    }
+    Ok(())
+}
+
+/// Name of the member of a case.
+pub(crate) fn name_of(number: usize) -> String {
+    format!("cases/{number:06}")
+}
+
+/// The header of results of any study.
+fn parsed(path: &Path, value: Value) -> Result<Header, ResultsError> {
+    let study = value["study"].as_str().unwrap_or_default();
+    if let Some(difference) = other_build(&value, study) {
+        return Err(other(path, difference));
+    }
+    serde_json::from_value(value).map_err(|error| broken(path)(error.to_string()))
+}
+
+fn broken(path: &Path) -> impl Fn(String) -> ResultsError {
+    move |reason| ResultsError::Damaged {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
+fn other(path: &Path, difference: String) -> ResultsError {
+    let path: PathBuf = path.to_owned();
+    ResultsError::OtherRun { path, difference }
+}
+
+fn damaged(path: &Path, reason: &str) -> String {
+    let reason = reason.replace('\n', " ");
+    format!(
+        "{} is damaged and is computed again ({reason})",
+        path.display()
+    )
+}
+
+fn other_rounding(path: &Path) -> String {
+    format!(
+        "{} was computed on a machine that rounds differently and is computed again",
+        path.display()
+    )
+}

@@ -1,0 +1,312 @@
+//! Files: every field read back, damaged and foreign ones, and a foreign reader.
+
+use std::process::Command;
+
+use asperity_simulate::{Quantity, Regions, Target};
+use asperity_surface::HeightField;
+use asperity_tally::{Polarimetry, TallyResult};
+use asperity_tracer::Polarisation;
+
+use super::*;
+use crate::found::EARLIER;
+
+/// All fields of an outcome as text, by which two are compared.
+fn text(outcome: &Outcome) -> String {
+    let Outcome {
+        statistics,
+        errors_from,
+        surfaces,
+        errors,
+        deviation_bound,
+        work,
+        stopping,
+        seed,
+        number,
+        ..
+    } = outcome;
+    format!(
+        "{number} {statistics:?} {errors_from:?} {surfaces:?} {errors:?} {deviation_bound:?} {work:?} {stopping:?} {seed}"
+    )
+}
+
+#[test]
+fn every_field_is_read_back_as_it_was() {
+    let target = |error, of| Effort::TargetError(Target::new(error, of).unwrap());
+    let refined = Settings {
+        refine: true,
+        mesh_quadrature: true,
+        ..settings()
+    };
+    let mut mueller = settings();
+    mueller.tally = mueller.tally.with_polarimetry(Polarimetry::Mueller);
+    mueller.paths = mueller.paths.with_polarisation(Polarisation::Mueller);
+    let regions = Settings {
+        regions: Some(Regions {
+            columns: 2,
+            rows: 2,
+        }),
+        estimator: Estimator::Plain,
+        effort: Effort::rays(4000),
+        ..settings()
+    };
+    let runs = [
+        (random(1.0, 30.0), refined),
+        (random(1.0, 30.0), mueller),
+        (
+            random(1.0, 30.0),
+            Settings {
+                effort: target(3e-2, Quantity::Bins),
+                ..settings()
+            },
+        ),
+        // Analytic: nothing is traced, and squares of errors by rays are NaN.
+        (
+            random(1e-9, 0.0),
+            Settings {
+                effort: target(1e-2, Quantity::Reflected),
+                ..settings()
+            },
+        ),
+        (given(), regions),
+        (
+            given(),
+            Settings {
+                effort: Effort::rays(100),
+                ..settings()
+            },
+        ),
+    ];
+    let place = tempfile::tempdir().unwrap();
+    let folder = folder(place.path());
+    let mut set = ResultSet::open(&folder, header()).unwrap();
+    for (first, (case, settings)) in runs.iter().enumerate() {
+        let keep = |outcome: Outcome| {
+            Ok::<_, SimulateError>(CaseResult {
+                outcome,
+                findings: json!({ "name": "x", "distance": 0.5, "list": vec![0.25; 40] }),
+            })
+        };
+        set.run_and_keep(
+            first,
+            std::slice::from_ref(case),
+            settings,
+            &Silent,
+            6,
+            keep,
+        )
+        .unwrap();
+    }
+    let bounded = set.case(3).unwrap().outcome.clone();
+    assert!(bounded.deviation_bound.is_some());
+    set.close().unwrap();
+    let read = ResultSet::read(place.path()).unwrap();
+    assert_eq!(read.len(), 6);
+    for (number, case) in set.cases() {
+        let found = read.case(number).unwrap();
+        assert!(text(&found.outcome) == text(&case.outcome), "case {number}");
+        assert_eq!(found.findings, case.findings);
+        let source = case.outcome.case.surface.described();
+        assert_eq!(
+            found.outcome.case,
+            Case {
+                surface: source,
+                ..case.outcome.case.clone()
+            }
+        );
+    }
+    assert_eq!(read.header, set.header);
+    assert!(read.comparable_bytes().unwrap() == set.comparable_bytes().unwrap());
+    // Without details, errors are none and means are the same.
+    let moments = bounded.clone().without_details();
+    let entry = moments.statistics.spec().entries().next().unwrap();
+    assert_eq!(moments.errors.at(entry).total, None);
+    assert!(moments.surfaces.is_empty() && !bounded.surfaces.is_empty());
+}
+
+#[test]
+fn results_of_another_run_are_refused_by_the_first_key_that_differs() {
+    let place = tempfile::tempdir().unwrap();
+    killed(place.path());
+    let with = |document| Header::new("test", 1, document);
+    let mut other_epoch = header();
+    other_epoch.build.results_epoch += 1;
+    let mut other_format = header();
+    other_format.format += 1;
+    let others = [
+        (
+            Header::new("other", 1, header().document),
+            "study test in place of other",
+        ),
+        (
+            Header::new("test", 2, header().document),
+            "seed 1 in place of 2",
+        ),
+        (
+            with(json!({ "surface": { "tau": 5.0 }, "theta": [0, 30] })),
+            "document.surface.tau 4.0 in place of 5.0",
+        ),
+    ];
+    // The journal, then the file.
+    for is_closed in [false, true] {
+        let folder = folder(place.path());
+        for (header, expected) in &others {
+            let refused = ResultSet::open(&folder, header.clone()).err();
+            let text = refused.unwrap().to_string();
+            assert!(text.contains(expected), "{text}");
+        }
+        if !is_closed {
+            let mut set = ResultSet::open(&folder, header()).unwrap();
+            set.close().unwrap();
+        }
+    }
+    for (header, expected) in [
+        (other_epoch, "results epoch"),
+        (other_format, "format 2, this program writes 1"),
+    ] {
+        let place = tempfile::tempdir().unwrap();
+        let folder = folder(place.path());
+        // A header that this program never writes.
+        let mut set = ResultSet::in_memory(header);
+        set.folder = Some(&folder);
+        set.close().unwrap();
+        let refused = ResultSet::open_at(&folder, self::header(), ALWAYS, Complete::Refused)
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(refused.contains(expected), "{refused}");
+        let unread = ResultSet::read(place.path()).err().unwrap().to_string();
+        assert!(unread.contains(expected), "{unread}");
+    }
+}
+
+#[test]
+fn damaged_files_and_those_of_other_rounding_are_computed_again_and_old_ones_refused() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = folder(place.path());
+    let mut elsewhere = ResultSet::in_memory(Header {
+        rounding: "0123".to_owned(),
+        ..header()
+    });
+    elsewhere.folder = Some(&folder);
+    run(&mut elsewhere, &Silent).unwrap();
+    elsewhere.close().unwrap();
+    let set = ResultSet::open(&folder, header()).unwrap();
+    assert_eq!(set.resumed(), Resumed::default());
+    assert!(
+        set.notes()[0].contains("rounds differently"),
+        "{:?}",
+        set.notes()
+    );
+
+    let path = place.path().join(FILE);
+    let mut bytes = fs::read(&path).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    let mut set = ResultSet::open(
+        &folder,
+        Header {
+            rounding: "0123".to_owned(),
+            ..header()
+        },
+    );
+    // The same rounding as the file has, but not as this machine.
+    assert!(set.as_mut().unwrap().notes()[0].contains("rounds differently"));
+    let mut set = ResultSet::in_memory(header());
+    set.folder = Some(&folder);
+    run(&mut set, &Silent).unwrap();
+    set.close().unwrap();
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[middle] ^= 1;
+    fs::write(&path, &bytes).unwrap();
+    let set = ResultSet::open(&folder, header()).unwrap();
+    assert_eq!(set.resumed(), Resumed::default());
+    assert!(set.notes()[0].contains("damaged"), "{:?}", set.notes());
+    assert!(ResultSet::read(&path).is_err());
+
+    for place_of_old in EARLIER {
+        let place = tempfile::tempdir().unwrap();
+        fs::create_dir(place.path().join(place_of_old)).unwrap();
+        fs::write(place.path().join(place_of_old).join("0.json"), "{}").unwrap();
+        let folder = super::folder(place.path());
+        let refused = ResultSet::open(&folder, header())
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(refused.contains("earlier version"), "{refused}");
+    }
+}
+
+#[test]
+fn numpy_opens_the_file() {
+    let has_numpy = Command::new("python3")
+        .args(["-c", "import numpy"])
+        .output();
+    if !has_numpy.is_ok_and(|output| output.status.success()) {
+        println!("skipped: there is no python3 with numpy");
+        return;
+    }
+    let place = tempfile::tempdir().unwrap();
+    let folder = folder(place.path());
+    let mut set = ResultSet::open(&folder, header()).unwrap();
+    run(&mut set, &Silent).unwrap();
+    set.close().unwrap();
+    let script = r#"
+import json, sys
+import numpy as np
+results = np.load(sys.argv[1])
+header = json.loads(results["header.json"])
+assert header["study"] == "test" and header["cases"] == 4
+case = json.loads(results["cases/000002.json"])
+surfaces = results[case["outcome"]["surfaces"]["values"]["$array"]]
+means = results["cases/000002/outcome/statistics/means/values"]
+assert surfaces.shape == (6, means.size)
+assert np.allclose(surfaces.mean(axis=0), means)
+print(repr(float(means[0])))
+"#;
+    let output = Command::new("python3")
+        .args(["-c", script])
+        .arg(place.path().join(FILE))
+        .output();
+    let output = output.unwrap();
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{error}");
+    let reflected = set
+        .case(2)
+        .unwrap()
+        .outcome
+        .statistics
+        .budget()
+        .reflected
+        .mean;
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(text.trim().parse::<f64>().unwrap(), reflected);
+}
+
+#[test]
+fn a_level_surface_is_described_without_its_points() {
+    let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
+    let level = Case {
+        surface: SurfaceSource::height_field(field),
+        ..random(1.0, 0.0)
+    };
+    let few = Settings {
+        effort: Effort::rays(100),
+        ..settings()
+    };
+    let place = tempfile::tempdir().unwrap();
+    let folder = folder(place.path());
+    let mut set = ResultSet::open(&folder, header()).unwrap();
+    let run = |set: &mut ResultSet<'_>| {
+        let case = std::slice::from_ref(&level);
+        set.run_missing(0, case, &few, &Silent).unwrap();
+    };
+    run(&mut set);
+    set.close().unwrap();
+    let mut again = ResultSet::open(&folder, header()).unwrap();
+    let surface = |set: &ResultSet<'_>| set.case(0).unwrap().outcome.case.surface.clone();
+    assert!(surface(&again).is_level() && surface(&again).heights().is_none());
+    // A run that has the surface gives it back.
+    run(&mut again);
+    assert_eq!(surface(&again), level.surface);
+}

@@ -1,0 +1,100 @@
+//! Shards of one run, merged.
+
+use asperity_simulate::SurfaceKey;
+
+use super::*;
+
+/// Numbers that are the same in every run.
+struct Shuffle(u64);
+
+impl Shuffle {
+    fn below(&mut self, count: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % count
+    }
+}
+
+/// Finished surfaces of one run, dealt to shards at random, and cases likewise.
+#[test]
+fn merged_shards_have_the_bytes_of_the_undivided_run() {
+    let whole = whole();
+    let mut full = ResultSet::in_memory(header());
+    run(&mut full, &Silent).unwrap();
+    // All parts: those of a run that no case ends.
+    let keeper = ResultSet::in_memory(header());
+    let simulation = Simulation::new(&cases(), &settings()).unwrap();
+    let drop_all = |_| Ok::<_, SimulateError>(());
+    simulation
+        .resume(Some(keeper.parts()), &Silent, 0, drop_all)
+        .unwrap();
+    let parts: Vec<(SurfaceKey, Part)> = keeper.parts().state().parts.clone().into_iter().collect();
+    assert_eq!(parts.len(), 2 * 6);
+    let mut shuffle = Shuffle(7);
+    for division in 0..20 {
+        let count = 1 + shuffle.below(4);
+        let shards: Vec<ResultSet<'_>> =
+            (0..count).map(|_| ResultSet::in_memory(header())).collect();
+        for (key, part) in &parts {
+            let Part::Held(surface) = part else {
+                panic!("in memory")
+            };
+            let shard = shuffle.below(count) as usize;
+            shards[shard].parts().save(*key, (**surface).clone());
+        }
+        let mut merged = ResultSet::merge(shards).unwrap();
+        let after = After::rays(u64::MAX);
+        run(&mut merged, &after).unwrap();
+        assert_eq!(after.drawn.into_inner(), 0);
+        assert!(
+            merged.comparable_bytes().unwrap() == whole,
+            "surfaces, division {division}"
+        );
+
+        // Each shard runs the cases that are dealt to it, some twice.
+        let shard = |_| ResultSet::in_memory(header());
+        let mut shards: Vec<ResultSet<'_>> = (0..count).map(shard).collect();
+        for (number, case) in full.cases() {
+            for _ in 0..=shuffle.below(2) {
+                let shard = &mut shards[shuffle.below(count) as usize];
+                shard.cases.resize(4, None);
+                shard.cases[number] = Some(Arc::new(case.clone()));
+            }
+        }
+        let merged = ResultSet::merge(shards).unwrap();
+        assert!(
+            merged.comparable_bytes().unwrap() == whole,
+            "cases, division {division}"
+        );
+    }
+    let other = Header::new("test", 2, header().document);
+    let shards = vec![ResultSet::in_memory(header()), ResultSet::in_memory(other)];
+    let refused = ResultSet::merge(shards).err().unwrap().to_string();
+    assert!(refused.contains("seed 2 in place of 1"), "{refused}");
+}
+
+/// Shards of a sweep with moments alone, each of which simulates its own cases.
+#[test]
+fn shards_that_simulate_some_cases_merge_to_the_whole() {
+    let of = |is_mine: &dyn Fn(usize) -> bool| {
+        let mut set = ResultSet::in_memory(header());
+        set.cases.resize(4, None);
+        let mine = Simulation::of_missing(&cases(), &settings(), |case| !is_mine(case)).unwrap();
+        let sink = |outcome: Outcome| {
+            let number = outcome.number;
+            set.cases[number] = Some(Arc::new(outcome.without_details().into()));
+            Ok::<_, SimulateError>(())
+        };
+        mine.resume(None, &Silent, 0, sink).unwrap();
+        set
+    };
+    let whole = of(&|_| true).comparable_bytes().unwrap();
+    for mask in [0b0001, 0b0101, 0b1110, 0b1001] {
+        let is_first = |case: usize| mask >> case & 1 == 1;
+        let shards = vec![of(&is_first), of(&|case| !is_first(case))];
+        let merged = ResultSet::merge(shards).unwrap();
+        assert!(merged.comparable_bytes().unwrap() == whole, "{mask:b}");
+    }
+}
