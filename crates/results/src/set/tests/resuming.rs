@@ -161,31 +161,26 @@ fn an_error_of_a_study_ends_the_run_and_leaves_what_is_complete() {
 #[test]
 fn surfaces_of_all_cases_must_fit_into_memory_but_moments_need_not() {
     let cases: Vec<Case> = (1..=6).map(|i| random(f64::from(i) / 4.0, 30.0)).collect();
-    let many = |cases: &[Case]| {
-        let spec = settings().spec_of(&cases[0]);
-        let surfaces = (1 << 30) / (16 * spec.len() as u64);
-        let effort = Effort::Rays {
+    let surfaces = (1 << 30) / (16 * settings().spec_of(&cases[0]).len() as u64);
+    let settings = Settings {
+        effort: Effort::Rays {
             total: surfaces,
             surfaces,
-        };
-        Settings {
-            effort,
-            estimator: Estimator::Plain,
-            ..settings()
-        }
+        },
+        estimator: Estimator::Plain,
+        ..settings()
     };
-    let settings = many(&cases);
     let at_once = After::rays(0);
-    let mut set = ResultSet::in_memory(header());
-    let refused = set.run_missing(0, &cases, &settings, &at_once);
+    let set = || ResultSet::in_memory(header());
+    let refused = set().run_missing(0, &cases, &settings, &at_once);
     assert!(
         matches!(refused, Err(SimulateError::TooManyResults { cases: 6, .. })),
         "{refused:?}"
     );
-    let one = set.run_missing(0, &cases[..1], &settings, &at_once);
+    let one = set().run_missing(0, &cases[..1], &settings, &at_once);
     assert!(matches!(one, Err(SimulateError::Interrupted)), "{one:?}");
     let null = |_: &Outcome| Ok::<_, SimulateError>(Value::Null);
-    let moments = set.run_missing_moments(&cases, &settings, &at_once, null);
+    let moments = set().run_missing_moments(&cases, &settings, &at_once, null);
     assert!(
         matches!(moments, Err(SimulateError::Interrupted)),
         "{moments:?}"
