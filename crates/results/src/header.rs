@@ -104,8 +104,7 @@ pub(crate) fn other_build(found: &Value, study: &str) -> Option<String> {
 }
 
 /// First key whose value differs, with both values.
-#[must_use]
-pub fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
+pub(crate) fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
     if found == expected {
         return None;
     }

@@ -36,7 +36,5 @@ mod store;
 
 pub use case_result::CaseResult;
 pub use error::ResultsError;
-pub use header::{Header, Machine, first_difference};
-pub use rounding::rounding;
+pub use header::{Header, Machine};
 pub use set::{ResultSet, Resumed};
-pub use store::PartStore;

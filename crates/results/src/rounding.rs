@@ -38,8 +38,7 @@ const SHAPE: [usize; 2] = [32, 60];
 
 /// The fingerprint of this machine: a hash of elementary functions at fixed arguments and of the heights of a small
 /// surface, which come out of a Fourier transform.
-#[must_use]
-pub fn rounding() -> &'static str {
+pub(crate) fn rounding() -> &'static str {
     static ROUNDING: OnceLock<String> = OnceLock::new();
     ROUNDING.get_or_init(|| {
         // Drawing fails only if memory runs out.

@@ -300,12 +300,6 @@ impl<'a> ResultSet<'a> {
         self.cases().filter(|(_, case)| case.is_cut_short()).count()
     }
 
-    /// The finished parts of cases that are not complete.
-    #[must_use]
-    pub const fn parts(&self) -> &PartStore<'a> {
-        &self.store
-    }
-
     /// Time spent on the journal so far.
     #[must_use]
     pub fn journal_time(&self) -> Duration {

@@ -56,7 +56,7 @@ pub(crate) enum Part {
 
 /// Finished parts of a run, and its journal.
 #[derive(Debug)]
-pub struct PartStore<'a> {
+pub(crate) struct PartStore<'a> {
     state: Mutex<State>,
     /// The folder that the journal is written to; `None` in memory alone.
     folder: Option<&'a ResultFolder>,

@@ -28,9 +28,9 @@ fn merged_shards_have_the_bytes_of_the_undivided_run() {
     let simulation = Simulation::new(&cases(), &settings()).unwrap();
     let drop_all = |_| Ok::<_, SimulateError>(());
     simulation
-        .resume(Some(keeper.parts()), &Silent, 0, drop_all)
+        .resume(Some(&keeper.store), &Silent, 0, drop_all)
         .unwrap();
-    let parts: Vec<(SurfaceKey, Part)> = keeper.parts().state().parts.clone().into_iter().collect();
+    let parts: Vec<(SurfaceKey, Part)> = keeper.store.state().parts.clone().into_iter().collect();
     assert_eq!(parts.len(), 2 * 6);
     let mut shuffle = Shuffle(7);
     for division in 0..20 {
@@ -42,7 +42,7 @@ fn merged_shards_have_the_bytes_of_the_undivided_run() {
                 panic!("in memory")
             };
             let shard = shuffle.below(count) as usize;
-            shards[shard].parts().save(*key, (**surface).clone());
+            shards[shard].store.save(*key, (**surface).clone());
         }
         let mut merged = ResultSet::merge(shards).unwrap();
         let after = After::rays(u64::MAX);
