@@ -1,7 +1,7 @@
 //! Runs that resume: opening what an earlier one has left, and the end, with lines on standard error.
 
 use asperity_io::ResultFolder;
-use asperity_results::{Header, ResultSet};
+use asperity_results::{Container, Header, ResultSet, Stored};
 use asperity_simulate::{Case, counted};
 
 use crate::common::Common;
@@ -17,14 +17,14 @@ pub(crate) fn say_notes(notes: &[String]) {
 }
 
 /// The results of an earlier run in `folder`, or none, and says what is resumed. Another run that is complete is replaced.
-pub(crate) fn open_results(
+pub(crate) fn open_results<C: Stored>(
     folder: Option<&ResultFolder>,
     header: Header,
-) -> Result<ResultSet<'_>, Failure> {
+) -> Result<Container<'_, C>, Failure> {
     let Some(folder) = folder else {
-        return Ok(ResultSet::in_memory(header));
+        return Ok(Container::in_memory(header));
     };
-    let found = ResultSet::open(folder, header).map_err(Failure::failed)?;
+    let found = Container::open(folder, header).map_err(Failure::failed)?;
     say_resumed(&found);
     Ok(found)
 }
@@ -42,7 +42,7 @@ pub(crate) fn open_cases<'a>(
     Ok(found)
 }
 
-fn say_resumed(found: &ResultSet<'_>) {
+fn say_resumed<C: Stored>(found: &Container<'_, C>) {
     say_notes(found.notes());
     if found.resumed().parts > 0 {
         say("resumed with what the run that was ended had finished");

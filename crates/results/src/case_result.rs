@@ -1,8 +1,27 @@
 //! Case result: the stored results of one case.
 
-use asperity_simulate::Outcome;
+use asperity_simulate::{CaseColumn, Outcome, SurfaceSource};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+
+/// A result that a [`ResultSet`](crate::ResultSet) stores: a [`CaseResult`], or, of a study that traces no tally, its own.
+pub trait Stored: Clone + Serialize + DeserializeOwned {
+    /// Whether a time limit or an interrupt ended it before its planned effort was spent; the next run continues it.
+    fn is_cut_short(&self) -> bool {
+        false
+    }
+
+    /// Coordinates.
+    fn columns(&self) -> Vec<CaseColumn> {
+        Vec::new()
+    }
+
+    /// The given surface, of which a description alone is stored.
+    fn surface_mut(&mut self) -> Option<&mut SurfaceSource> {
+        None
+    }
+}
 
 /// Stored results of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -23,10 +42,16 @@ impl From<Outcome> for CaseResult {
     }
 }
 
-impl CaseResult {
-    /// Whether a time limit or an interrupt ended it before its planned effort was spent; the next run continues it.
-    #[must_use]
-    pub const fn is_cut_short(&self) -> bool {
+impl Stored for CaseResult {
+    fn is_cut_short(&self) -> bool {
         self.outcome.stopping.is_cut_short()
+    }
+
+    fn columns(&self) -> Vec<CaseColumn> {
+        self.outcome.case.columns()
+    }
+
+    fn surface_mut(&mut self) -> Option<&mut SurfaceSource> {
+        Some(&mut self.outcome.case.surface)
     }
 }

@@ -7,7 +7,7 @@ use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
 use asperity_simulate::{SavedSurface, SurfaceKey};
 use serde_json::Value;
 
-use crate::case_result::CaseResult;
+use crate::case_result::Stored;
 use crate::error::ResultsError;
 use crate::header::{Header, other_build};
 use crate::npz::NpzReader;
@@ -31,9 +31,8 @@ pub(crate) enum Complete {
 }
 
 /// Contents of a result file or a journal.
-#[derive(Default)]
-pub(crate) struct Found {
-    pub(crate) cases: BTreeMap<usize, CaseResult>,
+pub(crate) struct Found<C> {
+    pub(crate) cases: BTreeMap<usize, C>,
     pub(crate) parts: BTreeMap<SurfaceKey, SavedSurface>,
     pub(crate) count: usize,
     pub(crate) seconds: f64,
@@ -41,14 +40,26 @@ pub(crate) struct Found {
     pub(crate) end: u64,
 }
 
-impl Found {
+impl<C> Default for Found<C> {
+    fn default() -> Self {
+        Self {
+            cases: BTreeMap::new(),
+            parts: BTreeMap::new(),
+            count: 0,
+            seconds: 0.0,
+            end: 0,
+        }
+    }
+}
+
+impl<C: Stored> Found<C> {
     /// Contents of a result file, or of that of a folder with the journal of a killed run.
     pub(crate) fn read(path: &Path) -> Result<(Header, Self), ResultsError> {
         let (file, journal) = match path.is_dir() {
             true => (path.join(FILE), Some(path.join(JOURNAL))),
             false => (path.to_owned(), None),
         };
-        let mut found = Found::default();
+        let mut found = Self::default();
         let mut header = None;
         let journal = journal.filter(|journal| exists(journal));
         if journal.is_none() || exists(&file) {
@@ -76,7 +87,7 @@ impl Found {
         complete: Complete,
     ) -> Result<(Self, Vec<String>), ResultsError> {
         refuse_earlier(folder.path())?;
-        let mut found = Found::default();
+        let mut found = Self::default();
         let mut notes = Vec::new();
         let file = folder.path().join(FILE);
         if exists(&file) {
@@ -100,7 +111,7 @@ impl Found {
                 Ok((mut reader, _)) => found.read_file(&mut reader),
             };
             if let Err(reason) = whole {
-                found = Found::default();
+                found = Self::default();
                 notes.push(damaged(&file, &reason));
             }
         }
@@ -156,7 +167,7 @@ impl Found {
     fn read_records(&mut self, records: impl Iterator<Item = (u64, Vec<u8>)>) {
         for (_, record) in records {
             match ciborium::from_reader(record.as_slice()) {
-                Ok(ReadRecord::Case(number, case)) => {
+                Ok(ReadRecord::<C>::Case(number, case)) => {
                     self.cases.insert(number, *case);
                 }
                 Ok(ReadRecord::Part(key, surface)) => {

@@ -1,18 +1,19 @@
-//! Result set: the results of a study, and the run of missing cases.
+//! Container: the results of a study, by number of the case.
 
+mod run;
 #[cfg(test)]
 mod tests;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asperity_io::{ResultFolder, exists, write_bytes};
-use asperity_simulate::{Case, Observer, Outcome, Settings, SimulateError, Simulation, StoppedBy};
+use asperity_simulate::{Observer, StoppedBy};
 use serde_json::{Value, json};
 
-use crate::case_result::CaseResult;
+use crate::case_result::{CaseResult, Stored};
 use crate::error::ResultsError;
 use crate::found::{Complete, FILE, Found, PARTS, name_of};
 use crate::header::Header;
@@ -27,6 +28,9 @@ pub struct Resumed {
     /// Finished surfaces, or rounds of rays on a given surface, of incomplete cases.
     pub parts: usize,
 }
+
+/// The results of a study that traces tallies.
+pub type ResultSet<'a> = Container<'a, CaseResult>;
 
 /// The results of a study: a header, a result per case, and the finished parts of cases that are not complete.
 ///
@@ -48,11 +52,11 @@ pub struct Resumed {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct ResultSet<'a> {
+pub struct Container<'a, C> {
     /// Identity of the run.
     pub header: Header,
-    cases: Vec<Option<Arc<CaseResult>>>,
-    store: PartStore<'a>,
+    cases: Vec<Option<Arc<C>>>,
+    store: PartStore<'a, C>,
     folder: Option<&'a ResultFolder>,
     resumed: Resumed,
     notes: Vec<String>,
@@ -60,7 +64,7 @@ pub struct ResultSet<'a> {
     began: Instant,
 }
 
-impl ResultSet<'static> {
+impl<C: Stored> Container<'static, C> {
     /// An empty set without a folder.
     #[must_use]
     pub fn in_memory(header: Header) -> Self {
@@ -80,7 +84,7 @@ impl ResultSet<'static> {
     ///
     /// # Errors
     /// [`ResultsError::OtherShard`] if they are of different runs.
-    pub fn merge(shards: Vec<ResultSet<'_>>) -> Result<Self, ResultsError> {
+    pub fn merge(shards: Vec<Container<'_, C>>) -> Result<Self, ResultsError> {
         let mut shards = shards.into_iter();
         let first = shards.next().ok_or(ResultsError::NoShards)?;
         let mut header = first.header.clone();
@@ -99,7 +103,7 @@ impl ResultSet<'static> {
             for (number, case) in shard.cases.into_iter().enumerate() {
                 let Some(case) = case else { continue };
                 let known = found.cases.get(&number);
-                if known.is_none_or(CaseResult::is_cut_short) {
+                if known.is_none_or(C::is_cut_short) {
                     found.cases.insert(number, Arc::unwrap_or_clone(case));
                 }
             }
@@ -115,7 +119,7 @@ impl ResultSet<'static> {
     }
 }
 
-impl<'a> ResultSet<'a> {
+impl<'a, C: Stored> Container<'a, C> {
     /// The results of an earlier run of the same study and document in a result folder, to be resumed. Complete results of another run
     /// are replaced.
     ///
@@ -124,62 +128,6 @@ impl<'a> ResultSet<'a> {
     /// or cannot be read.
     pub fn open(folder: &'a ResultFolder, header: Header) -> Result<Self, ResultsError> {
         Self::open_at(folder, header, Pace::DEFAULT, Complete::Replaced)
-    }
-
-    /// As [`open`](Self::open), for a study that can be extended by cases: results are matched to `cases` by name, and those of another run
-    /// are always refused.
-    ///
-    /// # Errors
-    /// [`ResultsError`] if it was of another study, document or results epoch, has cases that are not among `cases`, or cannot be read.
-    pub fn open_cases(
-        folder: &'a ResultFolder,
-        header: Header,
-        cases: &[Case],
-    ) -> Result<Self, ResultsError> {
-        let open = |header| Self::open_at(folder, header, Pace::DEFAULT, Complete::Refused);
-        let mut set = open(header.clone())?;
-        match set.renumber(cases)? {
-            false => Ok(set),
-            // The journal knows the cases by their former numbers.
-            true => {
-                set.close()?;
-                open(header)
-            }
-        }
-    }
-
-    /// Gives all cases their numbers among `cases`, and returns whether one has another. Parts are of cases by their former numbers.
-    fn renumber(&mut self, cases: &[Case]) -> Result<bool, ResultsError> {
-        let names: BTreeMap<String, usize> = (cases
-            .iter()
-            .enumerate()
-            .map(|(i, case)| (case.direction_name(), i)))
-        .collect();
-        let mut renumbered = vec![None; cases.len()];
-        let mut is_changed = false;
-        for (number, case) in std::mem::take(&mut self.cases).into_iter().enumerate() {
-            let Some(mut case) = case else { continue };
-            let known = &case.outcome.case;
-            let name = known.direction_name();
-            let place = names.get(&name).copied();
-            let place = place.filter(|&i| cases[i].summary_json() == known.summary_json());
-            let Some(place) = place else {
-                let folder = self
-                    .folder
-                    .map_or_else(PathBuf::new, |f| f.path().to_owned());
-                return Err(ResultsError::OtherCases { folder, name });
-            };
-            is_changed |= place != number;
-            Arc::make_mut(&mut case).outcome.number = place;
-            renumbered[place] = Some(case);
-        }
-        self.cases = renumbered;
-        if is_changed {
-            let mut state = self.store.state();
-            state.parts.clear();
-            state.is_changed = true;
-        }
-        Ok(is_changed)
     }
 
     fn open_at(
@@ -196,7 +144,7 @@ impl<'a> ResultSet<'a> {
         Ok(set)
     }
 
-    fn of(header: Header, found: Found, folder: Option<&'a ResultFolder>, pace: Pace) -> Self {
+    fn of(header: Header, found: Found<C>, folder: Option<&'a ResultFolder>, pace: Pace) -> Self {
         let last = found.cases.last_key_value().map_or(0, |(last, _)| last + 1);
         let mut cases = vec![None; last.max(found.count)];
         for (number, case) in found.cases {
@@ -254,32 +202,26 @@ impl<'a> ResultSet<'a> {
 
     /// A case; `None` if it is missing.
     #[must_use]
-    pub fn case(&self, number: usize) -> Option<&CaseResult> {
+    pub fn case(&self, number: usize) -> Option<&C> {
         self.cases.get(number)?.as_deref()
     }
 
     /// All cases that are there, with their numbers.
-    pub fn cases(&self) -> impl Iterator<Item = (usize, &CaseResult)> {
+    pub fn cases(&self) -> impl Iterator<Item = (usize, &C)> {
         let cases = self.cases.iter().enumerate();
         cases.filter_map(|(number, case)| Some((number, case.as_deref()?)))
     }
 
     /// The cases whose coordinate has this value, by the name of its [column](Case::columns), as in `theta_deg`. Numbers are compared as numbers.
-    pub fn select(
-        &self,
-        coordinate: &str,
-        value: &Value,
-    ) -> impl Iterator<Item = (usize, &CaseResult)> {
+    pub fn select(&self, coordinate: &str, value: &Value) -> impl Iterator<Item = (usize, &C)> {
         let is_equal = move |found: &Value| match (found.as_f64(), value.as_f64()) {
             (Some(found), Some(wanted)) => found == wanted,
             _ => found == value,
         };
-        let is_wanted = move |case: &Case| {
+        self.cases().filter(move |(_, case)| {
             let mut columns = case.columns().into_iter();
             columns.any(|column| column.name == coordinate && is_equal(&column.value))
-        };
-        self.cases()
-            .filter(move |(_, case)| is_wanted(&case.outcome.case))
+        })
     }
 
     /// Whether a case is there and needs no further run.
@@ -306,94 +248,35 @@ impl<'a> ResultSet<'a> {
         self.store.state().journal_time
     }
 
-    /// Simulates those of `cases` that are missing, starting from the finished parts of an earlier run, and keeps the tally of each surface.
-    ///
-    /// The first of `cases` has the number `first` in this set, so that several simulations share one set. The results of a case that a
-    /// time limit or an interrupt ends are those so far; the next run continues it. If an interrupt comes before anything is finished, nothing is added.
+    /// Computes the results that are missing among the first `count`, one after the other, until `compute` returns `None` at an interrupt.
     ///
     /// # Errors
-    /// As [`simulate`](asperity_simulate::simulate).
-    pub fn run_missing(
+    /// The first error of `compute`.
+    pub fn compute_missing<E>(
         &mut self,
-        first: usize,
-        cases: &[Case],
-        settings: &Settings,
+        count: usize,
         observer: &dyn Observer,
-    ) -> Result<(), SimulateError> {
-        let held = self.cases.len().max(first + cases.len());
-        let keep = |outcome: Outcome| Ok(outcome.into());
-        self.run_and_keep(first, cases, settings, observer, held, keep)
-    }
-
-    /// As [`run_missing`](Self::run_missing), but keeps moments alone, and the findings that a study derives from the tallies of surfaces.
-    ///
-    /// # Errors
-    /// As [`simulate`](asperity_simulate::simulate), and the first error of `derive`.
-    pub fn run_missing_moments<E: From<SimulateError>>(
-        &mut self,
-        cases: &[Case],
-        settings: &Settings,
-        observer: &dyn Observer,
-        mut derive: impl FnMut(&Outcome) -> Result<Value, E>,
+        mut compute: impl FnMut(usize) -> Result<Option<C>, E>,
     ) -> Result<(), E> {
-        self.run_and_keep(0, cases, settings, observer, 0, |outcome| {
-            Ok(CaseResult {
-                findings: derive(&outcome)?,
-                outcome: outcome.without_details(),
-            })
-        })
+        self.make_room(count);
+        self.stopped_by = None;
+        for number in 0..count {
+            if !self.is_complete(number) {
+                let Some(case) = compute(number)? else {
+                    self.stopped_by = observer.stop().or(Some(StoppedBy::Interrupt));
+                    break;
+                };
+                let case = Arc::new(case);
+                self.store.add_case(number, &case);
+                self.cases[number] = Some(case);
+            }
+        }
+        Ok(())
     }
 
-    /// `held`: number of cases whose surfaces are in memory at the end.
-    fn run_and_keep<E: From<SimulateError>>(
-        &mut self,
-        first: usize,
-        cases: &[Case],
-        settings: &Settings,
-        observer: &dyn Observer,
-        held: usize,
-        mut keep: impl FnMut(Outcome) -> Result<CaseResult, E>,
-    ) -> Result<(), E> {
-        let end = first + cases.len();
-        if self.cases.len() < end {
-            self.cases.resize(end, None);
-        }
-        self.store
-            .state()
-            .describe(cases.iter().map(|case| &case.surface));
-        for (number, case) in (first..).zip(cases) {
-            self.attach(number, case);
-        }
-        let simulation =
-            Simulation::of_missing(cases, settings, |case| self.is_complete(first + case))?;
-        self.store.begin(first);
-        let Self { cases, store, .. } = self;
-        let store = &*store;
-        let run = simulation.resume(Some(store), observer, held, |mut outcome| {
-            outcome.number += first;
-            let number = outcome.number;
-            let case = Arc::new(keep(outcome)?);
-            store.add_case(number, &case);
-            cases[number] = Some(case);
-            Ok(())
-        });
-        let is_complete = (first..end).all(|case| self.is_complete(case));
-        self.stopped_by = match is_complete {
-            true => None,
-            false => observer.stop().or(Some(StoppedBy::Interrupt)),
-        };
-        run
-    }
-
-    /// Gives a case that was read the surface that it was read without.
-    fn attach(&mut self, number: usize, case: &Case) {
-        let state = self.store.state();
-        if let (Some(Some(known)), Some(described)) = (
-            self.cases.get_mut(number),
-            state.described_as(&case.surface),
-        ) && known.outcome.case.surface == *described
-        {
-            Arc::make_mut(known).outcome.case.surface = case.surface.clone();
+    fn make_room(&mut self, count: usize) {
+        if self.cases.len() < count {
+            self.cases.resize(count, None);
         }
     }
 
@@ -460,9 +343,11 @@ impl<'a> ResultSet<'a> {
 }
 
 /// The coordinates in which cases differ, with their values.
-fn axes<'a>(cases: impl Iterator<Item = (usize, &'a CaseResult)>) -> BTreeMap<String, Vec<Value>> {
+fn axes<'a, C: Stored + 'a>(
+    cases: impl Iterator<Item = (usize, &'a C)>,
+) -> BTreeMap<String, Vec<Value>> {
     let mut axes: BTreeMap<String, Vec<Value>> = BTreeMap::new();
-    for column in cases.flat_map(|(_, case)| case.outcome.case.columns()) {
+    for column in cases.flat_map(|(_, case)| case.columns()) {
         let values = axes.entry(column.name).or_default();
         if !values.contains(&column.value) {
             values.push(column.value);

@@ -9,7 +9,7 @@ use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceSource, SurfaceStore};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::case_result::CaseResult;
+use crate::case_result::Stored;
 use crate::error::ResultsError;
 use crate::header::Header;
 
@@ -41,7 +41,7 @@ pub(crate) enum Record<C, P> {
 }
 
 /// A record that was read.
-pub(crate) type ReadRecord = Record<Box<CaseResult>, Box<SavedSurface>>;
+pub(crate) type ReadRecord<C> = Record<Box<C>, Box<SavedSurface>>;
 
 /// Bytes of records per write.
 const BYTES_AT_ONCE: usize = 4 << 20;
@@ -56,8 +56,8 @@ pub(crate) enum Part {
 
 /// Finished parts of a run, and its journal.
 #[derive(Debug)]
-pub(crate) struct PartStore<'a> {
-    state: Mutex<State>,
+pub(crate) struct PartStore<'a, C> {
+    state: Mutex<State<C>>,
     /// The folder that the journal is written to; `None` in memory alone.
     folder: Option<&'a ResultFolder>,
     /// Offset of the case numbers of keys: the number of the first case of the current simulation.
@@ -65,11 +65,11 @@ pub(crate) struct PartStore<'a> {
 }
 
 #[derive(Debug)]
-pub(crate) struct State {
+pub(crate) struct State<C> {
     pub(crate) parts: BTreeMap<SurfaceKey, Part>,
     /// Parts and cases that are not in the journal yet.
     new_parts: VecDeque<SurfaceKey>,
-    new_cases: VecDeque<(usize, Arc<CaseResult>)>,
+    new_cases: VecDeque<(usize, Arc<C>)>,
     /// Given surfaces, and what is written in their place.
     described: Vec<(SurfaceSource, SurfaceSource)>,
     /// Header of the journal; `None` in memory alone.
@@ -88,7 +88,7 @@ pub(crate) struct State {
     pub(crate) journal_time: Duration,
 }
 
-impl<'a> PartStore<'a> {
+impl<'a, C: Stored> PartStore<'a, C> {
     /// `target`: header of the journal, and its folder; `None` in memory alone. `end`: where the journal of an earlier run ends, or 0.
     pub(crate) fn new(target: Option<(Header, &'a ResultFolder)>, end: u64, pace: Pace) -> Self {
         let (header, folder) = target.unzip();
@@ -113,13 +113,13 @@ impl<'a> PartStore<'a> {
         }
     }
 
-    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
+    pub(crate) fn state(&self) -> MutexGuard<'_, State<C>> {
         // What is kept is changed in one step, so a panic of another thread leaves it whole.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Adds a case that is finished, of which no parts are needed any more.
-    pub(crate) fn add_case(&self, number: usize, case: &Arc<CaseResult>) {
+    pub(crate) fn add_case(&self, number: usize, case: &Arc<C>) {
         let mut state = self.state();
         state.is_changed = true;
         if !case.is_cut_short() {
@@ -145,7 +145,7 @@ impl<'a> PartStore<'a> {
     }
 }
 
-impl SurfaceStore for PartStore<'_> {
+impl<C: Stored + Send + Sync> SurfaceStore for PartStore<'_, C> {
     fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
         let mut state = self.state();
         let part = state.parts.get(&self.key(key)).cloned()?;
@@ -168,7 +168,7 @@ impl SurfaceStore for PartStore<'_> {
     }
 }
 
-impl State {
+impl<C: Stored> State<C> {
     /// A part as it was saved; `None` if the journal cannot be read any more.
     pub(crate) fn part(&mut self, part: &Part) -> Option<SavedSurface> {
         match part {
@@ -176,7 +176,7 @@ impl State {
             Part::Journal(begin) => {
                 let record = self.journal.as_ref()?.read(*begin).ok()?;
                 match ciborium::from_reader(record.as_slice()).ok()? {
-                    ReadRecord::Part(_, surface) => Some(*surface),
+                    ReadRecord::<C>::Part(_, surface) => Some(*surface),
                     ReadRecord::Case(..) => None,
                 }
             }
@@ -199,10 +199,12 @@ impl State {
     }
 
     /// A case as it is written.
-    pub(crate) fn to_write(&self, case: &CaseResult) -> CaseResult {
+    pub(crate) fn to_write(&self, case: &C) -> C {
         let mut case = case.clone();
-        if let Some(described) = self.described_as(&case.outcome.case.surface) {
-            case.outcome.case.surface = described.clone();
+        if let Some(surface) = case.surface_mut()
+            && let Some(described) = self.described_as(surface)
+        {
+            *surface = described.clone();
         }
         case
     }

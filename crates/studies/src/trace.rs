@@ -8,7 +8,7 @@ mod region_plan;
 mod text;
 
 use asperity_analysis::ModelError;
-use asperity_results::{Header, ResultSet, ResultsError};
+use asperity_results::{Header, ResultSet, ResultsError, Stored};
 use asperity_simulate::{
     Case, Cells, Deadline, Lobe, Observer, Outcome, Settings, Shape, SimulateError, StoppedBy,
     Stopping, short,

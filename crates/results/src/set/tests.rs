@@ -10,7 +10,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_io::read_journal;
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::{Effort, Estimator, Light, Silent, StoppedBy, SurfaceSource, SurfaceStore};
+use asperity_simulate::{
+    Case, Effort, Estimator, Light, Outcome, Settings, Silent, SimulateError, Simulation,
+    StoppedBy, SurfaceSource, SurfaceStore,
+};
 use asperity_surface::{Psd, Synthesis};
 
 use super::*;
