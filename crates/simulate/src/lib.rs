@@ -35,7 +35,7 @@ pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
 pub use input::case::{Case, CaseBins, Light};
-pub use input::case_words::{CaseColumn, CaseGroup, CasePart, bottom_text, material_text};
+pub use input::case_words::{CaseColumn, CaseGroup, CasePart, bottom_text};
 pub use input::cells::Cells;
 pub use input::coordinates::{Coordinate, Coordinates};
 pub use input::described_shape::{DescribedShape, DescribedSurface, corners_hash, heights_hash};

@@ -30,6 +30,7 @@ pub use attenuation::{
 };
 pub use border::{ASSUMED_BORDER, border_notes};
 pub use comparison::error::CompareError;
+pub use comparison::judgement::Judgement;
 pub use comparison::models::{ComparedComponent, ModelOutcome};
 pub use comparison::peak::PeakDifference;
 pub use comparison::side_difference::SideDifference;
@@ -86,4 +87,4 @@ pub use trace::{
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::error::VerifyError;
 pub use verify::plan::Plan;
-pub use verify::{CaseOutcome, VerifyOutcome, judge, verify};
+pub use verify::{VerifyOutcome, judge, verify};

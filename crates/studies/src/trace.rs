@@ -22,7 +22,6 @@ pub use self::files::{trace_report, trace_summary};
 use self::region_plan::{MIN_REGIONS, MIN_WIDTH};
 pub use self::text::trace_table;
 use crate::comparison::error::CompareError;
-use crate::comparison::models::ModelOutcome;
 use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
@@ -159,12 +158,6 @@ impl TraceOutcome<'_> {
     /// Whether a stop came before the comparison that was requested.
     const fn lacks_comparison(&self) -> bool {
         self.comparison.is_none() && self.plan.comparison.is_some()
-    }
-
-    /// The models that the surface is compared with.
-    fn models(&self) -> &[ModelOutcome] {
-        let comparison = self.comparison.as_ref();
-        comparison.map_or(&[], |comparison| &comparison.models)
     }
 
     /// Where each quantity stands in the statistics.

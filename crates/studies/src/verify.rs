@@ -7,89 +7,22 @@ mod tests;
 
 use std::time::Instant;
 
-use asperity_analysis::{SmithSlopes, sidak_level};
+use asperity_analysis::SmithSlopes;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Case, Cells, Deadline, Lobe, Observer, Outcome, Stopping, SurfaceSource};
-use asperity_tally::TallySpec;
+use asperity_simulate::{Case, Deadline, Observer, Outcome, Stopping, SurfaceSource};
 use rayon::prelude::*;
 
 use self::error::VerifyError;
-use crate::comparison::compared_case::ComparedCase;
-use crate::comparison::models::{Compared, ModelOutcome, compare_models};
+use crate::comparison::judgement::Judgement;
+use crate::comparison::models::{Compared, compare_models};
 use crate::comparison::other_slopes::OtherSlopes;
 use crate::comparison::slope_tables::SlopeSymmetry;
 use crate::config::VerifyConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
-use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
-
-/// What was found for one case.
-pub struct CaseOutcome<'a> {
-    /// What was simulated, with its case.
-    pub outcome: &'a Outcome,
-    /// Whether what leaves is spread evenly over azimuth: every bin holds its fraction of the light of its ring.
-    pub free_azimuth: bool,
-    /// The models.
-    pub models: Vec<ModelOutcome>,
-    /// Level of each test: that of the configuration, shared among the components that models claim.
-    pub level: f64,
-    /// How the run came to its end, if that was to be found out.
-    pub stopping: Option<Stopping>,
-}
-
-impl CaseOutcome<'_> {
-    /// What was recorded of it, in its own bins.
-    #[must_use]
-    pub const fn spec(&self) -> &TallySpec {
-        self.outcome.statistics.spec()
-    }
-
-    /// Its lobes, next to its bins.
-    pub(crate) fn lobes(&self) -> Vec<BinnedLobe> {
-        BinnedLobe::of_lobes(Lobe::of_case(&self.outcome.case), self.spec())
-    }
-
-    /// Samples of its surfaces along x and y.
-    #[must_use]
-    pub fn size(&self) -> [usize; 2] {
-        self.outcome.case.surface.size().unwrap_or_default()
-    }
-
-    /// Length units per sample along x and y.
-    #[must_use]
-    pub fn spacing(&self) -> [f64; 2] {
-        self.outcome.case.surface.spacing().unwrap_or_default()
-    }
-
-    /// Lengths of its surfaces against the wavelength; `None` if their unit is not known.
-    pub(crate) fn validity(&self, config: &VerifyConfig) -> Option<Validity> {
-        let Case {
-            surface, light, at, ..
-        } = &self.outcome.case;
-        let wavelength = config.light.wavelength_nm();
-        Validity::of_recipe(surface.recipe()?, at.unit, light.incidence, wavelength)
-    }
-
-    /// What comparisons are reported of.
-    pub(crate) fn compared<'b>(&'b self, spec: &'b TallySpec) -> ComparedCase<'b> {
-        ComparedCase {
-            spec,
-            outcome: self.outcome,
-            models: &self.models,
-            level: self.level,
-            free_azimuth: self.free_azimuth,
-        }
-    }
-
-    /// What lies between the heights of its surfaces.
-    #[must_use]
-    pub(crate) fn cells(&self) -> Option<Cells> {
-        self.outcome.case.surface.cells()
-    }
-}
 
 /// What a verification found.
 pub struct VerifyOutcome<'a> {
@@ -100,7 +33,7 @@ pub struct VerifyOutcome<'a> {
     /// What was found of them.
     pub found: &'a ResultSet<'a>,
     /// The cases that were found, in the order of the plan.
-    pub cases: Vec<CaseOutcome<'a>>,
+    pub cases: Vec<Judgement<'a>>,
     /// Seconds from beginning to end.
     pub seconds: f64,
 }
@@ -109,6 +42,23 @@ impl VerifyOutcome<'_> {
     /// Whether there were several cases to run.
     pub(crate) const fn several(&self) -> bool {
         self.plan.cases.len() > 1
+    }
+
+    /// How the run of a case came to its end, if that was to be found out.
+    pub(crate) fn stopping<'b>(&self, case: &Judgement<'b>) -> Option<&'b Stopping> {
+        let run = &self.config.run;
+        let is_limited = run.target_error.is_some() || run.max_time.is_some();
+        let stopping = &case.outcome.stopping;
+        (is_limited || stopping.is_cut_short()).then_some(stopping)
+    }
+
+    /// Lengths of the surfaces of a case against the wavelength; `None` if their unit is not known.
+    pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
+        let Case {
+            surface, light, at, ..
+        } = &case.outcome.case;
+        let wavelength = self.config.light.wavelength_nm();
+        Validity::of_recipe(surface.recipe()?, at.unit, light.incidence, wavelength)
     }
 
     /// Number of cases that an interrupt came before.
@@ -201,7 +151,7 @@ fn other_slopes(
 pub(crate) fn judge_case<'a>(
     config: &VerifyConfig,
     outcome: &'a Outcome,
-) -> Result<CaseOutcome<'a>, VerifyError> {
+) -> Result<Judgement<'a>, VerifyError> {
     let free_azimuth = config.free_azimuth(&outcome.case);
     let other = other_slopes(config, outcome)?;
     let Some(mut surface) = ModelledSurface::of(&outcome.case) else {
@@ -214,24 +164,17 @@ pub(crate) fn judge_case<'a>(
     let compared = Compared {
         config: &config.compare,
         seed: config.run.seed,
-        spec: outcome.statistics.spec(),
-        incidence: outcome.case.light.incidence,
         free_azimuth,
         surface,
         outcome,
         regions: None,
         tables: other.as_ref().and_then(OtherSlopes::tables),
     };
-    let (models, tests) = compare_models(&compared)?;
-    let level = sidak_level(config.compare.level, tests.max(1));
-    let limited = config.run.target_error.is_some() || config.run.max_time.is_some();
-    Ok(CaseOutcome {
-        free_azimuth,
+    let (models, level) = compare_models(&compared)?;
+    Ok(Judgement {
+        outcome,
         models,
         level,
-        stopping: Some(&outcome.stopping)
-            .filter(|stopping| limited || stopping.is_cut_short())
-            .cloned(),
-        outcome,
+        free_azimuth,
     })
 }

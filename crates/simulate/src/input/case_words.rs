@@ -127,12 +127,6 @@ impl MaterialWords {
     }
 }
 
-/// The words for a material in titles of figures, as in `n = 1/1.5`.
-#[must_use]
-pub fn material_text(material: Material) -> String {
-    MaterialWords::of(material).in_figures.text()
-}
-
 /// What a layer ends on, in words.
 #[must_use]
 pub fn bottom_text(bottom: Bottom) -> String {
@@ -250,6 +244,15 @@ impl Case {
         self.label_parts().join(", ")
     }
 
+    /// Material and further quantities in titles of figures and panels, as in `n = 1/1.5`.
+    #[must_use]
+    pub fn panel_label(&self) -> String {
+        let material = MaterialWords::of(self.material).in_figures.text();
+        let others = self.at.others.iter().map(Coordinate::text);
+        let parts: Vec<String> = std::iter::once(material).chain(others).collect();
+        parts.join(", ")
+    }
+
     /// The case in a title or legend of a figure, as in `s = 3, n = 1/1.4, θᵢ = 30°`; the azimuth of the light is that on a given surface.
     #[must_use]
     pub fn figure_label(&self) -> String {
@@ -263,8 +266,7 @@ impl Case {
         let is_given = smoothness.is_none();
         let incidence = self.light.incidence;
         let mut parts: Vec<String> = smoothness.into_iter().collect();
-        parts.push(material_text(self.material));
-        parts.extend(self.at.others.iter().map(Coordinate::text));
+        parts.push(self.panel_label());
         parts.push(format!("θᵢ = {}°", short(incidence.theta_deg())));
         if is_given {
             parts.push(format!("φᵢ = {}°", short(incidence.phi_deg())));

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use asperity_analysis::{Comparison, Verdict};
 use asperity_tally::{Component, TallySpec};
 
-use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::judgement::Judgement;
 use crate::output::{distance, wrapped};
 
 /// Where light deviates most significantly from a model, and by how much of the model.
@@ -64,7 +64,7 @@ pub(crate) const fn verdict_name(verdict: &Verdict) -> &'static str {
 }
 
 /// The sentences that say which models are rejected: one for each component of the light that a model describes.
-pub(crate) fn conclusion(case: ComparedCase<'_>) -> String {
+pub(crate) fn conclusion(case: &Judgement<'_>) -> String {
     let level = short(round_to(case.level, 2));
     let sentences: Vec<String> = [
         (Component::Single, "Single scattering"),
@@ -93,7 +93,7 @@ struct Tested<'a> {
 }
 
 /// What is said of the models that describe a component of the light; `None` if none does.
-fn clauses(case: ComparedCase<'_>, component: Component) -> Option<String> {
+fn clauses(case: &Judgement<'_>, component: Component) -> Option<String> {
     let tested = case.models.iter().filter_map(|model| {
         let compared = model.compared(component)?;
         Some(Tested {
@@ -111,7 +111,7 @@ fn clauses(case: ComparedCase<'_>, component: Component) -> Option<String> {
     clauses.extend(clause_not_rejected(&not_rejected.collect::<Vec<_>>()));
     clauses.extend(rejected.map(|tested| {
         let found = &tested.comparison.total_variation;
-        let place = strongest_deviation(tested.comparison, case.spec).unwrap_or_default();
+        let place = strongest_deviation(tested.comparison, case.spec()).unwrap_or_default();
         format!(
             "{} is rejected, most clearly in {place} (total variation {}, noise alone {})",
             tested.name,

@@ -7,8 +7,8 @@ use asperity_tally::{Component, Estimate, TallySpec};
 use serde::Serialize;
 
 use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::conclusion::{conclusion, verdict_name};
+use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::output::BySide;
@@ -53,11 +53,11 @@ struct Against {
 }
 
 impl ComparisonJson {
-    pub(crate) fn of(case: ComparedCase<'_>) -> Self {
+    pub(crate) fn of(case: &Judgement<'_>) -> Self {
         let models = case.models.iter();
         Self {
             level: case.level,
-            models: models.map(|model| Model::of(case.spec, model)).collect(),
+            models: models.map(|model| Model::of(case.spec(), model)).collect(),
             conclusion: conclusion(case).replace('\n', " "),
         }
     }

@@ -4,10 +4,10 @@
 pub(crate) const AVERAGED_LAYERS: &str = "models of layers average s and p at each face; --polarisation averaged compares like with like";
 
 pub(crate) mod compared;
-pub(crate) mod compared_case;
 pub(crate) mod conclusion;
 pub(crate) mod error;
 pub(crate) mod json;
+pub(crate) mod judgement;
 pub(crate) mod models;
 pub(crate) mod other_slopes;
 pub(crate) mod peak;

@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use asperity_analysis::{
-    Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, verdicts,
+    Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, sidak_level,
+    verdicts,
 };
 use asperity_optics::Incidence;
 use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyValues};
@@ -108,10 +109,10 @@ impl ModelOutcome {
 /// Compares every model of the configuration with the surfaces of a case.
 ///
 /// Each component that a model claims is a test of its own; the level is shared among all tests of the
-/// case. Returns the models and the number of tests.
+/// case. Returns the models and the level of each test.
 pub(crate) fn compare_models(
     compared: &Compared<'_>,
-) -> Result<(Vec<ModelOutcome>, usize), CompareError> {
+) -> Result<(Vec<ModelOutcome>, f64), CompareError> {
     let config = compared.config;
     let mut models = config
         .models
@@ -122,11 +123,11 @@ pub(crate) fn compare_models(
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
     let found = verdicts(&comparisons, config.level);
-    let tests = found.len();
+    let level = sidak_level(config.level, found.len().max(1));
     for (claim, verdict) in claims.iter_mut().zip(found) {
         claim.verdict = Some(verdict);
     }
-    Ok((models, tests))
+    Ok((models, level))
 }
 
 /// What models are compared with.
@@ -134,8 +135,6 @@ pub(crate) struct Compared<'a> {
     pub(crate) config: &'a CompareConfig,
     /// Seed of sampled models and of sign flips.
     pub(crate) seed: u64,
-    pub(crate) spec: &'a TallySpec,
-    pub(crate) incidence: Incidence,
     /// Whether what leaves is spread evenly over azimuth.
     pub(crate) free_azimuth: bool,
     /// What models are made for.
@@ -148,6 +147,14 @@ pub(crate) struct Compared<'a> {
 }
 
 impl Compared<'_> {
+    const fn spec(&self) -> &TallySpec {
+        self.outcome.statistics.spec()
+    }
+
+    const fn incidence(&self) -> Incidence {
+        self.outcome.case.light.incidence
+    }
+
     /// The comparison with one model.
     fn with(&self, model: CaseModel) -> Result<ModelOutcome, CompareError> {
         let surfaces = self.outcome.surfaces.len() as u64;
@@ -162,9 +169,10 @@ impl Compared<'_> {
         let azimuth = if self.free_azimuth {
             Azimuth::Free
         } else {
-            Azimuth::From(self.incidence.phi() + PI)
+            Azimuth::From(self.incidence().phi() + PI)
         };
-        let expect = |model: &CaseModel| model.expect(self.incidence, self.spec, azimuth, effort);
+        let expect =
+            |model: &CaseModel| model.expect(self.incidence(), self.spec(), azimuth, effort);
         let expectation = expect(&model);
         let is_tabulated = model
             .density()
@@ -208,7 +216,7 @@ impl Compared<'_> {
         let Some(tables) = self.tables else {
             return Ok(tallies.clone());
         };
-        let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence);
+        let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence());
         let adjusted = adjusted.map_err(ConfigError::from)?;
         Ok(match self.regions {
             Some(regions) => regions.stretched(tallies, adjusted),
@@ -223,7 +231,7 @@ impl Compared<'_> {
         expectation: &Expectation,
         component: Component,
     ) -> Result<ComparedComponent, CompareError> {
-        let spec = self.spec;
+        let spec = self.spec();
         let bins = spec.recorded_entries(component);
         let fluxes = |tally: &TallyValues| tally[bins].to_vec();
         let surfaces: Vec<Vec<f64>> = tallies.iter().map(fluxes).collect();

@@ -22,9 +22,6 @@ use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::error::ReportError;
 use crate::report::figures::{plot_side, save};
 
-/// Folder of the plots.
-pub(super) const PLOTS: &str = "plots";
-
 /// Which rows a matrix has.
 #[derive(Clone, Copy)]
 enum Rows {

@@ -34,10 +34,10 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         "missing": outcome.missing(),
         "directions": directions.collect::<Vec<_>>(),
         "columns": {
-            "gonio.csv": tables::directions(outcome).description(),
-            "in_plane.csv": tables::in_plane(spec).description(),
-            "bsdf.csv": tables::bsdf().description(),
-            "directions/*.csv": of_direction.map(|table| table.description()),
+            "gonio.csv": tables::directions(outcome).description,
+            "in_plane.csv": tables::in_plane(outcome).description,
+            "bsdf.csv": tables::bsdf(outcome).description,
+            "directions/*.csv": of_direction.map(|table| table.description),
         },
         "warnings": notes_and_warnings,
     });

@@ -11,6 +11,7 @@ use crate::output::{
     Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
     solid_angle_column,
 };
+use crate::report::views::Csv;
 
 /// The directions that were measured.
 pub(super) fn measured<'a>(outcome: &'a GonioOutcome<'_>) -> impl Iterator<Item = Direction<'a>> {
@@ -56,7 +57,7 @@ fn incidence_columns<'a, R: 'a>(
 }
 
 /// directions/NAME.csv: a row per bin.
-pub(super) fn direction(direction: Direction<'_>) -> Table<'_, usize> {
+pub(super) fn direction(direction: Direction<'_>) -> Csv<'_> {
     let grid = direction.spec.grid();
     let flux = move |bin: &usize, component| direction.bin(component, *bin);
     Table::new()
@@ -77,10 +78,11 @@ pub(super) fn direction(direction: Direction<'_>) -> Table<'_, usize> {
             "flux of a component of the light",
             flux,
         ))
+        .with_rows(direction.spec.recorded_bins())
 }
 
 /// gonio.csv: a row per direction, with its fluxes.
-pub(super) fn directions<'a>(outcome: &'a GonioOutcome<'_>) -> Table<'a, Direction<'a>> {
+pub(super) fn directions<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
     type Row<'a> = Direction<'a>;
     let spec = outcome.spec();
     let groups = [
@@ -132,19 +134,18 @@ pub(super) fn directions<'a>(outcome: &'a GonioOutcome<'_>) -> Table<'a, Directi
             "what the standard errors come from",
             |row: &Row<'_>| row.outcome.map(|found| found.errors_from.name()),
         ))
+        .with_rows(measured(outcome))
 }
 
 /// A bin of the in-plane slice of a direction.
-pub(super) struct InPlaneBin<'a> {
+struct InPlaneBin<'a> {
     direction: Direction<'a>,
     side: Side,
     bin: usize,
 }
 
 /// The in-plane bins of all directions.
-pub(super) fn in_plane_bins<'a>(
-    outcome: &'a GonioOutcome<'_>,
-) -> impl Iterator<Item = InPlaneBin<'a>> {
+fn in_plane_bins<'a>(outcome: &'a GonioOutcome<'_>) -> impl Iterator<Item = InPlaneBin<'a>> {
     measured(outcome).flat_map(|direction| {
         let spec = direction.spec;
         spec.sides().flat_map(move |side| {
@@ -158,8 +159,9 @@ pub(super) fn in_plane_bins<'a>(
 }
 
 /// in_plane.csv: the BSDF in the plane of incidence, a row per direction, side and signed angle.
-pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
+pub(super) fn in_plane<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
     type Row<'a> = InPlaneBin<'a>;
+    let spec = outcome.spec();
     let bsdf = move |row: &Row<'_>, component| {
         let flux = row.direction.in_plane(component, row.side, row.bin)?;
         let projected = projected_in_plane(&row.direction.spec, row.side, row.bin);
@@ -207,18 +209,17 @@ pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
             "BSDF of a component of the light",
             bsdf,
         ))
+        .with_rows(in_plane_bins(outcome))
 }
 
 /// A bin of a direction.
-pub(super) struct DirectionBin<'a> {
+struct DirectionBin<'a> {
     direction: Direction<'a>,
     bin: usize,
 }
 
 /// The bins of all directions.
-pub(super) fn direction_bins<'a>(
-    outcome: &'a GonioOutcome<'_>,
-) -> impl Iterator<Item = DirectionBin<'a>> {
+fn direction_bins<'a>(outcome: &'a GonioOutcome<'_>) -> impl Iterator<Item = DirectionBin<'a>> {
     measured(outcome).flat_map(|direction| {
         let bins = direction.spec.recorded_bins();
         bins.map(move |bin| DirectionBin { direction, bin })
@@ -226,7 +227,7 @@ pub(super) fn direction_bins<'a>(
 }
 
 /// bsdf.csv: all directions of light and of bins in one table, for renderers.
-pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
+pub(super) fn bsdf<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
     type Row<'a> = DirectionBin<'a>;
     let bsdf = |row: &Row<'_>| row.direction.bsdf(row.bin);
     let bin = |row: &Row<'_>| GridBin {
@@ -245,6 +246,7 @@ pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
         .columns(grid_bin_columns(bin))
         .columns(bin_centre_columns(bin))
         .column(Column::estimate("bsdf", "mean BSDF of the bin", bsdf).unit("1/sr"))
+        .with_rows(direction_bins(outcome))
 }
 
 /// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.

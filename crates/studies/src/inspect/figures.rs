@@ -1,12 +1,9 @@
 //! The figures of an inspected surface.
 
-use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, LogCurves, PlotError, Point, Style};
+use asperity_plot::{Colour, Curve, CurveAxis, Curves, LogCurves, Point, Style};
 use asperity_surface::LengthUnit;
 
 use super::{Texture, ggx, normal};
-
-/// Names of all figures but the map.
-pub(super) const NAMES: [&str; 4] = ["psd", "autocorrelation", "heights", "slopes"];
 
 /// Densities below this part of the largest are rounding, and are not drawn.
 const DRAWN: f64 = 1e-14;
@@ -15,21 +12,8 @@ const DRAWN: f64 = 1e-14;
 const STEPS: usize = 200;
 
 impl Texture {
-    /// All figures, in the order of [`NAMES`]; that of the spectrum is missing if it is zero.
-    pub(super) fn figures(&self, name: &str) -> Result<Vec<(&'static str, Figure)>, PlotError> {
-        let drawn = [
-            self.spectrum_figure(name).map(|figure| figure.draw()),
-            Some(self.correlation_figure(name).draw()),
-            Some(self.heights_figure(name).draw()),
-            Some(self.slopes_figure(name).draw()),
-        ];
-        let named = NAMES.into_iter().zip(drawn);
-        named
-            .filter_map(|(name, figure)| figure.map(|figure| Ok((name, figure?))))
-            .collect()
-    }
-
-    fn spectrum_figure(&self, name: &str) -> Option<LogCurves> {
+    /// Spectrum; `None` if it is zero.
+    pub(super) fn spectrum_figure(&self, name: &str) -> Option<LogCurves> {
         let rows = || self.spectrum.iter();
         let peak = rows().fold(0.0_f64, |peak, row| peak.max(row.ring.density));
         let is_shown = move |density: &f64| *density > DRAWN * peak && *density > 0.0;
@@ -59,7 +43,7 @@ impl Texture {
         })
     }
 
-    fn correlation_figure(&self, name: &str) -> Curves {
+    pub(super) fn correlation_figure(&self, name: &str) -> Curves {
         let points = |values: &[f64], spacing: f64| -> Vec<Point> {
             let lags = values.iter().enumerate();
             let normalised = |(i, value): (usize, &f64)| {
@@ -81,7 +65,7 @@ impl Texture {
         }
     }
 
-    fn heights_figure(&self, name: &str) -> Curves {
+    pub(super) fn heights_figure(&self, name: &str) -> Curves {
         let found = self.heights.middles().map(|(x, y)| Point::exact(x, y));
         let ends = [
             self.heights.lowest,
@@ -100,7 +84,7 @@ impl Texture {
         }
     }
 
-    fn slopes_figure(&self, name: &str) -> Curves {
+    pub(super) fn slopes_figure(&self, name: &str) -> Curves {
         let [x, y] = &self.slopes;
         let found = |of: &asperity_surface::Histogram| -> Vec<Point> {
             of.middles().map(|(x, y)| Point::exact(x, y)).collect()

@@ -1,29 +1,29 @@
-//! The files of an inspected surface: tables, figures, and summary.json.
+//! The files of an inspected surface.
 
-use asperity_io::{ResultFolder, write_json};
+use asperity_io::ResultFolder;
+use asperity_simulate::Silent;
 use asperity_surface::HeightField;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use super::{Texture, figures};
-use crate::output::{Head, Place, figure_files};
+use super::Texture;
+use crate::output::Head;
 use crate::report::error::ReportError;
-use crate::report::figures::{height_map, save};
+use crate::report::figures::height_map_figure;
+use crate::report::views::Views;
 
-const TABLES: [&str; 4] = [
-    "psd.csv",
-    "autocorrelation.csv",
-    "heights.csv",
-    "slopes.csv",
-];
+/// An inspected surface.
+struct Inspected<'a, S> {
+    field: &'a HeightField,
+    name: &'a str,
+    texture: &'a Texture,
+    parameters: &'a S,
+}
 
 /// Names of all files of [`inspect_report`].
 #[must_use]
 pub fn texture_files() -> Vec<String> {
-    let tables = TABLES.into_iter().chain(["summary.json"]);
-    let drawn = figures::NAMES.into_iter().chain(["height_map"]);
-    let tables = tables.map(str::to_owned);
-    tables.chain(drawn.flat_map(figure_files)).collect()
+    views::<()>().names()
 }
 
 #[derive(Serialize)]
@@ -39,43 +39,60 @@ struct Summary<'a, S> {
     columns: Value,
 }
 
+fn views<'a, S: Serialize + Sync>() -> Views<'a, Inspected<'a, S>> {
+    let mut views: Views<'a, Inspected<'a, S>> = Views::new();
+    views.csv("psd.csv", |one| Some(one.texture.spectrum_table()));
+    views.csv("autocorrelation.csv", |one| {
+        Some(one.texture.correlation_table())
+    });
+    views.csv("heights.csv", |one| Some(one.texture.heights_table()));
+    views.csv("slopes.csv", |one| Some(one.texture.slopes_table()));
+    views.figure("psd", |one| {
+        let figure = one.texture.spectrum_figure(one.name);
+        Ok(figure.map(|figure| figure.draw()).transpose()?)
+    });
+    views.figure("autocorrelation", |one| {
+        Ok(Some(one.texture.correlation_figure(one.name).draw()?))
+    });
+    views.figure("heights", |one| {
+        Ok(Some(one.texture.heights_figure(one.name).draw()?))
+    });
+    views.figure("slopes", |one| {
+        Ok(Some(one.texture.slopes_figure(one.name).draw()?))
+    });
+    views.figure("height_map", |one| {
+        Ok(Some(height_map_figure(one.field, one.name)?))
+    });
+    views.json("summary.json", |one| Some(summary(one)));
+    views
+}
+
+fn summary<'a, S: Serialize + Sync>(one: &Inspected<'a, S>) -> Summary<'a, S> {
+    Summary {
+        head: Head::of("inspect"),
+        surface: one.parameters,
+        wave_area: one.texture.wave_area,
+        steeper: [0, 1].map(|axis| one.texture.slopes[axis].outside),
+        columns: views::<S>().columns(one),
+    }
+}
+
 /// Writes tables and figures of the surface called `name` into `folder`, and, last, summary.json, which also holds `parameters`.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a figure drawn.
-pub fn inspect_report<S: Serialize>(
+pub fn inspect_report<S: Serialize + Sync>(
     folder: &ResultFolder,
     field: &HeightField,
     name: &str,
     texture: &Texture,
     parameters: &S,
 ) -> Result<(), ReportError> {
-    let drawn = texture.figures(name)?;
-    let place = Place::root(folder);
-    let [psd, correlation, heights, slopes] = TABLES;
-    let (spectrum_table, correlation_table) =
-        (texture.spectrum_table(), texture.correlation_table());
-    let (heights_table, slopes_table) = (texture.heights_table(), texture.slopes_table());
-    spectrum_table.write_csv(&place.claim(psd)?, texture.spectrum())?;
-    correlation_table.write_csv(&place.claim(correlation)?, texture.lags())?;
-    heights_table.write_csv(&place.claim(heights)?, texture.heights())?;
-    slopes_table.write_csv(&place.claim(slopes)?, texture.slopes())?;
-    for (name, figure) in drawn {
-        save(&[&place], name, &figure)?;
-    }
-    height_map(&[&place], field, name)?;
-    let summary = Summary {
-        head: Head::of("inspect"),
-        surface: parameters,
-        wave_area: texture.wave_area,
-        steeper: [0, 1].map(|axis| texture.slopes[axis].outside),
-        columns: json!({
-            psd: spectrum_table.description(),
-            correlation: correlation_table.description(),
-            heights: heights_table.description(),
-            slopes: slopes_table.description(),
-        }),
+    let inspected = Inspected {
+        field,
+        name,
+        texture,
+        parameters,
     };
-    write_json(place.claim("summary.json")?, &summary)?;
-    Ok(())
+    views().write(folder, &inspected, &Silent)
 }

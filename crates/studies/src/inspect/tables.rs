@@ -2,29 +2,30 @@
 
 use super::{SpectrumRow, Texture, ggx, normal};
 use crate::output::{Column, Table, unit_of_lengths};
+use crate::report::views::Csv;
 
 /// A lag in whole samples.
-pub(super) struct LagRow {
+struct LagRow {
     samples: usize,
     along_x: Option<f64>,
     along_y: Option<f64>,
 }
 
 /// A bin of heights.
-pub(super) struct HeightRow {
+struct HeightRow {
     height: f64,
     density: f64,
 }
 
 /// A bin of slopes.
-pub(super) struct SlopeRow {
+struct SlopeRow {
     slope: f64,
     along: [f64; 2],
 }
 
 impl Texture {
-    /// Columns of psd.csv.
-    pub(super) fn spectrum_table(&self) -> Table<'_, SpectrumRow> {
+    /// Table psd.csv.
+    pub(super) fn spectrum_table(&self) -> Csv<'_> {
         let length = unit_of_lengths(self.unit);
         let [k, density] = [format!("rad/{length}"), format!("{length}^4")];
         Table::new()
@@ -57,14 +58,11 @@ impl Texture {
                 )
                 .unit(density),
             )
+            .with_rows(&self.spectrum)
     }
 
-    pub(super) fn spectrum(&self) -> &[SpectrumRow] {
-        &self.spectrum
-    }
-
-    /// Columns of autocorrelation.csv.
-    pub(super) fn correlation_table(&self) -> Table<'_, LagRow> {
+    /// Table autocorrelation.csv.
+    pub(super) fn correlation_table(&self) -> Csv<'_> {
         let length = unit_of_lengths(self.unit);
         let squared = format!("{length}^2");
         let [dx, dy] = self.spacing;
@@ -97,9 +95,10 @@ impl Texture {
                 )
                 .unit(squared),
             )
+            .with_rows(self.lags())
     }
 
-    pub(super) fn lags(&self) -> impl Iterator<Item = LagRow> {
+    fn lags(&self) -> impl Iterator<Item = LagRow> {
         let [x, y] = [&self.correlation.along_x, &self.correlation.along_y];
         (0..x.len().max(y.len())).map(|samples| LagRow {
             samples,
@@ -108,8 +107,8 @@ impl Texture {
         })
     }
 
-    /// Columns of heights.csv.
-    pub(super) fn heights_table(&self) -> Table<'_, HeightRow> {
+    /// Table heights.csv.
+    pub(super) fn heights_table(&self) -> Csv<'_> {
         let length = unit_of_lengths(self.unit);
         let per_length = format!("1/{length}");
         let mean_square = self.sq * self.sq;
@@ -138,15 +137,16 @@ impl Texture {
                 )
                 .unit(per_length),
             )
+            .with_rows(self.heights())
     }
 
-    pub(super) fn heights(&self) -> impl Iterator<Item = HeightRow> {
+    fn heights(&self) -> impl Iterator<Item = HeightRow> {
         let bins = self.heights.middles();
         bins.map(|(height, density)| HeightRow { height, density })
     }
 
-    /// Columns of slopes.csv.
-    pub(super) fn slopes_table(&self) -> Table<'_, SlopeRow> {
+    /// Table slopes.csv.
+    pub(super) fn slopes_table(&self) -> Csv<'_> {
         let [xx, yy] = self.mean_square_slopes;
         let beside =
             |slope: f64, mean_square: f64| (mean_square > 0.0).then(|| normal(slope, mean_square));
@@ -188,9 +188,10 @@ impl Texture {
                 "density of GGX along y, requested of a surface generated with such slopes",
                 move |row: &SlopeRow| requested(row.slope, 1),
             ))
+            .with_rows(self.slopes())
     }
 
-    pub(super) fn slopes(&self) -> impl Iterator<Item = SlopeRow> {
+    fn slopes(&self) -> impl Iterator<Item = SlopeRow> {
         let [x, y] = &self.slopes;
         x.middles()
             .zip(&y.densities)

@@ -120,10 +120,7 @@ fn the_density_of_ggx_is_in_the_table_where_it_was_requested() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("slopes.csv");
         let texture = Texture::of(field).unwrap();
-        texture
-            .slopes_table()
-            .write_csv(&path, texture.slopes())
-            .unwrap();
+        texture.slopes_table().write(&path).unwrap();
         read_text(&path).unwrap()
     };
     let student = asperity_surface::StudentSlopes::new(Psd::gaussian(0.5, 4.0).unwrap(), 2.0);

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
+use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
 use crate::comparison::peak::PeakDifference;
-use crate::verify::CaseOutcome;
 
 /// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.
 pub(super) const FEWEST_SURFACES: u64 = 8;
@@ -184,7 +184,7 @@ impl CellModel {
 }
 
 /// Of both sides, where it is kept.
-fn tracked_less_averaged(spec: &TallySpec, case: &CaseOutcome) -> Option<[Estimate; 2]> {
+fn tracked_less_averaged(spec: &TallySpec, case: &Judgement<'_>) -> Option<[Estimate; 2]> {
     let of = |side| {
         let flux = spec.flux_entry(side, Component::All);
         let entry = spec.measure_entry(flux, Measure::Averaging)?;
@@ -195,8 +195,9 @@ fn tracked_less_averaged(spec: &TallySpec, case: &CaseOutcome) -> Option<[Estima
 
 impl CellResults {
     /// What a verification of one case found.
-    pub(super) fn of(case: &CaseOutcome) -> Self {
+    pub(super) fn of(case: &Judgement<'_>) -> Self {
         let spec = case.spec();
+        let surface = &case.outcome.case.surface;
         let models = case.models.iter().map(|model| {
             let of = |component| distances(spec, case, model, component);
             CellModel {
@@ -210,8 +211,8 @@ impl CellResults {
         Self {
             surfaces: case.outcome.work.realisations,
             rays: case.outcome.work.rays,
-            size: case.size(),
-            spacing: case.spacing(),
+            size: surface.size().unwrap_or_default(),
+            spacing: surface.spacing().unwrap_or_default(),
             deviation_bound: case.outcome.deviation_bound,
             lost: case.outcome.statistics.means().budget().lost,
             tracked_less_averaged: tracked_less_averaged(spec, case),
@@ -297,7 +298,7 @@ impl CellResults {
 /// The distances of one model over one component of the light.
 fn distances(
     spec: &TallySpec,
-    case: &CaseOutcome,
+    case: &Judgement<'_>,
     model: &ModelOutcome,
     component: Component,
 ) -> CellDistances {

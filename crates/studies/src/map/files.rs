@@ -1,17 +1,39 @@
 //! The files of a map: map.csv, two plots, report.txt and summary.json.
 
-use asperity_io::{ResultFolder, write_bytes, write_json};
+use asperity_io::ResultFolder;
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
-use asperity_simulate::{material_text, short};
+use asperity_simulate::{Case, Silent, short};
 
 use super::cell::ComparedLight;
 use super::interval::CellVerdict;
 use super::json::map_summary;
-use super::summary::{grooves, map_table, materials, smoothness, thetas};
+use super::summary::{grooves, is_in_panel, map_table, panels, smoothness, thetas};
 use super::{MapConfig, MapOutcome, tables};
-use crate::output::{Place, figure_files};
 use crate::report::error::ReportError;
-use crate::report::figures;
+use crate::report::views::Views;
+
+impl MapConfig {
+    /// Names of all files that a map writes into its folder.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        self.views().names()
+    }
+
+    fn views<'a>(&self) -> Views<'a, MapOutcome<'a>> {
+        let mut views: Views<'a, MapOutcome<'a>> = Views::new();
+        views.csv("map.csv", |outcome| Some(tables::map(outcome)));
+        if self.output.plots {
+            for light in ComparedLight::BOTH {
+                views.figure(format!("map_{}", light.name()), move |outcome| {
+                    Ok(Some(figure(outcome, light).draw()?))
+                });
+            }
+        }
+        views.text("report.txt", |outcome| Some(map_table(outcome)));
+        views.json("summary.json", |outcome| Some(map_summary(outcome)));
+        views
+    }
+}
 
 /// Writes a map into `folder`: map.csv, map_own and map_all as plots, report.txt, and, last, summary.json.
 ///
@@ -20,48 +42,20 @@ use crate::report::figures;
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), ReportError> {
-    let files = outcome.config.files();
-    folder.claim_all(files.iter().map(String::as_str))?;
-    let place = Place::root(folder);
-    tables::map(outcome).write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
-    if outcome.config.output.plots {
-        for light in ComparedLight::BOTH {
-            let figure = figure(outcome, light).draw()?;
-            figures::save(&[&place], &format!("map_{}", light.name()), &figure)?;
-        }
-    }
-    write_bytes(place.claim("report.txt")?, map_table(outcome).as_bytes())?;
-    write_json(place.claim("summary.json")?, &map_summary(outcome))?;
-    Ok(())
-}
-
-impl MapConfig {
-    /// Names of all files that a map writes into its folder.
-    #[must_use]
-    pub fn files(&self) -> Vec<String> {
-        let mut names = ["map.csv", "report.txt", "summary.json"]
-            .map(str::to_owned)
-            .to_vec();
-        if self.output.plots {
-            let figures = ComparedLight::BOTH.iter();
-            names.extend(figures.flat_map(|light| figure_files(&format!("map_{}", light.name()))));
-        }
-        names
-    }
+    outcome.config.views().write(folder, outcome, &Silent)
 }
 
 /// The heat map of one comparison.
 fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
-    let (materials, smoothness, thetas) =
-        (materials(outcome), smoothness(outcome), thetas(outcome));
+    let (panels, smoothness, thetas) = (panels(outcome), smoothness(outcome), thetas(outcome));
     let models = &outcome.config.compare.models;
     let mut cells = Vec::new();
-    for material in &materials {
+    for panel in &panels {
         for model in 0..models.len() {
             for s in &smoothness {
                 for theta in &thetas {
                     let here = outcome.cells().find(|cell| {
-                        cell.case.material == *material
+                        is_in_panel(cell.case, panel)
                             && cell.case.at.smoothness == Some(*s)
                             && cell.case.light.incidence.theta_deg() == *theta
                     });
@@ -97,7 +91,7 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
             grooves(outcome).map_or_else(String::new, |text| format!("; {text}")),
         ),
         models: models.clone(),
-        materials: materials.into_iter().map(material_text).collect(),
+        materials: panels.into_iter().map(Case::panel_label).collect(),
         smoothness,
         theta_deg: thetas,
         tolerance: tolerances.total_variation.0,

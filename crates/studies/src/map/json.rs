@@ -19,7 +19,7 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
         "missing": outcome.missing(),
         "summary": summarise(outcome),
         "cells": cells.collect::<Vec<_>>(),
-        "columns": { "map.csv": tables::map(outcome).description() },
+        "columns": { "map.csv": tables::map(outcome).description },
         "warnings": warnings(outcome),
     });
     Head::of("map").insert_into(&mut summary);

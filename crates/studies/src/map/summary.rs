@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use asperity_optics::Material;
-use asperity_simulate::{Case, material_text, short};
+use asperity_simulate::{Case, Coordinate, short};
 use serde::Serialize;
 
 use super::MapOutcome;
@@ -16,6 +16,9 @@ use crate::output::{Column, Table, cut_short, wrapped};
 pub struct ModelSummary {
     /// The material.
     pub material: Material,
+    /// Further coordinates.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<Coordinate>,
     /// The light.
     pub light: ComparedLight,
     /// The model.
@@ -27,9 +30,20 @@ pub struct ModelSummary {
     pub cells: [usize; 3],
 }
 
-/// The materials of a map, each once, in its order.
-pub(super) fn materials(outcome: &MapOutcome) -> Vec<Material> {
-    each_once(outcome.plan.cases.iter().map(|case| case.material))
+/// The panels of a map: a case of each material and further coordinates, in its order.
+pub(super) fn panels<'a>(outcome: &MapOutcome<'a>) -> Vec<&'a Case> {
+    let mut panels: Vec<&Case> = Vec::new();
+    for case in &outcome.plan.cases {
+        if !panels.iter().any(|panel| is_in_panel(case, panel)) {
+            panels.push(case);
+        }
+    }
+    panels
+}
+
+/// Whether a case is in the same panel as another.
+pub(super) fn is_in_panel(case: &Case, panel: &Case) -> bool {
+    case.material == panel.material && case.at.others == panel.at.others
 }
 
 /// The angles of a map in degrees, ascending.
@@ -63,17 +77,18 @@ fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     seen
 }
 
-/// The verdicts of a map in short: by material, comparison and model.
+/// The verdicts of a map in short: by material and further coordinates, comparison and model.
 #[must_use]
 pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     let mut summaries = Vec::new();
-    for material in materials(outcome) {
+    for panel in panels(outcome) {
         for light in ComparedLight::BOTH {
             for (index, model) in outcome.config.compare.models.iter().enumerate() {
-                let verdicts = verdicts(outcome, material, light, index);
+                let verdicts = verdicts(outcome, panel, light, index);
                 let count = |wanted| verdicts.iter().filter(|v| v.verdict == wanted).count();
                 summaries.push(ModelSummary {
-                    material,
+                    material: panel.material,
+                    others: panel.at.others.clone(),
                     light,
                     model: model.clone(),
                     within_from: thetas(outcome)
@@ -98,13 +113,11 @@ struct PlacedVerdict {
 /// The verdicts of all cells that are there.
 fn verdicts(
     outcome: &MapOutcome,
-    material: Material,
+    panel: &Case,
     light: ComparedLight,
     model: usize,
 ) -> Vec<PlacedVerdict> {
-    let here = outcome
-        .found()
-        .filter(|(case, _)| case.material == material);
+    let here = outcome.found().filter(|(case, _)| is_in_panel(case, panel));
     let verdict = |(case, results): (&Case, &CellResults)| {
         let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
         Some(PlacedVerdict {
@@ -170,14 +183,16 @@ pub fn map_table(outcome: &MapOutcome) -> String {
         short(tolerances.peak.0),
     );
     let summaries = summarise(outcome);
-    for material in materials(outcome) {
+    for panel in panels(outcome) {
         for light in ComparedLight::BOTH {
             let what = match light {
                 ComparedLight::Own => "each model against the light that it describes",
                 ComparedLight::All => "each model against all light",
             };
-            let _ = writeln!(out, "\n{}: {what}", material_text(material));
-            let here = |s: &&ModelSummary| s.material == material && s.light == light;
+            let _ = writeln!(out, "\n{}: {what}", panel.panel_label());
+            let here = |s: &&ModelSummary| {
+                s.material == panel.material && s.others == panel.at.others && s.light == light
+            };
             out.push_str(&table(outcome).text(summaries.iter().filter(here)));
         }
     }

@@ -10,9 +10,10 @@ use super::cell::{
 };
 use crate::comparison::peak::PeakDifference;
 use crate::output::{Cell, Column, Table, case_columns};
+use crate::report::views::Csv;
 
 /// One model in one cell in one comparison, with its judgement.
-pub(super) struct JudgedModel<'a> {
+struct JudgedModel<'a> {
     case: &'a Case,
     results: &'a CellResults,
     model: &'a CellModel,
@@ -32,7 +33,7 @@ impl JudgedModel<'_> {
 }
 
 /// Each cell, model and comparison that was found.
-pub(super) fn judged<'a>(outcome: &'a MapOutcome<'_>) -> impl Iterator<Item = JudgedModel<'a>> {
+fn judged<'a>(outcome: &'a MapOutcome<'_>) -> impl Iterator<Item = JudgedModel<'a>> {
     let models = outcome.found().flat_map(|(case, results)| {
         let models = results.models.iter();
         models.map(move |model| (case, results, model))
@@ -49,7 +50,7 @@ pub(super) fn judged<'a>(outcome: &'a MapOutcome<'_>) -> impl Iterator<Item = Ju
 }
 
 /// map.csv: a row per cell, model and comparison.
-pub(super) fn map<'a>(outcome: &'a MapOutcome<'_>) -> Table<'a, JudgedModel<'a>> {
+pub(super) fn map<'a>(outcome: &'a MapOutcome<'_>) -> Csv<'a> {
     type Row<'a> = JudgedModel<'a>;
     let groups = [
         CaseGroup::Surface,
@@ -109,6 +110,7 @@ pub(super) fn map<'a>(outcome: &'a MapOutcome<'_>) -> Table<'a, JudgedModel<'a>>
             "rays that the model followed",
             |row: &Row<'_>| Some(row.model.rays).filter(|rays| *rays > 0),
         ))
+        .with_rows(judged(outcome))
 }
 
 /// What of the explicit flux of a side is due to tracking polarisation.

@@ -21,18 +21,18 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The folder `name` within this one.
+    /// The folder `name` within this one, where `name` ends with a slash or is empty.
     pub(crate) fn join(&self, name: &str) -> Self {
         Self {
             folder: self.folder,
-            within: format!("{}{name}/", self.within),
+            within: format!("{}{name}", self.within),
         }
     }
 
     /// The place of a case: its folder where there are several cases, else this one.
     pub(crate) fn of_case(&self, folder: &str, several: bool) -> Self {
         match several {
-            true => self.join(folder),
+            true => self.join(&format!("{folder}/")),
             false => self.clone(),
         }
     }

@@ -10,6 +10,7 @@ use asperity_tracer::{PathSettings, Polarisation};
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::{conclusion, verdict_name};
+use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
@@ -18,7 +19,7 @@ use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
 use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_text;
-use crate::verify::{CaseOutcome, VerifyOutcome};
+use crate::verify::VerifyOutcome;
 
 /// Longest title of a case that a table repeats in each row, characters.
 const MAX_CASE_WIDTH: usize = 34;
@@ -27,9 +28,10 @@ const MAX_CASE_WIDTH: usize = 34;
 const MEASURE_WIDTH: usize = 23 + 3 * 2;
 
 /// What a reader must know of the results of a case.
-pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
+pub(crate) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
-    warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
+    let stopping = outcome.stopping(case);
+    warnings.extend(stopping.iter().flat_map(|s| s.warnings.clone()));
     warnings.extend(case.outcome.errors.mesh_warning().map(str::to_owned));
     warnings.extend(case.lobes().iter().filter_map(BinnedLobe::warning));
     let is_tracked = outcome.config.run.polarisation != Polarisation::Averaged;
@@ -63,9 +65,10 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
 }
 
 /// The comparison of one case.
-pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
+pub(crate) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
     let mut out = String::new();
-    let [nx, ny] = case.size();
+    let surface = &case.outcome.case.surface;
+    let [nx, ny] = surface.size().unwrap_or_default();
     let _ = writeln!(out, "{}", case.outcome.case.label());
     let _ = match case.outcome.deviation_bound {
         Some(bound) => writeln!(
@@ -81,11 +84,8 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             case.outcome.errors_from,
         ),
     };
-    if let Some(line) = case
-        .stopping
-        .as_ref()
-        .and_then(|stopping| stopping.line(case.outcome.case.at.unit))
-    {
+    let stopping = outcome.stopping(case);
+    if let Some(line) = stopping.and_then(|stopping| stopping.line(case.outcome.case.at.unit)) {
         let _ = writeln!(out, "{}", wrapped(&line));
     }
     let max_order = outcome.config.run.max_order;
@@ -102,7 +102,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
-    if let Some(validity) = case.validity(outcome.config) {
+    if let Some(validity) = outcome.validity(case) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {validity}")));
     }
     for warning in warnings(outcome, case) {
@@ -110,23 +110,22 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     }
     out.push_str(&averaging_lines(case));
     if !case.models.is_empty() {
-        let compared = case.compared(case.spec());
         for component in COMPARED {
-            let table = distribution_table(compared, component, &orders);
+            let table = distribution_table(case, component, &orders);
             if !table.is_empty() {
                 let _ = write!(out, "\n{table}");
             }
         }
-        if let Some(line) = sampled_models(compared) {
+        if let Some(line) = sampled_models(case) {
             let _ = writeln!(out, "  {line}");
         }
-        let _ = writeln!(out, "\n{}", conclusion(compared));
+        let _ = writeln!(out, "\n{}", conclusion(case));
     }
     wrapped(&out)
 }
 
 /// The deviation from each model that describes all light, and what it would be with averaged light, where both are traced.
-fn averaging_lines(case: &CaseOutcome) -> String {
+fn averaging_lines(case: &Judgement<'_>) -> String {
     let statistics = &case.outcome.statistics;
     let spec = statistics.spec();
     let mut out = String::new();
@@ -154,15 +153,16 @@ fn averaging_lines(case: &CaseOutcome) -> String {
 }
 
 /// What the cells of the surfaces make of their slopes.
-fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
-    if case.cells() == Some(Cells::Smooth) {
+fn cells_line(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
+    let source = &case.outcome.case.surface;
+    if source.cells() == Some(Cells::Smooth) {
         return "cells are smooth, with the slope variance of the continuous surface".to_owned();
     }
-    let recipe = case.outcome.case.surface.recipe();
+    let recipe = source.recipe();
     if recipe.is_some_and(|recipe| recipe.structured().is_some()) {
         return "cells are flat, cut where edges of the structure pass between samples".to_owned();
     }
-    let [dx, dy] = case.spacing();
+    let [dx, dy] = source.spacing().unwrap_or_default();
     let finer = if outcome.config.run.refine { 0.5 } else { 1.0 };
     let surface = &outcome.config.surface;
     format!(
@@ -180,7 +180,7 @@ struct FluxRow {
 }
 
 /// The fluxes by side and component of the light, next to those that the models expect.
-fn flux_table(case: &CaseOutcome) -> String {
+fn flux_table(case: &Judgement<'_>) -> String {
     let spec = case.spec();
     let statistics = &case.outcome.statistics;
     let support = FluxSupport::of(case.outcome);
@@ -254,7 +254,7 @@ fn model_flux(
 
 /// What one model says of a component of the light in one case.
 struct Judged<'a> {
-    case: &'a CaseOutcome<'a>,
+    case: &'a Judgement<'a>,
     model: &'a ModelOutcome,
     component: Component,
     compared: &'a ComparedComponent,
@@ -308,7 +308,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
     let is_long = |title: &String| title.chars().count() > room.min(MAX_CASE_WIDTH);
     // Long titles stand above the table, which refers to them by number.
     let numbered = titles.iter().any(is_long);
-    let number = |case: &CaseOutcome| {
+    let number = |case: &Judgement<'_>| {
         1 + outcome
             .cases
             .iter()

@@ -6,8 +6,8 @@ use asperity_analysis::{Comparison, SignFlipTest};
 use asperity_simulate::ErrorSource;
 use asperity_tally::Component;
 
-use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::conclusion::{strongest_deviation, verdict_name};
+use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::output::{Column, Table, distance};
 
@@ -36,7 +36,7 @@ impl Described<'_> {
 }
 
 /// The models that describe a component of the light.
-fn described(case: ComparedCase<'_>, component: Component) -> Vec<Described<'_>> {
+fn described<'a>(case: &'a Judgement<'_>, component: Component) -> Vec<Described<'a>> {
     let models = case.models.iter();
     models
         .filter(|model| model.describes(component))
@@ -50,7 +50,7 @@ fn described(case: ComparedCase<'_>, component: Component) -> Vec<Described<'_>>
 /// Total variation, p value and verdict of every model that describes a component of the light; `orders`
 /// names all light that was recorded. Empty if none does.
 pub(crate) fn distribution_table(
-    case: ComparedCase<'_>,
+    case: &Judgement<'_>,
     component: Component,
     orders: &str,
 ) -> String {
@@ -89,7 +89,7 @@ pub(crate) fn distribution_table(
         .column(Column::new(
             "most significant deviation",
             "",
-            |row: &Row<'_>| strongest_deviation(row.comparison(), case.spec),
+            |row: &Row<'_>| strongest_deviation(row.comparison(), case.spec()),
         ))
         .column(column("verdict", |row| {
             row.compared
@@ -112,7 +112,7 @@ pub(crate) fn distribution_table(
 }
 
 /// Which bins enter the test.
-const fn tested_bins(case: ComparedCase<'_>) -> &'static str {
+const fn tested_bins(case: &Judgement<'_>) -> &'static str {
     match (case.free_azimuth, case.outcome.work.control_variate) {
         (true, None) => "bins in rings of 20 rays or more",
         (false, None) => "bins of 20 rays or more",
@@ -123,7 +123,7 @@ const fn tested_bins(case: ComparedCase<'_>) -> &'static str {
 }
 
 /// What the p value is of.
-const fn sign_flips(case: ComparedCase<'_>) -> &'static str {
+const fn sign_flips(case: &Judgement<'_>) -> &'static str {
     match case.outcome.errors_from {
         ErrorSource::Regions => "p value, sign flips of regions",
         _ => "p value, sign flips of surfaces",
@@ -131,7 +131,7 @@ const fn sign_flips(case: ComparedCase<'_>) -> &'static str {
 }
 
 /// Which models were sampled, and by how many rays.
-pub(crate) fn sampled_models(case: ComparedCase<'_>) -> Option<String> {
+pub(crate) fn sampled_models(case: &Judgement<'_>) -> Option<String> {
     let sampled = |m: &&ModelOutcome| !m.expectation.is_exact();
     let names: Vec<&str> = case
         .models

@@ -1,17 +1,14 @@
 //! The plots of a run, as SVG and PNG.
 
-use asperity_simulate::Case;
-
 use asperity_analysis::{BsdfModel, FlatLayer, MODEL_NAMES, in_plane_flux};
 use asperity_io::write_bytes;
-use asperity_optics::{Bottom, Incidence, Layer};
+use asperity_optics::Incidence;
 use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
 use asperity_surface::HeightField;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
-use asperity_tracer::HalfSpace;
 use rayon::prelude::*;
 
 use crate::comparison::models::ModelOutcome;
@@ -19,56 +16,10 @@ use crate::config::case_model::CaseModel;
 use crate::output::{Place, figure_files};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
+use crate::report::shown_case::ShownCase;
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;
-
-/// The case of a plot.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PlottedCase<'a> {
-    /// The case. Plots show the side that its light comes from as the upper one.
-    pub case: &'a Case,
-    /// Interactions after which its paths were ended.
-    pub max_order: u32,
-}
-
-impl PlottedCase<'_> {
-    /// Parameters, and where the light comes from if that is below.
-    pub(crate) fn subtitle(&self) -> String {
-        let turned = match self.case.light.from {
-            HalfSpace::Above => "",
-            HalfSpace::Below => "; light from below the surface, drawn with its side up",
-        };
-        format!("{}{turned}", self.case.figure_label())
-    }
-
-    fn layer(&self) -> Option<Layer> {
-        self.case.layer.map(|below| below.layer)
-    }
-
-    pub(crate) fn incidence(&self) -> Incidence {
-        self.case.light.incidence
-    }
-
-    /// Where a flat surface would send the light of `side`, signed degrees from its normal.
-    pub(crate) fn flat_direction(&self, side: Side) -> Option<f64> {
-        match side {
-            Side::Reflected => Some(self.incidence().theta_deg()),
-            Side::Transmitted => {
-                let below = match self.layer().and_then(|layer| layer.end()) {
-                    Some(slab) => match slab.bottom {
-                        Bottom::Interface { eta } => eta,
-                        _ => 1.0,
-                    },
-                    None => 1.0,
-                };
-                let index = below * self.case.material.transmitting_index()?;
-                let sin_beta = self.incidence().theta().sin() / index;
-                (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
-            }
-        }
-    }
-}
 
 /// Writes a figure as SVG and PNG under `name` into each of the places.
 pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result<(), ReportError> {
@@ -116,20 +67,15 @@ pub(crate) fn height_map(
 }
 
 /// lobes, in_plane_reflected and in_plane_transmitted.
-pub(crate) fn lobes_and_curves(
-    place: &Place<'_>,
-    light: &PlottedCase<'_>,
-    spec: &TallySpec,
-    statistics: &TallyStatistics,
-    models: &[ModelOutcome],
-) -> Result<(), ReportError> {
-    let transmits = match light.layer() {
+pub(crate) fn lobes_and_curves(place: &Place<'_>, case: &ShownCase<'_>) -> Result<(), ReportError> {
+    let transmits = match case.layer() {
         Some(layer) => layer.transmits(),
-        None => light.case.material.transmitting_index().is_some(),
+        None => case.case().material.transmitting_index().is_some(),
     };
+    let spec = case.spec();
     let leaves = |side| side == Side::Reflected || transmits;
     let sides: Vec<Side> = spec.sides().filter(|&side| leaves(side)).collect();
-    let mut subtitle = light.subtitle();
+    let mut subtitle = case.subtitle();
     for side in Side::BOTH {
         if leaves(side) && !spec.records(side) {
             subtitle.push_str(&format!("; {side} light not recorded"));
@@ -137,19 +83,19 @@ pub(crate) fn lobes_and_curves(
     }
     let series: Vec<Series> = sides
         .iter()
-        .flat_map(|&side| series_of(light, spec, statistics, models, side))
+        .flat_map(|&side| series_of(case, side))
         .collect();
     let lobes = PolarLobes {
         title: "Scattered light in the plane of incidence: cosine-weighted BSDF".to_owned(),
         subtitle,
-        theta_i_deg: light.incidence().theta_deg(),
+        theta_i_deg: case.incidence().theta_deg(),
         sides: match sides.as_slice() {
             [Side::Reflected] => PlotSides::Reflected,
             [Side::Transmitted] => PlotSides::Transmitted,
             _ => PlotSides::Both,
         },
-        flat_reflection_deg: light.flat_direction(Side::Reflected),
-        flat_refraction_deg: light.flat_direction(Side::Transmitted),
+        flat_reflection_deg: case.flat_direction(Side::Reflected),
+        flat_refraction_deg: case.flat_direction(Side::Transmitted),
         series: series.clone(),
     };
     let draw_lobes = || save(&[place], "lobes", &lobes.draw()?);
@@ -164,9 +110,9 @@ pub(crate) fn lobes_and_curves(
                 }
             }
             .to_owned(),
-            subtitle: light.subtitle(),
+            subtitle: case.subtitle(),
             side: plot_side(side),
-            flat_direction_deg: light.flat_direction(side),
+            flat_direction_deg: case.flat_direction(side),
             series: series.clone(),
         };
         save(&[place], &format!("in_plane_{side}"), &curves.draw()?)
@@ -192,20 +138,15 @@ fn model_number(name: &str) -> usize {
 
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
 /// inside a medium, and the models' lines, in 1/sr.
-fn series_of(
-    light: &PlottedCase<'_>,
-    spec: &TallySpec,
-    statistics: &TallyStatistics,
-    models: &[ModelOutcome],
-    side: Side,
-) -> Vec<Series> {
+fn series_of(case: &ShownCase<'_>, side: Side) -> Vec<Series> {
+    let (spec, statistics) = (case.spec(), &case.outcome.statistics);
     let explicit = |name: &str, component: Component| {
         let points = in_plane_points(statistics, side, component);
         let name = format!("explicit, {name}");
         Series::explicit(name, component.place(), plot_side(side), points)
     };
     let seen = |component| statistics.means().flux(side, component) != 0.0;
-    let mut series = vec![explicit(&recorded_orders(light.max_order), Component::All)];
+    let mut series = vec![explicit(&recorded_orders(case.max_order), Component::All)];
     for &component in spec.components() {
         if seen(component) {
             series.push(explicit(&component.label(), component));
@@ -216,7 +157,11 @@ fn series_of(
     if spec.components().is_empty() && !single_is_all {
         series.push(explicit(&Component::Single.label(), Component::Single));
     }
-    for model in models.iter().filter(|m| m.model.sides().includes(side)) {
+    for model in case
+        .models()
+        .iter()
+        .filter(|m| m.model.sides().includes(side))
+    {
         let (name, judged) = (model.model.name(), model.judged_component());
         let label = match judged.is_of_medium() {
             true => format!("{name}, {}", judged.short_label()),
@@ -226,7 +171,7 @@ fn series_of(
             Component::Single if single_is_all => 0,
             _ => judged.place(),
         };
-        let points = model_points(light, spec, model, side);
+        let points = model_points(case, model, side);
         let line = Series::model(label, model_number(name), plot_side(side), points);
         series.push(line.of_component(component));
     }
@@ -234,12 +179,7 @@ fn series_of(
 }
 
 /// The line of a model: its density averaged over a sliding bin where it has one, and its bins otherwise.
-fn model_points(
-    light: &PlottedCase<'_>,
-    spec: &TallySpec,
-    model: &ModelOutcome,
-    side: Side,
-) -> Vec<Point> {
+fn model_points(case: &ShownCase<'_>, model: &ModelOutcome, side: Side) -> Vec<Point> {
     let density = model.model.density();
     // A histogram of slopes has a jump at every cell, which bins average.
     let Some(density) = density.filter(|density| density.tabulated().is_none()) else {
@@ -249,7 +189,7 @@ fn model_points(
         };
         return model_bins(model, side, component);
     };
-    let mut points = density_line(density, light.incidence(), spec, side);
+    let mut points = density_line(density, case.incidence(), case.spec(), side);
     if model.judged_component() == Component::All {
         let multiple = multiple_line(model, side);
         for point in &mut points {

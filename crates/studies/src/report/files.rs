@@ -1,37 +1,24 @@
-//! The files of a run: summary.json, tables of numbers, the report, and plots.
+//! The files of a verification.
 
-use asperity_io::{ResultFolder, write_bytes, write_json};
+use asperity_io::ResultFolder;
 use asperity_simulate::{Case, Observer, SimulateError, SurfaceSource};
 use asperity_surface::HeightField;
-use asperity_tally::TallySpec;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::comparison::json::ComparisonJson;
+use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
-use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files, of_cases};
+use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files};
 use crate::report::case_report::{case_table, verify_table, warnings};
+use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
-use crate::report::figures::{self, PlottedCase};
-use crate::report::flux_tables::{FluxTables, comparison_columns, write_comparison};
-use crate::report::fluxes::Fluxes;
-use crate::report::polarised::polarised_tables;
-use crate::report::polarised_figures::{draw_polarised, polarised_figures};
+use crate::report::figures;
+use crate::report::shown_case::ShownCase;
 use crate::report::summary::Summary;
-use crate::verify::{CaseOutcome, VerifyOutcome};
-
-/// Tables of every case.
-pub(crate) const TABLES: [&str; 3] = ["histogram.csv", "theta.csv", "in_plane.csv"];
-
-/// Names of the plots of a case, of which some may have nothing to show and are not drawn.
-pub(crate) fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
-    let curves = spec.sides().map(|side| format!("in_plane_{side}"));
-    let names = ["height_map", "lobes"].map(str::to_owned).into_iter();
-    let names = names.chain(curves).chain(polarised_figures(spec));
-    names.flat_map(|name| figure_files(&name))
-}
+use crate::report::views::Views;
+use crate::verify::VerifyOutcome;
 
 impl VerifyConfig {
     /// Names of all files that a verification of these cases writes into its folder.
@@ -39,18 +26,47 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn files(&self, cases: &[Case]) -> Result<Vec<String>, ConfigError> {
-        let folders: Vec<String> = cases.iter().map(Case::folder).collect();
-        let mut of_case = TABLES.map(str::to_owned).to_vec();
-        let polarised = polarised_tables(&self.ray_settings()?.tally);
-        of_case.extend(polarised.iter().copied().map(str::to_owned));
-        of_case.extend(["report.txt", "summary.json"].map(str::to_owned));
-        if !self.compare.models.is_empty() {
-            of_case.push("comparison.csv".to_owned());
+        Ok(self.views(cases)?.names())
+    }
+
+    /// The files of every case, in folders of their own where there are several, with a report and a summary of all.
+    fn views<'a>(&self, cases: &[Case]) -> Result<Views<'a, VerifyOutcome<'a>>, ConfigError> {
+        let spec = self.ray_settings()?.tally;
+        let of_case = CaseViews {
+            spec: &spec,
+            compared: !self.compare.models.is_empty(),
+            figures: self.output.plots,
+        };
+        let mut views: Views<'a, VerifyOutcome<'a>> = Views::new();
+        let folders: Vec<String> = match cases {
+            [_] => vec![String::new()],
+            several => several.iter().map(|case| case.folder() + "/").collect(),
+        };
+        for (number, folder) in folders.iter().enumerate() {
+            of_case.add(&mut views, folder, move |outcome| {
+                Some(outcome.shown(outcome.case(number)?))
+            });
+            views.text(format!("{folder}report.txt"), move |outcome| {
+                Some(case_table(outcome, outcome.case(number)?))
+            });
+            if cases.len() > 1 {
+                views.json(format!("{folder}summary.json"), move |outcome| {
+                    Some(case_summary(outcome, outcome.case(number)?))
+                });
+            }
         }
         if self.output.plots {
-            of_case.extend(plot_files(&self.ray_settings()?.tally));
+            let map = |folder| figure_files("height_map").map(|file| format!("{folder}{file}"));
+            let names = folders.iter().flat_map(map).collect();
+            views.other(names, move |outcome, root| {
+                height_maps(outcome, root, &folders)
+            });
         }
-        Ok(of_cases(&folders, &of_case))
+        if cases.len() > 1 {
+            views.text("report.txt", |outcome| Some(verify_table(outcome)));
+        }
+        views.json("summary.json", |outcome| Some(verify_summary(outcome)));
+        Ok(views)
     }
 }
 
@@ -64,59 +80,36 @@ pub fn verify_report(
     outcome: &VerifyOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    let names = outcome.config.files(&outcome.plan.cases)?;
-    folder.claim_all(names.iter().map(String::as_str))?;
-    let root = Place::root(folder);
-    progress.begin("writing", outcome.cases.len() as u64);
-    let places: Vec<(&CaseOutcome<'_>, Place<'_>)> = outcome
-        .cases
-        .iter()
-        .map(|case| {
-            let place = root.of_case(&case.outcome.case.folder(), outcome.several());
-            (case, place)
-        })
-        .collect();
-    let write_cases = || {
-        places.par_iter().try_for_each(|(case, place)| {
-            write_case(place, outcome, case)?;
-            progress.advance(1);
-            Ok(())
-        })
-    };
-    let (maps, cases) = rayon::join(|| height_maps(&places, outcome), write_cases);
-    maps.and(cases)?;
-    for (case, place) in places.iter().filter(|_| outcome.several()) {
-        write_json(place.claim("summary.json")?, &case_summary(outcome, case))?;
-    }
-    if outcome.several() {
-        write_bytes(root.claim("report.txt")?, verify_table(outcome).as_bytes())?;
-    }
-    write_json(root.claim("summary.json")?, &verify_summary(outcome))?;
-    progress.end();
-    Ok(())
+    let views = outcome.config.views(&outcome.plan.cases)?;
+    views.write(folder, outcome, progress)
 }
 
 /// Draws the first surface of every case: once for those that share it, and one after the other, since
 /// memory may hold no more.
 fn height_maps(
-    places: &[(&CaseOutcome<'_>, Place<'_>)],
     outcome: &VerifyOutcome,
+    root: &Place<'_>,
+    folders: &[String],
 ) -> Result<(), ReportError> {
-    if !outcome.config.output.plots {
-        return Ok(());
-    }
-    for sharing in
-        places.chunk_by(|(a, _), (b, _)| a.outcome.case.surface == b.outcome.case.surface)
+    let cases: Vec<(&Judgement<'_>, Place<'_>)> = outcome
+        .cases
+        .iter()
+        .map(|case| (case, root.join(&folders[case.outcome.number])))
+        .collect();
+    for sharing in cases.chunk_by(|(a, _), (b, _)| a.outcome.case.surface == b.outcome.case.surface)
     {
-        let case = sharing[0].0;
-        let Some(first) = first_surface(outcome, case)? else {
+        let found = sharing[0].0.outcome;
+        let SurfaceSource::Random(surfaces) = &found.case.surface else {
             continue;
         };
-        let name = match case.outcome.work.realisations {
+        let first = surfaces.heights(outcome.config.run.seed, 0);
+        let first: HeightField =
+            first.map_err(|error| Box::new(SimulateError::from(error).into()))?;
+        let name = match found.work.realisations {
             0 => "One such surface".to_owned(),
             n => format!("First of {n} surfaces"),
         };
-        let finer = first.shape()[1] / case.size()[0].max(1);
+        let finer = first.shape()[1] / found.case.surface.size().map_or(1, |[nx, _]| nx.max(1));
         let name = if finer > 1 {
             format!("{name}, {finer} × {finer} samples per smooth cell")
         } else {
@@ -128,70 +121,21 @@ fn height_maps(
     Ok(())
 }
 
-/// The first surface of a case, drawn again.
-fn first_surface(
-    outcome: &VerifyOutcome,
-    case: &CaseOutcome,
-) -> Result<Option<HeightField>, ReportError> {
-    let SurfaceSource::Random(surfaces) = &case.outcome.case.surface else {
-        return Ok(None);
-    };
-    let drawn = surfaces.heights(outcome.config.run.seed, 0);
-    let drawn = drawn.map_err(|error| Box::new(SimulateError::from(error).into()));
-    Ok(Some(drawn?))
-}
+impl VerifyOutcome<'_> {
+    /// The case of that number; `None` if an interrupt came before it.
+    fn case(&self, number: usize) -> Option<&Judgement<'_>> {
+        let mut cases = self.cases.iter();
+        cases.find(|case| case.outcome.number == number)
+    }
 
-/// Writes all of one case but its height map and its summary.
-fn write_case(
-    place: &Place<'_>,
-    outcome: &VerifyOutcome,
-    case: &CaseOutcome,
-) -> Result<(), ReportError> {
-    let spec = case.spec();
-    let tables = || -> Result<(), ReportError> {
-        flux_tables(case).write(place)?;
-        write_comparison(place, case.compared(spec))?;
-        let report = case_table(outcome, case);
-        Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
-    };
-    let plots = || {
-        if !outcome.config.output.plots {
-            return Ok(());
+    /// A case as its tables and figures show it.
+    fn shown<'b>(&self, case: &'b Judgement<'b>) -> ShownCase<'b> {
+        ShownCase {
+            outcome: case.outcome,
+            judgement: Some(case),
+            max_order: self.config.run.max_order,
         }
-        let light = PlottedCase {
-            case: &case.outcome.case,
-            max_order: outcome.config.run.max_order,
-        };
-        let statistics = &case.outcome.statistics;
-        let curves = || figures::lobes_and_curves(place, &light, spec, statistics, &case.models);
-        let (curves, polarised) = rayon::join(curves, || draw_polarised(place, &light, statistics));
-        curves.and(polarised)
-    };
-    let (tables, plots) = rayon::join(tables, plots);
-    tables?;
-    plots
-}
-
-/// The tables of the fluxes of one case.
-fn flux_tables<'a>(case: &'a CaseOutcome<'_>) -> FluxTables<'a> {
-    FluxTables {
-        fluxes: Fluxes {
-            spec: case.spec(),
-            statistics: &case.outcome.statistics,
-            errors: &case.outcome.errors,
-            rays: case.outcome.work.rays,
-        },
-        models: &case.models,
     }
-}
-
-/// Name, unit and description of each column of the tables of one case, by file.
-fn columns(case: &CaseOutcome) -> Value {
-    let mut columns = flux_tables(case).columns();
-    if let Some(comparison) = comparison_columns(case.compared(case.spec())) {
-        columns["comparison.csv"] = comparison;
-    }
-    columns
 }
 
 /// The contents of summary.json of a verification: that of its case, or, of several, a list of all
@@ -215,15 +159,20 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 }
 
 /// The summary of one case.
-fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
+fn case_summary(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Summary {
     let config = json!({ "verify": config(outcome), "case": case.outcome.case.summary_json() });
-    Summary::new("verify", config, case.outcome)
-        .with_comparison(json!(ComparisonJson::of(case.compared(case.spec()))))
-        .with_columns(columns(case))
-        .with_lobes(case.lobes())
-        .with_warnings(warnings(outcome, case))
-        .with_stopping(case.stopping.clone())
-        .with_validity(case.validity(outcome.config))
+    let tables = CaseViews {
+        spec: case.spec(),
+        compared: !case.models.is_empty(),
+        figures: false,
+    };
+    let mut summary = Summary::new("verify", config, case.outcome, outcome.stopping(case));
+    summary.comparison = Some(json!(ComparisonJson::of(case)));
+    summary.columns = tables.columns(outcome.shown(case));
+    summary.lobes = case.lobes();
+    summary.warnings = warnings(outcome, case);
+    summary.validity = outcome.validity(case);
+    summary
 }
 
 /// The configuration that was run.

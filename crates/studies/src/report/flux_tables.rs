@@ -1,55 +1,18 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
+use asperity_simulate::Outcome;
 use asperity_tally::{
     Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics, rests_on_few_rays,
 };
-use serde_json::Value;
 
 use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::judgement::Judgement;
 use crate::comparison::models::ModelOutcome;
 use crate::output::{
-    Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
+    Column, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
-use crate::report::error::ReportError;
 use crate::report::fluxes::Fluxes;
-use crate::report::polarised::{polarised_columns, write_polarised};
-
-/// The tables of the fluxes of one case.
-#[derive(Clone, Copy)]
-pub(crate) struct FluxTables<'a> {
-    pub(crate) fluxes: Fluxes<'a>,
-    /// Models whose expectations in_plane.csv holds.
-    pub(crate) models: &'a [ModelOutcome],
-}
-
-impl FluxTables<'_> {
-    /// Writes histogram.csv, theta.csv and in_plane.csv.
-    pub(crate) fn write(self, place: &Place<'_>) -> Result<(), ReportError> {
-        let Self { fluxes, models } = self;
-        let spec = fluxes.spec;
-        histogram(fluxes).write_csv(&place.claim("histogram.csv")?, spec.recorded_bins())?;
-        let rings = places(spec, |side| spec.ring_filter(side).len());
-        theta(fluxes).write_csv(&place.claim("theta.csv")?, rings)?;
-        let profile = places(spec, |side| spec.in_plane_filter(side).len());
-        in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?;
-        write_polarised(place, fluxes)
-    }
-
-    /// Name, unit and description of each column, by file.
-    pub(crate) fn columns(self) -> Value {
-        let mut columns = polarised_columns(self.fluxes);
-        let [histogram, theta, in_plane] = [
-            histogram(self.fluxes).description(),
-            theta(self.fluxes).description(),
-            in_plane(self.fluxes, self.models).description(),
-        ];
-        columns.insert("histogram.csv".to_owned(), histogram);
-        columns.insert("theta.csv".to_owned(), theta);
-        columns.insert("in_plane.csv".to_owned(), in_plane);
-        Value::Object(columns)
-    }
-}
+use crate::report::views::Csv;
 
 /// A ring of polar angle, or a bin of the in-plane slice, of one side.
 struct AngularBin {
@@ -67,13 +30,10 @@ fn places<'a>(
 }
 
 /// histogram.csv: a row per bin.
-fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
-    let Fluxes {
-        spec,
-        statistics,
-        rays,
-        ..
-    } = fluxes;
+pub(crate) fn histogram(outcome: &Outcome) -> Csv<'_> {
+    let fluxes = Fluxes(outcome);
+    let statistics = &outcome.statistics;
+    let (spec, rays) = (statistics.spec(), outcome.work.rays);
     let grid = spec.grid();
     let entry = move |component| move |bin: &usize| spec.grid_entries(component).get(*bin);
     let total = move |bin: &usize| statistics.at(entry(Component::All)(bin));
@@ -108,6 +68,7 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))
         .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
+        .with_rows(spec.recorded_bins())
 }
 
 /// What a column of yes or no holds.
@@ -119,8 +80,8 @@ const fn yes_or_no(is_so: bool) -> &'static str {
 }
 
 /// theta.csv: a row per side and ring of polar angle.
-fn theta(fluxes: Fluxes<'_>) -> Table<'_, AngularBin> {
-    let spec = fluxes.spec;
+pub(crate) fn theta(outcome: &Outcome) -> Csv<'_> {
+    let (fluxes, spec) = (Fluxes(outcome), outcome.statistics.spec());
     let edges = move |ring: &AngularBin| spec.ring_filter(ring.side).theta_deg(ring.index);
     let entry =
         move |class| move |ring: &AngularBin| spec.ring_entries(ring.side, class).get(ring.index);
@@ -147,6 +108,7 @@ fn theta(fluxes: Fluxes<'_>) -> Table<'_, AngularBin> {
         .columns(fluxes.components(spec.components(), move |c, ring| entry(c)(ring)))
         .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
+        .with_rows(places(spec, |side| spec.ring_filter(side).len()))
 }
 
 fn side_column<'a>() -> Column<'a, AngularBin> {
@@ -158,8 +120,8 @@ fn side_column<'a>() -> Column<'a, AngularBin> {
 }
 
 /// in_plane.csv: a row per side and bin of the in-plane slice.
-fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, AngularBin> {
-    let spec = fluxes.spec;
+pub(crate) fn in_plane<'a>(outcome: &'a Outcome, models: &'a [ModelOutcome]) -> Csv<'a> {
+    let (fluxes, spec) = (Fluxes(outcome), outcome.statistics.spec());
     let entry = move |class| {
         move |place: &AngularBin| spec.in_plane_entries(place.side, class).get(place.index)
     };
@@ -190,7 +152,7 @@ fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Ang
             Column::estimate(
                 "intensity",
                 "flux over solid angle",
-                move |place: &AngularBin| Some(intensity(fluxes.statistics, place)),
+                move |place: &AngularBin| Some(intensity(&outcome.statistics, place)),
             )
             .unit("1/sr"),
         )
@@ -210,6 +172,7 @@ fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Ang
         }))
         .columns(fluxes.averaging(all))
         .columns(fluxes.errors(all))
+        .with_rows(places(spec, |side| spec.in_plane_filter(side).len()))
 }
 
 /// The name of a model within those of columns.
@@ -217,26 +180,9 @@ fn column_name(model: &ModelOutcome) -> String {
     model.model.name().replace('-', "_")
 }
 
-/// Writes comparison.csv, unless there is no model.
-pub(crate) fn write_comparison(
-    place: &Place<'_>,
-    case: ComparedCase<'_>,
-) -> Result<(), ReportError> {
-    if case.models.is_empty() {
-        return Ok(());
-    }
-    let table = comparison(case);
-    Ok(table.write_csv(&place.claim("comparison.csv")?, case.spec.recorded_bins())?)
-}
-
-/// Name, unit and description of each column of comparison.csv; `None` if there is no model.
-pub(crate) fn comparison_columns(case: ComparedCase<'_>) -> Option<Value> {
-    (!case.models.is_empty()).then(|| comparison(case).description())
-}
-
 /// comparison.csv: bin by bin, each component of the explicit light next to the models that describe it.
-fn comparison(case: ComparedCase<'_>) -> Table<'_, usize> {
-    let spec = case.spec;
+pub(crate) fn comparison<'a>(case: &'a Judgement<'_>) -> Csv<'a> {
+    let spec = case.spec();
     // With a medium, no model describes what the surface does alone.
     let shown = |c: &Component| *c == Component::All || c.is_of_medium() == spec.has_medium();
     let first = spec.recorded_bins().start;
@@ -278,5 +224,5 @@ fn comparison(case: ComparedCase<'_>) -> Table<'_, usize> {
                 ));
         }
     }
-    table
+    table.with_rows(spec.recorded_bins())
 }

@@ -2,22 +2,14 @@
 
 use std::borrow::Cow;
 
-use asperity_simulate::{ErrorBudget, Errors};
-use asperity_tally::{
-    Component, Entry, Measure, Polarimetry, TallyResult, TallySpec, TallyStatistics,
-};
+use asperity_simulate::{Errors, Outcome};
+use asperity_tally::{Component, Entry, Measure, Polarimetry, TallyResult};
 
 use crate::output::Column;
 
 /// The fluxes of one case with their errors.
 #[derive(Clone, Copy)]
-pub(crate) struct Fluxes<'a> {
-    pub(crate) spec: &'a TallySpec,
-    pub(crate) statistics: &'a TallyStatistics,
-    pub(crate) errors: &'a ErrorBudget,
-    /// Incident rays.
-    pub(crate) rays: u64,
-}
+pub(crate) struct Fluxes<'a>(pub(crate) &'a Outcome);
 
 impl<'a> Fluxes<'a> {
     /// A column of an entry of the spec, by row.
@@ -27,7 +19,7 @@ impl<'a> Fluxes<'a> {
         about: &'static str,
         entry: impl Fn(&R) -> Entry + 'a,
     ) -> Column<'a, R> {
-        let estimate = move |row: &R| Some(self.statistics.at(entry(row)));
+        let estimate = move |row: &R| Some(self.0.statistics.at(entry(row)));
         Column::estimate(name, about, estimate)
     }
 
@@ -50,10 +42,11 @@ impl<'a> Fluxes<'a> {
         self,
         entry: impl Fn(&R) -> Entry + 'a,
     ) -> impl Iterator<Item = Column<'a, R>> {
-        let is_kept = self.spec.polarimetry() == Polarimetry::Averaging;
+        let spec = self.0.statistics.spec();
+        let is_kept = spec.polarimetry() == Polarimetry::Averaging;
         let difference = move |row: &R| {
-            let measured = self.spec.measure_entry(entry(row), Measure::Averaging)?;
-            Some(self.statistics.at(measured))
+            let measured = spec.measure_entry(entry(row), Measure::Averaging)?;
+            Some(self.0.statistics.at(measured))
         };
         let about = "flux less what it would be if s and p were averaged at every interface";
         let column = Column::estimate("flux_tracked_less_averaged", about, difference);
@@ -66,7 +59,7 @@ impl<'a> Fluxes<'a> {
         entry: impl Fn(&R) -> Entry + Copy + 'a,
     ) -> [Column<'a, R>; 3] {
         let column = |name, about, of: fn(Errors) -> Option<f64>| {
-            let value = move |row: &R| of(self.errors.at(entry(row)));
+            let value = move |row: &R| of(self.0.errors.at(entry(row)));
             Column::new(name, about, value)
         };
         [

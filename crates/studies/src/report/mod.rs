@@ -2,6 +2,7 @@
 
 pub(crate) mod areal_parameters;
 pub(crate) mod case_report;
+pub(crate) mod case_views;
 pub(crate) mod config_json;
 pub(crate) mod disc_bins;
 pub(crate) mod distribution_table;
@@ -15,5 +16,7 @@ pub(crate) mod fluxes;
 pub(crate) mod polarised;
 pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
+pub(crate) mod shown_case;
 mod structure;
 pub(crate) mod summary;
+pub(crate) mod views;

@@ -8,20 +8,8 @@ use asperity_tally::{
 };
 use serde_json::{Map, Value, json};
 
-use crate::output::{Column, Place, Table, bin_columns, two_digits, with_error, wrapped};
-use crate::report::error::ReportError;
-use crate::report::fluxes::Fluxes;
-
-/// Tables of Mueller matrices: per bin, per ring and per in-plane bin.
-const MUELLER_TABLES: [&str; 3] = ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"];
-
-/// The tables that a tally of such a spec makes.
-pub(crate) fn polarised_tables(spec: &TallySpec) -> &'static [&'static str] {
-    match spec.polarimetry() {
-        Polarimetry::Mueller => &MUELLER_TABLES,
-        Polarimetry::Nothing | Polarimetry::Averaging => &[],
-    }
-}
+use crate::output::{Column, Table, bin_columns, two_digits, with_error, wrapped};
+use crate::report::views::Csv;
 
 /// A row of a table of one component: a ring or an in-plane bin.
 struct Row {
@@ -50,59 +38,35 @@ fn components() -> impl Iterator<Item = Component> {
     [Component::All].into_iter().chain(Component::ORDERS)
 }
 
-/// Writes the tables of Mueller matrices, if they are kept.
-pub(crate) fn write_polarised(place: &Place<'_>, fluxes: Fluxes<'_>) -> Result<(), ReportError> {
-    let spec = fluxes.spec;
-    if polarised_tables(spec).is_empty() {
-        return Ok(());
-    }
-    let [bins, rings, profile] = MUELLER_TABLES;
-    of_bins(fluxes).write_csv(&place.claim(bins)?, spec.recorded_bins())?;
-    let rows_of_rings = rows(spec, |side| spec.ring_filter(side).len());
-    of_rings(fluxes).write_csv(&place.claim(rings)?, rows_of_rings)?;
-    let rows_of_profile = rows(spec, |side| spec.in_plane_filter(side).len());
-    Ok(of_profile(fluxes).write_csv(&place.claim(profile)?, rows_of_profile)?)
-}
-
-/// Name, unit and description of the columns of each table, by file.
-pub(crate) fn polarised_columns(fluxes: Fluxes<'_>) -> Map<String, Value> {
-    let mut columns = Map::new();
-    if !polarised_tables(fluxes.spec).is_empty() {
-        let [bins, rings, profile] = MUELLER_TABLES;
-        columns.insert(bins.to_owned(), of_bins(fluxes).description());
-        columns.insert(rings.to_owned(), of_rings(fluxes).description());
-        columns.insert(profile.to_owned(), of_profile(fluxes).description());
-    }
-    columns
-}
-
 /// mueller.csv: a row per bin.
-fn of_bins(fluxes: Fluxes<'_>) -> Table<'_, usize> {
-    let spec = fluxes.spec;
+pub(crate) fn mueller_bins(statistics: &TallyStatistics) -> Csv<'_> {
+    let spec = statistics.spec();
     let bins = spec.grid_entries(Component::All);
     let table = Table::new().columns(bin_columns(spec.grid(), |bin| *bin));
-    with_elements(table, fluxes, move |bin| bins.get(*bin))
+    with_elements(table, statistics, move |bin| bins.get(*bin)).with_rows(spec.recorded_bins())
 }
 
 /// mueller_theta.csv: a row per side, component and ring.
-fn of_rings(fluxes: Fluxes<'_>) -> Table<'_, Row> {
-    let spec = fluxes.spec;
+pub(crate) fn mueller_rings(statistics: &TallyStatistics) -> Csv<'_> {
+    let spec = statistics.spec();
     let edges = move |row: &Row| spec.ring_filter(row.side).theta_deg(row.index);
     let table = Table::new().columns(row_columns("polar angle", edges));
-    with_elements(table, fluxes, move |row| {
-        spec.ring_entries(row.side, row.component).get(row.index)
-    })
+    let entry = move |row: &Row| spec.ring_entries(row.side, row.component).get(row.index);
+    let rows = rows(spec, |side| spec.ring_filter(side).len());
+    with_elements(table, statistics, entry).with_rows(rows)
 }
 
 /// mueller_in_plane.csv: a row per side, component and bin of the in-plane slice.
-fn of_profile(fluxes: Fluxes<'_>) -> Table<'_, Row> {
-    let spec = fluxes.spec;
+pub(crate) fn mueller_in_plane(statistics: &TallyStatistics) -> Csv<'_> {
+    let spec = statistics.spec();
     let edges = move |row: &Row| spec.in_plane_filter(row.side).theta_deg(row.index);
     let table = Table::new().columns(row_columns("signed polar angle", edges));
-    with_elements(table, fluxes, move |row| {
-        spec.in_plane_entries(row.side, row.component)
-            .get(row.index)
-    })
+    let entry = move |row: &Row| {
+        let entries = spec.in_plane_entries(row.side, row.component);
+        entries.get(row.index)
+    };
+    let rows = rows(spec, |side| spec.in_plane_filter(side).len());
+    with_elements(table, statistics, entry).with_rows(rows)
 }
 
 /// Side, component and the edges of a row.
@@ -127,10 +91,9 @@ fn row_columns<'a>(
 /// Adds the flux, the elements of the Mueller matrix over it, and what they say of unpolarised light.
 fn with_elements<'a, R: 'a>(
     table: Table<'a, R>,
-    fluxes: Fluxes<'a>,
+    statistics: &'a TallyStatistics,
     entry: impl Fn(&R) -> Entry + Copy + 'a,
 ) -> Table<'a, R> {
-    let statistics = fluxes.statistics;
     let flux = move |row: &R| Some(statistics.at(entry(row)));
     let elements = elements().map(move |[row, column]| {
         let name = format!("m{row}{column}");

@@ -14,8 +14,9 @@ use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
-use crate::report::figures::{PlottedCase, in_plane_points, plot_side, save};
+use crate::report::figures::{in_plane_points, plot_side, save};
 use crate::report::polarised::elements;
+use crate::report::shown_case::ShownCase;
 
 /// What the axes s and p of all matrices are.
 const AXES: &str = "s along z × k, p = k × s (docs/polarisation.md)";
@@ -45,11 +46,8 @@ fn names(side: Side) -> [String; 2] {
 }
 
 /// Draws the Mueller matrices of each side that light leaves to, if they are kept.
-pub(crate) fn draw_polarised(
-    place: &Place<'_>,
-    light: &PlottedCase<'_>,
-    statistics: &TallyStatistics,
-) -> Result<(), ReportError> {
+pub(crate) fn draw_polarised(place: &Place<'_>, case: &ShownCase<'_>) -> Result<(), ReportError> {
+    let statistics = &case.outcome.statistics;
     let spec = statistics.spec();
     if spec.polarimetry() != Polarimetry::Mueller {
         return Ok(());
@@ -60,8 +58,8 @@ pub(crate) fn draw_polarised(
         let [panels, discs] = names(side);
         let draw = |name: &str, figure: Result<Figure, PlotError>| save(&[place], name, &figure?);
         let (panels, discs) = rayon::join(
-            || draw(&panels, in_plane(light, statistics, side).draw()),
-            || draw(&discs, hemispheres(light, statistics, side).draw()),
+            || draw(&panels, in_plane(case, side).draw()),
+            || draw(&discs, hemispheres(case, side).draw()),
         );
         panels.and(discs)
     })
@@ -76,13 +74,14 @@ fn title(side: Side, what: &str) -> String {
     format!("Mueller matrix of {word} light {what}")
 }
 
-fn subtitle(light: &PlottedCase<'_>) -> String {
-    format!("{}; {AXES}", light.subtitle())
+fn subtitle(case: &ShownCase<'_>) -> String {
+    format!("{}; {AXES}", case.subtitle())
 }
 
 /// Panels in the plane of incidence: the BSDF of unpolarised light, then the elements over it.
-fn in_plane(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side) -> AngleGrid {
-    let mut shown = vec![(Component::All, recorded_orders(light.max_order))];
+fn in_plane(case: &ShownCase<'_>, side: Side) -> AngleGrid {
+    let statistics = &case.outcome.statistics;
+    let mut shown = vec![(Component::All, recorded_orders(case.max_order))];
     let seen = |component| statistics.means().flux(side, component) != 0.0;
     // Without multiple scattering both are the same, and one would hide the other.
     if seen(SINGLE) && seen(Component::Multiple) {
@@ -119,9 +118,9 @@ fn in_plane(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side) -
     });
     AngleGrid {
         title: title(side, "in the plane of incidence"),
-        subtitle: subtitle(light),
+        subtitle: subtitle(case),
         side: plot_side(side),
-        flat_direction_deg: light.flat_direction(side),
+        flat_direction_deg: case.flat_direction(side),
         columns: STOKES.len(),
         panels: [unpolarised].into_iter().chain(panels).collect(),
         notes: vec![format!(
@@ -158,10 +157,11 @@ fn element_points(
 }
 
 /// Discs over the hemisphere: the BSDF of unpolarised light, then the elements over it.
-fn hemispheres(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side) -> Hemispheres {
+fn hemispheres(case: &ShownCase<'_>, side: Side) -> Hemispheres {
+    let statistics = &case.outcome.statistics;
     let spec = statistics.spec();
     let entries = spec.grid_entries(Component::All);
-    let vertical = light.incidence().is_vertical();
+    let vertical = case.incidence().is_vertical();
     let few_rays: Vec<usize> = (disc_bins(spec, side).enumerate())
         .filter(|(_, bin)| rests_on_few_rays(statistics.at(entries.get(*bin))))
         .map(|(place, _)| place)
@@ -171,7 +171,7 @@ fn hemispheres(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side
             bins: disc_edges(spec, side),
             values: disc_bins(spec, side).map(value).collect(),
             few_rays: few_rays.clone(),
-            light_deg: (!vertical).then(|| light.incidence().phi_deg()),
+            light_deg: (!vertical).then(|| case.incidence().phi_deg()),
             note: name,
         })
     };
@@ -190,7 +190,7 @@ fn hemispheres(light: &PlottedCase<'_>, statistics: &TallyStatistics, side: Side
     let first = disc("m00".to_owned(), &bsdf);
     Hemispheres {
         title: title(side, "over the hemisphere"),
-        subtitle: subtitle(light),
+        subtitle: subtitle(case),
         quantity: match side {
             Side::Reflected => "m00: BRDF of unpolarised light",
             Side::Transmitted => "m00: BTDF of unpolarised light",

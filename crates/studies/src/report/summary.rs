@@ -73,15 +73,15 @@ pub struct Summary {
     #[serde(flatten)]
     polarised: Option<serde_json::Map<String, serde_json::Value>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    comparison: Option<serde_json::Value>,
-    columns: serde_json::Value,
-    warnings: Vec<String>,
+    pub(crate) comparison: Option<serde_json::Value>,
+    pub(crate) columns: serde_json::Value,
+    pub(crate) warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stopping: Option<Stopping>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    validity: Option<Validity>,
+    pub(crate) validity: Option<Validity>,
     /// Lobes of single scattering next to the bins that hold their middles.
-    lobes: Vec<BinnedLobe>,
+    pub(crate) lobes: Vec<BinnedLobe>,
     /// What the fluxes are sure not to differ by, where nothing was traced.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_bound: Option<f64>,
@@ -122,9 +122,14 @@ fn side_by_side<S: Serializer>(work: &SummaryWork, serializer: S) -> Result<S::O
 }
 
 impl Summary {
-    /// Collects what a run found.
+    /// Summary of an outcome, without comparison, columns, lobes, warnings and validity.
     #[must_use]
-    pub fn new(command: &'static str, config: serde_json::Value, outcome: &Outcome) -> Self {
+    pub(crate) fn new(
+        command: &'static str,
+        config: serde_json::Value,
+        outcome: &Outcome,
+        stopping: Option<&Stopping>,
+    ) -> Self {
         let statistics = &outcome.statistics;
         let spec = statistics.spec();
         let support = FluxSupport::of(outcome);
@@ -162,58 +167,16 @@ impl Summary {
             comparison: None,
             columns: serde_json::Value::Null,
             warnings: Vec::new(),
-            stopping: None,
+            stopping: stopping.map(|stopping| Stopping {
+                // They are among those of the run.
+                warnings: Vec::new(),
+                ..stopping.clone()
+            }),
             validity: None,
             lobes: Vec::new(),
             deviation_bound: outcome.deviation_bound,
             work: outcome.work.clone(),
         }
-    }
-
-    /// With the comparison of a verification.
-    #[must_use]
-    pub fn with_comparison(mut self, comparison: serde_json::Value) -> Self {
-        self.comparison = Some(comparison);
-        self
-    }
-
-    /// With name, unit and description of each column of the tables, by file.
-    #[must_use]
-    pub(crate) fn with_columns(mut self, columns: serde_json::Value) -> Self {
-        self.columns = columns;
-        self
-    }
-
-    /// With how the run came to its end, if that was to be found out.
-    #[must_use]
-    pub fn with_stopping(mut self, stopping: Option<Stopping>) -> Self {
-        self.stopping = stopping.map(|stopping| Stopping {
-            // They are among those of the run.
-            warnings: Vec::new(),
-            ..stopping
-        });
-        self
-    }
-
-    /// With lengths of the surface against the wavelength, where they are known.
-    #[must_use]
-    pub(crate) fn with_validity(mut self, validity: Option<Validity>) -> Self {
-        self.validity = validity;
-        self
-    }
-
-    /// With lobes next to bins.
-    #[must_use]
-    pub(crate) fn with_lobes(mut self, lobes: Vec<BinnedLobe>) -> Self {
-        self.lobes = lobes;
-        self
-    }
-
-    /// With remarks that a reader should not miss.
-    #[must_use]
-    pub fn with_warnings(mut self, warnings: Vec<String>) -> Self {
-        self.warnings = warnings;
-        self
     }
 }
 

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes, sidak_level};
+use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes};
 use asperity_simulate::{Case, Effort, Estimator, Observer, Outcome, Settings, Shape, short};
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
@@ -13,9 +13,9 @@ use serde_json::{Value, json};
 use super::TraceError;
 use super::region_plan::{RegionPlan, TooSmall};
 use crate::comparison::AVERAGED_LAYERS;
-use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::json::ComparisonJson;
-use crate::comparison::models::{Compared, ModelOutcome, compare_models};
+use crate::comparison::judgement::Judgement;
+use crate::comparison::models::{Compared, compare_models};
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::CompareConfig;
@@ -36,12 +36,8 @@ const PAST_RIM: f64 = 1e-4;
 
 /// A given surface against models.
 pub struct TraceComparison<'a> {
-    /// What the regions of the surface did: a tally of each.
-    pub outcome: &'a Outcome,
-    /// The models.
-    pub models: Vec<ModelOutcome>,
-    /// Level of each test: that of the configuration, shared among the components that models claim.
-    pub level: f64,
+    /// The regions of the surface, with a tally of each, against the models.
+    pub judgement: Judgement<'a>,
     slopes: &'a Slopes,
 }
 
@@ -197,20 +193,22 @@ impl PlannedComparison {
         let compared = Compared {
             config: &self.config,
             seed,
-            spec: outcome.statistics.spec(),
-            incidence: case.light.incidence,
             free_azimuth: false,
             surface: self.slopes.modelled(case),
             outcome,
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
         };
-        let (models, tests) = compare_models(&compared)?;
+        let (models, level) = compare_models(&compared)?;
         observer.end();
-        Ok(TraceComparison {
-            level: sidak_level(self.config.level, tests.max(1)),
+        let judgement = Judgement {
             outcome,
             models,
+            level,
+            free_azimuth: false,
+        };
+        Ok(TraceComparison {
+            judgement,
             slopes: &self.slopes,
         })
     }
@@ -273,23 +271,13 @@ fn centred(border: Border, mut regions: Vec<RegionSlopes>) -> Vec<RegionSlopes> 
 }
 
 impl TraceComparison<'_> {
-    pub(super) fn compared(&self) -> ComparedCase<'_> {
-        ComparedCase {
-            spec: self.outcome.statistics.spec(),
-            outcome: self.outcome,
-            models: &self.models,
-            level: self.level,
-            free_azimuth: false,
-        }
-    }
-
     pub(super) const fn slopes(&self) -> &Slopes {
         self.slopes
     }
 
     /// What an open patch loses past its rim, which no model knows of.
     pub(super) fn rim_warning(&self) -> Option<String> {
-        let lost = self.outcome.statistics.budget().left_patch.mean;
+        let lost = self.judgement.outcome.statistics.budget().left_patch.mean;
         (lost > PAST_RIM).then(|| {
             format!(
                 "{} of the light goes down past the rim of the open patch: that counts against every model, and regions at the rim have no shadows from beyond; --border mirrored has neither",
@@ -300,7 +288,7 @@ impl TraceComparison<'_> {
 
     /// As summary.json holds it.
     pub(super) fn to_json(&self) -> Value {
-        let mut value = json!(ComparisonJson::of(self.compared()));
+        let mut value = json!(ComparisonJson::of(&self.judgement));
         let Slopes {
             plan,
             shifts,
@@ -322,7 +310,7 @@ impl TraceComparison<'_> {
             "extent": plan.extent,
             "correlation_length": plan.correlation,
             "scatter_factor": shifts.stretch(),
-            "rays": self.outcome.work.rays,
+            "rays": self.judgement.outcome.work.rays,
         });
         value
     }

@@ -16,7 +16,7 @@ use crate::report::energies::recorded_orders;
 
 /// Slopes and regions, fluxes next to those of the models, and the tests.
 pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparison) -> String {
-    let compared = comparison.compared();
+    let compared = &comparison.judgement;
     let orders = recorded_orders(outcome.plan.config.run.max_order);
     let mut out = format!("\n{}\n\n", wrapped(&slopes_line(comparison)));
     out.push_str(&flux_table(comparison));
@@ -54,7 +54,7 @@ fn slopes_line(comparison: &TraceComparison) -> String {
         plan.regions.columns,
         plan.regions.rows,
         100.0 * (shifts.stretch() - 1.0),
-        comparison.outcome.work.rays,
+        comparison.judgement.outcome.work.rays,
     )
 }
 
@@ -66,20 +66,20 @@ struct Row {
 
 /// The flux of each side by the component that models describe, next to theirs, with the difference in standard errors.
 fn flux_table(comparison: &TraceComparison) -> String {
-    let compared = comparison.compared();
+    let compared = &comparison.judgement;
     let described = |component: &Component| {
-        let mut models = comparison.models.iter();
+        let mut models = compared.models.iter();
         *component != Component::Multiple && models.any(|model| model.describes(*component))
     };
-    let rows = compared.spec.sides().flat_map(|side| {
+    let rows = compared.spec().sides().flat_map(|side| {
         let components = COMPARED.into_iter().filter(described);
         components.map(move |component| Row { side, component })
     });
     let flux = |row: &Row| {
         use asperity_tally::TallyResult;
-        with_error(comparison.outcome.statistics.flux(row.side, row.component))
+        with_error(compared.outcome.statistics.flux(row.side, row.component))
     };
-    let models = comparison.models.iter().map(|model| {
+    let models = compared.models.iter().map(|model| {
         Column::new(model.model.name(), "", move |row: &Row| {
             of_model(model, row)
         })

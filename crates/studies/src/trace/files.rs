@@ -1,20 +1,18 @@
-//! The files of a traced surface: tables of fluxes, plots and summary.json.
+//! The files of a traced surface.
 
-use asperity_io::{ResultFolder, write_json};
-use serde_json::Value;
+use asperity_io::ResultFolder;
+use asperity_simulate::Silent;
 
 use super::TraceOutcome;
+use super::comparison::TraceComparison;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
-use crate::output::Place;
+use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
-use crate::report::figures::{self, PlottedCase};
-use crate::report::files::{TABLES, plot_files};
-use crate::report::flux_tables::{FluxTables, comparison_columns, write_comparison};
-use crate::report::fluxes::Fluxes;
-use crate::report::polarised::polarised_tables;
-use crate::report::polarised_figures::draw_polarised;
+use crate::report::figures::height_map_figure;
+use crate::report::shown_case::ShownCase;
 use crate::report::summary::Summary;
+use crate::report::views::Views;
 
 impl TraceConfig {
     /// Names of all files that are written.
@@ -22,17 +20,26 @@ impl TraceConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn files(&self) -> Result<Vec<String>, ConfigError> {
-        let mut names = TABLES.map(str::to_owned).to_vec();
-        let polarised = polarised_tables(&self.ray_settings()?.tally);
-        names.extend(polarised.iter().copied().map(str::to_owned));
-        names.push("summary.json".to_owned());
-        if !self.compare.models.is_empty() {
-            names.push("comparison.csv".to_owned());
-        }
+        Ok(self.views()?.names())
+    }
+
+    fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
+        let of_case = CaseViews {
+            spec: &self.ray_settings()?.tally,
+            compared: !self.compare.models.is_empty(),
+            figures: self.output.plots,
+        };
+        let mut views: Views<'a, TraceOutcome<'a>> = Views::new();
+        of_case.add(&mut views, "", |outcome| Some(outcome.shown()));
         if self.output.plots {
-            names.extend(plot_files(&self.ray_settings()?.tally));
+            views.figure("height_map", |outcome| {
+                let field = outcome.outcome.case.surface.heights();
+                let figure = field.map(|field| height_map_figure(&field, &outcome.plan.name));
+                Ok(figure.transpose()?)
+            });
         }
-        Ok(names)
+        views.json("summary.json", |outcome| Some(trace_summary(outcome)));
+        Ok(views)
     }
 }
 
@@ -42,81 +49,35 @@ impl TraceConfig {
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(), ReportError> {
-    let names = outcome.plan.config.files()?;
-    folder.claim_all(names.iter().map(String::as_str))?;
-    let place = Place::root(folder);
-    let draw = || match outcome.plan.config.output.plots {
-        true => draw(&place, outcome),
-        false => Ok(()),
-    };
-    let tables = || -> Result<(), ReportError> {
-        tables(outcome).write(&place)?;
-        match &outcome.comparison {
-            Some(comparison) => write_comparison(&place, comparison.compared()),
-            None => Ok(()),
+    let views = outcome.plan.config.views()?;
+    views.write(folder, outcome, &Silent)
+}
+
+impl TraceOutcome<'_> {
+    /// The surface as its tables and figures show it.
+    fn shown(&self) -> ShownCase<'_> {
+        ShownCase {
+            outcome: self.outcome,
+            judgement: self.comparison.as_ref().map(|of| &of.judgement),
+            max_order: self.plan.config.run.max_order,
         }
-    };
-    let (tables, plots) = rayon::join(tables, draw);
-    tables?;
-    plots?;
-    Ok(write_json(
-        place.claim("summary.json")?,
-        &trace_summary(outcome),
-    )?)
-}
-
-/// The tables of fluxes.
-fn tables<'a>(outcome: &'a TraceOutcome<'_>) -> FluxTables<'a> {
-    let found = outcome.outcome;
-    FluxTables {
-        fluxes: Fluxes {
-            spec: outcome.spec(),
-            statistics: &found.statistics,
-            errors: &found.errors,
-            rays: found.work.rays,
-        },
-        models: outcome.models(),
     }
-}
-
-/// Draws the height map, of a surface that has one, the curves of the light, and its Mueller matrices if they are kept.
-fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
-    let case = &outcome.outcome.case;
-    let light = PlottedCase {
-        case,
-        max_order: outcome.plan.config.run.max_order,
-    };
-    let map = || match case.surface.heights() {
-        Some(field) => figures::height_map(&[place], &field, &outcome.plan.name),
-        None => Ok(()),
-    };
-    let statistics = &outcome.outcome.statistics;
-    let models = outcome.models();
-    let lobes = || figures::lobes_and_curves(place, &light, outcome.spec(), statistics, models);
-    let polarised = || draw_polarised(place, &light, statistics);
-    let (map, (lobes, polarised)) = rayon::join(map, || rayon::join(lobes, polarised));
-    map.and(lobes).and(polarised)
 }
 
 /// The contents of summary.json.
 #[must_use]
 pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
-    let found = outcome.outcome;
-    let config: Value = outcome.plan.described.clone();
-    let mut columns = tables(outcome).columns();
-    let comparison = outcome.comparison.as_ref();
-    if let Some(of_comparison) = comparison.and_then(|c| comparison_columns(c.compared())) {
-        columns["comparison.csv"] = of_comparison;
-    }
-    let summary = Summary::new("trace", config, found);
-    let summary = match comparison {
-        Some(comparison) => summary.with_comparison(comparison.to_json()),
-        None => summary,
+    let config = outcome.plan.described.clone();
+    let tables = CaseViews {
+        spec: outcome.spec(),
+        compared: outcome.comparison.is_some(),
+        figures: false,
     };
+    let mut summary = Summary::new("trace", config, outcome.outcome, outcome.stopping());
+    summary.comparison = outcome.comparison.as_ref().map(TraceComparison::to_json);
+    summary.columns = tables.columns(outcome.shown());
+    summary.lobes = outcome.lobes();
+    summary.warnings = outcome.warnings();
+    summary.validity = outcome.plan.validity;
     summary
-        .with_columns(columns)
-        .with_lobes(outcome.lobes())
-        .with_warnings(outcome.warnings())
-        .with_stopping(outcome.stopping().cloned())
-        .with_validity(outcome.plan.validity)
 }

@@ -5,9 +5,10 @@ use asperity_surface::{Psd, StudentSlopes};
 use asperity_tally::Component;
 
 use super::*;
+use crate::comparison::models::ModelOutcome;
 
 /// One case of `settings` on surfaces of GGX slopes, or on Gaussian ones.
-fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&CaseOutcome<'_>) -> T) -> T {
+fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&Judgement<'_>) -> T) -> T {
     let text = format!(
         "[surface]\nsize = 128\ntau = 6\nsmoothness = 100\n[material]\nkind = \"mirror\"\n[output]\nplots = false\n{settings}"
     );
@@ -25,7 +26,7 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&CaseOutcome<'_>) -> T
     read(&judge_case(&config, &found[0]).unwrap())
 }
 
-fn p_values(outcome: &CaseOutcome<'_>) -> Vec<f64> {
+fn p_values(outcome: &Judgement<'_>) -> Vec<f64> {
     let compared = |model: &ModelOutcome| model.compared(Component::Single).unwrap().clone();
     let models = outcome.models.iter();
     models

@@ -175,6 +175,11 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     map_report(&folder, &outcome).unwrap();
     assert_in_table(&out, "map.csv");
     assert_in_json(&out);
+    assert_in_text(&out, &["report.txt"]);
+    let drawn = text(&out, "map_own.svg");
+    for value in ["450 nm", "650 nm"] {
+        assert!(drawn.contains(value), "no panel has {value}");
+    }
 }
 
 #[test]

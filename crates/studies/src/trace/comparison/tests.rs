@@ -46,7 +46,7 @@ fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
 
 /// The p value of the component that each model is judged by.
 fn p_values(outcome: &TraceOutcome<'_>) -> Vec<f64> {
-    let models = outcome.comparison.as_ref().unwrap().models.iter();
+    let models = outcome.comparison.as_ref().unwrap().judgement.models.iter();
     models
         .map(|model| model.judged().comparison.test.as_ref().unwrap().p)
         .collect()
@@ -159,7 +159,7 @@ fn models_of_other_slopes_are_rejected() {
 fn models_of_other_shadowing_are_rejected() {
     let settings = format!("{GLASS}models = [\"smith\", \"v-cavity\"]").replace("30", "60");
     let (p, distances) = run(planned(isotropic(1.5, 5), &settings), |outcome| {
-        let models = &outcome.comparison.as_ref().unwrap().models;
+        let models = &outcome.comparison.as_ref().unwrap().judgement.models;
         let distance = |i: usize| models[i].judged().comparison.total_variation.observed;
         (p_values(outcome), [0, 1].map(distance))
     });

@@ -1,0 +1,69 @@
+//! Shown case: the results of one case as its tables and figures show them.
+
+use asperity_optics::{Bottom, Incidence, Layer};
+use asperity_simulate::{Case, Outcome};
+use asperity_tally::{Side, TallySpec};
+use asperity_tracer::HalfSpace;
+
+use crate::comparison::judgement::Judgement;
+use crate::comparison::models::ModelOutcome;
+
+/// Results of one case. Figures show the side that the light comes from as the upper one.
+#[derive(Clone, Copy)]
+pub(crate) struct ShownCase<'a> {
+    pub(crate) outcome: &'a Outcome,
+    /// Comparison with models; of a given surface, that of its regions.
+    pub(crate) judgement: Option<&'a Judgement<'a>>,
+    /// Interactions after which paths end.
+    pub(crate) max_order: u32,
+}
+
+impl<'a> ShownCase<'a> {
+    pub(crate) const fn case(&self) -> &'a Case {
+        &self.outcome.case
+    }
+
+    pub(crate) const fn spec(&self) -> &'a TallySpec {
+        self.outcome.statistics.spec()
+    }
+
+    pub(crate) fn models(&self) -> &'a [ModelOutcome] {
+        self.judgement.map_or(&[], |judgement| &judgement.models)
+    }
+
+    pub(crate) const fn incidence(&self) -> Incidence {
+        self.outcome.case.light.incidence
+    }
+
+    pub(crate) fn layer(&self) -> Option<Layer> {
+        self.case().layer.map(|below| below.layer)
+    }
+
+    /// Parameters, and where the light comes from if that is below.
+    pub(crate) fn subtitle(&self) -> String {
+        let turned = match self.case().light.from {
+            HalfSpace::Above => "",
+            HalfSpace::Below => "; light from below the surface, drawn with its side up",
+        };
+        format!("{}{turned}", self.case().figure_label())
+    }
+
+    /// Direction into which a flat surface would send the light of `side`, signed degrees from its normal.
+    pub(crate) fn flat_direction(&self, side: Side) -> Option<f64> {
+        match side {
+            Side::Reflected => Some(self.incidence().theta_deg()),
+            Side::Transmitted => {
+                let below = match self.layer().and_then(|layer| layer.end()) {
+                    Some(slab) => match slab.bottom {
+                        Bottom::Interface { eta } => eta,
+                        _ => 1.0,
+                    },
+                    None => 1.0,
+                };
+                let index = below * self.case().material.transmitting_index()?;
+                let sin_beta = self.incidence().theta().sin() / index;
+                (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
+            }
+        }
+    }
+}

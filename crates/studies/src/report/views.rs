@@ -1,0 +1,183 @@
+//! Views: the files of a study, each a function of what the study found.
+//!
+//! The list of views is made from the configuration alone, so that the names of all files are known before a ray is traced. A view
+//! that has nothing to show writes nothing.
+
+use std::borrow::Borrow;
+use std::path::Path;
+
+use asperity_io::{ResultFolder, WriteError, write_bytes, write_json};
+use asperity_plot::Figure;
+use asperity_simulate::Observer;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::output::{Place, Table, figure_files};
+use crate::report::error::ReportError;
+use crate::report::figures::save;
+
+type WriteRows<'a> = dyn FnOnce(&Path) -> Result<(), WriteError> + 'a;
+
+/// A table with its rows.
+pub(crate) struct Csv<'a> {
+    write: Box<WriteRows<'a>>,
+    /// Name, unit and description of each column.
+    pub(crate) description: Value,
+}
+
+impl Csv<'_> {
+    /// Writes the file.
+    pub(crate) fn write(self, path: &Path) -> Result<(), WriteError> {
+        (self.write)(path)
+    }
+}
+
+impl<'a, R> Table<'a, R> {
+    /// The table with these rows.
+    pub(crate) fn with_rows<I>(self, rows: I) -> Csv<'a>
+    where
+        I: IntoIterator<Item: Borrow<R>> + 'a,
+        R: 'a,
+    {
+        Csv {
+            description: self.description(),
+            write: Box::new(move |path| self.write_csv(path, rows)),
+        }
+    }
+}
+
+type Write<'v, J> = dyn Fn(&J, &Place<'_>) -> Result<(), ReportError> + Send + Sync + 'v;
+type Describe<'v, J> = dyn Fn(&J) -> Option<Value> + Send + Sync + 'v;
+
+/// A file, or the files of a figure.
+struct View<'v, J> {
+    names: Vec<String>,
+    write: Box<Write<'v, J>>,
+    /// Columns of a table.
+    columns: Option<Box<Describe<'v, J>>>,
+}
+
+/// The files of a study that finds `J`.
+pub(crate) struct Views<'v, J>(Vec<View<'v, J>>);
+
+impl<'v, J: Sync + 'v> Views<'v, J> {
+    pub(crate) const fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Adds a table.
+    pub(crate) fn csv<F>(&mut self, name: impl Into<String>, table: F)
+    where
+        F: for<'j> Fn(&'j J) -> Option<Csv<'j>> + Copy + Send + Sync + 'v,
+    {
+        let name = name.into();
+        let file = name.clone();
+        self.0.push(View {
+            names: vec![name],
+            write: Box::new(move |found, place| match table(found) {
+                Some(csv) => Ok(csv.write(&place.claim(&file)?)?),
+                None => Ok(()),
+            }),
+            columns: Some(Box::new(move |found| Some(table(found)?.description))),
+        });
+    }
+
+    /// Adds a text.
+    pub(crate) fn text<F>(&mut self, name: impl Into<String>, text: F)
+    where
+        F: Fn(&J) -> Option<String> + Send + Sync + 'v,
+    {
+        let name = name.into();
+        self.other(vec![name.clone()], move |found, place| match text(found) {
+            Some(text) => Ok(write_bytes(place.claim(&name)?, text.as_bytes())?),
+            None => Ok(()),
+        });
+    }
+
+    /// Adds a JSON document.
+    pub(crate) fn json<S: Serialize>(
+        &mut self,
+        name: impl Into<String>,
+        value: impl Fn(&J) -> Option<S> + Send + Sync + 'v,
+    ) {
+        let name = name.into();
+        self.other(vec![name.clone()], move |found, place| match value(found) {
+            Some(value) => Ok(write_json(place.claim(&name)?, &value)?),
+            None => Ok(()),
+        });
+    }
+
+    /// Adds a figure, as SVG and PNG.
+    pub(crate) fn figure(
+        &mut self,
+        name: impl Into<String>,
+        figure: impl Fn(&J) -> Result<Option<Figure>, ReportError> + Send + Sync + 'v,
+    ) {
+        let name = name.into();
+        self.other(
+            figure_files(&name).to_vec(),
+            move |found, place| match figure(found)? {
+                Some(figure) => save(&[place], &name, &figure),
+                None => Ok(()),
+            },
+        );
+    }
+
+    /// Adds files of another kind.
+    pub(crate) fn other<F>(&mut self, names: Vec<String>, write: F)
+    where
+        F: Fn(&J, &Place<'_>) -> Result<(), ReportError> + Send + Sync + 'v,
+    {
+        self.0.push(View {
+            names,
+            write: Box::new(write),
+            columns: None,
+        });
+    }
+
+    /// Names of all files.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let names = self.0.iter().flat_map(|view| &view.names);
+        names.cloned().collect()
+    }
+
+    /// Name, unit and description of the columns of each table.
+    pub(crate) fn columns(&self, found: &J) -> Value {
+        let tables = self.0.iter().filter_map(|view| {
+            let columns = view.columns.as_ref()?(found)?;
+            Some((view.names[0].clone(), columns))
+        });
+        Value::Object(tables.collect::<Map<_, _>>())
+    }
+
+    /// Writes all files into `folder`, summaries last, and claims those that an earlier run left too.
+    pub(crate) fn write(
+        &self,
+        folder: &ResultFolder,
+        found: &J,
+        observer: &dyn Observer,
+    ) -> Result<(), ReportError> {
+        folder.claim_all(
+            self.0
+                .iter()
+                .flat_map(|v| v.names.iter().map(String::as_str)),
+        )?;
+        let place = Place::root(folder);
+        observer.begin("writing", self.0.len() as u64);
+        let write = |view: &View<'v, J>| -> Result<(), ReportError> {
+            (view.write)(found, &place)?;
+            observer.advance(1);
+            Ok(())
+        };
+        let is_summary = |view: &&View<'v, J>| {
+            let mut names = view.names.iter();
+            names.any(|name| name.ends_with("summary.json"))
+        };
+        let (summaries, others): (Vec<_>, Vec<_>) = self.0.iter().partition(is_summary);
+        others.into_par_iter().try_for_each(write)?;
+        summaries.into_iter().try_for_each(write)?;
+        observer.end();
+        Ok(())
+    }
+}
