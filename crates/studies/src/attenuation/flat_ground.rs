@@ -6,9 +6,7 @@ use asperity_optics::Incidence;
 use asperity_surface::Triangle;
 use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
 
-use super::ground::{Ground, Point, Skyline};
-use super::skyline::find_skylines;
-use super::{AttenuationConfig, AttenuationError, Plan};
+use super::ground::{Ground, Point};
 
 impl Ground for Surface {
     fn cells(&self) -> [usize; 2] {
@@ -80,15 +78,5 @@ impl Ground for Surface {
             origin,
             direction: w,
         }
-    }
-
-    fn skylines(
-        &self,
-        config: &AttenuationConfig,
-        plan: &Plan,
-        index: u64,
-        least: f64,
-    ) -> Result<Option<Vec<Skyline>>, AttenuationError> {
-        find_skylines(config, plan, self, index, least).map(Some)
     }
 }
