@@ -76,6 +76,7 @@ use asperity_tally::Estimate;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
+use crate::report::flux_support::patches;
 
 pub use config::{
     AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun,
@@ -180,10 +181,6 @@ pub struct AttenuationOutcome<'a> {
     pub visibility: Vec<VisibilityRow>,
     /// What was done.
     pub work: AttenuationWork,
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction; 0 for smooth cells.
-    pub mesh_slope_deficit: f64,
-    /// Independent points over all surfaces of a sigma: points within a correlation length see much the same.
-    pub(crate) independent_points: f64,
     /// What ended the run before all surfaces were measured.
     pub stopped_by: Option<StoppedBy>,
 }
@@ -192,6 +189,15 @@ impl AttenuationOutcome<'_> {
     /// Rows of the first view, on which what is lit does not depend.
     fn of_first_view(&self) -> impl Iterator<Item = &AttenuationRow> {
         self.rows.iter().step_by(self.plan.views.len())
+    }
+
+    /// Independent points over all surfaces of a sigma: no more than there are patches of a correlation length, in which points see
+    /// much the same.
+    fn independent_points(&self) -> f64 {
+        let drawn = &self.plan.surfaces[0].drawn;
+        let tau = self.plan.config.surface.tau.0;
+        let patches = patches(drawn.shape(), drawn.spacing(), [tau; 2]);
+        patches.min(self.work.points as f64) * self.work.realisations as f64
     }
 
     /// What a reader should not miss.
@@ -269,7 +275,6 @@ impl AttenuationPlan {
                     .extend(lights.flat_map(|light| heights::rows(surfaces, tau, light, &counts)));
             }
         }
-        let realisations = found_surfaces().count();
         let lost = found_surfaces().flat_map(|one| &one.counts);
         Ok(AttenuationOutcome {
             plan: self,
@@ -277,7 +282,7 @@ impl AttenuationPlan {
             demarcation,
             visibility,
             work: AttenuationWork {
-                realisations: realisations as u64,
+                realisations: found_surfaces().count() as u64,
                 points: first.points,
                 samples: first.samples,
                 method: self.method,
@@ -285,23 +290,17 @@ impl AttenuationPlan {
                 seconds: 0.0,
                 threads: rayon::current_num_threads(),
             },
-            mesh_slope_deficit: self.mesh_slope_deficit(),
-            independent_points: self.independent_points(first.points) * realisations as f64,
             stopped_by: found.stopped_by(),
         })
     }
 
     /// The row of the sigma, light and view of these numbers, of the `counts` of all realisations.
     fn row(&self, [sigma, i, o]: [usize; 3], counts: &[&Counts]) -> AttenuationRow {
-        // Ratios of what is counted on each surface.
-        let fraction = |of: &dyn Fn(&Counts) -> [u64; 2]| {
-            ratio(counts.iter().map(|one| of(one).map(|count| count as f64)))
-        };
+        // Ratios of what is measured on each surface.
+        let areas = |of: &dyn Fn(&Counts) -> [f64; 2]| ratio(counts.iter().map(|one| of(one)));
+        let fraction =
+            |of: &dyn Fn(&Counts) -> [u64; 2]| areas(&|one| of(one).map(|count| count as f64));
         let of_all = |of: &dyn Fn(&Counts) -> u64| fraction(&|one| [of(one), one.points]);
-        let areas = |of: fn([f64; 3]) -> [f64; 2]| {
-            let areas = |one: &&Counts| [one.areas.facing[i], one.areas.free[i], one.points as f64];
-            ratio(counts.iter().map(|one| of(areas(one))))
-        };
         let pair = i * self.views.len() + o;
         let surfaces = &self.surfaces[sigma];
         AttenuationRow {
@@ -311,8 +310,8 @@ impl AttenuationPlan {
             view: self.views[o],
             lit: of_all(&|one| one.lights.free[i]),
             g1: fraction(&|one| [one.lights.free[i], one.lights.facing[i]]),
-            g1_projected: areas(|[facing, free, _]| [free, facing]),
-            lit_projected: areas(|[_, free, points]| [free, points]),
+            g1_projected: areas(&|one| [one.areas.free[i], one.areas.facing[i]]),
+            lit_projected: areas(&|one| [one.areas.free[i], one.points as f64]),
             local_shadow: of_all(&|one| one.points - one.lights.facing[i]),
             distant_shadow: of_all(&|one| one.lights.facing[i] - one.lights.free[i]),
             local_mask: of_all(&|one| one.points - one.views.facing[o]),
@@ -324,17 +323,15 @@ impl AttenuationPlan {
         }
     }
 
-    /// How far the slope variance of the mesh lies below that of the continuous surface: the worse of the two
-    /// axes.
+    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction: the worse of the two
+    /// axes. 0 for smooth cells.
     fn mesh_slope_deficit(&self) -> f64 {
         let drawn = &self.surfaces[0].drawn;
         if drawn.cells() == Cells::Smooth {
             return 0.0;
         }
-        let deficits = drawn.spacing().map(|step| {
-            let square = (step / self.config.surface.tau.0).powi(2);
-            1.0 + (-square).exp_m1() / square
-        });
-        deficits[0].max(deficits[1])
+        let [dx, dy] = drawn.spacing();
+        let square = (dx.max(dy) / self.config.surface.tau.0).powi(2);
+        1.0 + (-square).exp_m1() / square
     }
 }

@@ -46,7 +46,7 @@ pub(super) struct Counts {
     pub(super) mirrored: Vec<u64>,
     /// Points that face a light and are lit, by their height; the bins of one light after the other. Empty if that was not requested.
     pub(super) heights: Seen<u64>,
-    /// Visibility rays lost to numerical failure.
+    /// Visibility rays lost to numerical failure, of the whole surface.
     pub(super) lost: u64,
 }
 
@@ -61,7 +61,6 @@ impl AddAssign for Counts {
         add(&mut self.paper, other.paper);
         add(&mut self.mirrored, other.mirrored);
         self.heights.add(other.heights);
-        self.lost += other.lost;
     }
 }
 

@@ -42,6 +42,8 @@ pub(super) fn figures(outcome: &AttenuationOutcome<'_>) -> Vec<(&'static str, Cu
     figures
 }
 
+const THETA: &str = "polar angle of the light θᵢ (°)";
+const FRACTIONS: Option<[f64; 2]> = Some([0.0, 1.04]);
 const LIT: &str = "fraction of all points that are lit";
 const AS_PRINTED: &str = "Smith as the 2019 paper prints it";
 const SMITH_STYLE: Style = Style::Line(0);
@@ -62,8 +64,8 @@ fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
     Curves {
         title: "Geometric attenuation of explicit surfaces".into(),
         subtitle: subtitle(outcome),
-        x: theta_axis(),
-        y: fraction_axis(LIT),
+        x: axis(THETA, Some([0.0, 90.0])),
+        y: axis(LIT, FRACTIONS),
         curves: curves.collect(),
         notes: Vec::new(),
     }
@@ -72,22 +74,23 @@ fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
 /// The lit fraction over theta against models, for some sigma.
 fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
     let phi = outcome.plan.lights[0].phi();
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    // Points come first in the legend.
+    let mut curves = Vec::new();
     for (i, &number) in outcome.plan.models_at.iter().enumerate() {
         let surfaces = &outcome.plan.surfaces[number];
         let (sigma, slopes) = (surfaces.sigma, &surfaces.slopes);
         let colour = Colour::Nth(i);
         let name = format!("explicit, σ = {}", short(sigma));
         let points = lit_over_theta(outcome, sigma);
-        curves.push(curve(name, colour, Style::Points(i), points));
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
         let wi = |theta: f64| from_spherical(theta.to_radians(), phi);
         let degrees = || (0..180).map(|i| 0.5 * f64::from(i));
         let smith = degrees().map(|x| Point::exact(x, smith_lit(slopes, wi(x))));
         let v_cavity = degrees().map(|x| Point::exact(x, v_cavity_lit(slopes, wi(x))));
         let printed = degrees().map(|x| Point::exact(x, smith_lit_as_printed(sigma, wi(x))));
-        lines.push(curve("", colour, SMITH_STYLE, smith));
-        lines.push(curve("", colour, V_CAVITY_STYLE, v_cavity));
-        lines.push(curve("", colour, PRINTED_STYLE, printed));
+        curves.push(curve("", colour, SMITH_STYLE, smith));
+        curves.push(curve("", colour, V_CAVITY_STYLE, v_cavity));
+        curves.push(curve("", colour, PRINTED_STYLE, printed));
     }
     let models = [
         ("Smith", SMITH_STYLE),
@@ -97,9 +100,9 @@ fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
     Curves {
         title: "Geometric attenuation: explicit surfaces against models".into(),
         subtitle: subtitle(outcome),
-        x: theta_axis(),
-        y: fraction_axis(LIT),
-        curves: with_models(curves, lines, &models),
+        x: axis(THETA, Some([0.0, 90.0])),
+        y: axis(LIT, FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec!["Colours: σ. Patterns: model.".into()],
     }
 }
@@ -111,21 +114,21 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
     let least = sigmas().fold(f64::INFINITY, f64::min);
     let most = sigmas().fold(0.0, f64::max);
     let fine = || steps().map(|step| least + (most - least) * step);
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    let mut curves = Vec::new();
     for (i, &number) in outcome.plan.over_sigma_at.iter().enumerate() {
         let light = outcome.plan.lights[number];
         let (theta, wi) = (light.theta_deg(), light.wi());
         let colour = Colour::Nth(i);
         let name = format!("explicit, θᵢ = {}°", short(theta));
         let points = lit(outcome, |row| (row.light == light).then_some(row.sigma));
-        curves.push(curve(name, colour, Style::Points(i), points));
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
         let smith = |sigma: f64| {
             let slopes = SlopeCovariance::isotropic(surface.tau.0 / sigma).ok()?;
             Some(Point::exact(sigma, smith_lit(&slopes, wi)))
         };
         let printed = |sigma: f64| Point::exact(sigma, smith_lit_as_printed(sigma, wi));
-        lines.push(curve("", colour, SMITH_STYLE, fine().filter_map(smith)));
-        lines.push(curve("", colour, PRINTED_STYLE, fine().map(printed)));
+        curves.push(curve("", colour, SMITH_STYLE, fine().filter_map(smith)));
+        curves.push(curve("", colour, PRINTED_STYLE, fine().map(printed)));
     }
     let unit = match surface.unit {
         LengthUnit::Arbitrary => "length units",
@@ -136,12 +139,9 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
     Curves {
         title: "Geometric attenuation over roughness".into(),
         subtitle: subtitle(outcome),
-        x: CurveAxis {
-            label: format!("root mean square height σ ({unit})"),
-            range: None,
-        },
-        y: fraction_axis(LIT),
-        curves: with_models(curves, lines, &models),
+        x: axis(format!("root mean square height σ ({unit})"), None),
+        y: axis(LIT, FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec!["Colours: θᵢ. Patterns: model.".into()],
     }
 }
@@ -150,7 +150,7 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
 fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
     let surfaces = &outcome.plan.surfaces[0];
     let smoothness = outcome.plan.config.surface.tau.0 / surfaces.sigma;
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    let mut curves = Vec::new();
     let of_lights = outcome.visibility.chunks(BINS).zip(&outcome.plan.lights);
     for (i, (rows, light)) in of_lights.enumerate() {
         let colour = Colour::Nth(i);
@@ -164,14 +164,14 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
             short((10.0 * light.theta_deg()).round() / 10.0),
             short((1000.0 * rows[0].x).round() / 1000.0)
         );
-        curves.push(curve(name, colour, Style::Points(0), points));
+        curves.insert(i, curve(name, colour, Style::Points(0), points));
         let wi = from_spherical(light.theta(), 0.0);
         let heights = steps().map(|step| HIGHEST * (2.0 * step - 1.0));
         let smith = heights.map(|h| Point::exact(h, smith_visibility(&surfaces.slopes, wi, h)));
-        lines.push(curve("", colour, SMITH_STYLE, smith));
+        curves.push(curve("", colour, SMITH_STYLE, smith));
         let at_zero = rows.iter().filter_map(|row| row.xu_sun);
         let at_zero = at_zero.map(|visibility| Point::exact(0.0, visibility));
-        lines.push(curve("", colour, XU_SUN_STYLE, at_zero));
+        curves.push(curve("", colour, XU_SUN_STYLE, at_zero));
     }
     let models = [
         ("Smith: Φ(h / σ) to the power Λ(θᵢ)", SMITH_STYLE),
@@ -180,12 +180,9 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
     Curves {
         title: "Visibility over height, of points that face the light".into(),
         subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
-        x: CurveAxis {
-            label: "height h / σ".into(),
-            range: Some([-HIGHEST - 0.1, HIGHEST + 0.1]),
-        },
-        y: fraction_axis("visibility V(h, θᵢ)"),
-        curves: with_models(curves, lines, &models),
+        x: axis("height h / σ", Some([-HIGHEST - 0.1, HIGHEST + 0.1])),
+        y: axis("visibility V(h, θᵢ)", FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec![
             "Points: explicit surfaces, bins of σ / 4.".into(),
             "Colours: θᵢ.".into(),
@@ -219,31 +216,16 @@ fn curve(
     }
 }
 
-/// Measured curves, which come first in the legend, the lines of models, and entries of these in black: there the pattern tells the model,
-/// and the colour something else.
-fn with_models(
-    mut curves: Vec<Curve>,
-    mut lines: Vec<Curve>,
-    models: &[(&str, Style)],
-) -> Vec<Curve> {
-    curves.append(&mut lines);
+/// Curves, and entries of models in black: there the pattern tells the model, and the colour something else.
+fn with_models(mut curves: Vec<Curve>, models: &[(&str, Style)]) -> Vec<Curve> {
     let entries = models.iter();
     curves.extend(entries.map(|(name, style)| curve(*name, Colour::Component(0), *style, [])));
     curves
 }
 
-fn theta_axis() -> CurveAxis {
-    CurveAxis {
-        label: "polar angle of the light θᵢ (°)".into(),
-        range: Some([0.0, 90.0]),
-    }
-}
-
-fn fraction_axis(label: &str) -> CurveAxis {
-    CurveAxis {
-        label: label.into(),
-        range: Some([0.0, 1.04]),
-    }
+fn axis(label: impl Into<String>, range: Option<[f64; 2]>) -> CurveAxis {
+    let label = label.into();
+    CurveAxis { label, range }
 }
 
 fn point(x: f64, estimate: Estimate) -> Point {

@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
-use asperity_simulate::{Observer, StoppedBy};
-use serde::Serialize;
+use asperity_simulate::Observer;
 use serde_json::{Value, json};
 
 use super::tables::{attenuation_table, tables};
-use super::{AttenuationConfig, AttenuationOutcome, AttenuationWork, figures};
+use super::{AttenuationConfig, AttenuationOutcome, figures};
 use crate::output::{Head, Place, figure_files};
 use crate::report::error::ReportError;
 use crate::report::figures::save;
@@ -64,43 +63,31 @@ impl AttenuationConfig {
     }
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    head: Head,
-    seed: u64,
-    config: &'a AttenuationConfig,
-    mesh_slope_deficit: f64,
-    rows: Value,
-    demarcation: Value,
-    visibility: Value,
-    columns: Value,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    warnings: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stopped_by: Option<StoppedBy>,
-    work: &'a AttenuationWork,
-}
-
 /// The contents of summary.json.
 #[must_use]
 pub fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
     let config = &outcome.plan.config;
     let tables = tables(outcome);
     let columns = tables.iter().map(|table| (table.file, &table.columns));
-    let columns = json!(columns.collect::<BTreeMap<_, _>>());
-    let [rows, demarcation, visibility] = tables.map(|table| table.rows);
-    json!(Summary {
-        head: Head::of("attenuation"),
-        seed: config.run.seed,
-        config,
-        mesh_slope_deficit: outcome.mesh_slope_deficit,
-        rows,
-        demarcation,
-        visibility,
-        columns,
-        warnings: outcome.warnings(),
-        stopped_by: outcome.stopped_by,
-        work: &outcome.work,
-    })
+    let columns: BTreeMap<_, _> = columns.collect();
+    let [rows, demarcation, visibility] = tables.each_ref().map(|table| &table.rows);
+    let mut summary = json!({
+        "seed": config.run.seed,
+        "config": config,
+        "mesh_slope_deficit": outcome.plan.mesh_slope_deficit(),
+        "rows": rows,
+        "demarcation": demarcation,
+        "visibility": visibility,
+        "columns": columns,
+        "work": outcome.work,
+    });
+    Head::of("attenuation").insert_into(&mut summary);
+    let warnings = outcome.warnings();
+    if !warnings.is_empty() {
+        summary["warnings"] = json!(warnings);
+    }
+    if let Some(stopped_by) = outcome.stopped_by {
+        summary["stopped_by"] = json!(stopped_by);
+    }
+    summary
 }

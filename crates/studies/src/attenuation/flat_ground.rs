@@ -17,13 +17,10 @@ impl Ground for Surface {
         let facet = self.facet(number);
         let [a, b, c] = self.corners(facet);
         let place = a + far * (b - a) + near * (c - b);
-        let ray = VisibilityRay {
-            origin: self.snap(facet, place),
-            direction: self.normal(facet),
-        };
+        let (origin, direction) = (self.snap(facet, place), self.normal(facet));
         Point {
             facet,
-            ray,
+            ray: VisibilityRay { origin, direction },
             is_sample: false,
         }
     }
@@ -50,13 +47,10 @@ impl Ground for Surface {
             ix: before(ix, left, cx) as u32,
             triangle,
         };
-        let ray = VisibilityRay {
-            origin: self.corners(facet)[corner],
-            direction: self.normal(facet),
-        };
+        let (origin, direction) = (self.corners(facet)[corner], self.normal(facet));
         Point {
             facet,
-            ray,
+            ray: VisibilityRay { origin, direction },
             is_sample: true,
         }
     }

@@ -53,21 +53,12 @@ impl ShadowShares {
         let under = |light: &Incidence| {
             let survey = Survey {
                 seed: SEED,
-                index: 0,
                 lights: std::slice::from_ref(light),
-                views: &[],
-                mirror: false,
-                sigma: None,
-                azimuths: &[],
-                skylines: &[],
-                steeper: 1.0,
+                ..Survey::default()
             };
             let counts = survey.count(&shape)?;
-            let (points, facing, lit) = (
-                counts.points,
-                counts.lights.facing[0],
-                counts.lights.free[0],
-            );
+            let points = counts.points;
+            let [facing, lit] = [counts.lights.facing[0], counts.lights.free[0]];
             Ok(Self {
                 theta_deg: light.theta_deg(),
                 phi_deg: light.phi_deg(),

@@ -9,14 +9,13 @@ use asperity_simulate::{
     Cells, RandomSurfaces, SimulateError, check_memory, short, smooth_traced_bytes, traced_bytes,
 };
 use asperity_surface::{Border, Psd};
-use asperity_tracer::{AcceleratorKind, HorizonError};
+use asperity_tracer::AcceleratorKind;
 use serde_json::json;
 
 use super::AttenuationError;
-use super::config::{AttenuationConfig, VisibilityMethod};
+use super::config::{AttenuationConfig, AttenuationDirections, VisibilityMethod};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
-use crate::report::flux_support::patches;
 
 /// A configuration with its lists checked.
 pub struct AttenuationPlan {
@@ -51,22 +50,14 @@ impl AttenuationPlan {
     /// What the results of this configuration are kept under: all settings but those of the figures.
     #[must_use]
     pub fn header(&self) -> Header {
-        let AttenuationConfig {
-            surface,
-            light,
-            view,
-            run,
-            ..
-        } = &self.config;
-        let document = json!({ "surface": surface, "light": light, "view": view, "run": run });
-        Header::new("attenuation", run.seed, document)
-    }
-
-    /// Independent points among `points` of a surface: no more than there are patches of a correlation length.
-    pub(super) fn independent_points(&self, points: u64) -> f64 {
-        let drawn = &self.surfaces[0].drawn;
-        let tau = self.config.surface.tau.0;
-        patches(drawn.shape(), drawn.spacing(), [tau; 2]).min(points as f64)
+        let config = &self.config;
+        let document = json!({
+            "surface": config.surface,
+            "light": config.light,
+            "view": config.view,
+            "run": config.run,
+        });
+        Header::new("attenuation", config.run.seed, document)
     }
 
     /// Whether horizons are found at all.
@@ -83,10 +74,7 @@ impl AttenuationPlan {
     fn check_size(&self) -> Result<(), AttenuationError> {
         let run = &self.config.run;
         let drawn = &self.surfaces[0].drawn;
-        let horizons = match self.needs_horizons() {
-            true => self.azimuths.len(),
-            false => 0,
-        };
+        let horizons = usize::from(self.needs_horizons()) * self.azimuths.len();
         // Two facets and a sample per cell; a horizon takes 16 bytes, and the demarcation sorts two copies of
         // the halves of those of facets.
         let sorted = usize::from(run.demarcation);
@@ -138,23 +126,21 @@ impl AttenuationConfig {
                 "an open patch of {nx} x {ny} samples has none inside, where paper_g2 counts; take 3 or more a side",
             )));
         }
-        let lights = directions("theta", &self.light.theta, self.light.phi.0)?;
-        let views = directions("view theta", &self.view.theta, self.view.phi.0)?;
+        let lights = directions("theta", &self.light)?;
+        let views = directions("view theta", &self.view)?;
         let is_slanted = |direction: &&Incidence| !direction.is_vertical();
         let mut azimuths = vec![lights[0].phi()];
         azimuths.extend(views.iter().filter(is_slanted).map(|view| view.phi()));
         azimuths.dedup();
         let rays = surfaces.len() * lights.iter().chain(&views).filter(is_slanted).count();
+        let needs_horizons = run.method == VisibilityMethod::Horizons || run.demarcation;
+        if cells == Cells::Smooth && needs_horizons {
+            return Err(contradiction(
+                "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays",
+            ));
+        }
         let method = match run.method {
-            // Horizons are those of facets.
-            method if cells == Cells::Smooth => {
-                if method == VisibilityMethod::Horizons || run.demarcation {
-                    return Err(contradiction(
-                        "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays",
-                    ));
-                }
-                VisibilityMethod::Rays
-            }
+            _ if cells == Cells::Smooth => VisibilityMethod::Rays,
             // Horizons where they are needed in any case, or where many directions share their azimuths.
             VisibilityMethod::Auto
                 if run.demarcation || rays >= RAYS_WORTH_A_HORIZON * azimuths.len() =>
@@ -224,7 +210,7 @@ fn samples(length: f64, spacing: f64) -> Result<usize, AttenuationError> {
     )))
 }
 
-fn contradiction(text: impl Display) -> AttenuationError {
+pub(super) fn contradiction(text: impl Display) -> AttenuationError {
     ConfigError::Contradiction(text.to_string()).into()
 }
 
@@ -242,15 +228,13 @@ fn numbers(name: &'static str, list: &OneOrMany<Number>) -> Result<Vec<f64>, Con
 
 fn directions(
     name: &'static str,
-    list: &OneOrMany<Number>,
-    phi: f64,
+    of: &AttenuationDirections,
 ) -> Result<Vec<Incidence>, ConfigError> {
-    let thetas = numbers(name, list)?;
-    let direction = |theta| Incidence::from_degrees(theta, phi);
-    Ok(thetas
+    let direction = |theta| Ok(Incidence::from_degrees(theta, of.phi.0)?);
+    numbers(name, &of.theta)?
         .into_iter()
         .map(direction)
-        .collect::<Result<_, _>>()?)
+        .collect()
 }
 
 /// Numbers of the values of a list that a figure shows: those named, or, unless any is, `count` over its whole range.
@@ -275,10 +259,4 @@ fn chosen(
         })
     };
     numbers(name, named)?.into_iter().map(number).collect()
-}
-
-impl From<HorizonError> for AttenuationError {
-    fn from(error: HorizonError) -> Self {
-        contradiction(error)
-    }
 }

@@ -1,12 +1,13 @@
 //! Skyline: the horizons of all points of a surface, and of its samples.
 
 use asperity_optics::Incidence;
-use asperity_tracer::{Facet, Horizon, HorizonError, Horizons, Surface};
+use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
+use super::AttenuationError;
 use super::config::VisibilityMethod;
 use super::ground::Point;
-use super::plan::AttenuationPlan;
+use super::plan::{AttenuationPlan, contradiction};
 use super::points::{chunks, points, samples};
 
 /// Horizons along one azimuth, in one list per chunk.
@@ -24,19 +25,15 @@ impl Skyline {
         surface: &Surface,
         index: u64,
         least: f64,
-    ) -> Result<Vec<Self>, HorizonError> {
+    ) -> Result<Vec<Self>, AttenuationError> {
+        let are_needed = plan.method == VisibilityMethod::Horizons;
         let along = |&azimuth: &f64| {
-            let horizons = Horizons::new(surface, azimuth, least)?;
+            let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
                 let points = points(surface, plan.config.run.seed, index, chunk).map(of);
-                let samples = match plan.method {
-                    VisibilityMethod::Horizons => {
-                        samples(surface, azimuth, chunk).map(of).collect()
-                    }
-                    _ => Vec::new(),
-                };
-                (points.collect(), samples)
+                let samples = samples(surface, azimuth, chunk).filter(|_| are_needed);
+                (points.collect(), samples.map(of).collect())
             });
             let (points, samples) = found.unzip();
             Ok(Self { points, samples })

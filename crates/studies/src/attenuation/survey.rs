@@ -1,6 +1,7 @@
 //! Survey: counts which points and samples of a surface face, see and are seen.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Incidence, reflect};
 use asperity_results::Stored;
@@ -58,8 +59,7 @@ impl SurveyedSurface {
             {
                 let least = least_rise(plan);
                 skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
-                let rises_of = |skyline: &Skyline| Rises::of(&skyline.points.concat(), least);
-                rises = run.demarcation.then(|| rises_of(&skylines[0]));
+                rises = (run.demarcation).then(|| Rises::of(&skylines[0].points.concat(), least));
             }
             let survey = Survey {
                 seed: run.seed,
@@ -97,8 +97,8 @@ fn with_border(shape: Shape, border: Border) -> Shape {
     }
 }
 
-/// What is counted on a surface.
-#[derive(Clone, Copy)]
+/// What is counted on a surface; nothing by default.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Survey<'a> {
     /// Seed of the points, and number of the surface that they are on.
     pub(super) seed: u64,
@@ -137,11 +137,13 @@ impl Survey<'_> {
             survey: *self,
             ground,
             accelerator: &*accelerator,
+            lost: AtomicU64::new(0),
         };
         let chunks = chunks(ground).into_par_iter();
         let counts: Vec<Counts> = chunks.map(|chunk| site.count_chunk(chunk)).collect();
         let mut sum = Counts::default();
         counts.into_iter().for_each(|one| sum += one);
+        sum.lost = site.lost.into_inner();
         Ok(sum)
     }
 }
@@ -151,34 +153,29 @@ struct Site<'a, G: Ground> {
     survey: Survey<'a>,
     ground: &'a G,
     accelerator: &'a dyn Accelerator<G>,
+    /// Visibility rays lost so far.
+    lost: AtomicU64,
 }
 
-/// Which points of a chunk face a direction, and which see it.
-struct Marks {
-    facing: Vec<bool>,
-    free: Vec<bool>,
+/// Whether a point faces a direction, and whether it sees it.
+#[derive(Clone, Copy)]
+struct Mark {
+    facing: bool,
+    free: bool,
 }
 
-impl Marks {
-    fn count(&self) -> [u64; 2] {
-        [&self.facing, &self.free].map(|marks| ones(marks.iter().copied()))
-    }
-
-    /// Points that face and see both directions.
-    fn both(&self, other: &Self) -> [u64; 2] {
-        let both = |a: &[bool], b: &[bool]| ones(a.iter().zip(b).map(|(a, b)| *a & *b));
+/// Numbers of points that face both of two directions, which may be one, and that see both.
+fn count(a: &[Mark], b: &[Mark]) -> [u64; 2] {
+    let both = a.iter().zip(b);
+    both.fold([0; 2], |[facing, free], (a, b)| {
         [
-            both(&self.facing, &other.facing),
-            both(&self.free, &other.free),
+            facing + u64::from(a.facing & b.facing),
+            free + u64::from(a.free & b.free),
         ]
-    }
+    })
 }
 
-fn ones(marks: impl Iterator<Item = bool>) -> u64 {
-    marks.map(u64::from).sum()
-}
-
-impl<'a, G: Ground> Site<'a, G> {
+impl<G: Ground> Site<'_, G> {
     fn count_chunk(&self, chunk: usize) -> Counts {
         let survey = &self.survey;
         let points: Vec<Point<G::Facet>> =
@@ -187,31 +184,28 @@ impl<'a, G: Ground> Site<'a, G> {
             points: points.len() as u64,
             ..Counts::default()
         };
-        let places = |direction: &Incidence| {
+        let mark = |direction: &Incidence| {
             let skyline = survey.skylines.get(self.azimuth(direction));
-            (&*points, skyline.map(|all| &*all.points[chunk]))
+            self.mark(direction, &points, skyline.map(|all| &*all.points[chunk]))
         };
-        let lights = self.marks(survey.lights, places, &mut counts.lost);
-        let views = self.marks(survey.views, places, &mut counts.lost);
-        views
-            .iter()
-            .for_each(|seen| counts.views.push(seen.count()));
-        let bins = survey.sigma.map(|sigma| {
-            let bins = points.iter().map(|point| self.bin(point, sigma));
-            bins.collect::<Vec<_>>()
-        });
-        for (light, lit) in survey.lights.iter().zip(&lights) {
-            counts.lights.push(lit.count());
+        let views: Vec<Vec<Mark>> = survey.views.iter().map(mark).collect();
+        for seen in &views {
+            counts.views.push(count(seen, seen));
+        }
+        for light in survey.lights {
+            let lit = &mark(light);
+            counts.lights.push(count(lit, lit));
             counts.areas.push(areas(light, &points, lit));
             for seen in &views {
-                counts.pairs.push(lit.both(seen));
+                counts.pairs.push(count(lit, seen));
             }
             if survey.mirror {
-                let mirrored = self.mirrored(light, &points, &lit.free, &mut counts.lost);
-                counts.mirrored.push(mirrored);
+                counts.mirrored.push(self.mirrored(light, &points, lit));
             }
-            for of_bin in bins.iter().flat_map(|bins| by_height(bins, lit)) {
-                counts.heights.push(of_bin);
+            if let Some(sigma) = survey.sigma {
+                for of_bin in self.by_height(&points, sigma, lit) {
+                    counts.heights.push(of_bin);
+                }
             }
         }
         if !views.is_empty() {
@@ -226,15 +220,15 @@ impl<'a, G: Ground> Site<'a, G> {
         let of_azimuth = |&azimuth: &f64| samples(self.ground, azimuth, chunk).collect();
         let samples: Vec<Vec<Point<G::Facet>>> = survey.azimuths.iter().map(of_azimuth).collect();
         counts.samples = samples[0].len() as u64;
-        let places = |direction: &Incidence| {
+        let mark = |direction: &Incidence| {
             let azimuth = self.azimuth(direction);
             let skyline = survey.skylines.get(azimuth);
-            (&*samples[azimuth], skyline.map(|all| &*all.samples[chunk]))
+            let horizons = skyline.map(|all| &*all.samples[chunk]);
+            self.mark(direction, &samples[azimuth], horizons)
         };
-        let lights = self.marks(survey.lights, places, &mut counts.lost);
-        let views = self.marks(survey.views, places, &mut counts.lost);
-        for lit in lights {
-            let both = views.iter().map(|seen| lit.both(seen)[1]);
+        let views: Vec<Vec<Mark>> = survey.views.iter().map(mark).collect();
+        for lit in survey.lights.iter().map(mark) {
+            let both = views.iter().map(|seen| count(&lit, seen)[1]);
             counts.paper.extend(both);
         }
     }
@@ -246,117 +240,87 @@ impl<'a, G: Ground> Site<'a, G> {
         number.unwrap_or(0)
     }
 
-    /// Which points face and see each direction. `places`: the points of a direction, and their horizons where they see by them.
-    fn marks<'p>(
-        &self,
-        directions: &[Incidence],
-        places: impl Fn(&Incidence) -> (&'p [Point<G::Facet>], Option<&'p [Horizon]>),
-        lost: &mut u64,
-    ) -> Vec<Marks>
-    where
-        G::Facet: 'p,
-    {
-        let mark = |direction: &Incidence| {
-            let (points, horizons) = places(direction);
-            self.mark(direction, points, horizons, lost)
-        };
-        directions.iter().map(mark).collect()
-    }
-
+    /// Which points face and see a direction, by their horizons or by rays.
     fn mark(
         &self,
         direction: &Incidence,
         points: &[Point<G::Facet>],
         horizons: Option<&[Horizon]>,
-        lost: &mut u64,
-    ) -> Marks {
+    ) -> Vec<Mark> {
         let w = direction.wi();
-        let facing = points.iter().map(|point| point.ray.direction.dot(w) > 0.0);
-        let facing: Vec<bool> = facing.collect();
-        let free = match horizons {
+        let faces = |point: &Point<G::Facet>| point.ray.direction.dot(w) > 0.0;
+        let free: Vec<bool> = match horizons {
             // From straight above, every point is seen.
-            _ if direction.is_vertical() => facing.clone(),
+            _ if direction.is_vertical() => points.iter().map(faces).collect(),
             Some(horizons) => {
                 let cotangent = cotangent(direction);
                 let sees = |horizon: &Horizon| self.survey.steeper * horizon.beyond <= cotangent;
-                let horizons = facing.iter().zip(horizons);
-                horizons
-                    .map(|(&facing, horizon)| facing && sees(horizon))
+                let points = points.iter().zip(horizons);
+                points
+                    .map(|(point, horizon)| faces(point) && sees(horizon))
                     .collect()
             }
             None => {
-                let rays = points.iter().zip(&facing).map(|(point, &facing)| {
-                    facing.then(|| self.ground.ray_along(point, direction))
-                });
-                self.free(rays, lost)
+                let ray = |point| faces(point).then(|| self.ground.ray_along(point, direction));
+                self.free(points.iter().map(ray))
             }
         };
-        Marks { facing, free }
+        let marks = points.iter().map(faces).zip(free);
+        marks.map(|(facing, free)| Mark { facing, free }).collect()
     }
 
     /// How many of the lit points send the mirrored ray away.
-    fn mirrored(
-        &self,
-        light: &Incidence,
-        points: &[Point<G::Facet>],
-        lit: &[bool],
-        lost: &mut u64,
-    ) -> u64 {
+    fn mirrored(&self, light: &Incidence, points: &[Point<G::Facet>], lit: &[Mark]) -> u64 {
         let wi = light.wi();
-        let rays = points.iter().zip(lit).map(|(point, &lit)| {
+        let rays = points.iter().zip(lit).map(|(point, lit)| {
             let wo = reflect(wi, point.ray.direction);
             // What goes down meets the surface.
-            (lit && wo.z > 0.0).then_some(VisibilityRay {
+            (lit.free && wo.z > 0.0).then_some(VisibilityRay {
                 direction: wo,
                 ..point.ray
             })
         });
-        ones(self.free(rays, lost).into_iter())
+        self.free(rays).into_iter().map(u64::from).sum()
     }
 
     /// For each ray, whether it escapes; false where there is none.
-    fn free(&self, rays: impl Iterator<Item = Option<VisibilityRay>>, lost: &mut u64) -> Vec<bool> {
+    fn free(&self, rays: impl Iterator<Item = Option<VisibilityRay>>) -> Vec<bool> {
         let all: Vec<Option<VisibilityRay>> = rays.collect();
         let taken: Vec<VisibilityRay> = all.iter().copied().flatten().collect();
         let mut seen = Vec::new();
         trace_visibility(self.ground, self.accelerator, &taken, &mut seen);
-        *lost += ones(seen.iter().map(|one| *one == Visibility::Lost));
+        let is_lost = |one: &&Visibility| **one == Visibility::Lost;
+        let lost = seen.iter().filter(is_lost).count() as u64;
+        self.lost.fetch_add(lost, Ordering::Relaxed);
         let mut seen = seen.into_iter();
         all.iter()
             .map(|ray| ray.is_some() && seen.next() == Some(Visibility::Visible))
             .collect()
     }
 
-    /// The bin of a point's height.
-    fn bin(&self, point: &Point<G::Facet>, sigma: f64) -> Option<usize> {
-        let height = (point.ray.origin.z - self.ground.mean_plane()) * self.ground.unit();
-        heights::bin(height / sigma)
+    /// Facing and lit points by their height.
+    fn by_height(&self, points: &[Point<G::Facet>], sigma: f64, lit: &[Mark]) -> [[u64; 2]; BINS] {
+        let mut counts = [[0; 2]; BINS];
+        for (point, mark) in points.iter().zip(lit) {
+            let height = (point.ray.origin.z - self.ground.mean_plane()) * self.ground.unit();
+            if let Some(bin) = heights::bin(height / sigma) {
+                counts[bin][0] += u64::from(mark.facing);
+                counts[bin][1] += u64::from(mark.free);
+            }
+        }
+        counts
     }
 }
 
 /// Projected areas of facing and lit points.
-fn areas<F>(light: &Incidence, points: &[Point<F>], lit: &Marks) -> [f64; 2] {
+fn areas<F>(light: &Incidence, points: &[Point<F>], lit: &[Mark]) -> [f64; 2] {
     let wi = light.wi();
     let mut sum = [0.0; 2];
-    for ((point, &facing), &free) in points.iter().zip(&lit.facing).zip(&lit.free) {
-        if facing {
-            let m = point.ray.direction;
-            let area = wi.dot(m) / (m.z * wi.z);
-            sum[0] += area;
-            sum[1] += if free { area } else { 0.0 };
-        }
+    for (point, mark) in points.iter().zip(lit).filter(|(_, mark)| mark.facing) {
+        let m = point.ray.direction;
+        let area = wi.dot(m) / (m.z * wi.z);
+        sum[0] += area;
+        sum[1] += if mark.free { area } else { 0.0 };
     }
     sum
-}
-
-/// Facing and lit points by their height.
-fn by_height(bins: &[Option<usize>], lit: &Marks) -> [[u64; 2]; BINS] {
-    let mut counts = [[0; 2]; BINS];
-    for ((bin, &facing), &free) in bins.iter().zip(&lit.facing).zip(&lit.free) {
-        if let Some(bin) = *bin {
-            counts[bin][0] += u64::from(facing);
-            counts[bin][1] += u64::from(free);
-        }
-    }
-    counts
 }

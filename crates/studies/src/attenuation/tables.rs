@@ -14,6 +14,9 @@ use serde_json::Value;
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
 use crate::output::{Column, Format, Support, Supported, Table, unit_of_lengths, wrapped};
 
+/// Description of the column `theta`.
+const THETA: &str = "polar angle of the light";
+
 /// The column `sigma`.
 fn sigma_column<'a, R: 'a>(unit: LengthUnit, sigma: fn(&R) -> f64) -> Column<'a, R> {
     let heading = match unit {
@@ -66,7 +69,7 @@ fn attenuation(unit: LengthUnit, independent: f64) -> Table<'static, Attenuation
     };
     Table::new()
         .column(sigma_column(unit, |row: &Row| row.sigma))
-        .column(angle("theta", "polar angle of the light", |row: &Row| row.light.theta_deg()))
+        .column(angle("theta", THETA, |row: &Row| row.light.theta_deg()))
         .column(angle("phi", "azimuth of the light", |row: &Row| row.light.phi_deg()))
         .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view.theta_deg()))
         .column(angle("view_phi", "azimuth of the eye", |row: &Row| row.view.phi_deg()))
@@ -98,66 +101,55 @@ fn attenuation(unit: LengthUnit, independent: f64) -> Table<'static, Attenuation
 fn demarcation(unit: LengthUnit) -> Table<'static, Demarcation> {
     type Row = Demarcation;
     let measured = |name, heading, about, value: fn(&Row) -> Option<Estimate>| {
-        Column::estimate(name, about, value)
-            .unit("deg")
-            .heading(heading)
+        let column = Column::estimate(name, about, value);
+        column.unit("deg").heading(heading)
     };
     let expected = |name, heading, about, value: fn(&Row) -> Option<f64>| {
-        let column = Column::new(name, about, value).unit("deg").heading(heading);
-        column.format(Format::Fixed(2))
+        let column = Column::new(name, about, value).format(Format::Fixed(2));
+        column.unit("deg").heading(heading)
     };
+    let first_dark = "polar angle of the light at which the first point is dark";
+    let scaled = "its cotangent over the root mean square slope";
+    let scaled = Column::estimate("first_dark_scaled", scaled, |row: &Row| {
+        Some(row.first_dark_scaled)
+    });
+    let first = "polar angle at which the first point that faces the light is dark";
+    let dark = "polar angle at which 1 % of all points are dark";
+    let by_smith = "one_percent_dark, by Smith";
+    let shadowed = "polar angle at which 1 % of all points face the light and are dark";
+    let smith = expected(
+        "smith_one_percent_shadowed",
+        "Smith",
+        "one_percent_shadowed, by Smith",
+        |row| row.smith_one_percent_shadowed,
+    );
+    let paper = "the demarcation angle of the 2019 paper";
     Table::new()
         .column(sigma_column(unit, |row: &Row| row.sigma))
-        .column(measured(
-            "first_dark",
-            "first dark",
-            "polar angle of the light at which the first point is dark",
-            |row| Some(row.first_dark),
-        ))
-        .column(
-            Column::estimate(
-                "first_dark_scaled",
-                "its cotangent over the root mean square slope",
-                |row: &Row| Some(row.first_dark_scaled),
-            )
-            .heading("cot / slope rms"),
-        )
-        .column(measured(
-            "first_shadowed",
-            "first shadowed",
-            "polar angle at which the first point that faces the light is dark",
-            |row| row.first_shadowed,
-        ))
-        .column(measured(
-            "one_percent_dark",
-            "1 % dark",
-            "polar angle at which 1 % of all points are dark",
-            |row| row.one_percent_dark,
-        ))
+        .column(measured("first_dark", "first dark", first_dark, |row| {
+            Some(row.first_dark)
+        }))
+        .column(scaled.heading("cot / slope rms"))
+        .column(measured("first_shadowed", "first shadowed", first, |row| {
+            row.first_shadowed
+        }))
+        .column(measured("one_percent_dark", "1 % dark", dark, |row| {
+            row.one_percent_dark
+        }))
         .column(expected(
             "smith_one_percent_dark",
             "Smith",
-            "one_percent_dark, by Smith",
+            by_smith,
             |row| row.smith_one_percent_dark,
         ))
         .column(measured(
             "one_percent_shadowed",
             "1 % shadowed",
-            "polar angle at which 1 % of all points face the light and are dark",
+            shadowed,
             |row| row.one_percent_shadowed,
         ))
-        .column(expected(
-            "smith_one_percent_shadowed",
-            "Smith",
-            "one_percent_shadowed, by Smith",
-            |row| row.smith_one_percent_shadowed,
-        ))
-        .column(expected(
-            "paper",
-            "2019 paper",
-            "the demarcation angle of the 2019 paper",
-            |row| row.paper,
-        ))
+        .column(smith)
+        .column(expected("paper", "2019 paper", paper, |row| row.paper))
 }
 
 /// visibility.csv: a row per sigma, light and height. `independent`: independent points over all surfaces.
@@ -167,48 +159,26 @@ fn visibility(unit: LengthUnit, independent: f64) -> Table<'static, VisibilityRo
         0.0 => Support::Proven,
         _ => Support::Samples(independent.min(row.points).max(1.0)),
     };
+    let x = "tan(theta) / s, the only parameter of the models";
+    let points = "points of that height that face the light, per surface";
+    let lit = "fraction of these points that are lit";
+    let lit = supported("visibility", lit, support, |row: &Row| row.visibility);
+    let xu_sun = "the same, by Eq. 24 of Xu and Sun, at height zero";
+    let xu_sun = Column::new("xu_sun", xu_sun, |row: &Row| row.xu_sun);
+    let height = |name, about, end: fn(&Row) -> f64| Column::new(name, about, end).unit("sigma");
     Table::new()
         .column(sigma_column(unit, |row: &Row| row.sigma))
-        .column(angle("theta", "polar angle of the light", |row: &Row| {
-            row.theta
-        }))
-        .column(
-            theory(
-                "x",
-                "tan(theta) / s, the only parameter of the models",
-                |row: &Row| row.x,
-            )
-            .heading("tan(theta) / s"),
-        )
-        .column(
-            Column::new("height_min", "lowest height", |row: &Row| row.height_min).unit("sigma"),
-        )
-        .column(
-            Column::new("height_max", "highest height", |row: &Row| row.height_max).unit("sigma"),
-        )
-        .column(Column::new(
-            "points",
-            "points of that height that face the light, per surface",
-            |row: &Row| row.points,
-        ))
-        .column(
-            supported(
-                "visibility",
-                "fraction of these points that are lit",
-                support,
-                |row: &Row| row.visibility,
-            )
-            .heading("explicit"),
-        )
+        .column(angle("theta", THETA, |row: &Row| row.theta))
+        .column(theory("x", x, |row: &Row| row.x).heading("tan(theta) / s"))
+        .column(height("height_min", "lowest height", |row| row.height_min))
+        .column(height("height_max", "highest height", |row| row.height_max))
+        .column(Column::new("points", points, |row: &Row| row.points))
+        .column(lit.heading("explicit"))
         .column(theory("smith", "the same, by Smith", |row: &Row| row.smith).heading("Smith"))
         .column(
-            Column::new(
-                "xu_sun",
-                "the same, by Eq. 24 of Xu and Sun, at height zero",
-                |row: &Row| row.xu_sun,
-            )
-            .format(Format::Fixed(4))
-            .heading("Xu and Sun, Eq. 24"),
+            xu_sun
+                .format(Format::Fixed(4))
+                .heading("Xu and Sun, Eq. 24"),
         )
 }
 
@@ -236,7 +206,7 @@ impl WrittenTable {
 /// All tables; those that were not requested have no rows.
 pub(super) fn tables(outcome: &AttenuationOutcome<'_>) -> [WrittenTable; 3] {
     let unit = outcome.plan.config.surface.unit;
-    let points = outcome.independent_points;
+    let points = outcome.independent_points();
     [
         WrittenTable::new("attenuation.csv", &attenuation(unit, points), &outcome.rows),
         WrittenTable::new("demarcation.csv", &demarcation(unit), &outcome.demarcation),
@@ -252,7 +222,7 @@ pub(super) fn tables(outcome: &AttenuationOutcome<'_>) -> [WrittenTable; 3] {
 #[must_use]
 pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let surface = &outcome.plan.config.surface;
-    let (unit, points) = (surface.unit, outcome.independent_points);
+    let (unit, points) = (surface.unit, outcome.independent_points());
     let work = &outcome.work;
     let mut out = format!(
         "tau {}{}, {} of {} points, {} border, by {}; fractions of points, not of projected areas\npaper_g2: fraction of the samples of the grid, {} per surface\n",
@@ -267,7 +237,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let cells = match surface.cells.of_random() {
         Cells::Flat => format!(
             "the slope variance of the mesh is {:.2} % below that of the continuous surface",
-            100.0 * outcome.mesh_slope_deficit,
+            100.0 * outcome.plan.mesh_slope_deficit(),
         ),
         Cells::Smooth => {
             "cells are smooth, with the slope variance of the continuous surface".to_owned()
