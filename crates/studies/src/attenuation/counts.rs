@@ -4,7 +4,7 @@ use std::ops::AddAssign;
 
 use serde::{Deserialize, Serialize};
 
-/// What is seen from several directions, or of several heights, one number each.
+/// Numbers of points by direction, or by height.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Seen<T> {
     /// Of the points that face a direction.

@@ -21,17 +21,18 @@ pub(super) struct Rises {
 }
 
 impl Rises {
-    /// Of a surface whose points have these horizons, which tell rises of `least` and more apart.
-    pub(super) fn of(horizons: &[Horizon], least: f64) -> Self {
-        let mut steepest: Vec<f64> = horizons.iter().map(|h| h.steepest()).collect();
-        let mut own: Vec<f64> = horizons.iter().map(|h| h.own).collect();
+    /// Of a surface whose points have these horizons, chunk by chunk, which tell rises of `least` and more apart.
+    pub(super) fn of(horizons: &[Vec<Horizon>], least: f64) -> Self {
+        let horizons = || horizons.iter().flatten();
+        let mut steepest: Vec<f64> = horizons().map(|h| h.steepest()).collect();
+        let mut own: Vec<f64> = horizons().map(|h| h.own).collect();
         // The steepest first.
         for rises in [&mut steepest, &mut own] {
             rises.sort_unstable_by(|a, b| b.total_cmp(a));
         }
-        let enough = (SHADOWED_FRACTION * horizons.len() as f64).ceil() as usize;
+        let enough = (SHADOWED_FRACTION * own.len() as f64).ceil() as usize;
         let told = |rise: &f64| *rise > least;
-        let shadowed = horizons.iter().filter(|h| h.beyond > h.own);
+        let shadowed = horizons().filter(|h| h.beyond > h.own);
         Self {
             first_dark: steepest[0],
             first_shadowed: shadowed
@@ -134,7 +135,7 @@ mod tests {
                 }
             })
             .collect();
-        let rises = Rises::of(&horizons, 0.05);
+        let rises = Rises::of(std::slice::from_ref(&horizons), 0.05);
         let dark = |c: f64| horizons.iter().filter(|h| h.steepest() > c).count();
         let shadowed = |c: f64| {
             horizons
@@ -152,6 +153,6 @@ mod tests {
         let c = rises.one_percent_shadowed.unwrap();
         assert!(shadowed(above * c) == 2 && shadowed(below * c) == 3, "{c}");
         // Rises that are not told apart are no answer.
-        assert_eq!(Rises::of(&horizons, 2.0).one_percent_dark, None);
+        assert_eq!(Rises::of(&[horizons], 2.0).one_percent_dark, None);
     }
 }

@@ -113,7 +113,7 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
     let sigmas = || outcome.plan.surfaces.iter().map(|surfaces| surfaces.sigma);
     let least = sigmas().fold(f64::INFINITY, f64::min);
     let most = sigmas().fold(0.0, f64::max);
-    let fine = || steps().map(|step| least + (most - least) * step);
+    let fine = || steps([least, most]);
     let mut curves = Vec::new();
     for (i, &number) in outcome.plan.over_sigma_at.iter().enumerate() {
         let light = outcome.plan.lights[number];
@@ -166,7 +166,7 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
         );
         curves.insert(i, curve(name, colour, Style::Points(0), points));
         let wi = from_spherical(light.theta(), 0.0);
-        let heights = steps().map(|step| HIGHEST * (2.0 * step - 1.0));
+        let heights = steps([-1.0, 1.0]).map(|step| HIGHEST * step);
         let smith = heights.map(|h| Point::exact(h, smith_visibility(&surfaces.slopes, wi, h)));
         curves.push(curve("", colour, SMITH_STYLE, smith));
         let at_zero = rows.iter().filter_map(|row| row.xu_sun);
@@ -196,10 +196,12 @@ const HIGHEST: f64 = 3.5;
 /// Points of a surface in a bin below which it is not drawn.
 const MIN_POINTS: f64 = 20.0;
 
-/// Places from 0 to 1 on a fine line.
-fn steps() -> impl Iterator<Item = f64> {
-    const STEPS: u32 = 200;
-    (0..=STEPS).map(|i| f64::from(i) / f64::from(STEPS))
+/// Steps of a fine line.
+const STEPS: u32 = 200;
+
+/// Points of a fine line over a range.
+fn steps([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..=STEPS).map(move |i| from + (to - from) * f64::from(i) / f64::from(STEPS))
 }
 
 fn curve(

@@ -23,7 +23,7 @@ use super::plan::AttenuationPlan;
 use super::points::{chunks, points, samples};
 use super::skyline::{Skyline, cotangent, least_rise};
 
-/// What was found on one realisation, whose surfaces are one at several scales of height.
+/// Counts of one realisation, whose surfaces are one at several scales of height.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurveyedSurface {
     /// One per sigma.
@@ -59,7 +59,7 @@ impl SurveyedSurface {
             {
                 let least = least_rise(plan);
                 skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
-                rises = (run.demarcation).then(|| Rises::of(&skylines[0].points.concat(), least));
+                rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
             let survey = Survey {
                 seed: run.seed,
