@@ -8,9 +8,10 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
+use crate::completion::open_results;
 use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_simulation};
 use crate::output::result_folder;
 use crate::progress::Progress;
 
@@ -23,21 +24,18 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         ));
     }
     // Everything is checked before a surface is drawn; the folder is made when there are results.
-    config.check().map_err(|error| match error {
-        AttenuationError::Synthesis(error) => refuse_surface(document.own_unit(), error),
-        AttenuationError::Run(error) => Failure::failed(error),
+    let plan = config.plan().map_err(|error| match error {
+        AttenuationError::Simulate(error) => refuse_simulation(document.own_unit(), error),
         error => refuse_config(document, &error),
     })?;
-    let folder = match &results.output {
-        Some(path) => {
-            let (inputs, names) = ([document.file()], config.files());
-            Some(result_folder(path, "attenuation", &inputs, &names)?)
-        }
-        None => None,
-    };
+    let (inputs, names) = ([document.file()], config.files());
+    let folder = results.output.as_ref();
+    let folder = folder.map(|path| result_folder(path, "attenuation", &inputs, &names));
+    let folder = folder.transpose()?;
+    let mut found = open_results(folder.as_ref(), plan.header())?;
 
     let progress = Progress::begin_run(common);
-    let outcome = attenuation(&config, &progress).map_err(Failure::failed)?;
+    let outcome = attenuation(&plan, &mut found, &progress).map_err(Failure::failed)?;
     if let Some(folder) = &folder {
         attenuation_report(folder, &outcome, &progress).map_err(Failure::failed)?;
     }
@@ -47,7 +45,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             "results are of {} that finished",
             counted(outcome.work.realisations, "surface")
         ),
-        again: Again::Restarts,
+        again: match &folder {
+            Some(_) => Again::Resumes,
+            None => Again::ResumesWithOutput,
+        },
     };
     let end = ended.close(folder.as_ref())?;
     common.say(|| {

@@ -3,9 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use asperity_results::Container;
+use asperity_studies::SurveyedSurface;
+use serde_json::Value;
+
 use crate::attenuation::{SMALL, outcome, rows};
 use crate::support::{files, json, refused, succeed, words};
-use serde_json::Value;
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
@@ -30,6 +33,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             "demarcation.csv",
             "manifest.json",
             "report.txt",
+            "results.npz",
             "summary.json",
             "visibility.csv",
             "visibility.png",
@@ -52,6 +56,14 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
                 (&Value::from(2), &"attenuation".into())
             );
             assert_eq!(one["config"]["run"]["seed"], 1);
+        } else if name == "results.npz" {
+            // Its machine.json tells seconds and threads.
+            let [one, two] = ["one", "two"].map(|run| {
+                let place = folder.join(run).join(&name);
+                let found: Container<'_, SurveyedSurface> = Container::read(place).unwrap();
+                found.comparable_bytes().unwrap()
+            });
+            assert!(one == two, "{name} differs");
         } else if name == "manifest.json" {
             // It has the fingerprint of summary.json, and so of the seconds there
             let [mut one, mut two] =
@@ -78,6 +90,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             "attenuation.csv",
             "manifest.json",
             "report.txt",
+            "results.npz",
             "summary.json"
         ]
     );
@@ -180,7 +193,7 @@ fn the_examples_are_understood() {
         let path = examples.join(name).with_extension("toml");
         let text = fs::read_to_string(path).unwrap();
         let config = asperity_studies::AttenuationConfig::from_toml(&text).unwrap();
-        config.check().unwrap();
+        config.plan().unwrap();
         let thetas = serde_json::to_value(&config.light.theta).unwrap();
         assert_eq!(thetas.as_array().unwrap().len(), directions);
     }

@@ -28,7 +28,7 @@ const LONG: [(&str, &str); 7] = [
     ),
     (
         "attenuation --tau 4 --spacing 1 --size 64 --sigma 1 --theta 45 --realisations 1e6 --no-plots",
-        "starts again",
+        "resumes",
     ),
     (
         "converge --tau 4 --size 32 --theta 0,10,20,30,40,50,60,70 --samplings random --accelerators pyramid --estimators plain --rays 1e4 --surfaces 4 --repeats 40 --reference-rays 1e3 --reference-surfaces 8 --no-plots",
@@ -113,6 +113,53 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
         }
         fs::remove_dir_all(out).unwrap();
     }
+}
+
+#[test]
+fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = |out: &str| {
+        format!(
+            "attenuation --tau 4 --spacing 1 --size 64 --sigma 2,1 --theta 30,70 --heights --demarcation --realisations 80 --no-plots --quiet -o {out}"
+        )
+    };
+    let began = Instant::now();
+    succeed(folder, &words(&line("whole")));
+    let whole = began.elapsed();
+    // A run that is sooner done than the first one is interrupted earlier.
+    let is_cut_short = [2, 4, 8, 3].into_iter().any(|part| {
+        let (code, errors) = interrupted(folder, &words(&line("out")), whole / part, 1);
+        if code == Some(3) {
+            assert!(errors.contains("the same command resumes"), "{errors}");
+            return true;
+        }
+        let _ = fs::remove_dir_all(folder.join("out"));
+        false
+    });
+    assert!(is_cut_short);
+    let read = |out: &str, name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+    let so_far = json(&read("out", "summary.json"))["work"]["realisations"].clone();
+    assert!((1..80).contains(&so_far.as_u64().unwrap()), "{so_far}");
+    succeed(folder, &words(&line("out")));
+    for name in [
+        "attenuation.csv",
+        "demarcation.csv",
+        "visibility.csv",
+        "report.txt",
+    ] {
+        assert!(read("out", name) == read("whole", name), "{name} differs");
+    }
+    let [resumed, whole] = ["out", "whole"].map(|out| {
+        let mut summary = json(&read(out, "summary.json"));
+        summary["work"]["seconds"] = 0.into();
+        summary
+    });
+    assert_eq!(resumed, whole);
+    assert_eq!(json(&read("out", "manifest.json"))["complete"], true);
+    // Other settings are other results; a complete folder may be written again.
+    succeed(folder, &words(&format!("{} --seed 2", line("out"))));
+    assert!(read("out", "attenuation.csv") != read("whole", "attenuation.csv"));
 }
 
 #[test]

@@ -249,6 +249,7 @@ impl<'a, C: Stored> Container<'a, C> {
     }
 
     /// Computes the results that are missing among the first `count`, one after the other, until `compute` returns `None` at an interrupt.
+    /// Without an interrupt a `None` leaves the result to another shard.
     ///
     /// # Errors
     /// The first error of `compute`.
@@ -262,13 +263,14 @@ impl<'a, C: Stored> Container<'a, C> {
         self.stopped_by = None;
         for number in 0..count {
             if !self.is_complete(number) {
-                let Some(case) = compute(number)? else {
-                    self.stopped_by = observer.stop().or(Some(StoppedBy::Interrupt));
+                if let Some(case) = compute(number)? {
+                    let case = Arc::new(case);
+                    self.store.add_case(number, &case);
+                    self.cases[number] = Some(case);
+                } else if let Some(stopped_by) = observer.stop() {
+                    self.stopped_by = Some(stopped_by);
                     break;
-                };
-                let case = Arc::new(case);
-                self.store.add_case(number, &case);
-                self.cases[number] = Some(case);
+                }
             }
         }
         Ok(())

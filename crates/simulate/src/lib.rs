@@ -41,7 +41,7 @@ pub use input::coordinates::{Coordinate, Coordinates};
 pub use input::described_shape::{DescribedShape, DescribedSurface, corners_hash, heights_hash};
 pub use input::estimator::Estimator;
 pub use input::limits::{
-    check_grazing, check_height, check_memory, check_results, check_shape_memory,
+    check_height, check_memory, check_results, check_shape, check_shape_memory,
     smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;

@@ -59,7 +59,6 @@ mod ground;
 mod heights;
 mod plan;
 mod points;
-mod rough_surface;
 mod skyline;
 mod smooth_ground;
 mod survey;
@@ -67,35 +66,33 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
 use std::time::Instant;
 
-use asperity_analysis::{
-    Beckmann, smith_correlated_g2, smith_lit, smith_lit_as_printed, smith_separable_g2,
-    v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
-};
-use asperity_surface::SynthesisError;
+use asperity_analysis::SlopeCovariance;
+use asperity_optics::Incidence;
+use asperity_results::{Container, ResultsError};
+use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
 use asperity_tally::Estimate;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
+use crate::report::flux_support::patches;
 
 pub use config::{
-    AttenuationConfig, AttenuationLight, AttenuationOutput, AttenuationRun, AttenuationSurface,
-    AttenuationView, VisibilityMethod,
+    AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun,
+    AttenuationSurface, VisibilityMethod,
 };
 pub use demarcation::Demarcation;
 pub use files::{attenuation_report, attenuation_summary};
 pub use given::ShadowShares;
 pub use heights::VisibilityRow;
+pub use plan::AttenuationPlan;
+pub use survey::SurveyedSurface;
 pub use tables::attenuation_table;
 
-use counts::{Area, Counts};
+use counts::Counts;
 use demarcation::Rises;
 use estimate::ratio;
-use plan::Plan;
-use rough_surface::RoughSurface;
-use survey::survey;
 
 /// Why an attenuation run fails.
 #[derive(Debug, thiserror::Error)]
@@ -107,29 +104,25 @@ pub enum AttenuationError {
     /// The configuration makes no sense.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The surfaces cannot be drawn.
+    /// The surfaces cannot be drawn, do not fit into memory, or the light cannot be followed.
     #[error(transparent)]
-    Synthesis(SynthesisError),
-    /// The surfaces do not fit into memory, or the light cannot be followed.
+    Simulate(#[from] SimulateError),
+    /// Results cannot be kept.
     #[error(transparent)]
-    Run(#[from] SimulateError),
+    Results(#[from] ResultsError),
 }
 
-/// What was measured for one sigma, light and view, with what theory expects.
-///
-/// Polar angles and azimuths are in degrees; theory is that of the continuous surface.
+/// What was measured for one sigma, light and view.
 #[derive(Clone, Debug)]
 pub struct AttenuationRow {
     /// Root mean square height, length units.
     pub sigma: f64,
-    /// Of the direction towards the light.
-    pub theta: f64,
-    /// Of the direction towards the light.
-    pub phi: f64,
-    /// Of the direction towards the eye.
-    pub view_theta: f64,
-    /// Of the direction towards the eye.
-    pub view_phi: f64,
+    /// Slopes of the continuous surface, by which theory expects the same.
+    pub slopes: SlopeCovariance,
+    /// Direction towards the light.
+    pub light: Incidence,
+    /// Direction towards the eye.
+    pub view: Incidence,
     /// Fraction of all points that are lit.
     pub lit: Estimate,
     /// Fraction of the points facing the light that are lit.
@@ -138,16 +131,6 @@ pub struct AttenuationRow {
     pub g1_projected: Estimate,
     /// Projected area of all lit points over that of the mean plane: one, if none is lost or seen twice.
     pub lit_projected: Estimate,
-    /// Smith's lit fraction.
-    pub smith_lit: f64,
-    /// Smith's `1 / (1 + Lambda)`.
-    pub smith_g1: f64,
-    /// The lit fraction by Smith's formula as the 2019 paper prints it.
-    pub smith_lit_as_printed: f64,
-    /// The lit fraction of V-cavities.
-    pub v_cavity_lit: f64,
-    /// The same of the points that face the light.
-    pub v_cavity_g1: f64,
     /// Fraction of all points that face away from the light.
     pub local_shadow: Estimate,
     /// Fraction of all points that face the light and are shadowed.
@@ -160,12 +143,6 @@ pub struct AttenuationRow {
     pub g1_view: Estimate,
     /// Fraction of the points that face both directions that are lit and visible.
     pub g2: Estimate,
-    /// Smith's `G1(wi) G1(wo)`.
-    pub smith_separable_g2: f64,
-    /// Smith's `1 / (1 + Lambda(wi) + Lambda(wo))`.
-    pub smith_correlated_g2: f64,
-    /// `g2` of V-cavities.
-    pub v_cavity_g2: f64,
     /// `1 - N_s / N` of the 2019 paper, over the samples of the grid: the fraction of those that are lit and
     /// seen.
     pub paper_g2: Estimate,
@@ -193,10 +170,9 @@ pub struct AttenuationWork {
 }
 
 /// What an attenuation run found.
-#[derive(Clone, Debug)]
-pub struct AttenuationOutcome {
-    /// The configuration that was run.
-    pub config: AttenuationConfig,
+pub struct AttenuationOutcome<'a> {
+    /// What was planned.
+    pub plan: &'a AttenuationPlan,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
     /// Where shadow begins, one per sigma; empty if that was not requested.
@@ -205,19 +181,27 @@ pub struct AttenuationOutcome {
     pub visibility: Vec<VisibilityRow>,
     /// What was done.
     pub work: AttenuationWork,
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction; 0 for smooth cells.
-    pub mesh_slope_deficit: f64,
-    /// Independent points over all surfaces of a sigma: points within a correlation length see much the same.
-    pub(crate) independent_points: f64,
-    models_at: Vec<f64>,
-    over_sigma_at: Vec<f64>,
     /// What ended the run before all surfaces were measured.
     pub stopped_by: Option<StoppedBy>,
 }
 
-impl AttenuationOutcome {
+impl AttenuationOutcome<'_> {
+    /// Rows of the first view, on which what is lit does not depend.
+    fn of_first_view(&self) -> impl Iterator<Item = &AttenuationRow> {
+        self.rows.iter().step_by(self.plan.views.len())
+    }
+
+    /// Independent points over all surfaces of a sigma: no more than there are patches of a correlation length, in which points see
+    /// much the same.
+    fn independent_points(&self) -> f64 {
+        let drawn = &self.plan.surfaces[0].drawn;
+        let tau = self.plan.config.surface.tau.0;
+        let patches = patches(drawn.shape(), drawn.spacing(), [tau; 2]);
+        patches.min(self.work.points as f64) * self.work.realisations as f64
+    }
+
     /// What a reader should not miss.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    fn warnings(&self) -> Vec<String> {
         let work = &self.work;
         let lost = (work.lost > 0).then(|| {
             format!(
@@ -229,174 +213,125 @@ impl AttenuationOutcome {
             format!(
                 "interrupted: these are the results of {} of {}",
                 work.realisations,
-                counted(self.config.run.realisations.0, "surface")
+                counted(self.plan.config.run.realisations.0, "surface")
             )
         });
         lost.into_iter().chain(stopped).collect()
     }
 }
 
-/// Measures geometric attenuation.
+/// Measures geometric attenuation on the surfaces that `found` lacks.
 ///
 /// # Errors
-/// [`AttenuationError`] if the configuration makes no sense, does not fit into memory, or the run is
-/// interrupted before its first surface is finished.
-pub fn attenuation(
-    config: &AttenuationConfig,
-    progress: &dyn Observer,
-) -> Result<AttenuationOutcome, AttenuationError> {
+/// [`AttenuationError`] if light cannot be followed, results cannot be kept, or the run is interrupted before its first surface is
+/// finished.
+pub fn attenuation<'a>(
+    plan: &'a AttenuationPlan,
+    found: &mut Container<'_, SurveyedSurface>,
+    observer: &dyn Observer,
+) -> Result<AttenuationOutcome<'a>, AttenuationError> {
     let began = Instant::now();
-    let plan = config.plan()?;
-    let realisations = config.run.realisations.0;
-    progress.begin("measuring", realisations * plan.sigmas.len() as u64);
-    let mut counts: Vec<Vec<Counts>> = vec![Vec::new(); plan.sigmas.len()];
-    let mut rises = Vec::new();
-    let mut stopped_by = None;
-    for index in 0..realisations {
-        let Some(surveyed) = survey(config, &plan, index, progress)? else {
-            stopped_by = progress.stop();
-            break;
-        };
-        for (all, one) in counts.iter_mut().zip(surveyed.counts) {
-            all.push(one);
+    let count = plan.config.run.realisations.0 as usize;
+    let missing = count.saturating_sub(found.resumed().cases);
+    observer.begin("measuring", (missing * plan.surfaces.len()) as u64);
+    found.compute_missing(count, observer, |number| {
+        SurveyedSurface::of(plan, number as u64, observer)
+    })?;
+    observer.end();
+    let mut outcome = plan.judge(found)?;
+    found.close()?;
+    outcome.work.seconds = began.elapsed().as_secs_f64();
+    Ok(outcome)
+}
+
+impl AttenuationPlan {
+    /// What the surfaces that were found say together.
+    ///
+    /// # Errors
+    /// [`AttenuationError::Interrupted`] if there are none.
+    pub fn judge(
+        &self,
+        found: &Container<'_, SurveyedSurface>,
+    ) -> Result<AttenuationOutcome<'_>, AttenuationError> {
+        let found_surfaces = || found.cases().map(|(_, surface)| surface);
+        let first = found_surfaces().next();
+        let first = &first.ok_or(AttenuationError::Interrupted)?.counts[0];
+        let rises: Vec<Rises> = found_surfaces().filter_map(|found| found.rises).collect();
+        let tau = self.config.surface.tau.0;
+        let (mut rows, mut demarcation, mut visibility) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, surfaces) in self.surfaces.iter().enumerate() {
+            let counts: Vec<&Counts> = found_surfaces().map(|one| &one.counts[number]).collect();
+            for light in 0..self.lights.len() {
+                let views = 0..self.views.len();
+                rows.extend(views.map(|view| self.row([number, light, view], &counts)));
+            }
+            if !rises.is_empty() {
+                let factor = surfaces.sigma / self.surfaces[0].sigma;
+                demarcation.push(Demarcation::new(surfaces, tau, &rises, factor));
+            }
+            if self.config.run.heights {
+                let lights = self.lights.iter().enumerate();
+                visibility
+                    .extend(lights.flat_map(|light| heights::rows(surfaces, tau, light, &counts)));
+            }
         }
-        if config.run.demarcation
-            && let Some((horizons, least)) = surveyed.horizons
-        {
-            rises.push(Rises::of(&horizons, least));
-        }
+        let lost = found_surfaces().flat_map(|one| &one.counts);
+        Ok(AttenuationOutcome {
+            plan: self,
+            rows,
+            demarcation,
+            visibility,
+            work: AttenuationWork {
+                realisations: found_surfaces().count() as u64,
+                points: first.points,
+                samples: first.samples,
+                method: self.method,
+                lost: lost.map(|counts| counts.lost).sum(),
+                seconds: 0.0,
+                threads: rayon::current_num_threads(),
+            },
+            stopped_by: found.stopped_by(),
+        })
     }
-    progress.end();
-    let Some(first) = counts[0].first() else {
-        return Err(AttenuationError::Interrupted);
-    };
-    Ok(AttenuationOutcome {
-        config: config.clone(),
-        rows: rows(&plan, &counts),
-        demarcation: demarcation(&plan, &rises),
-        visibility: if config.run.heights {
-            visibility(&plan, &counts)
-        } else {
-            Vec::new()
-        },
-        work: AttenuationWork {
-            realisations: counts[0].len() as u64,
-            points: first.points,
-            samples: first.samples,
-            method: plan.method,
-            lost: counts.iter().flatten().map(|counts| counts.lost).sum(),
-            seconds: began.elapsed().as_secs_f64(),
-            threads: rayon::current_num_threads(),
-        },
-        mesh_slope_deficit: mesh_slope_deficit(&plan),
-        independent_points: plan.independent_points(first.points) * counts[0].len() as f64,
-        models_at: plan.models_at,
-        over_sigma_at: plan.over_sigma_at,
-        stopped_by,
-    })
-}
 
-/// The rows of all sigma, lights and views.
-fn rows(plan: &Plan, counts: &[Vec<Counts>]) -> Vec<AttenuationRow> {
-    let mut rows = Vec::new();
-    for (sigma, counts) in counts.iter().enumerate() {
-        for light in 0..plan.lights.len() {
-            rows.extend((0..plan.views.len()).map(|view| row(plan, [sigma, light, view], counts)));
-        }
-    }
-    rows
-}
-
-fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> AttenuationRow {
-    let (light, view, slopes) = (plan.lights[i], plan.views[o], &plan.slopes[sigma]);
-    let (wi, wo) = (light.wi(), view.wi());
-    let sigma = plan.sigmas[sigma];
-    // Ratios of what is counted on each surface.
-    let fraction = |over: &dyn Fn(&Counts) -> u64, under: &dyn Fn(&Counts) -> u64| {
-        let pair = |counts: &Counts| [over(counts), under(counts)].map(|count| count as f64);
-        ratio(counts.iter().map(pair))
-    };
-    let of_all = |over: &dyn Fn(&Counts) -> u64| fraction(over, &|counts| counts.points);
-    let areas = |of: fn(Area, f64) -> [f64; 2]| {
-        let pair = |counts: &Counts| of(counts.areas[i], counts.points as f64);
-        ratio(counts.iter().map(pair))
-    };
-    let pair = i * plan.views.len() + o;
-    AttenuationRow {
-        sigma,
-        theta: light.theta_deg(),
-        phi: light.phi_deg(),
-        view_theta: view.theta_deg(),
-        view_phi: view.phi_deg(),
-        lit: of_all(&|counts| counts.lights[i].free),
-        g1: fraction(&|counts| counts.lights[i].free, &|counts| {
-            counts.lights[i].facing
-        }),
-        g1_projected: areas(|area, _| [area.free, area.facing]),
-        lit_projected: areas(|area, points| [area.free, points]),
-        smith_lit: smith_lit(slopes, wi),
-        smith_g1: Beckmann::new(*slopes).g1(wi),
-        smith_lit_as_printed: smith_lit_as_printed(sigma, wi),
-        v_cavity_lit: v_cavity_lit(slopes, wi),
-        v_cavity_g1: v_cavity_mean_g1(slopes, wi),
-        local_shadow: of_all(&|counts| counts.points - counts.lights[i].facing),
-        distant_shadow: of_all(&|counts| counts.lights[i].facing - counts.lights[i].free),
-        local_mask: of_all(&|counts| counts.points - counts.views[o].facing),
-        distant_mask: of_all(&|counts| counts.views[o].facing - counts.views[o].free),
-        g1_view: fraction(&|counts| counts.views[o].free, &|counts| {
-            counts.views[o].facing
-        }),
-        g2: fraction(&|counts| counts.pairs[pair].free, &|counts| {
-            counts.pairs[pair].facing
-        }),
-        smith_separable_g2: smith_separable_g2(slopes, wi, wo),
-        smith_correlated_g2: smith_correlated_g2(slopes, wi, wo),
-        v_cavity_g2: v_cavity_mean_g2(slopes, wi, wo),
-        paper_g2: fraction(&|counts| counts.paper[pair], &|counts| counts.samples),
-        mirror_g2: (!counts[0].mirrored.is_empty()).then(|| of_all(&|counts| counts.mirrored[i])),
-    }
-}
-
-fn demarcation(plan: &Plan, rises: &[Rises]) -> Vec<Demarcation> {
-    if rises.is_empty() {
-        return Vec::new();
-    }
-    rough_surfaces(plan)
-        .map(|surface| Demarcation::new(&surface, rises, surface.sigma / plan.sigmas[0]))
-        .collect()
-}
-
-fn visibility(plan: &Plan, counts: &[Vec<Counts>]) -> Vec<VisibilityRow> {
-    let mut rows = Vec::new();
-    for (surface, counts) in rough_surfaces(plan).zip(counts) {
-        let counts: Vec<&Counts> = counts.iter().collect();
-        for (light, incidence) in plan.lights.iter().enumerate() {
-            rows.extend(heights::rows(&surface, light, incidence, &counts));
+    /// The row of the sigma, light and view of these numbers, of the `counts` of all realisations.
+    fn row(&self, [sigma, i, o]: [usize; 3], counts: &[&Counts]) -> AttenuationRow {
+        // Ratios of what is measured on each surface.
+        let areas = |of: &dyn Fn(&Counts) -> [f64; 2]| ratio(counts.iter().map(|one| of(one)));
+        let fraction =
+            |of: &dyn Fn(&Counts) -> [u64; 2]| areas(&|one| of(one).map(|count| count as f64));
+        let of_all = |of: &dyn Fn(&Counts) -> u64| fraction(&|one| [of(one), one.points]);
+        let pair = i * self.views.len() + o;
+        let surfaces = &self.surfaces[sigma];
+        AttenuationRow {
+            sigma: surfaces.sigma,
+            slopes: surfaces.slopes,
+            light: self.lights[i],
+            view: self.views[o],
+            lit: of_all(&|one| one.lights.free[i]),
+            g1: fraction(&|one| [one.lights.free[i], one.lights.facing[i]]),
+            g1_projected: areas(&|one| [one.areas.free[i], one.areas.facing[i]]),
+            lit_projected: areas(&|one| [one.areas.free[i], one.points as f64]),
+            local_shadow: of_all(&|one| one.points - one.lights.facing[i]),
+            distant_shadow: of_all(&|one| one.lights.facing[i] - one.lights.free[i]),
+            local_mask: of_all(&|one| one.points - one.views.facing[o]),
+            distant_mask: of_all(&|one| one.views.facing[o] - one.views.free[o]),
+            g1_view: fraction(&|one| [one.views.free[o], one.views.facing[o]]),
+            g2: fraction(&|one| [one.pairs.free[pair], one.pairs.facing[pair]]),
+            paper_g2: fraction(&|one| [one.paper[pair], one.samples]),
+            mirror_g2: (self.config.run.mirror).then(|| of_all(&|one| one.mirrored[i])),
         }
     }
-    rows
-}
 
-/// The surfaces of each sigma.
-fn rough_surfaces(plan: &Plan) -> impl Iterator<Item = RoughSurface<'_>> {
-    let sigmas = plan.sigmas.iter().zip(&plan.slopes);
-    sigmas.map(|(&sigma, slopes)| RoughSurface {
-        sigma,
-        tau: plan.tau,
-        slopes,
-    })
-}
-
-/// How far the slope variance of the mesh lies below that of the continuous surface: the worse of the two
-/// axes.
-fn mesh_slope_deficit(plan: &Plan) -> f64 {
-    if plan.recipes.cells() == Cells::Smooth {
-        return 0.0;
-    }
-    let deficit = |step: f64| {
-        let square = (step / plan.tau).powi(2);
+    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction: the worse of the two
+    /// axes. 0 for smooth cells.
+    fn mesh_slope_deficit(&self) -> f64 {
+        let drawn = &self.surfaces[0].drawn;
+        if drawn.cells() == Cells::Smooth {
+            return 0.0;
+        }
+        let [dx, dy] = drawn.spacing();
+        let square = (dx.max(dy) / self.config.surface.tau.0).powi(2);
         1.0 + (-square).exp_m1() / square
-    };
-    let [dx, dy] = plan.spacing;
-    deficit(dx).max(deficit(dy))
+    }
 }

@@ -23,10 +23,10 @@ mod validity;
 mod verify;
 
 pub use attenuation::{
-    AttenuationConfig, AttenuationError, AttenuationLight, AttenuationOutcome, AttenuationOutput,
-    AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationView, AttenuationWork,
-    Demarcation, ShadowShares, VisibilityMethod, VisibilityRow, attenuation, attenuation_report,
-    attenuation_summary, attenuation_table,
+    AttenuationConfig, AttenuationDirections, AttenuationError, AttenuationOutcome,
+    AttenuationOutput, AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface,
+    AttenuationWork, Demarcation, ShadowShares, SurveyedSurface, VisibilityMethod, VisibilityRow,
+    attenuation, attenuation_report, attenuation_summary, attenuation_table,
 };
 pub use border::{ASSUMED_BORDER, border_notes};
 pub use comparison::error::CompareError;

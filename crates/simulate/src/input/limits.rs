@@ -175,11 +175,8 @@ pub fn check_height<G: Geometry>(surface: &G) -> Result<(), SimulateError> {
     }
 }
 
-/// Refuses surfaces that are too high for their tile, and light that would cross more tiles than a ray may.
-///
-/// # Errors
-/// [`SimulateError::TooHigh`] and [`SimulateError::TooGrazing`].
-pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), SimulateError> {
+/// Refuses light that would cross more tiles than a ray may, and what [`check_height`] does.
+fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), SimulateError> {
     check_height(surface)?;
     let tiles = tiles_crossed(surface, incidence.theta());
     if can_traverse(surface, incidence.theta()) {
@@ -218,8 +215,11 @@ pub fn check_shape_memory(
     check_memory(what, shape_bytes(shape, accelerator, refine))
 }
 
-/// Refuses what [`check_grazing`] does, of a shape of any kind.
-pub(crate) fn check_shape(shape: &Shape, incidence: Incidence) -> Result<(), SimulateError> {
+/// Refuses surfaces that are too high for their tile, and light that would cross more tiles than a ray may.
+///
+/// # Errors
+/// [`SimulateError::TooHigh`] and [`SimulateError::TooGrazing`].
+pub fn check_shape(shape: &Shape, incidence: Incidence) -> Result<(), SimulateError> {
     match shape {
         Shape::HeightField { top, .. } => check_grazing(&**top, incidence),
         Shape::Smooth { top, .. } => check_grazing(&**top, incidence),

@@ -159,7 +159,10 @@ impl RandomSurfaces {
     }
 
     /// The surface of a seed and number, drawn in the memory given.
-    pub(crate) fn draw_into(
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn draw_into(
         &self,
         seed: u64,
         number: u64,

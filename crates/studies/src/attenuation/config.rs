@@ -5,7 +5,6 @@ use std::fmt;
 use asperity_surface::{Border, LengthUnit};
 use serde::{Deserialize, Serialize};
 
-use super::AttenuationError;
 use crate::config::error::ConfigError;
 use crate::config::surface::CellsChoice;
 use crate::config::values::{Count, Number, OneOrMany, PerAxis};
@@ -39,18 +38,9 @@ pub struct AttenuationSurface {
     pub insist: bool,
 }
 
-/// `[light]`: the directions towards the light.
+/// `[light]` and `[view]`: the directions towards the light, and those towards the eye.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AttenuationLight {
-    /// Polar angle, degrees from 0 to below 90, one or several.
-    pub theta: OneOrMany<Number>,
-    /// Azimuth, degrees.
-    pub phi: Number,
-}
-
-/// `[view]`: the directions from which the surface is seen; from straight above unless given.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AttenuationView {
+pub struct AttenuationDirections {
     /// Polar angle, degrees from 0 to below 90, one or several.
     pub theta: OneOrMany<Number>,
     /// Azimuth, degrees.
@@ -116,9 +106,9 @@ pub struct AttenuationConfig {
     /// The random surfaces.
     pub surface: AttenuationSurface,
     /// Where the light comes from.
-    pub light: AttenuationLight,
-    /// Where the surface is seen from.
-    pub view: AttenuationView,
+    pub light: AttenuationDirections,
+    /// Where the surface is seen from; from straight above unless given.
+    pub view: AttenuationDirections,
     /// How much is measured.
     pub run: AttenuationRun,
     /// What is drawn.
@@ -138,13 +128,5 @@ impl AttenuationConfig {
     /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         Ok(Document::of_text(Command::Attenuation, text)?.read()?)
-    }
-
-    /// Checks everything that can be known before a surface is drawn: values, grids, memory.
-    ///
-    /// # Errors
-    /// [`AttenuationError`] as from [`crate::attenuation`].
-    pub fn check(&self) -> Result<(), AttenuationError> {
-        self.plan().map(drop)
     }
 }

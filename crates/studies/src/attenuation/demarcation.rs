@@ -3,15 +3,16 @@
 use asperity_analysis::smith_demarcation;
 use asperity_tally::Estimate;
 use asperity_tracer::Horizon;
+use serde::{Deserialize, Serialize};
 
 use super::estimate::mean;
-use super::rough_surface::RoughSurface;
+use super::plan::RoughSurfaces;
 
 /// The fraction of points whose shadow counts as its beginning.
-pub(super) const SHADOWED_FRACTION: f64 = 0.01;
+const SHADOWED_FRACTION: f64 = 0.01;
 
 /// Rises `cot(theta)` at which shadow begins on one surface, if it does above those that were told apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Rises {
     first_dark: f64,
     first_shadowed: Option<f64>,
@@ -20,17 +21,18 @@ pub(super) struct Rises {
 }
 
 impl Rises {
-    /// Of a surface whose points have these horizons, which tell rises of `least` and more apart.
-    pub(super) fn of(horizons: &[Horizon], least: f64) -> Self {
-        let mut steepest: Vec<f64> = horizons.iter().map(|h| h.steepest()).collect();
-        let mut own: Vec<f64> = horizons.iter().map(|h| h.own).collect();
+    /// Of a surface whose points have these horizons, chunk by chunk, which tell rises of `least` and more apart.
+    pub(super) fn of(horizons: &[Vec<Horizon>], least: f64) -> Self {
+        let horizons = || horizons.iter().flatten();
+        let mut steepest: Vec<f64> = horizons().map(|h| h.steepest()).collect();
+        let mut own: Vec<f64> = horizons().map(|h| h.own).collect();
         // The steepest first.
         for rises in [&mut steepest, &mut own] {
             rises.sort_unstable_by(|a, b| b.total_cmp(a));
         }
-        let enough = (SHADOWED_FRACTION * horizons.len() as f64).ceil() as usize;
+        let enough = (SHADOWED_FRACTION * own.len() as f64).ceil() as usize;
         let told = |rise: &f64| *rise > least;
-        let shadowed = horizons.iter().filter(|h| h.beyond > h.own);
+        let shadowed = horizons().filter(|h| h.beyond > h.own);
         Self {
             first_dark: steepest[0],
             first_shadowed: shadowed
@@ -39,17 +41,6 @@ impl Rises {
                 .filter(told),
             one_percent_dark: steepest.get(enough.max(1) - 1).copied().filter(told),
             one_percent_shadowed: shadowed_fraction(&steepest, &own, enough).filter(told),
-        }
-    }
-
-    /// The same for a surface whose heights are multiplied by `factor`.
-    fn times(self, factor: f64) -> Self {
-        let times = |rise: Option<f64>| rise.map(|rise| factor * rise);
-        Self {
-            first_dark: factor * self.first_dark,
-            first_shadowed: times(self.first_shadowed),
-            one_percent_dark: times(self.one_percent_dark),
-            one_percent_shadowed: times(self.one_percent_shadowed),
         }
     }
 }
@@ -99,23 +90,23 @@ const PAPER: [(f64, f64); 3] = [(0.1, 85.8), (0.5, 21.4), (0.9, 15.6)];
 
 impl Demarcation {
     /// Of surfaces `factor` times as high as those with these `rises`.
-    pub(super) fn new(surface: &RoughSurface<'_>, rises: &[Rises], factor: f64) -> Self {
-        let RoughSurface { sigma, tau, slopes } = *surface;
-        let rises: Vec<Rises> = rises.iter().map(|rises| rises.times(factor)).collect();
+    pub(super) fn new(surfaces: &RoughSurfaces, tau: f64, rises: &[Rises], factor: f64) -> Self {
+        let RoughSurfaces { sigma, slopes, .. } = surfaces;
         let angle = |rise: f64| rise.recip().atan().to_degrees();
         // An angle that one of the surfaces does not have is none of the ensemble.
         let angles = |of: fn(&Rises) -> Option<f64>| {
             let found: Option<Vec<f64>> = rises.iter().map(of).collect();
-            found.map(|found| mean(found.into_iter().map(angle)))
+            found.map(|found| mean(found.into_iter().map(|rise| angle(factor * rise))))
         };
         let deviation = slopes.xx().sqrt();
         let smith =
             |within_facing| smith_demarcation(slopes, SHADOWED_FRACTION, within_facing).map(angle);
-        let paper = PAPER.iter().find(|(of, _)| *of == sigma && tau == 0.5);
+        let paper = PAPER.iter().find(|(of, _)| of == sigma && tau == 0.5);
+        let first_dark = rises.iter().map(|rises| factor * rises.first_dark);
         Self {
-            sigma,
-            first_dark: mean(rises.iter().map(|rises| angle(rises.first_dark))),
-            first_dark_scaled: mean(rises.iter().map(|rises| rises.first_dark / deviation)),
+            sigma: *sigma,
+            first_dark: mean(first_dark.clone().map(angle)),
+            first_dark_scaled: mean(first_dark.map(|rise| rise / deviation)),
             first_shadowed: angles(|rises| rises.first_shadowed),
             one_percent_dark: angles(|rises| rises.one_percent_dark),
             one_percent_shadowed: angles(|rises| rises.one_percent_shadowed),
@@ -144,7 +135,7 @@ mod tests {
                 }
             })
             .collect();
-        let rises = Rises::of(&horizons, 0.05);
+        let rises = Rises::of(std::slice::from_ref(&horizons), 0.05);
         let dark = |c: f64| horizons.iter().filter(|h| h.steepest() > c).count();
         let shadowed = |c: f64| {
             horizons
@@ -162,6 +153,6 @@ mod tests {
         let c = rises.one_percent_shadowed.unwrap();
         assert!(shadowed(above * c) == 2 && shadowed(below * c) == 3, "{c}");
         // Rises that are not told apart are no answer.
-        assert_eq!(Rises::of(&horizons, 2.0).one_percent_dark, None);
+        assert_eq!(Rises::of(&[horizons], 2.0).one_percent_dark, None);
     }
 }

@@ -10,17 +10,14 @@ pub(super) fn ratio(realisations: impl Iterator<Item = [f64; 2]> + Clone) -> Est
     let sum = |i: usize| realisations.clone().map(|pair| pair[i]).sum::<f64>();
     let (over, under) = (sum(0), sum(1));
     let (ratio, count) = (over / under, realisations.clone().count() as f64);
-    let mut statistics = BatchStatistics::new(1);
-    for [over, under_here] in realisations {
-        statistics.push(&[(over - ratio * under_here) * count / under]);
-    }
+    let residual = |[over, here]: [f64; 2]| (over - ratio * here) * count / under;
     Estimate {
         mean: ratio,
-        se: statistics.estimate(0).se,
+        ..mean(realisations.map(residual))
     }
 }
 
-/// The mean of values, one a realisation.
+/// The mean of values, one per realisation.
 pub(super) fn mean(values: impl Iterator<Item = f64>) -> Estimate {
     let mut statistics = BatchStatistics::new(1);
     values.for_each(|value| statistics.push(&[value]));

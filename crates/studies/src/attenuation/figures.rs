@@ -3,13 +3,14 @@
 use asperity_analysis::{
     SlopeCovariance, smith_lit, smith_lit_as_printed, smith_visibility, v_cavity_lit,
 };
-use asperity_optics::{Incidence, from_spherical};
+use asperity_optics::from_spherical;
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
 use asperity_simulate::{counted, short};
-use asperity_surface::LengthUnit;
+use asperity_surface::{Border, LengthUnit};
 use asperity_tally::Estimate;
 
-use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
+use super::heights::BINS;
+use super::{AttenuationOutcome, AttenuationRow};
 
 /// Names of all plots.
 pub(super) const NAMES: [&str; 4] = [
@@ -20,192 +21,168 @@ pub(super) const NAMES: [&str; 4] = [
 ];
 
 /// All plots that the results can fill, by name of their files.
-pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves)> {
-    let lights = distinct(outcome.rows.iter().map(|row| row.theta));
-    let sigmas = distinct(outcome.rows.iter().map(|row| row.sigma));
+pub(super) fn figures(outcome: &AttenuationOutcome<'_>) -> Vec<(&'static str, Curves)> {
+    let [
+        over_theta_name,
+        models_name,
+        over_sigma_name,
+        visibility_name,
+    ] = NAMES;
     let mut figures = Vec::new();
-    if lights.len() > 1 {
-        figures.push(("attenuation_theta", over_theta(outcome, &sigmas)));
-        figures.push(("attenuation_models", models_over_theta(outcome)));
+    if outcome.plan.lights.len() > 1 {
+        figures.push((over_theta_name, over_theta(outcome)));
+        figures.push((models_name, models_over_theta(outcome)));
     }
-    if sigmas.len() > 1 {
-        figures.push(("attenuation_sigma", over_sigma(outcome)));
+    if outcome.plan.surfaces.len() > 1 {
+        figures.push((over_sigma_name, over_sigma(outcome)));
     }
     if !outcome.visibility.is_empty() {
-        figures.push(("visibility", visibility(outcome)));
+        figures.push((visibility_name, visibility(outcome)));
     }
     figures
 }
 
 const THETA: &str = "polar angle of the light θᵢ (°)";
+const FRACTIONS: Option<[f64; 2]> = Some([0.0, 1.04]);
 const LIT: &str = "fraction of all points that are lit";
+const AS_PRINTED: &str = "Smith as the 2019 paper prints it";
+const SMITH_STYLE: Style = Style::Line(0);
+const V_CAVITY_STYLE: Style = Style::Line(1);
+const PRINTED_STYLE: Style = Style::Line(3);
+const XU_SUN_STYLE: Style = Style::Hollow(3);
 
 /// The lit fraction over theta, a curve per sigma.
-fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
-    let curves = sigmas.iter().enumerate().map(|(i, &sigma)| Curve {
-        name: format!("σ = {}", short(sigma)),
-        colour: ramp(i, sigmas.len()),
-        style: Style::Joined(i),
-        points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
+fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
+    let surfaces = &outcome.plan.surfaces;
+    let last = (surfaces.len().max(2) - 1) as f64;
+    let curves = surfaces.iter().enumerate().map(|(i, surfaces)| {
+        let name = format!("σ = {}", short(surfaces.sigma));
+        let colour = Colour::Ramp(i as f64 / last);
+        let points = lit_over_theta(outcome, surfaces.sigma);
+        curve(name, colour, Style::Joined(i), points)
     });
     Curves {
         title: "Geometric attenuation of explicit surfaces".into(),
         subtitle: subtitle(outcome),
         x: axis(THETA, Some([0.0, 90.0])),
-        y: axis(LIT, Some([0.0, 1.04])),
+        y: axis(LIT, FRACTIONS),
         curves: curves.collect(),
         notes: Vec::new(),
     }
 }
 
 /// The lit fraction over theta against models, for some sigma.
-fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
-    let tau = outcome.config.surface.tau.0;
-    let phi = outcome.config.light.phi.0.to_radians();
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
-    for (i, &sigma) in outcome.models_at.iter().enumerate() {
-        let colour = Colour::Nth(i);
-        curves.push(Curve {
-            name: format!("explicit, σ = {}", short(sigma)),
-            colour,
-            style: Style::Points(i),
-            points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
-        });
-        let Ok(slopes) = SlopeCovariance::isotropic(tau / sigma) else {
-            continue;
-        };
-        let line = |dash: usize, of: &dyn Fn(f64) -> f64| Curve {
-            name: String::new(),
-            colour,
-            style: Style::Line(dash),
-            points: degrees()
-                .map(|theta| Point::exact(theta, of(theta.to_radians())))
-                .collect(),
-        };
-        let w = |theta: f64| from_spherical(theta, phi);
-        lines.push(line(0, &|theta| smith_lit(&slopes, w(theta))));
-        lines.push(line(1, &|theta| v_cavity_lit(&slopes, w(theta))));
-        lines.push(line(3, &|theta| smith_lit_as_printed(sigma, w(theta))));
-    }
+fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
+    let phi = outcome.plan.lights[0].phi();
     // Points come first in the legend.
-    curves.append(&mut lines);
-    curves.extend(model_entries(&[
-        ("Smith", Style::Line(0)),
-        ("V-cavity", Style::Line(1)),
-        (AS_PRINTED, Style::Line(3)),
-    ]));
+    let mut curves = Vec::new();
+    for (i, &number) in outcome.plan.models_at.iter().enumerate() {
+        let surfaces = &outcome.plan.surfaces[number];
+        let (sigma, slopes) = (surfaces.sigma, &surfaces.slopes);
+        let colour = Colour::Nth(i);
+        let name = format!("explicit, σ = {}", short(sigma));
+        let points = lit_over_theta(outcome, sigma);
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
+        let wi = |theta: f64| from_spherical(theta.to_radians(), phi);
+        let degrees = || (0..180).map(|i| 0.5 * f64::from(i));
+        let smith = degrees().map(|x| Point::exact(x, smith_lit(slopes, wi(x))));
+        let v_cavity = degrees().map(|x| Point::exact(x, v_cavity_lit(slopes, wi(x))));
+        let printed = degrees().map(|x| Point::exact(x, smith_lit_as_printed(sigma, wi(x))));
+        curves.push(curve("", colour, SMITH_STYLE, smith));
+        curves.push(curve("", colour, V_CAVITY_STYLE, v_cavity));
+        curves.push(curve("", colour, PRINTED_STYLE, printed));
+    }
+    let models = [
+        ("Smith", SMITH_STYLE),
+        ("V-cavity", V_CAVITY_STYLE),
+        (AS_PRINTED, PRINTED_STYLE),
+    ];
     Curves {
         title: "Geometric attenuation: explicit surfaces against models".into(),
         subtitle: subtitle(outcome),
         x: axis(THETA, Some([0.0, 90.0])),
-        y: axis(LIT, Some([0.0, 1.04])),
-        curves,
+        y: axis(LIT, FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec!["Colours: σ. Patterns: model.".into()],
     }
 }
 
 /// The lit fraction over sigma against Smith's, for some angles.
-fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
-    let tau = outcome.config.surface.tau.0;
-    let phi = outcome.config.light.phi.0;
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
-    let sigmas = distinct(outcome.rows.iter().map(|row| row.sigma));
-    let (least, most) = sigmas
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(a, b), &s| (a.min(s), b.max(s)));
-    let fine =
-        move || (0..=STEPS).map(move |i| least + (most - least) * f64::from(i) / f64::from(STEPS));
-    for (i, &theta) in outcome.over_sigma_at.iter().enumerate() {
+fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
+    let surface = &outcome.plan.config.surface;
+    let sigmas = || outcome.plan.surfaces.iter().map(|surfaces| surfaces.sigma);
+    let least = sigmas().fold(f64::INFINITY, f64::min);
+    let most = sigmas().fold(0.0, f64::max);
+    let fine = || steps([least, most]);
+    let mut curves = Vec::new();
+    for (i, &number) in outcome.plan.over_sigma_at.iter().enumerate() {
+        let light = outcome.plan.lights[number];
+        let (theta, wi) = (light.theta_deg(), light.wi());
         let colour = Colour::Nth(i);
-        let rows = lights(outcome).filter(|row| row.theta == theta);
-        curves.push(Curve {
-            name: format!("explicit, θᵢ = {}°", short(theta)),
-            colour,
-            style: Style::Points(i),
-            points: measured(rows, |row| (row.sigma, row.lit)),
-        });
-        let Ok(wi) = Incidence::from_degrees(theta, phi).map(Incidence::wi) else {
-            continue;
-        };
+        let name = format!("explicit, θᵢ = {}°", short(theta));
+        let points = lit(outcome, |row| (row.light == light).then_some(row.sigma));
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
         let smith = |sigma: f64| {
-            let slopes = SlopeCovariance::isotropic(tau / sigma).ok()?;
+            let slopes = SlopeCovariance::isotropic(surface.tau.0 / sigma).ok()?;
             Some(Point::exact(sigma, smith_lit(&slopes, wi)))
         };
         let printed = |sigma: f64| Point::exact(sigma, smith_lit_as_printed(sigma, wi));
-        lines.push(Curve {
-            name: String::new(),
-            colour,
-            style: Style::Line(0),
-            points: fine().filter_map(smith).collect(),
-        });
-        lines.push(Curve {
-            name: String::new(),
-            colour,
-            style: Style::Line(3),
-            points: fine().map(printed).collect(),
-        });
+        curves.push(curve("", colour, SMITH_STYLE, fine().filter_map(smith)));
+        curves.push(curve("", colour, PRINTED_STYLE, fine().map(printed)));
     }
-    curves.append(&mut lines);
-    curves.extend(model_entries(&[
-        ("Smith", Style::Line(0)),
-        (AS_PRINTED, Style::Line(3)),
-    ]));
+    let unit = match surface.unit {
+        LengthUnit::Arbitrary => "length units",
+        LengthUnit::Micrometre => "µm",
+        unit => unit.symbol(),
+    };
+    let models = [("Smith", SMITH_STYLE), (AS_PRINTED, PRINTED_STYLE)];
     Curves {
         title: "Geometric attenuation over roughness".into(),
         subtitle: subtitle(outcome),
-        x: axis(&sigma_label(outcome.config.surface.unit), None),
-        y: axis(LIT, Some([0.0, 1.04])),
-        curves,
+        x: axis(format!("root mean square height σ ({unit})"), None),
+        y: axis(LIT, FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec!["Colours: θᵢ. Patterns: model.".into()],
     }
 }
 
-/// The visibility over height on the surfaces of the first sigma, a colour an angle.
-fn visibility(outcome: &AttenuationOutcome) -> Curves {
-    let rows = &outcome.visibility;
-    let sigma = rows[0].sigma;
-    let of_sigma = || rows.iter().filter(|row| row.sigma == sigma);
-    let smoothness = outcome.config.surface.tau.0 / sigma;
-    let thetas = distinct(of_sigma().map(|row| row.theta));
-    let (mut curves, mut lines) = (Vec::new(), Vec::new());
-    for (i, &theta) in thetas.iter().enumerate() {
-        let of_light: Vec<&VisibilityRow> = of_sigma().filter(|row| row.theta == theta).collect();
+/// The visibility over height on the surfaces of the first sigma, a colour per angle.
+fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
+    let surfaces = &outcome.plan.surfaces[0];
+    let smoothness = outcome.plan.config.surface.tau.0 / surfaces.sigma;
+    let mut curves = Vec::new();
+    let of_lights = outcome.visibility.chunks(BINS).zip(&outcome.plan.lights);
+    for (i, (rows, light)) in of_lights.enumerate() {
         let colour = Colour::Nth(i);
-        let middle = |row: &VisibilityRow| 0.5 * (row.height_min + row.height_max);
-        let points = of_light.iter().filter_map(|row| {
-            let shown = row.visibility.filter(|_| row.points >= FEWEST_POINTS)?;
-            Some(point(middle(row), shown))
+        let points = rows.iter().filter_map(|row| {
+            let shown = row.visibility.filter(|_| row.points >= MIN_POINTS)?;
+            let middle = 0.5 * (row.height_min + row.height_max);
+            Some(point(middle, shown))
         });
-        curves.push(Curve {
-            name: format!(
-                "θᵢ = {}°: tan θᵢ / s = {}",
-                short((10.0 * theta).round() / 10.0),
-                short(round3(of_light[0].x))
-            ),
-            colour,
-            style: Style::Points(0),
-            points: points.collect(),
-        });
-        lines.extend(smith_line(smoothness, theta, colour));
-        let at_zero = of_light.iter().filter_map(|row| row.xu_sun);
-        lines.push(Curve {
-            name: String::new(),
-            colour,
-            style: Style::Hollow(3),
-            points: at_zero.map(|v| Point::exact(0.0, v)).collect(),
-        });
+        let name = format!(
+            "θᵢ = {}°: tan θᵢ / s = {}",
+            short((10.0 * light.theta_deg()).round() / 10.0),
+            short((1000.0 * rows[0].x).round() / 1000.0)
+        );
+        curves.insert(i, curve(name, colour, Style::Points(0), points));
+        let wi = from_spherical(light.theta(), 0.0);
+        let heights = steps([-1.0, 1.0]).map(|step| HIGHEST * step);
+        let smith = heights.map(|h| Point::exact(h, smith_visibility(&surfaces.slopes, wi, h)));
+        curves.push(curve("", colour, SMITH_STYLE, smith));
+        let at_zero = rows.iter().filter_map(|row| row.xu_sun);
+        let at_zero = at_zero.map(|visibility| Point::exact(0.0, visibility));
+        curves.push(curve("", colour, XU_SUN_STYLE, at_zero));
     }
-    curves.append(&mut lines);
-    curves.extend(model_entries(&[
-        ("Smith: Φ(h / σ) to the power Λ(θᵢ)", Style::Line(0)),
-        ("Xu and Sun, Eq. 24, at height zero", Style::Hollow(3)),
-    ]));
+    let models = [
+        ("Smith: Φ(h / σ) to the power Λ(θᵢ)", SMITH_STYLE),
+        ("Xu and Sun, Eq. 24, at height zero", XU_SUN_STYLE),
+    ];
     Curves {
         title: "Visibility over height, of points that face the light".into(),
         subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
         x: axis("height h / σ", Some([-HIGHEST - 0.1, HIGHEST + 0.1])),
-        y: axis("visibility V(h, θᵢ)", Some([0.0, 1.04])),
-        curves,
+        y: axis("visibility V(h, θᵢ)", FRACTIONS),
+        curves: with_models(curves, &models),
         notes: vec![
             "Points: explicit surfaces, bins of σ / 4.".into(),
             "Colours: θᵢ.".into(),
@@ -213,109 +190,72 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
     }
 }
 
-/// Smith's visibility over height, of light at `theta` degrees.
-fn smith_line(smoothness: f64, theta: f64, colour: Colour) -> Option<Curve> {
-    let slopes = SlopeCovariance::isotropic(smoothness).ok()?;
-    let light = Incidence::from_degrees(theta, 0.0).ok()?;
-    let heights = (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
-    Some(Curve {
-        name: String::new(),
-        colour,
-        style: Style::Line(0),
-        points: heights
-            .map(|h| Point::exact(h, smith_visibility(&slopes, light.wi(), h)))
-            .collect(),
-    })
-}
-
-const AS_PRINTED: &str = "Smith as the 2019 paper prints it";
-
-/// Entries of models in the legend, in black: there the pattern tells the model, and the colour something else.
-fn model_entries(models: &[(&str, Style)]) -> Vec<Curve> {
-    let entry = |(name, style): &(&str, Style)| Curve {
-        name: (*name).to_owned(),
-        colour: Colour::Component(0),
-        style: *style,
-        points: Vec::new(),
-    };
-    models.iter().map(entry).collect()
-}
-
-/// Steps of a fine line.
-const STEPS: u32 = 200;
-
 /// End of the axis of heights, in sigma.
 const HIGHEST: f64 = 3.5;
 
 /// Points of a surface in a bin below which it is not drawn.
-const FEWEST_POINTS: f64 = 20.0;
+const MIN_POINTS: f64 = 20.0;
 
-fn degrees() -> impl Iterator<Item = f64> {
-    (0..180).map(|i| 0.5 * f64::from(i))
+/// Steps of a fine line.
+const STEPS: u32 = 200;
+
+/// Points of a fine line over a range.
+fn steps([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
+    (0..=STEPS).map(move |i| from + (to - from) * f64::from(i) / f64::from(STEPS))
 }
 
-fn round3(value: f64) -> f64 {
-    (1000.0 * value).round() / 1000.0
-}
-
-fn ramp(i: usize, count: usize) -> Colour {
-    Colour::Ramp(i as f64 / (count.max(2) - 1) as f64)
-}
-
-fn axis(label: &str, range: Option<[f64; 2]>) -> CurveAxis {
-    CurveAxis {
-        label: label.into(),
-        range,
+fn curve(
+    name: impl Into<String>,
+    colour: Colour,
+    style: Style,
+    points: impl IntoIterator<Item = Point>,
+) -> Curve {
+    Curve {
+        name: name.into(),
+        colour,
+        style,
+        points: points.into_iter().collect(),
     }
+}
+
+/// Curves, and entries of models in black: there the pattern tells the model, and the colour something else.
+fn with_models(mut curves: Vec<Curve>, models: &[(&str, Style)]) -> Vec<Curve> {
+    let entries = models.iter();
+    curves.extend(entries.map(|(name, style)| curve(*name, Colour::Component(0), *style, [])));
+    curves
+}
+
+fn axis(label: impl Into<String>, range: Option<[f64; 2]>) -> CurveAxis {
+    let label = label.into();
+    CurveAxis { label, range }
 }
 
 fn point(x: f64, estimate: Estimate) -> Point {
     Point::with_error(x, estimate.mean, estimate.se)
 }
 
-/// Rows of the first view, which the lit fraction does not depend on.
-fn lights(outcome: &AttenuationOutcome) -> impl Iterator<Item = &AttenuationRow> {
-    let view = outcome.rows[0].view_theta;
-    outcome
-        .rows
-        .iter()
-        .filter(move |row| row.view_theta == view)
-}
-
-fn of_sigma(outcome: &AttenuationOutcome, sigma: f64) -> impl Iterator<Item = &AttenuationRow> {
-    lights(outcome).filter(move |row| row.sigma == sigma)
-}
-
-/// Measured points from left to right.
-fn measured<'a>(
-    rows: impl Iterator<Item = &'a AttenuationRow>,
-    of: impl Fn(&AttenuationRow) -> (f64, Estimate),
+/// Lit fractions of the rows that have a place, from left to right.
+fn lit(
+    outcome: &AttenuationOutcome<'_>,
+    place: impl Fn(&AttenuationRow) -> Option<f64>,
 ) -> Vec<Point> {
-    let mut points: Vec<Point> = rows
-        .map(|row| {
-            let (x, estimate) = of(row);
-            point(x, estimate)
-        })
-        .collect();
+    let rows = outcome.of_first_view();
+    let points = rows.filter_map(|row| Some(point(place(row)?, row.lit)));
+    let mut points: Vec<Point> = points.collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     points
 }
 
-/// Values in the order in which they first come.
-fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut seen: Vec<f64> = Vec::new();
-    for value in values {
-        if !seen.contains(&value) {
-            seen.push(value);
-        }
-    }
-    seen
+fn lit_over_theta(outcome: &AttenuationOutcome<'_>, sigma: f64) -> Vec<Point> {
+    lit(outcome, |row| {
+        (row.sigma == sigma).then(|| row.light.theta_deg())
+    })
 }
 
-fn subtitle(outcome: &AttenuationOutcome) -> String {
-    let surface = &outcome.config.surface;
+fn subtitle(outcome: &AttenuationOutcome<'_>) -> String {
+    let surface = &outcome.plan.config.surface;
     let border = match surface.border {
-        asperity_surface::Border::Periodic => String::new(),
+        Border::Periodic => String::new(),
         other => format!(", {other} border"),
     };
     format!(
@@ -325,14 +265,4 @@ fn subtitle(outcome: &AttenuationOutcome) -> String {
         counted(outcome.work.realisations, "surface"),
         outcome.work.points
     )
-}
-
-/// The axis of root mean square heights.
-fn sigma_label(unit: LengthUnit) -> String {
-    let unit = match unit {
-        LengthUnit::Arbitrary => "length units",
-        LengthUnit::Micrometre => "µm",
-        unit => unit.symbol(),
-    };
-    format!("root mean square height σ ({unit})")
 }

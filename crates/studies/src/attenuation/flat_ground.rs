@@ -6,9 +6,7 @@ use asperity_optics::Incidence;
 use asperity_surface::Triangle;
 use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
 
-use super::ground::{Ground, Point, Skyline};
-use super::skyline::find_skylines;
-use super::{AttenuationConfig, AttenuationError, Plan};
+use super::ground::{Ground, Point};
 
 impl Ground for Surface {
     fn cells(&self) -> [usize; 2] {
@@ -19,13 +17,10 @@ impl Ground for Surface {
         let facet = self.facet(number);
         let [a, b, c] = self.corners(facet);
         let place = a + far * (b - a) + near * (c - b);
-        let ray = VisibilityRay {
-            origin: self.snap(facet, place),
-            direction: self.normal(facet),
-        };
+        let (origin, direction) = (self.snap(facet, place), self.normal(facet));
         Point {
             facet,
-            ray,
+            ray: VisibilityRay { origin, direction },
             is_sample: false,
         }
     }
@@ -52,13 +47,10 @@ impl Ground for Surface {
             ix: before(ix, left, cx) as u32,
             triangle,
         };
-        let ray = VisibilityRay {
-            origin: self.corners(facet)[corner],
-            direction: self.normal(facet),
-        };
+        let (origin, direction) = (self.corners(facet)[corner], self.normal(facet));
         Point {
             facet,
-            ray,
+            ray: VisibilityRay { origin, direction },
             is_sample: true,
         }
     }
@@ -80,15 +72,5 @@ impl Ground for Surface {
             origin,
             direction: w,
         }
-    }
-
-    fn skylines(
-        &self,
-        config: &AttenuationConfig,
-        plan: &Plan,
-        index: u64,
-        least: f64,
-    ) -> Result<Option<Vec<Skyline>>, AttenuationError> {
-        find_skylines(config, plan, self, index, least).map(Some)
     }
 }

@@ -1,17 +1,12 @@
 //! Shadow on one given surface: which fraction of its points a light reaches.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{Cells, SimulateError, check_grazing, short};
+use asperity_simulate::{Cells, Shape, SimulateError, check_shape, short};
 use asperity_surface::{HeightField, SplineSurface};
 use asperity_tally::Estimate;
-use asperity_tracer::{
-    AcceleratorKind, SmoothSurface, Surface, Visibility, VisibilityRay, trace_visibility,
-};
-use rayon::prelude::*;
 use serde::Serialize;
 
-use super::ground::{Ground, Point};
-use super::points::{chunks, points};
+use super::survey::Survey;
 use crate::output::with_error;
 
 /// Seed of the points, two in each cell.
@@ -48,13 +43,33 @@ impl ShadowShares {
         cells: Cells,
         lights: &[Incidence],
     ) -> Result<Vec<Self>, SimulateError> {
-        match cells {
-            Cells::Flat => of_ground(&Surface::new(field.clone()), lights),
-            Cells::Smooth => {
-                let spline = SplineSurface::through(field);
-                of_ground(&SmoothSurface::new(spline), lights)
-            }
+        let shape = match cells {
+            Cells::Flat => Shape::height_field(field.clone()),
+            Cells::Smooth => Shape::smooth(SplineSurface::through(field)),
+        };
+        for light in lights {
+            check_shape(&shape, *light)?;
         }
+        let under = |light: &Incidence| {
+            let survey = Survey {
+                seed: SEED,
+                lights: std::slice::from_ref(light),
+                ..Survey::default()
+            };
+            let counts = survey.count(&shape)?;
+            let points = counts.points;
+            let [facing, lit] = [counts.lights.facing[0], counts.lights.free[0]];
+            Ok(Self {
+                theta_deg: light.theta_deg(),
+                phi_deg: light.phi_deg(),
+                lit: fraction(lit, points),
+                facing_away: fraction(points - facing, points),
+                hidden: fraction(facing - lit, points),
+                points,
+                lost: counts.lost,
+            })
+        };
+        lights.iter().map(under).collect()
     }
 
     /// One line for a report.
@@ -66,54 +81,6 @@ impl ShadowShares {
             "light from theta {theta} deg, phi {phi} deg: lit {lit}, facing away {away}, hidden {hidden} of the mean plane"
         )
     }
-}
-
-fn of_ground<G: Ground>(
-    ground: &G,
-    lights: &[Incidence],
-) -> Result<Vec<ShadowShares>, SimulateError> {
-    for light in lights {
-        check_grazing(ground, *light)?;
-    }
-    let accelerator = ground.accelerator(AcceleratorKind::Auto)?;
-    let chunks = chunks(ground);
-    let shares = lights.iter().map(|light| {
-        let counted = chunks.par_iter().map(|&chunk| {
-            let points: Vec<Point<G::Facet>> = points(ground, SEED, 0, chunk).collect();
-            let facing = points.iter().filter(|point| {
-                let normal = point.ray.direction;
-                normal.dot(light.wi()) > 0.0
-            });
-            let rays: Vec<VisibilityRay> =
-                facing.map(|point| ground.ray_along(point, light)).collect();
-            let mut seen = Vec::new();
-            // From straight above, every point is lit.
-            if light.is_vertical() {
-                seen.resize(rays.len(), Visibility::Visible);
-            } else {
-                trace_visibility(ground, &*accelerator, &rays, &mut seen);
-            }
-            let count = |of: Visibility| seen.iter().filter(|one| **one == of).count() as u64;
-            [
-                points.len() as u64,
-                rays.len() as u64,
-                count(Visibility::Visible),
-                count(Visibility::Lost),
-            ]
-        });
-        let sum = |a: [u64; 4], b: [u64; 4]| std::array::from_fn(|i| a[i] + b[i]);
-        let [points, facing, lit, lost] = counted.reduce(|| [0; 4], sum);
-        ShadowShares {
-            theta_deg: light.theta_deg(),
-            phi_deg: light.phi_deg(),
-            lit: fraction(lit, points),
-            facing_away: fraction(points - facing, points),
-            hidden: fraction(facing - lit, points),
-            points,
-            lost,
-        }
-    });
-    Ok(shares.collect())
 }
 
 /// A fraction of independent points.

@@ -1,9 +1,7 @@
 //! Ground: what a survey needs of a surface, of flat and of smooth cells alike.
 
 use asperity_optics::Incidence;
-use asperity_tracer::{BuildAccelerator, Horizon, VisibilityRay};
-
-use super::{AttenuationConfig, AttenuationError, Plan};
+use asperity_tracer::{BuildAccelerator, VisibilityRay};
 
 /// A point of the surface with a ray along its normal.
 pub(super) struct Point<F> {
@@ -27,24 +25,4 @@ pub(super) trait Ground: BuildAccelerator {
 
     /// The visibility ray of a point along a direction that it faces and that is not vertical.
     fn ray_along(&self, point: &Point<Self::Facet>, direction: &Incidence) -> VisibilityRay;
-
-    /// Horizons of all points of realisation `index`, one per azimuth; `None` of a surface that has none.
-    ///
-    /// # Errors
-    /// [`AttenuationError`] if there are no horizons under its border.
-    fn skylines(
-        &self,
-        config: &AttenuationConfig,
-        plan: &Plan,
-        index: u64,
-        least: f64,
-    ) -> Result<Option<Vec<Skyline>>, AttenuationError>;
-}
-
-/// Horizons along one azimuth.
-pub(super) struct Skyline {
-    /// One per point.
-    pub(super) points: Vec<Horizon>,
-    /// One per sample, in one list per chunk; empty where visibility is found by rays.
-    pub(super) samples: Vec<Vec<Horizon>>,
 }

@@ -6,7 +6,7 @@ use asperity_tally::Estimate;
 
 use super::counts::Counts;
 use super::estimate::ratio;
-use super::rough_surface::RoughSurface;
+use super::plan::RoughSurfaces;
 
 /// Bins of heights over sigma; the middle one lies about zero.
 pub(super) const BINS: usize = 29;
@@ -50,44 +50,42 @@ pub struct VisibilityRow {
     pub xu_sun: Option<f64>,
 }
 
-/// The rows of one light on surfaces of one sigma; `light` is its number.
+/// The rows of one light, number `light`, on surfaces of one sigma.
 pub(super) fn rows(
-    surface: &RoughSurface<'_>,
-    light: usize,
-    incidence: &Incidence,
+    surfaces: &RoughSurfaces,
+    tau: f64,
+    (light, incidence): (usize, &Incidence),
     counts: &[&Counts],
 ) -> Vec<VisibilityRow> {
-    let RoughSurface { sigma, tau, slopes } = *surface;
     let wi = incidence.wi();
-    let smoothness = tau / sigma;
-    (0..BINS)
-        .map(|bin| {
-            let seen = |counts: &&Counts| {
-                let of = counts.heights[light * BINS + bin];
-                [of.free as f64, of.facing as f64]
-            };
-            let points: f64 = counts.iter().map(|counts| seen(counts)[1]).sum();
-            let [low, high] = ends(bin);
-            let middle = 0.5 * (low + high);
-            // Simpson's rule with the density of heights.
-            let weighted = [(low, 1.0), (middle, 4.0), (high, 1.0)].map(|(h, weight)| {
-                let weight = weight * (-0.5 * h * h).exp();
-                [weight * smith_visibility(slopes, wi, h), weight]
-            });
-            let sum = |i: usize| weighted.iter().map(|pair| pair[i]).sum::<f64>();
-            VisibilityRow {
-                sigma,
-                theta: incidence.theta_deg(),
-                x: incidence.theta().tan() / smoothness,
-                height_min: low,
-                height_max: high,
-                points: points / counts.len() as f64,
-                visibility: (points > 0.0).then(|| ratio(counts.iter().map(seen))),
-                smith: sum(0) / sum(1),
-                xu_sun: (bin == BINS / 2).then(|| xu_sun_visibility(wi, smoothness)),
-            }
-        })
-        .collect()
+    let smoothness = tau / surfaces.sigma;
+    let row = |bin: usize| {
+        let seen = |counts: &&Counts| {
+            let (seen, place) = (&counts.heights, light * BINS + bin);
+            [seen.free[place], seen.facing[place]].map(|count| count as f64)
+        };
+        let points: f64 = counts.iter().map(|counts| seen(counts)[1]).sum();
+        let [low, high] = ends(bin);
+        let middle = 0.5 * (low + high);
+        // Simpson's rule with the density of heights.
+        let weighted = [(low, 1.0), (middle, 4.0), (high, 1.0)].map(|(h, weight)| {
+            let weight = weight * (-0.5 * h * h).exp();
+            [weight * smith_visibility(&surfaces.slopes, wi, h), weight]
+        });
+        let sum = |i: usize| weighted.iter().map(|pair| pair[i]).sum::<f64>();
+        VisibilityRow {
+            sigma: surfaces.sigma,
+            theta: incidence.theta_deg(),
+            x: incidence.theta().tan() / smoothness,
+            height_min: low,
+            height_max: high,
+            points: points / counts.len() as f64,
+            visibility: (points > 0.0).then(|| ratio(counts.iter().map(seen))),
+            smith: sum(0) / sum(1),
+            xu_sun: (bin == BINS / 2).then(|| xu_sun_visibility(wi, smoothness)),
+        }
+    };
+    (0..BINS).map(row).collect()
 }
 
 #[cfg(test)]

@@ -44,11 +44,7 @@ pub(super) fn samples<G: Ground>(
     let [cx, cy] = ground.cells();
     let (sin_phi, cos_phi) = azimuth.sin_cos();
     let along = [cos_phi, sin_phi * ground.aspect()];
-    let first = if ground.border() == Border::Open {
-        1
-    } else {
-        0
-    };
+    let first = usize::from(ground.border() == Border::Open);
     let cells = CHUNK / 2;
     (cells * chunk..(cells * (chunk + 1)).min(cx * cy))
         .map(move |number| [number % cx, number / cx])

@@ -1,60 +1,60 @@
-//! Horizons of all points of a surface, and of its samples.
+//! Skyline: the horizons of all points of a surface, and of its samples.
 
 use asperity_optics::Incidence;
 use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
+use super::AttenuationError;
 use super::config::VisibilityMethod;
-use super::ground::{Point, Skyline};
-use super::plan::Plan;
+use super::ground::Point;
+use super::plan::{AttenuationPlan, contradiction};
 use super::points::{chunks, points, samples};
-use super::{AttenuationConfig, AttenuationError};
 
-/// The skylines of a surface, one per azimuth.
-pub(super) fn find_skylines(
-    config: &AttenuationConfig,
-    plan: &Plan,
-    surface: &Surface,
-    index: u64,
-    least: f64,
-) -> Result<Vec<Skyline>, AttenuationError> {
-    plan.azimuths()
-        .into_iter()
-        .map(|azimuth| {
-            let horizons = Horizons::new(surface, azimuth, least)?;
+/// Horizons along one azimuth, in one list per chunk.
+pub(super) struct Skyline {
+    /// One per point.
+    pub(super) points: Vec<Vec<Horizon>>,
+    /// One per sample; none where visibility is found by rays.
+    pub(super) samples: Vec<Vec<Horizon>>,
+}
+
+impl Skyline {
+    /// The skylines of a surface, one per azimuth, which tell rises of `least` and more apart.
+    pub(super) fn of_each_azimuth(
+        plan: &AttenuationPlan,
+        surface: &Surface,
+        index: u64,
+        least: f64,
+    ) -> Result<Vec<Self>, AttenuationError> {
+        let are_needed = plan.method == VisibilityMethod::Horizons;
+        let along = |&azimuth: &f64| {
+            let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
-            let found: Vec<(Vec<Horizon>, Vec<Horizon>)> = chunks(surface)
-                .into_par_iter()
-                .map(|chunk| {
-                    let points = points(surface, config.run.seed, index, chunk).map(of);
-                    let samples = if plan.method == VisibilityMethod::Horizons {
-                        samples(surface, azimuth, chunk).map(of).collect()
-                    } else {
-                        Vec::new()
-                    };
-                    (points.collect(), samples)
-                })
-                .collect();
-            let (points, samples): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-            Ok(Skyline {
-                points: points.concat(),
-                samples,
-            })
-        })
-        .collect()
+            let found = chunks(surface).into_par_iter().map(|chunk| {
+                let points = points(surface, plan.config.run.seed, index, chunk).map(of);
+                let samples = samples(surface, azimuth, chunk).filter(|_| are_needed);
+                (points.collect(), samples.map(of).collect())
+            });
+            let (points, samples) = found.unzip();
+            Ok(Self { points, samples })
+        };
+        plan.azimuths.iter().map(along).collect()
+    }
 }
 
 /// The least rise of interest on the surface of the first sigma; on others all rises are larger or smaller as
 /// sigma is.
-pub(super) fn least_rise(config: &AttenuationConfig, plan: &Plan) -> f64 {
-    let steepest = plan.sigmas.iter().copied().fold(0.0, f64::max);
-    let mut least = f64::INFINITY;
-    for direction in plan.lights.iter().chain(&plan.views) {
-        least = least.min(cotangent(direction) * plan.sigmas[0] / steepest);
-    }
-    if config.run.demarcation {
+pub(super) fn least_rise(plan: &AttenuationPlan) -> f64 {
+    let first = &plan.surfaces[0];
+    let sigmas = plan.surfaces.iter().map(|surfaces| surfaces.sigma);
+    let steepest = sigmas.fold(0.0, f64::max);
+    let cotangents = plan.directions().map(cotangent);
+    let mut least = cotangents.fold(f64::INFINITY, |least, c| {
+        least.min(c * first.sigma / steepest)
+    });
+    if plan.config.run.demarcation {
         // More than half of all points are dark where rises are as small as this.
-        least = least.min(0.1 * plan.slopes[0].xx().sqrt());
+        least = least.min(0.1 * first.slopes.xx().sqrt());
     }
     // Rounding must not lift it above a cotangent; vertical light alone has none.
     (least * (1.0 - 1e-9)).min(f64::MAX)

@@ -7,8 +7,7 @@ use asperity_optics::Incidence;
 use asperity_tracer::{Geometry, SmoothCell, SmoothSurface, VisibilityRay};
 use glam::DVec3;
 
-use super::ground::{Ground, Point, Skyline};
-use super::{AttenuationConfig, AttenuationError, Plan};
+use super::ground::{Ground, Point};
 
 impl Ground for SmoothSurface {
     fn cells(&self) -> [usize; 2] {
@@ -38,16 +37,6 @@ impl Ground for SmoothSurface {
             origin: point.ray.origin,
             direction: direction.wi(),
         }
-    }
-
-    fn skylines(
-        &self,
-        _config: &AttenuationConfig,
-        _plan: &Plan,
-        _index: u64,
-        _least: f64,
-    ) -> Result<Option<Vec<Skyline>>, AttenuationError> {
-        Ok(None)
     }
 }
 

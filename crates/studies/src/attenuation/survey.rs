@@ -1,362 +1,326 @@
-//! One surface surveyed: which of its points and samples face, see and are seen, counted.
+//! Survey: counts which points and samples of a surface face, see and are seen.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Incidence, reflect};
-use asperity_simulate::{Observer, SimulateError, check_grazing};
+use asperity_results::Stored;
+use asperity_simulate::{Observer, Shape, SimulateError, check_shape};
 use asperity_surface::{Border, SplineSurface};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Horizon, SmoothSurface, Surface, Visibility, VisibilityRay,
-    trace_visibility,
+    Accelerator, AcceleratorKind, Horizon, Visibility, VisibilityRay, trace_visibility,
 };
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
+use super::AttenuationError;
 use super::config::VisibilityMethod;
-use super::counts::{Area, Counts, Seen};
-use super::ground::{Ground, Point, Skyline};
+use super::counts::Counts;
+use super::demarcation::Rises;
+use super::ground::{Ground, Point};
 use super::heights::{self, BINS};
-use super::plan::{Plan, Recipes};
-use super::points::{CHUNK, chunks, points, samples};
-use super::skyline::{cotangent, least_rise};
-use super::{AttenuationConfig, AttenuationError};
+use super::plan::AttenuationPlan;
+use super::points::{chunks, points, samples};
+use super::skyline::{Skyline, cotangent, least_rise};
 
-/// What was found on one realisation.
-pub(super) struct Surveyed {
+/// Counts of one realisation, whose surfaces are one at several scales of height.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveyedSurface {
     /// One per sigma.
     pub(super) counts: Vec<Counts>,
-    /// Horizons of the points along the azimuth of the lights, on the surface of the first sigma, and the least rise that
-    /// they tell apart.
-    pub(super) horizons: Option<(Vec<Horizon>, f64)>,
+    /// Where shadow begins on the surface of the first sigma, if that was requested.
+    pub(super) rises: Option<Rises>,
 }
 
-/// Surveys the surfaces of realisation `index`, one per sigma; `None` if the run is to stop.
-pub(super) fn survey(
-    config: &AttenuationConfig,
-    plan: &Plan,
-    index: u64,
-    progress: &dyn Observer,
-) -> Result<Option<Surveyed>, AttenuationError> {
-    let seed = config.run.seed;
-    match &plan.recipes {
-        Recipes::Flat(recipes) => {
-            let draw = |sigma: usize| -> Result<Surface, AttenuationError> {
-                let field = recipes[sigma].draw(seed, index)?;
-                Ok(Surface::new(field.with_border(plan.border)))
+impl Stored for SurveyedSurface {}
+
+impl SurveyedSurface {
+    /// Surveys realisation `index`; `None` if the run is to stop.
+    pub(super) fn of(
+        plan: &AttenuationPlan,
+        index: u64,
+        observer: &dyn Observer,
+    ) -> Result<Option<Self>, AttenuationError> {
+        let run = &plan.config.run;
+        let (mut counts, mut rises, mut skylines) = (Vec::new(), None, Vec::new());
+        for (number, surfaces) in plan.surfaces.iter().enumerate() {
+            if observer.stop().is_some() {
+                return Ok(None);
+            }
+            let drawn = surfaces.drawn.draw_into(run.seed, index, Vec::new());
+            let shape = drawn.map_err(SimulateError::from)?;
+            let shape = with_border(shape, plan.config.surface.border);
+            // Light too grazing would cross too many tiles: it is refused before horizons are computed.
+            plan.directions()
+                .try_for_each(|direction| check_shape(&shape, *direction))?;
+            // Horizons scale with height, so that those of the first surface serve all.
+            if let (0, true, Shape::HeightField { top, .. }) =
+                (number, plan.needs_horizons(), &shape)
+            {
+                let least = least_rise(plan);
+                skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
+                rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
+            }
+            let survey = Survey {
+                seed: run.seed,
+                index,
+                lights: &plan.lights,
+                views: &plan.views,
+                mirror: run.mirror,
+                sigma: run.heights.then_some(surfaces.sigma),
+                azimuths: &plan.azimuths,
+                skylines: match plan.method {
+                    VisibilityMethod::Horizons => &skylines,
+                    _ => &[],
+                },
+                steeper: surfaces.sigma / plan.surfaces[0].sigma,
             };
-            survey_of(draw, config, plan, index, progress)
+            counts.push(survey.count(&shape)?);
+            observer.advance(1);
         }
-        Recipes::Smooth(recipes) => {
-            let draw = |sigma: usize| -> Result<SmoothSurface, AttenuationError> {
-                let spline = recipes[sigma].draw(seed, index)?;
-                Ok(SmoothSurface::new(with_border(spline, plan.border)))
-            };
-            survey_of(draw, config, plan, index, progress)
-        }
+        Ok(Some(Self { counts, rises }))
     }
 }
 
-/// A periodic spline, or, for another border, the spline through its samples that has it.
-fn with_border(spline: SplineSurface, border: Border) -> SplineSurface {
-    match border {
-        Border::Periodic => spline,
-        _ => SplineSurface::through(&spline.samples().with_border(border)),
+/// A periodic shape, or, for another border, the heights or the spline through the samples that have it.
+fn with_border(shape: Shape, border: Border) -> Shape {
+    match shape {
+        Shape::HeightField { top, .. } if border != Border::Periodic => {
+            let field = Arc::unwrap_or_clone(top).into_field();
+            Shape::height_field(field.with_border(border))
+        }
+        Shape::Smooth { top, .. } if border != Border::Periodic => {
+            let samples = top.spline().samples().with_border(border);
+            Shape::smooth(SplineSurface::through(&samples))
+        }
+        periodic => periodic,
     }
 }
 
-/// Surveys surfaces that `draw` makes by the number of their sigma.
-///
-/// They are one surface at several scales of height, and so are their horizons: these are found once.
-fn survey_of<G: Ground>(
-    draw: impl Fn(usize) -> Result<G, AttenuationError>,
-    config: &AttenuationConfig,
-    plan: &Plan,
-    index: u64,
-    progress: &dyn Observer,
-) -> Result<Option<Surveyed>, AttenuationError> {
-    let grazing = |ground: &G| -> Result<(), AttenuationError> {
-        let mut directions = plan.lights.iter().chain(&plan.views);
-        Ok(directions.try_for_each(|direction| check_grazing(ground, *direction))?)
-    };
-    let first = draw(0)?;
-    // Light this grazing would have to cross too many tiles: refuse it before horizons are computed.
-    grazing(&first)?;
-    let least = least_rise(config, plan);
-    let skylines = if plan.needs_horizons(&config.run) {
-        first.skylines(config, plan, index, least)?
-    } else {
-        None
-    };
-    let mut counts = Vec::new();
-    let mut drawn = Some(first);
-    for sigma in 0..plan.sigmas.len() {
-        if progress.stop().is_some() {
-            return Ok(None);
+/// What is counted on a surface; nothing by default.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Survey<'a> {
+    /// Seed of the points, and number of the surface that they are on.
+    pub(super) seed: u64,
+    pub(super) index: u64,
+    pub(super) lights: &'a [Incidence],
+    /// Without any, no samples are counted.
+    pub(super) views: &'a [Incidence],
+    /// Whether mirrored rays are followed.
+    pub(super) mirror: bool,
+    /// Root mean square height, if points are counted by height.
+    pub(super) sigma: Option<f64>,
+    /// Those of lights and views, radians.
+    pub(super) azimuths: &'a [f64],
+    /// Horizons along each azimuth; none where points see by rays.
+    pub(super) skylines: &'a [Skyline],
+    /// How many times steeper this surface is than that of the skylines.
+    pub(super) steeper: f64,
+}
+
+impl Survey<'_> {
+    /// Counts over all points of a height map, in the order of the chunks, whatever thread had which.
+    ///
+    /// # Panics
+    /// On a triangle mesh, which has no points per cell.
+    pub(super) fn count(&self, shape: &Shape) -> Result<Counts, SimulateError> {
+        match shape {
+            Shape::HeightField { top, .. } => self.count_on(&**top),
+            Shape::Smooth { top, .. } => self.count_on(&**top),
+            Shape::TriangleMesh { .. } => unreachable!("only height maps are surveyed"),
         }
-        let ground = match drawn.take() {
-            Some(first) => first,
-            None => draw(sigma)?,
-        };
-        grazing(&ground)?;
-        let accelerator = ground
-            .accelerator(AcceleratorKind::Auto)
-            .map_err(SimulateError::from)?;
+    }
+
+    fn count_on<G: Ground>(&self, ground: &G) -> Result<Counts, SimulateError> {
+        let accelerator = ground.accelerator(AcceleratorKind::Auto)?;
         let site = Site {
-            config,
-            plan,
-            sigma: plan.sigmas[sigma],
-            ground: &ground,
+            survey: *self,
+            ground,
             accelerator: &*accelerator,
-            skylines: skylines
-                .as_deref()
-                .filter(|_| plan.method == VisibilityMethod::Horizons),
-            steeper: plan.sigmas[sigma] / plan.sigmas[0],
-            azimuths: plan.azimuths(),
-            index,
+            lost: AtomicU64::new(0),
         };
-        counts.push(site.count());
-        progress.advance(1);
+        let chunks = chunks(ground).into_par_iter();
+        let counts: Vec<Counts> = chunks.map(|chunk| site.count_chunk(chunk)).collect();
+        let mut sum = Counts::default();
+        counts.into_iter().for_each(|one| sum += one);
+        sum.lost = site.lost.into_inner();
+        Ok(sum)
     }
-    Ok(Some(Surveyed {
-        counts,
-        horizons: skylines.map(|mut all| (all.swap_remove(0).points, least)),
-    }))
 }
 
-/// One surface, and what is measured on it.
+/// One surface, and what is counted on it.
 struct Site<'a, G: Ground> {
-    config: &'a AttenuationConfig,
-    plan: &'a Plan,
-    sigma: f64,
+    survey: Survey<'a>,
     ground: &'a G,
     accelerator: &'a dyn Accelerator<G>,
-    /// Horizons along each azimuth, where points see by them.
-    skylines: Option<&'a [Skyline]>,
-    /// How many times steeper this surface is than that of the skylines.
-    steeper: f64,
-    azimuths: Vec<f64>,
-    index: u64,
+    /// Visibility rays lost so far.
+    lost: AtomicU64,
 }
 
-/// Which points of a chunk face a direction, and which see it.
-struct Marks {
-    facing: Vec<bool>,
-    free: Vec<bool>,
+/// Whether a point faces a direction, and whether it sees it.
+#[derive(Clone, Copy)]
+struct Mark {
+    facing: bool,
+    free: bool,
 }
 
-impl Marks {
-    fn count(&self) -> Seen {
-        Seen {
-            facing: ones(self.facing.iter().copied()),
-            free: ones(self.free.iter().copied()),
-        }
-    }
-
-    /// Points that face and see both directions.
-    fn both(&self, other: &Self) -> Seen {
-        let both = |a: &[bool], b: &[bool]| ones(a.iter().zip(b).map(|(a, b)| *a & *b));
-        Seen {
-            facing: both(&self.facing, &other.facing),
-            free: both(&self.free, &other.free),
-        }
-    }
-}
-
-fn ones(marks: impl Iterator<Item = bool>) -> u64 {
-    marks.map(u64::from).sum()
+/// Numbers of points that face both of two directions, which may be one, and that see both.
+fn count(a: &[Mark], b: &[Mark]) -> [u64; 2] {
+    let both = a.iter().zip(b);
+    both.fold([0; 2], |[facing, free], (a, b)| {
+        [
+            facing + u64::from(a.facing & b.facing),
+            free + u64::from(a.free & b.free),
+        ]
+    })
 }
 
 impl<G: Ground> Site<'_, G> {
-    /// Counts over all points, in the order of the chunks, whatever thread had which.
-    fn count(&self) -> Counts {
-        let counts: Vec<Counts> = chunks(self.ground)
-            .into_par_iter()
-            .map(|chunk| self.count_chunk(chunk))
-            .collect();
-        counts.into_iter().fold(Counts::default(), Counts::add)
-    }
-
     fn count_chunk(&self, chunk: usize) -> Counts {
+        let survey = &self.survey;
         let points: Vec<Point<G::Facet>> =
-            points(self.ground, self.config.run.seed, self.index, chunk).collect();
+            points(self.ground, survey.seed, survey.index, chunk).collect();
         let mut counts = Counts {
             points: points.len() as u64,
             ..Counts::default()
         };
-        let plan = self.plan;
-        let first = CHUNK * chunk;
-        let mark = |direction: &Incidence, lost: &mut u64| {
-            let skyline = self.skyline(direction);
-            let horizons = skyline.map(|all| &all.points[first..first + points.len()]);
-            self.mark(direction, &points, horizons, lost)
+        let mark = |direction: &Incidence| {
+            let skyline = survey.skylines.get(self.azimuth(direction));
+            self.mark(direction, &points, skyline.map(|all| &*all.points[chunk]))
         };
-        let views: Vec<Marks> = plan
-            .views
-            .iter()
-            .map(|view| mark(view, &mut counts.lost))
-            .collect();
-        counts.views = views.iter().map(Marks::count).collect();
-        let bins: Vec<Option<usize>> = if self.config.run.heights {
-            points.iter().map(|point| self.bin(point)).collect()
-        } else {
-            Vec::new()
-        };
-        for light in &plan.lights {
-            let lit = mark(light, &mut counts.lost);
-            counts.lights.push(lit.count());
-            counts.areas.push(area(light, &points, &lit));
-            counts.pairs.extend(views.iter().map(|seen| lit.both(seen)));
-            if self.config.run.mirror {
-                let mirrored = self.mirrored(light, &points, &lit.free, &mut counts.lost);
-                counts.mirrored.push(mirrored);
+        let views: Vec<Vec<Mark>> = survey.views.iter().map(mark).collect();
+        for seen in &views {
+            counts.views.push(count(seen, seen));
+        }
+        for light in survey.lights {
+            let lit = &mark(light);
+            counts.lights.push(count(lit, lit));
+            counts.areas.push(areas(light, &points, lit));
+            for seen in &views {
+                counts.pairs.push(count(lit, seen));
             }
-            if self.config.run.heights {
-                counts.heights.extend(by_height(&bins, &lit));
+            if survey.mirror {
+                counts.mirrored.push(self.mirrored(light, &points, lit));
+            }
+            if let Some(sigma) = survey.sigma {
+                for of_bin in self.by_height(&points, sigma, lit) {
+                    counts.heights.push(of_bin);
+                }
             }
         }
-        self.count_samples(chunk, &mut counts);
+        if !views.is_empty() {
+            self.count_samples(chunk, &mut counts);
+        }
         counts
     }
 
     /// Samples that are lit and seen, for each light and view.
     fn count_samples(&self, chunk: usize, counts: &mut Counts) {
-        let samples: Vec<Vec<Point<G::Facet>>> = self
-            .azimuths
-            .iter()
-            .map(|&azimuth| samples(self.ground, azimuth, chunk).collect())
-            .collect();
+        let survey = &self.survey;
+        let of_azimuth = |&azimuth: &f64| samples(self.ground, azimuth, chunk).collect();
+        let samples: Vec<Vec<Point<G::Facet>>> = survey.azimuths.iter().map(of_azimuth).collect();
         counts.samples = samples[0].len() as u64;
-        let mark = |direction: &Incidence, lost: &mut u64| {
-            let skyline = self.skyline(direction);
-            let horizons = skyline.map(|all| all.samples[chunk].as_slice());
-            self.mark(direction, &samples[self.azimuth(direction)], horizons, lost)
+        let mark = |direction: &Incidence| {
+            let azimuth = self.azimuth(direction);
+            let skyline = survey.skylines.get(azimuth);
+            let horizons = skyline.map(|all| &*all.samples[chunk]);
+            self.mark(direction, &samples[azimuth], horizons)
         };
-        let plan = self.plan;
-        let views: Vec<Marks> = plan
-            .views
-            .iter()
-            .map(|view| mark(view, &mut counts.lost))
-            .collect();
-        for light in &plan.lights {
-            let lit = mark(light, &mut counts.lost);
-            let both = views.iter().map(|seen| lit.both(seen).free);
+        let views: Vec<Vec<Mark>> = survey.views.iter().map(mark).collect();
+        for lit in survey.lights.iter().map(mark) {
+            let both = views.iter().map(|seen| count(&lit, seen)[1]);
             counts.paper.extend(both);
         }
     }
 
     /// The number of a direction's azimuth; a vertical one may have any.
     fn azimuth(&self, direction: &Incidence) -> usize {
-        let number = self.azimuths.iter().position(|&phi| phi == direction.phi());
+        let mut azimuths = self.survey.azimuths.iter();
+        let number = azimuths.position(|&phi| phi == direction.phi());
         number.unwrap_or(0)
     }
 
-    /// Horizons along the azimuth of a direction, where points see by them.
-    fn skyline(&self, direction: &Incidence) -> Option<&Skyline> {
-        self.skylines.map(|all| &all[self.azimuth(direction)])
-    }
-
-    /// Which points face a direction and see it.
+    /// Which points face and see a direction, by their horizons or by rays.
     fn mark(
         &self,
         direction: &Incidence,
         points: &[Point<G::Facet>],
         horizons: Option<&[Horizon]>,
-        lost: &mut u64,
-    ) -> Marks {
+    ) -> Vec<Mark> {
         let w = direction.wi();
-        let facing: Vec<bool> = points
-            .iter()
-            .map(|point| point.ray.direction.dot(w) > 0.0)
-            .collect();
-        // From straight above, every point is seen.
-        if direction.is_vertical() {
-            let free = facing.clone();
-            return Marks { facing, free };
-        }
-        let free = match horizons {
+        let faces = |point: &Point<G::Facet>| point.ray.direction.dot(w) > 0.0;
+        let free: Vec<bool> = match horizons {
+            // From straight above, every point is seen.
+            _ if direction.is_vertical() => points.iter().map(faces).collect(),
             Some(horizons) => {
                 let cotangent = cotangent(direction);
-                facing
-                    .iter()
-                    .zip(horizons)
-                    .map(|(&facing, horizon)| facing && self.steeper * horizon.beyond <= cotangent)
+                let sees = |horizon: &Horizon| self.survey.steeper * horizon.beyond <= cotangent;
+                let points = points.iter().zip(horizons);
+                points
+                    .map(|(point, horizon)| faces(point) && sees(horizon))
                     .collect()
             }
             None => {
-                let rays = points.iter().zip(&facing).map(|(point, &facing)| {
-                    facing.then(|| self.ground.ray_along(point, direction))
-                });
-                self.free(rays, lost)
+                let ray = |point| faces(point).then(|| self.ground.ray_along(point, direction));
+                self.free(points.iter().map(ray))
             }
         };
-        Marks { facing, free }
+        let marks = points.iter().map(faces).zip(free);
+        marks.map(|(facing, free)| Mark { facing, free }).collect()
     }
 
     /// How many of the lit points send the mirrored ray away.
-    fn mirrored(
-        &self,
-        light: &Incidence,
-        points: &[Point<G::Facet>],
-        lit: &[bool],
-        lost: &mut u64,
-    ) -> u64 {
+    fn mirrored(&self, light: &Incidence, points: &[Point<G::Facet>], lit: &[Mark]) -> u64 {
         let wi = light.wi();
-        let rays = points.iter().zip(lit).map(|(point, &lit)| {
+        let rays = points.iter().zip(lit).map(|(point, lit)| {
             let wo = reflect(wi, point.ray.direction);
             // What goes down meets the surface.
-            (lit && wo.z > 0.0).then_some(VisibilityRay {
+            (lit.free && wo.z > 0.0).then_some(VisibilityRay {
                 direction: wo,
                 ..point.ray
             })
         });
-        ones(self.free(rays, lost).into_iter())
+        self.free(rays).into_iter().map(u64::from).sum()
     }
 
     /// For each ray, whether it escapes; false where there is none.
-    fn free(&self, rays: impl Iterator<Item = Option<VisibilityRay>>, lost: &mut u64) -> Vec<bool> {
+    fn free(&self, rays: impl Iterator<Item = Option<VisibilityRay>>) -> Vec<bool> {
         let all: Vec<Option<VisibilityRay>> = rays.collect();
         let taken: Vec<VisibilityRay> = all.iter().copied().flatten().collect();
         let mut seen = Vec::new();
         trace_visibility(self.ground, self.accelerator, &taken, &mut seen);
-        *lost += ones(
-            seen.iter()
-                .map(|visibility| *visibility == Visibility::Lost),
-        );
+        let is_lost = |one: &&Visibility| **one == Visibility::Lost;
+        let lost = seen.iter().filter(is_lost).count() as u64;
+        self.lost.fetch_add(lost, Ordering::Relaxed);
         let mut seen = seen.into_iter();
         all.iter()
             .map(|ray| ray.is_some() && seen.next() == Some(Visibility::Visible))
             .collect()
     }
 
-    /// The bin of a point's height.
-    fn bin(&self, point: &Point<G::Facet>) -> Option<usize> {
-        let height = (point.ray.origin.z - self.ground.mean_plane()) * self.ground.unit();
-        heights::bin(height / self.sigma)
+    /// Facing and lit points by their height.
+    fn by_height(&self, points: &[Point<G::Facet>], sigma: f64, lit: &[Mark]) -> [[u64; 2]; BINS] {
+        let mut counts = [[0; 2]; BINS];
+        for (point, mark) in points.iter().zip(lit) {
+            let height = (point.ray.origin.z - self.ground.mean_plane()) * self.ground.unit();
+            if let Some(bin) = heights::bin(height / sigma) {
+                counts[bin][0] += u64::from(mark.facing);
+                counts[bin][1] += u64::from(mark.free);
+            }
+        }
+        counts
     }
 }
 
 /// Projected areas of facing and lit points.
-fn area<F>(light: &Incidence, points: &[Point<F>], lit: &Marks) -> Area {
+fn areas<F>(light: &Incidence, points: &[Point<F>], lit: &[Mark]) -> [f64; 2] {
     let wi = light.wi();
-    let mut sum = Area::default();
-    for ((point, &facing), &free) in points.iter().zip(&lit.facing).zip(&lit.free) {
-        if facing {
-            let m = point.ray.direction;
-            let area = wi.dot(m) / (m.z * wi.z);
-            sum.facing += area;
-            sum.free += if free { area } else { 0.0 };
-        }
+    let mut sum = [0.0; 2];
+    for (point, mark) in points.iter().zip(lit).filter(|(_, mark)| mark.facing) {
+        let m = point.ray.direction;
+        let area = wi.dot(m) / (m.z * wi.z);
+        sum[0] += area;
+        sum[1] += if mark.free { area } else { 0.0 };
     }
     sum
-}
-
-/// Facing and lit points by their height.
-fn by_height(bins: &[Option<usize>], lit: &Marks) -> Vec<Seen> {
-    let mut counts = vec![Seen::default(); BINS];
-    for ((bin, &facing), &free) in bins.iter().zip(&lit.facing).zip(&lit.free) {
-        if let Some(bin) = *bin {
-            counts[bin] += Seen {
-                facing: u64::from(facing),
-                free: u64::from(free),
-            };
-        }
-    }
-    counts
 }

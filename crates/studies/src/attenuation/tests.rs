@@ -1,8 +1,10 @@
-//! Runs that are interrupted.
+//! Runs that are interrupted, resumed and merged.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_simulate::Silent;
+use asperity_io::ResultFolder;
+use asperity_simulate::{Silent, point_stream};
+use rand::RngExt;
 
 use super::*;
 
@@ -12,14 +14,34 @@ const CONFIG: &str = "
     tau = 4
     spacing = 1
     size = 32
+    [light]
+    theta = [30, 70]
     [run]
     realisations = 5
+    heights = true
+    demarcation = true
 ";
 
-/// Interrupts a run after so many surfaces.
+fn plan() -> AttenuationPlan {
+    AttenuationConfig::from_toml(CONFIG)
+        .unwrap()
+        .plan()
+        .unwrap()
+}
+
+/// Interrupts a run after so many surfaces, and counts those that were measured.
 struct Interrupt {
     surfaces: u64,
     measured: AtomicU64,
+}
+
+impl Interrupt {
+    const fn after(surfaces: u64) -> Self {
+        Self {
+            surfaces,
+            measured: AtomicU64::new(0),
+        }
+    }
 }
 
 impl Observer for Interrupt {
@@ -33,27 +55,82 @@ impl Observer for Interrupt {
     }
 }
 
+/// Report and summary, seconds aside.
+fn said(outcome: &AttenuationOutcome<'_>) -> (String, serde_json::Value) {
+    let mut summary = attenuation_summary(outcome);
+    summary["work"]["seconds"] = 0.into();
+    (attenuation_table(outcome), summary)
+}
+
+fn whole(plan: &AttenuationPlan) -> (String, serde_json::Value) {
+    let mut found = Container::in_memory(plan.header());
+    said(&attenuation(plan, &mut found, &Silent).unwrap())
+}
+
 #[test]
 fn report_and_summary_of_an_interrupted_run_say_so() {
-    let config = AttenuationConfig::from_toml(CONFIG).unwrap();
-    let interrupt = Interrupt {
-        surfaces: 5,
-        measured: AtomicU64::new(0),
-    };
-    let outcome = attenuation(&config, &interrupt).unwrap();
+    let plan = plan();
+    let mut found = Container::in_memory(plan.header());
+    let outcome = attenuation(&plan, &mut found, &Interrupt::after(5)).unwrap();
     // Two sigma: the third realisation was begun and not finished.
     assert_eq!(outcome.work.realisations, 2);
     let warning = "interrupted: these are the results of 2 of 5 surfaces";
-    let report = attenuation_table(&outcome);
+    let (report, summary) = said(&outcome);
     assert!(
         report.contains(&format!("warning: {warning}\n")),
         "{report}"
     );
-    let summary = attenuation_summary(&outcome);
     assert_eq!(summary["stopped_by"], "interrupt");
     assert_eq!(summary["warnings"][0], warning);
 
-    let whole = attenuation(&config, &Silent).unwrap();
-    assert!(!attenuation_table(&whole).contains("interrupted"));
-    assert!(attenuation_summary(&whole)["stopped_by"].is_null());
+    let (report, summary) = whole(&plan);
+    assert!(!report.contains("interrupted"));
+    assert!(summary["stopped_by"].is_null());
+}
+
+#[test]
+fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = ResultFolder::open(place.path(), "attenuation", &[]).unwrap();
+    let plan = plan();
+    let open = || Container::open(&folder, plan.header()).unwrap();
+    for surfaces in [2, 5, 20] {
+        let observer = Interrupt::after(surfaces);
+        let mut found = open();
+        let before = found.resumed().cases as u64;
+        let outcome = attenuation(&plan, &mut found, &observer).unwrap();
+        let measured = observer.measured.load(Ordering::Relaxed);
+        assert_eq!(outcome.work.realisations, before + measured / 2);
+    }
+    let mut found = open();
+    // Nothing is left to measure, so that no interrupt stops it.
+    let outcome = attenuation(&plan, &mut found, &Interrupt::after(0)).unwrap();
+    assert_eq!(said(&outcome), whole(&plan));
+    // Nothing is found, and nothing written, if an interrupt comes first.
+    let mut found = Container::in_memory(plan.header());
+    let refused = attenuation(&plan, &mut found, &Interrupt::after(1));
+    assert!(matches!(refused, Err(AttenuationError::Interrupted)));
+}
+
+#[test]
+fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
+    let plan = plan();
+    let expected = whole(&plan);
+    let mut rng = point_stream(3, 0, 0);
+    for _ in 0..4 {
+        let owners: Vec<u32> = (0..5).map(|_| rng.random_range(0..3)).collect();
+        let shard = |number: u32| {
+            let mut found = Container::in_memory(plan.header());
+            // All shards have the last surface.
+            let own = |index: usize| match owners[index] == number || index == 4 {
+                true => SurveyedSurface::of(&plan, index as u64, &Silent),
+                false => Ok(None),
+            };
+            found.compute_missing(5, &Silent, own).unwrap();
+            found
+        };
+        let merged = Container::merge((0..3).map(shard).collect()).unwrap();
+        let judged = plan.judge(&merged).unwrap();
+        assert_eq!(said(&judged), expected, "{owners:?}");
+    }
 }
