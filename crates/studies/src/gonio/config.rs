@@ -113,7 +113,7 @@ pub struct GonioOutput {
 pub struct GonioConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
-    /// One given surface in their place.
+    /// Given surfaces in their place.
     pub measured: MeasuredConfig,
     /// What they are made of.
     pub material: MaterialConfig,
@@ -176,7 +176,7 @@ impl GonioConfig {
         })
     }
 
-    /// What the results of this configuration are kept under; `sample` is the given surface, if there is one.
+    /// What the results of this configuration are kept under; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
@@ -186,7 +186,7 @@ impl GonioConfig {
         Ok(Header::new("gonio", self.run.seed, document))
     }
 
-    /// What is measured, checked as far as it can be before a ray is traced; `sample` is the given surface, if there is one.
+    /// What is measured, checked as far as it can be before a ray is traced; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
@@ -213,7 +213,7 @@ impl GonioConfig {
                         "an independent bottom cannot be drawn for a measured surface; take bottom_surface flat or same".to_owned(),
                     );
                 }
-                verification.plan_on(&sample.shape, sample.about.unit)?
+                verification.plan_on(&sample.shapes, sample.about.unit)?
             }
         };
         let specs = plan.cases.iter().map(|case| plan.settings.spec_of(case));

@@ -1,4 +1,4 @@
-//! The files of a traced surface: tables of fluxes, plots and summary.json.
+//! The files of traced surfaces: tables of fluxes, plots and summary.json.
 
 use asperity_io::{ResultFolder, write_json};
 use serde_json::Value;
@@ -36,7 +36,7 @@ impl TraceConfig {
     }
 }
 
-/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
+/// Writes what light did on the surfaces into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
 /// with models, plots and, last, summary.json.
 ///
 /// # Errors
@@ -79,7 +79,7 @@ fn tables<'a>(outcome: &'a TraceOutcome<'_>) -> FluxTables<'a> {
     }
 }
 
-/// Draws the height map, of a surface that has one, the curves of the light, and its Mueller matrices if they are kept.
+/// Draws the height map, of the first surface if it has one, the curves of the light, and its Mueller matrices if they are kept.
 fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
     let case = &outcome.outcome.case;
     let light = PlottedCase {
@@ -87,7 +87,7 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
         max_order: outcome.plan.config.run.max_order,
     };
     let map = || match case.surface.heights() {
-        Some(field) => figures::height_map(&[place], &field, &outcome.plan.name),
+        Some(field) => figures::height_map(&[place], &field, &outcome.plan.first),
         None => Ok(()),
     };
     let statistics = &outcome.outcome.statistics;
