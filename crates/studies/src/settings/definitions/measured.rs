@@ -29,7 +29,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "file",
         Kind::Path,
         TRACE.and(GONIO),
-        "Height map or triangle mesh; may be repeated: several are an ensemble",
+        "Height map or triangle mesh, repeated for each of an ensemble",
     )
     .flag(Flag::Named("surface"))
     .value_name("FILE")
