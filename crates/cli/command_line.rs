@@ -107,6 +107,7 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
     let positional = command.positional().map(|(name, about)| {
         let argument = Arg::new(POSITIONAL).value_name(name).help(about);
         match command {
+            Command::Trace => argument.num_args(1..).value_hint(ValueHint::FilePath),
             Command::Model => argument.value_parser(Offered(names_of_models())),
             _ => argument.value_hint(ValueHint::FilePath),
         }
@@ -222,22 +223,32 @@ fn chosen(matches: &ArgMatches) -> Option<(Command, &ArgMatches)> {
 /// Defaults, then the configuration file, then flags.
 fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure> {
     let mut document = Document::new(command);
-    let input = match command.positional() {
-        Some(_) => matches.get_one::<String>(POSITIONAL),
+    let inputs = match command.positional() {
+        Some(_) => matches.get_many::<String>(POSITIONAL),
         None => None,
     };
-    let mut positional = None;
-    match input {
-        Some(path) if command.has_configuration() && is_configuration(command, path)? => {
-            let text = read_text(Path::new(path)).map_err(Failure::failed)?;
-            document
-                .add_file(Some(path), &text)
-                .map_err(Failure::usage)?;
+    let mut texts: Vec<String> = Vec::new();
+    for input in inputs.into_iter().flatten() {
+        if !command.has_configuration() || !is_configuration(command, input)? {
+            texts.push(input.clone());
+            continue;
         }
-        Some(text) if command == Command::Model => positional = Some(("model.name", text.as_str())),
-        Some(text) => positional = Some(("measured.file", text.as_str())),
-        None => {}
+        if let Some(other) = document.file() {
+            return Err(Failure::usage(format!(
+                "`{}` and `{input}` are both configurations; give one",
+                other.display()
+            )));
+        }
+        let text = read_text(Path::new(input)).map_err(Failure::failed)?;
+        document
+            .add_file(Some(input), &text)
+            .map_err(Failure::usage)?;
     }
+    let setting = match command {
+        Command::Model => "model.name",
+        _ => "measured.file",
+    };
+    let positional = (!texts.is_empty()).then_some((setting, texts.as_slice()));
     document
         .add_flags(&flags(command, matches), positional)
         .map_err(Failure::usage)?;

@@ -4,30 +4,31 @@ use std::path::Path;
 
 use asperity_io::SurfaceFormat;
 use asperity_studies::settings::Document;
-use asperity_studies::{GivenShape, GivenSurface, MeasuredConfig};
+use asperity_studies::{GivenShape, GivenSurface, GivenSurfaces, MeasuredConfig};
 use asperity_surface::{HeightField, LengthUnit};
 use serde::de::DeserializeOwned;
 
 use crate::common::Common;
 use crate::failure::Failure;
 use crate::input::{Input, name_of, read_mesh_surface, read_surface};
+use crate::output_files::is_same_file;
 
-/// The settings of `document` with lengths as numbers in the unit of that surface.
+/// The settings of `document` with lengths as numbers in `unit`, that of the surface.
 pub(crate) fn settings_for<T: DeserializeOwned>(
     document: &Document,
-    surface: &GivenSurface,
+    unit: LengthUnit,
 ) -> Result<T, Failure> {
-    let document = document.clone().in_unit(surface.unit);
+    let document = document.clone().in_unit(unit);
     document
         .and_then(|document| document.read())
         .map_err(Failure::usage)
 }
 
-/// Reads the bottom of a layer below `surface`, with lengths in the same unit.
-pub(crate) fn read_bottom(
+/// Reads a further surface, or the bottom of a layer, with lengths in the unit of `surface`.
+pub(crate) fn read_like(
+    surface: &GivenSurface,
     path: &Path,
     measured: &MeasuredConfig,
-    surface: &GivenSurface,
     common: &Common,
 ) -> Result<GivenSurface, Failure> {
     let physical = Some(surface.unit).filter(|unit| *unit != LengthUnit::Arbitrary);
@@ -35,44 +36,59 @@ pub(crate) fn read_bottom(
         unit: physical.or(measured.unit),
         ..measured.clone()
     };
-    let bottom = read_given(path, &measured, common)?;
-    if bottom.unit == surface.unit || surface.file.is_none() {
-        return Ok(bottom);
+    let read = read_given(path, &measured, common)?;
+    if read.unit == surface.unit || surface.file.is_none() {
+        return Ok(read);
     }
     Err(Failure::usage(format!(
         "{}: its lengths are in {}, but {} states no unit; say what its numbers are in with --assume-unit",
         path.display(),
-        bottom.unit,
+        read.unit,
         surface.name
     )))
 }
 
-/// Reads the surface of a configuration, which `command` needs.
-pub(crate) fn required_surface(
+/// Reads the surfaces of a configuration, of which `command` needs one at least.
+pub(crate) fn required_surfaces(
     measured: &MeasuredConfig,
     document: &Document,
     common: &Common,
-) -> Result<GivenSurface, Failure> {
+) -> Result<GivenSurfaces, Failure> {
     let command = document.command();
-    given_surface(measured, document, common)?
+    given_surfaces(measured, document, common)?
         .ok_or_else(|| Failure::usage(format!("{command} needs a surface: FILE or --flat")))
 }
 
-/// Reads the surface of a configuration, if it has one.
-pub(crate) fn given_surface(
+/// Reads the surfaces of a configuration, if it has any.
+pub(crate) fn given_surfaces(
     measured: &MeasuredConfig,
     document: &Document,
     common: &Common,
-) -> Result<Option<GivenSurface>, Failure> {
-    match &measured.file {
-        Some(path) => read_given(path, measured, common).map(Some),
-        None if measured.flat => flat_surface(document.own_unit()).map(Some),
-        None => Ok(None),
+) -> Result<Option<GivenSurfaces>, Failure> {
+    let files: Vec<&Path> = measured.files().collect();
+    for (i, path) in files.iter().enumerate() {
+        if files[..i].iter().any(|other| is_same_file(other, path)) {
+            return Err(Failure::usage(format!(
+                "{} is given twice; give each surface once",
+                path.display()
+            )));
+        }
     }
+    let (first, others) = match files.split_first() {
+        Some((first, others)) => (read_given(first, measured, common)?, others),
+        None if measured.flat => (flat_surface(document.own_unit())?, &[][..]),
+        None => return Ok(None),
+    };
+    let others = others.iter();
+    let others = others.map(|path| read_like(&first, path, measured, common));
+    Ok(Some(GivenSurfaces {
+        others: others.collect::<Result<_, _>>()?,
+        first,
+    }))
 }
 
 /// Reads a surface from a file.
-pub(crate) fn read_given(
+fn read_given(
     path: &Path,
     measured: &MeasuredConfig,
     common: &Common,

@@ -159,9 +159,9 @@ pub(crate) fn read_mesh_surface(
 
 /// The file of a given surface, which `command` needs.
 pub(crate) fn required_file(measured: &MeasuredConfig, command: Command) -> Result<&Path, Failure> {
-    measured
-        .file
-        .as_deref()
+    let mut files = measured.files();
+    files
+        .next()
         .ok_or_else(|| Failure::usage(format!("{command} needs FILE, a height map")))
 }
 

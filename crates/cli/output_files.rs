@@ -45,7 +45,7 @@ fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
 }
 
 /// Whether both paths name one file, which need not exist.
-fn is_same_file(a: &Path, b: &Path) -> bool {
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || place(a).is_some_and(|place_of_a| Some(place_of_a) == place(b))
 }
 

@@ -11,8 +11,8 @@ use asperity_render::{
 use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape, counted, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, Seconds,
-    TraceError, wrapped,
+    CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, OneOrMany,
+    Seconds, TraceError, wrapped,
 };
 use asperity_surface::LengthUnit;
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
@@ -21,7 +21,7 @@ use serde::Deserialize;
 use crate::common::Common;
 use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
-use crate::given::{read_bottom, required_surface, settings_for};
+use crate::given::{read_like, required_surfaces, settings_for};
 use crate::input::refuse_simulation;
 use crate::output::{note_lines, print};
 use crate::output_files::check_outputs;
@@ -93,7 +93,7 @@ struct Picture {
     size: [usize; 2],
     samples: u64,
     exposure: Option<f64>,
-    output: Vec<PathBuf>,
+    output: OneOrMany<PathBuf>,
 }
 
 /// The effort.
@@ -114,12 +114,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let lights = settings.lights.lights()?;
     settings.check_bottom()?;
     let picture = &settings.picture;
-    for path in &picture.output {
+    for path in picture.output.as_slice() {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
     }
     settings.check_outputs(document)?;
-    let surface = required_surface(&settings.measured, document, common)?;
-    let settings: Settings = settings_for(document, &surface)?;
+    let surface = required_surfaces(&settings.measured, document, common)?.first;
+    let settings: Settings = settings_for(document, surface.unit)?;
     let picture = &settings.picture;
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
     let shape = settings.shape(&surface, common)?;
@@ -130,7 +130,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let factor = picture
         .exposure
         .unwrap_or_else(|| exposure(&outcome.picture));
-    for path in &picture.output {
+    for path in picture.output.as_slice() {
         write_picture(path, &outcome.picture, factor, COMMENT).map_err(Failure::failed)?;
     }
     let ended = EndedRun {
@@ -147,7 +147,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     }
     let mut text = report(&surface.name, &outcome, factor);
     text.push_str(&note_lines(surface.notes.iter().chain(&settings.notes())));
-    for path in &picture.output {
+    for path in picture.output.as_slice() {
         text.push_str(&format!("picture in {}\n", path.display()));
     }
     print(&wrapped(&text))?;
@@ -157,12 +157,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
 impl Settings {
     /// Checks that the pictures can be written.
     fn check_outputs(&self, document: &Document) -> Result<(), Failure> {
-        let outputs: Vec<&Path> = self.picture.output.iter().map(PathBuf::as_path).collect();
+        let outputs = self.picture.output.as_slice();
+        let outputs: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
         let bottom = self.medium.as_ref().and_then(|m| m.bottom_surface.file());
-        check_outputs(
-            &outputs,
-            &[self.measured.file.as_deref(), bottom, document.file()],
-        )
+        let surface = self.measured.files().next();
+        check_outputs(&outputs, &[surface, bottom, document.file()])
     }
 
     fn check_bottom(&self) -> Result<(), Failure> {
@@ -206,7 +205,7 @@ impl Settings {
         let medium = self.medium.as_ref();
         medium
             .and_then(|medium| medium.bottom_surface.file())
-            .map(|path| Ok(read_bottom(path, &self.measured, surface, common)?.shape))
+            .map(|path| Ok(read_like(surface, path, &self.measured, common)?.shape))
             .transpose()
     }
 

@@ -1,18 +1,16 @@
-//! `asperity trace`: light on one given surface.
-
-use std::path::Path;
+//! `asperity trace`: light on given surfaces.
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GivenSurface, TraceConfig, TraceError, TracePlan, TracedSurfaces, trace, trace_report,
-    trace_summary, trace_table,
+    TraceConfig, TraceError, TracePlan, TracedSurfaces, trace, trace_report, trace_summary,
+    trace_table,
 };
 
 use crate::common::{Common, Results};
 use crate::completion::open_results;
 use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
-use crate::given::{read_bottom, required_surface, settings_for};
+use crate::given::{read_like, required_surfaces, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
 use crate::output::result_folder;
 use crate::progress::Progress;
@@ -26,20 +24,16 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         TraceError::Results(error) => Failure::failed(error),
         error => Failure::usage(error),
     };
-    // Everything that can be is checked before the surface is read.
+    // Everything that can be is checked before the surfaces are read.
     config.check().map_err(|error| refuse(error.into()))?;
     let surfaces = read(&config, document, common)?;
-    let config: TraceConfig = settings_for(document, &surfaces.surface)?;
-    let file = |surface: &GivenSurface| surface.file.clone();
-    let inputs = [
-        document.file().map(Path::to_owned),
-        file(&surfaces.surface),
-        surfaces.bottom.as_ref().and_then(file),
-    ];
+    let config: TraceConfig = settings_for(document, surfaces.tops.first.unit)?;
     let plan = TracePlan::new(&config, surfaces).map_err(refuse)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
     let names = config.files().map_err(|error| refuse(error.into()))?;
-    let inputs = inputs.each_ref().map(Option::as_deref);
+    let inputs = config.measured.files().chain(document.file());
+    let bottom = config.medium.as_ref().and_then(|m| m.bottom_surface.file());
+    let inputs: Vec<_> = inputs.chain(bottom).map(Some).collect();
     let folder = results.output.as_ref();
     let folder = folder.map(|path| result_folder(path, "trace", &inputs, &names));
     let folder = folder.transpose()?;
@@ -71,17 +65,17 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     Ok(end)
 }
 
-/// Reads the surface, and the one below it if that is a file.
+/// Reads the surfaces, and the one below them if that is a file.
 fn read(
     config: &TraceConfig,
     document: &Document,
     common: &Common,
 ) -> Result<TracedSurfaces, Failure> {
-    let surface = required_surface(&config.measured, document, common)?;
+    let tops = required_surfaces(&config.measured, document, common)?;
     let medium = config.medium.as_ref();
     let bottom = medium
         .and_then(|medium| medium.bottom_surface.file())
-        .map(|path| read_bottom(path, &config.measured, &surface, common))
+        .map(|path| read_like(&tops.first, path, &config.measured, common))
         .transpose()?;
-    Ok(TracedSurfaces { surface, bottom })
+    Ok(TracedSurfaces { tops, bottom })
 }

@@ -17,6 +17,7 @@ mod exactness;
 mod examples;
 mod flags;
 mod given;
+mod given_ensembles;
 mod given_models;
 mod gonio;
 mod gonio_given;

@@ -29,7 +29,7 @@ mod text;
 pub use asperity_tracer::{BottomSurface, LayerBelow, SearchedSurface, Shape};
 pub use bins::core_slopes::CoreSlopes;
 pub use bins::lobe::{Lobe, MAX_SHORTFALL};
-pub use engine::random::MESH_ALLOWANCE;
+pub use engine::ensemble::MESH_ALLOWANCE;
 pub use engine::simulation::{Simulation, simulate};
 pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};

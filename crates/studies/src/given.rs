@@ -35,6 +35,78 @@ pub enum GivenShape {
     Mesh(MeshSurface),
 }
 
+/// Given surfaces: one, or several with lengths in the same unit, which are an ensemble.
+#[derive(Clone, Debug)]
+pub struct GivenSurfaces {
+    /// The first.
+    pub first: GivenSurface,
+    /// All others.
+    pub others: Vec<GivenSurface>,
+}
+
+impl GivenSurfaces {
+    /// All of them, in the order in which they were given.
+    pub fn iter(&self) -> impl Iterator<Item = &GivenSurface> {
+        std::iter::once(&self.first).chain(&self.others)
+    }
+
+    /// Their names, for titles.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let names: Vec<&str> = self.iter().map(|one| one.name.as_str()).collect();
+        names.join(", ")
+    }
+
+    /// The lengths that are most doubtful against a wavelength: the shortest of all surfaces.
+    pub(crate) fn lengths(&self) -> SurfaceLengths {
+        let others = self.others.iter().map(GivenSurface::lengths);
+        others.fold(self.first.lengths(), SurfaceLengths::shortest)
+    }
+
+    /// What a reader of the results should know about the surfaces.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let of_each: Vec<_> = self.iter().map(GivenSurface::warnings).collect();
+        let mut warnings = Vec::new();
+        for (surface, of_one) in self.iter().zip(&of_each) {
+            for warning in of_one {
+                let warning = match of_each.iter().all(|others| others.contains(warning)) {
+                    true => warning.clone(),
+                    false => format!("{}: {warning}", surface.name),
+                };
+                if !warnings.contains(&warning) {
+                    warnings.push(warning);
+                }
+            }
+        }
+        warnings.push(match of_each.len() {
+            1 => ONE_SURFACE.to_owned(),
+            n => {
+                let percent = 100.0 / (2.0 * (n as f64 - 1.0)).sqrt();
+                format!("{n} surfaces: errors are those of their scatter, which so few tell within about {percent:.0} %")
+            }
+        });
+        warnings
+    }
+
+    /// What each is as summary.json and headers hold it: a list if there are several.
+    pub(crate) fn described(&self, describe: impl Fn(&GivenSurface) -> Value) -> Value {
+        match self.others.as_slice() {
+            [] => describe(&self.first),
+            _ => self.iter().map(describe).collect(),
+        }
+    }
+
+    /// The same as they are simulated, with these `cells` between heights.
+    ///
+    /// # Errors
+    /// As [`GivenShape::simulated`].
+    pub(crate) fn simulated(self, cells: Cells) -> Result<Vec<Shape>, SimulateError> {
+        let all = std::iter::once(self.first).chain(self.others);
+        all.map(|one| one.shape.simulated(cells)).collect()
+    }
+}
+
 impl GivenShape {
     /// The same as it is simulated, with these `cells` between heights.
     ///
@@ -64,8 +136,7 @@ impl GivenSurface {
     }
 
     /// Its lengths, to be compared with the wavelength.
-    #[must_use]
-    pub fn lengths(&self) -> SurfaceLengths {
+    fn lengths(&self) -> SurfaceLengths {
         match &self.shape {
             GivenShape::Field(field) => SurfaceLengths::of_field(field),
             GivenShape::Mesh(mesh) => SurfaceLengths::of_mesh(mesh, self.unit),
@@ -73,8 +144,7 @@ impl GivenSurface {
     }
 
     /// What a reader of the results should know about the surface.
-    #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
+    fn warnings(&self) -> Vec<String> {
         let mut warnings = self.notes.clone();
         let border = match &self.shape {
             GivenShape::Field(field) => {
@@ -89,7 +159,6 @@ impl GivenSurface {
         if border == Border::Open {
             warnings.push(OPEN_PATCH.to_owned());
         }
-        warnings.push(ONE_SURFACE.to_owned());
         warnings
     }
 

@@ -101,7 +101,7 @@ impl Direction<'_> {
 pub struct GonioOutcome<'a> {
     /// The configuration.
     pub config: &'a GonioConfig,
-    /// The given surface, if there is one.
+    /// The given surfaces, if there are any.
     pub sample: Option<&'a AboutSample>,
     /// What is measured: by setting, polar angle and azimuth, in that order of nesting.
     pub plan: &'a Plan,

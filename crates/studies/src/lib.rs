@@ -53,7 +53,7 @@ pub use converge::{
     Efficiency, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError, RunEffort,
     SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
-pub use given::{GivenShape, GivenSurface};
+pub use given::{GivenShape, GivenSurface, GivenSurfaces};
 pub use gonio::{
     AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, PlotScale, Sample,
     gonio, gonio_report, gonio_summary, gonio_table,

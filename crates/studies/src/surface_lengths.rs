@@ -30,6 +30,19 @@ impl SurfaceLengths {
         }
     }
 
+    /// The shortest of both surfaces, of which all are to be long against the wavelength.
+    pub(crate) fn shortest(self, other: Self) -> Self {
+        let of_both = |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| {
+            a.zip(b).map(|(a, b)| pick(a, b))
+        };
+        Self {
+            sigma: self.sigma.min(other.sigma),
+            tau: of_both(self.tau, other.tau, f64::min),
+            curvature: of_both(self.curvature, other.curvature, f64::max),
+            unit: self.unit,
+        }
+    }
+
     /// Of a height map, by neighbouring samples.
     #[must_use]
     pub fn of_field(field: &HeightField) -> Self {

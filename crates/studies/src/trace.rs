@@ -1,4 +1,4 @@
-//! Light on one given surface.
+//! Light on given surfaces.
 
 mod comparison;
 mod comparison_text;
@@ -26,7 +26,7 @@ use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
-use crate::given::{GivenShape, GivenSurface};
+use crate::given::{GivenShape, GivenSurface, GivenSurfaces};
 use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
@@ -94,6 +94,14 @@ pub enum TraceError {
         /// The refusal of the model.
         error: ModelError,
     },
+    /// Several surfaces are to be compared with models.
+    #[error(
+        "--models: models are compared with one surface, whose slopes they are made for, but {count} are given; give one, or leave out --models"
+    )]
+    ComparedSeveral {
+        /// Number of surfaces.
+        count: usize,
+    },
     /// The surface cannot be compared with models.
     #[error(transparent)]
     Compare(#[from] CompareError),
@@ -105,11 +113,11 @@ pub enum TraceError {
     Results(#[from] ResultsError),
 }
 
-/// A given surface, and the one below it.
+/// Given surfaces, and the one below each of them.
 #[derive(Clone, Debug)]
 pub struct TracedSurfaces {
-    /// The surface that light falls on.
-    pub surface: GivenSurface,
+    /// The surfaces that light falls on.
+    pub tops: GivenSurfaces,
     /// The bottom of the layer, if it is given too.
     pub bottom: Option<GivenSurface>,
 }
@@ -120,25 +128,26 @@ impl TracedSurfaces {
     /// # Errors
     /// [`TraceError::RefinedMesh`].
     pub fn check(&self, config: &TraceConfig) -> Result<(), TraceError> {
-        match (&self.surface.shape, &self.surface.file) {
-            (GivenShape::Mesh(_), Some(path)) if config.run.refine => {
-                Err(TraceError::RefinedMesh {
+        for surface in self.tops.iter().filter(|_| config.run.refine) {
+            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
+                return Err(TraceError::RefinedMesh {
                     name: path.display().to_string(),
-                })
+                });
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 
-    /// The surface over the one below it, if there is one.
-    fn shape(self, cells: Cells) -> Result<Shape, TraceError> {
-        let top = self.surface.shape.simulated(cells)?;
-        match self.bottom {
-            None => Ok(top),
-            Some(bottom) => top
-                .over(bottom.shape.simulated(cells)?)
-                .ok_or(TraceError::OtherBottom),
-        }
+    /// The surfaces over the one below them, if there is one.
+    fn shapes(self, cells: Cells) -> Result<Vec<Shape>, TraceError> {
+        let tops = self.tops.simulated(cells)?;
+        let Some(bottom) = self.bottom else {
+            return Ok(tops);
+        };
+        let bottom = bottom.shape.simulated(cells)?;
+        let tops = tops.into_iter();
+        let both = tops.map(|top| top.over(bottom.clone()));
+        both.collect::<Option<_>>().ok_or(TraceError::OtherBottom)
     }
 }
 
@@ -199,13 +208,15 @@ impl TraceOutcome<'_> {
     }
 }
 
-/// Light on a given surface, checked and ready to be traced.
+/// Light on given surfaces, checked and ready to be traced.
 pub struct TracePlan {
     /// The configuration.
     pub config: TraceConfig,
-    /// Name of the surface.
+    /// Names of the surfaces.
     pub name: String,
-    /// Lengths of the surface against the wavelength, where its unit is known.
+    /// Name of the first of them.
+    pub(crate) first: String,
+    /// Lengths of the surfaces against the wavelength, where its unit is known.
     pub validity: Option<Validity>,
     case: Case,
     settings: Settings,
@@ -220,24 +231,25 @@ impl TracePlan {
     /// Checks everything that can be before a ray is traced.
     ///
     /// # Errors
-    /// [`TraceError`] if the configuration makes no sense on this surface.
+    /// [`TraceError`] if the configuration makes no sense on these surfaces.
     pub fn new(config: &TraceConfig, surfaces: TracedSurfaces) -> Result<Self, TraceError> {
         surfaces.check(config)?;
         let settings = config.ray_settings()?;
-        let surface = surfaces.surface.clone();
-        let mut warnings = surface.warnings();
+        let tops = surfaces.tops.clone();
+        let mut warnings = tops.warnings();
         let theta = config.incidence()?.theta();
-        let validity = Validity::new(&surface.lengths(), theta, config.light.wavelength_nm());
+        let validity = Validity::new(&tops.lengths(), theta, config.light.wavelength_nm());
         let description = description::Surfaces::of(&surfaces, config);
-        let shape = surfaces.shape(config.surface.cells.of_given())?;
-        let case = config.case(shape, surface.unit)?;
-        let comparison = PlannedComparison::new(config, &surface, &case, &settings)?;
+        let shapes = surfaces.shapes(config.surface.cells.of_given())?;
+        let case = config.case(shapes, tops.first.unit)?;
+        let comparison = PlannedComparison::new(config, &tops, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());
         Ok(Self {
             described: description.config(config, &case),
             config: config.clone(),
-            name: surface.name,
+            name: tops.name(),
+            first: tops.first.name,
             validity,
             lobes: Lobe::of_case(&case),
             case,
@@ -247,7 +259,7 @@ impl TracePlan {
         })
     }
 
-    /// What the results of this configuration on this surface are kept under. The time that a run is given, its plots and the
+    /// What the results of this configuration on these surfaces are kept under. The time that a run is given, its plots and the
     /// wavelength, which changes nothing that is traced, do not belong to it.
     #[must_use]
     pub fn header(&self) -> Header {

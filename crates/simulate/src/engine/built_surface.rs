@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_surface::{Border, SlopeMoments};
+use asperity_surface::SlopeMoments;
 use asperity_tracer::{AcceleratorKind, Engine, PreparedSurface, Shape, Surface, TracedPaths};
 
 use super::block_run::LitMesh;
@@ -100,11 +100,6 @@ impl BuiltSurface {
     /// Its meshes, the one whose results are reported first.
     pub(crate) fn shapes(&self) -> impl Iterator<Item = &Shape> {
         self.meshes.iter().map(|mesh| &mesh.shape)
-    }
-
-    /// What lies beyond the border of its tile.
-    pub(crate) fn border(&self) -> Border {
-        self.meshes[0].shape.border()
     }
 
     /// The accelerator that was built.

@@ -1,8 +1,10 @@
 //! Drawer: gives the engine the meshes of surfaces by their number.
 
+use std::sync::Arc;
+
 use asperity_tracer::Shape;
 
-use super::built_surface::Meshes;
+use super::built_surface::{BuiltSurface, Meshes};
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
@@ -20,6 +22,8 @@ pub(crate) enum Drawer<'a> {
     },
     /// Given surfaces; facets are refined or not.
     Given(&'a [Shape], bool),
+    /// One that is built, for all numbers.
+    Built(Arc<BuiltSurface>),
 }
 
 impl<'a> Drawer<'a> {
@@ -49,6 +53,7 @@ impl<'a> Drawer<'a> {
                 Meshes::new(recipe.draw_into(seed, number, memory)?, *refine)
             }
             Self::Given(shapes, refine) => Meshes::new(shapes[number as usize].clone(), *refine),
+            Self::Built(built) => Ok(Meshes::of_several(built.shapes().cloned().collect())),
             Self::Respaced {
                 finer,
                 given,

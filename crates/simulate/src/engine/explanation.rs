@@ -2,10 +2,8 @@
 
 use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions, Shape};
 
-use super::ensemble_run::{EnsembleRun, Members};
+use super::ensemble::EnsembleGroup;
 use super::given_run::GivenRun;
-use super::random::RandomGroup;
-use super::ready_group::ReadyGroup;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
@@ -96,24 +94,11 @@ fn accelerator_line(settings: &Settings, used: AcceleratorKind) -> String {
     )
 }
 
-impl RandomGroup {
+impl EnsembleGroup {
     /// Surfaces, accelerator, and how each case is estimated.
     pub(super) fn explained(&self) -> Vec<String> {
         let settings = &self.settings;
-        let [ny, nx] = self.surfaces.shape();
-        let lengths = self.surfaces.recipe().axis_correlation_lengths();
-        let spacing = self.surfaces.spacing();
-        let [dx, dy] = [0, 1].map(|i| short(spacing[i] / lengths[i]));
-        let plan = match settings.target() {
-            None => "as given",
-            Some(_) => "planned by a pilot run",
-        };
-        let surfaces = format!(
-            "{} ({plan}) of {nx} x {ny} {} cells, spacing {dx} x {dy} correlation lengths, seed {}",
-            counted(self.plan.surfaces, "random surface"),
-            self.surfaces.cells(),
-            settings.seed
-        );
+        let group = self.group(Stage::Result);
         let analytic = self.analytic.iter().map(|case| {
             format!(
                 "case {}: not traced, since shadowing, masking and multiple scattering change no flux by more than {}",
@@ -121,7 +106,6 @@ impl RandomGroup {
                 error_in_short(case.result.bound)
             )
         });
-        let of_surface = self.group(Stage::Result).blocks().rays();
         let traced = self.traced.iter().zip(&self.pilot.tried);
         let traced = traced.map(|(case, tried)| {
             let explained = Explained {
@@ -129,73 +113,72 @@ impl RandomGroup {
                 case: &case.case,
                 method: &case.method,
                 tried: !tried.is_empty(),
-                rays: of_surface.saturating_mul(self.plan.surfaces),
+                rays: group.rays_of_surface().saturating_mul(self.plan.surfaces),
             };
             explained.line(settings)
         });
         let mut lines: Vec<String> = analytic.chain(traced).collect();
         if !self.traced.is_empty() {
-            let used = settings.accelerator.on_height_field(false);
+            let surfaces = format!("{}, seed {}", self.surfaces_in_words(), settings.seed);
+            let used = match self.source.shapes().first() {
+                Some(shape) => resolved(settings.accelerator, shape),
+                None => settings.accelerator.on_height_field(false),
+            };
             lines.splice(0..0, [surfaces, accelerator_line(settings, used)]);
         }
         lines
     }
+
+    fn surfaces_in_words(&self) -> String {
+        let Some(surfaces) = self.random() else {
+            return match self.source.shapes().len() {
+                1 => "one given surface".to_owned(),
+                several => counted(several as u64, "given surface"),
+            };
+        };
+        let [ny, nx] = surfaces.shape();
+        let lengths = surfaces.recipe().axis_correlation_lengths();
+        let spacing = surfaces.spacing();
+        let [dx, dy] = [0, 1].map(|i| short(spacing[i] / lengths[i]));
+        let plan = match self.settings.target() {
+            None => "as given",
+            Some(_) => "planned by a pilot run",
+        };
+        format!(
+            "{} ({plan}) of {nx} x {ny} {} cells, spacing {dx} x {dy} correlation lengths",
+            counted(self.plan.surfaces, "random surface"),
+            surfaces.cells(),
+        )
+    }
 }
 
-/// What is said of given surfaces.
-fn given_lines<'a>(
-    surfaces: &str,
-    settings: &Settings,
-    used: AcceleratorKind,
-    cases: impl Iterator<Item = Explained<'a>>,
-) -> Vec<String> {
-    let head = [
-        format!("{surfaces}, seed {}", settings.seed),
-        accelerator_line(settings, used),
-    ];
-    let cases = cases.map(|case| case.line(settings));
-    head.into_iter().chain(cases).collect()
+/// The accelerator that a kind stands for on a surface.
+fn resolved(kind: AcceleratorKind, shape: &Shape) -> AcceleratorKind {
+    match shape {
+        Shape::HeightField { top, .. } => top.resolve(kind),
+        Shape::Smooth { top, .. } => top.resolve(kind),
+        Shape::TriangleMesh { top, .. } => top.resolve(kind),
+    }
 }
 
 impl GivenRun {
     /// Accelerator, and how each case is estimated.
     pub(super) fn explained(&self) -> Vec<String> {
-        let cases = self.cases.iter().map(|case| Explained {
-            number: case.number,
-            case: &case.case,
-            method: &case.methods[0],
-            tried: !case.tried.is_empty(),
-            rays: self.blocks(case).rays(),
+        let settings = &self.settings;
+        let head = [
+            format!("one given surface, seed {}", settings.seed),
+            accelerator_line(settings, self.built.used().kind()),
+        ];
+        let cases = self.cases.iter().map(|case| {
+            let explained = Explained {
+                number: case.number,
+                case: &case.case,
+                method: &case.methods[0],
+                tried: !case.tried.is_empty(),
+                rays: self.blocks(case).rays(),
+            };
+            explained.line(settings)
         });
-        let used = self.built.used().kind();
-        given_lines("one given surface", &self.settings, used, cases)
-    }
-}
-
-impl EnsembleRun {
-    /// Accelerator, and how each case is estimated.
-    pub(super) fn explained(&self) -> Vec<String> {
-        let group = self.group();
-        let rays = self.surfaces() * group.rays_of_surface();
-        let cases = self.cases.iter().map(|traced| Explained {
-            number: traced.number,
-            case: &traced.case,
-            method: &traced.method,
-            tried: false,
-            rays,
-        });
-        let kind = self.settings.accelerator;
-        let (surfaces, used) = match &self.members {
-            Members::Regions(built, _) => ("one given surface".to_owned(), built.used().kind()),
-            Members::Surfaces(shapes) => {
-                let used = match &shapes[0] {
-                    Shape::HeightField { top, .. } => top.resolve(kind),
-                    Shape::Smooth { top, .. } => top.resolve(kind),
-                    Shape::TriangleMesh { top, .. } => top.resolve(kind),
-                };
-                (counted(self.surfaces(), "given surface"), used)
-            }
-        };
-        given_lines(&surfaces, &self.settings, used, cases)
+        head.into_iter().chain(cases).collect()
     }
 }

@@ -1,26 +1,24 @@
 //! Group: cases that share surfaces, ready to be planned and traced.
 
 use super::context::Context;
-use super::given::GivenGroup;
-use super::random::RandomGroup;
+use super::ensemble::{EnsembleGroup, tallies};
+use super::given;
+use super::given_run::GivenRun;
 use super::ready_group::ReadyGroup;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::case::Case;
-use crate::input::limits::most_cases;
-use crate::input::random_surfaces::RandomSurfaces;
+use crate::input::limits::{check_results, most_cases};
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 
 /// Cases that share surfaces.
 #[derive(Clone)]
 pub(crate) enum Group {
-    /// Random surfaces, of which nothing is prepared.
-    Listed(Box<RandomSurfaces>, Vec<NumberedCase>),
-    /// Random surfaces.
-    Random(Box<RandomGroup>),
-    /// Given surfaces.
-    Given(GivenGroup),
+    /// Of which nothing is prepared.
+    Listed(SurfaceSource, Vec<NumberedCase>),
+    /// On random surfaces, with their control variates.
+    Prepared(Box<EnsembleGroup>),
 }
 
 impl Group {
@@ -49,11 +47,7 @@ impl Group {
         let mut divided = Vec::new();
         for (source, mut cases) in groups {
             let spec = settings.largest_spec(cases.iter().map(|one| &one.case));
-            let tallies = match (&source, settings.regions) {
-                (SurfaceSource::Random(_), _) => settings.effort.surfaces(),
-                (SurfaceSource::Given(shapes), None) => shapes.len() as u64,
-                (_, regions) => regions.map_or(1, |regions| regions.count()),
-            };
+            let tallies = tallies(&source, settings);
             let most = match has_target {
                 true => cases.len(),
                 false => most_cases(&spec, tallies, settings.refine),
@@ -75,22 +69,26 @@ impl Group {
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
-        match source {
-            SurfaceSource::Random(surfaces) => Ok(Self::Listed(surfaces, cases)),
+        match &source {
+            SurfaceSource::Random(_) => {}
             SurfaceSource::Given(shapes) => {
-                GivenGroup::new(shapes, cases, settings).map(Self::Given)
+                given::check(shapes, &cases, settings)?;
+                let spec = settings.largest_spec(cases.iter().map(|one| &one.case));
+                let tallies = tallies(&source, settings);
+                check_results(&spec, tallies, cases.len(), settings.refine)?;
             }
-            SurfaceSource::Described(_) => Err(SimulateError::DescribedSurface),
+            SurfaceSource::Described(_) => return Err(SimulateError::DescribedSurface),
         }
+        Ok(Self::Listed(source, cases))
     }
 
-    /// With the control variates of its cases.
+    /// With the control variates of cases on random surfaces.
     pub(crate) fn prepared(self, settings: &Settings) -> Result<Self, SimulateError> {
         Ok(match self {
-            Self::Listed(surfaces, cases) => {
-                Self::Random(Box::new(RandomGroup::new(*surfaces, cases, settings)?))
+            Self::Listed(source @ SurfaceSource::Random(_), cases) => {
+                Self::Prepared(Box::new(EnsembleGroup::new(source, cases, settings)?))
             }
-            prepared => prepared,
+            other => other,
         })
     }
 
@@ -98,8 +96,7 @@ impl Group {
     pub(crate) fn repeated(&self, settings: &Settings) -> Self {
         match self {
             Self::Listed(..) => self.clone(),
-            Self::Random(group) => Self::Random(Box::new(group.repeated(settings))),
-            Self::Given(group) => Self::Given(group.repeated(settings)),
+            Self::Prepared(group) => Self::Prepared(Box::new(group.repeated(settings))),
         }
     }
 
@@ -107,8 +104,7 @@ impl Group {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Listed(_, cases) => cases.len(),
-            Self::Random(group) => group.analytic.len() + group.traced.len(),
-            Self::Given(group) => group.len(),
+            Self::Prepared(group) => group.analytic.len() + group.traced.len(),
         }
     }
 
@@ -119,23 +115,26 @@ impl Group {
                 let of_case = settings.effort.total_rays();
                 of_case.saturating_mul(cases.len() as u64)
             }
-            Self::Random(group) => group.rays(),
-            Self::Given(group) => group.rays(),
+            Self::Prepared(group) => group.rays(),
         }
     }
 
-    /// Prepares random surfaces, and builds a given one.
+    /// Prepares an ensemble, and builds a surface that is given alone.
     pub(crate) fn build(
         self,
         settings: &Settings,
         context: Context<'_>,
     ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
-        match self {
-            Self::Listed(surfaces, cases) => {
-                Ok(Box::new(RandomGroup::new(*surfaces, cases, settings)?))
+        let (source, cases) = match self {
+            Self::Listed(source, cases) => (source, cases),
+            Self::Prepared(group) => return Ok(group),
+        };
+        match (source.shapes(), settings.regions) {
+            ([shape], None) => {
+                let run = GivenRun::new(shape.clone(), cases, *settings, context)?;
+                Ok(Box::new(run))
             }
-            Self::Random(group) => Ok(group),
-            Self::Given(group) => group.build(context),
+            _ => Ok(Box::new(EnsembleGroup::new(source, cases, settings)?)),
         }
     }
 }

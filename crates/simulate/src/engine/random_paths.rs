@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::context::Context;
+use super::ensemble::EnsembleGroup;
 use super::path_trial::{best, cost_times_variance, is_worth, report};
 use super::pilot::{self, Figures};
-use super::random::RandomGroup;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use crate::error::SimulateError;
@@ -14,7 +14,7 @@ use crate::input::target::Target;
 use crate::output::chosen_paths::WayOfPaths;
 use crate::store::Stage;
 
-impl RandomGroup {
+impl EnsembleGroup {
     /// Takes for each case the paths that reach `target` at the least cost, and in place of what the pilot run
     /// found for it in `fine` what it found on those. A run that is too short for a trial, or stopped in it, leaves all
     /// as it is.

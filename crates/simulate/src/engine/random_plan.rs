@@ -1,24 +1,25 @@
 //! The plan of cases that share random surfaces: paths, surfaces, rays and spacing that reach a target, by a pilot run.
 
 use super::context::Context;
+use super::ensemble::EnsembleGroup;
 use super::pilot::{self, Figures, PilotRun};
-use super::random::RandomGroup;
 use super::surfaces::{SurfaceGroup, surface_bytes};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use crate::error::SimulateError;
 use crate::input::limits::{check_memory, most_realisations};
+use crate::input::surface_source::SurfaceSource;
 use crate::store::Stage;
 use crate::text::{error_in_short, short};
 
-impl RandomGroup {
+impl EnsembleGroup {
     /// Plans paths, surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
     pub(super) fn plan_by_pilot(
         &mut self,
         all_cases: usize,
         context: Context<'_>,
     ) -> Result<(), SimulateError> {
-        let Some(target) = self.settings.target().filter(|_| !self.traced.is_empty()) else {
+        let Some(target) = self.target().filter(|_| !self.traced.is_empty()) else {
             return Ok(());
         };
         let Some(mut fine) = self.run_pilot(Stage::Pilot, &self.traced, context)? else {
@@ -76,21 +77,21 @@ impl RandomGroup {
         fine: &CaseTallies,
         coarse: Option<&CaseTallies>,
     ) -> Option<Figures> {
-        let target = self.settings.target()?;
         let run = PilotRun {
             fine,
             coarse,
-            cost_of_surface_ns: pilot::cost_of_surface_ns(&self.surfaces),
+            cost_of_surface_ns: pilot::cost_of_surface_ns(self.random()?),
         };
-        Some(Figures::new(target, &run))
+        Some(Figures::new(self.target()?, &run))
     }
 
     /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
     fn choose_spacing(&mut self) {
-        let (Some(target), Some(pilot)) = (self.settings.target(), &self.pilot_surfaces) else {
+        let (Some(target), Some(pilot)) = (self.target(), &self.pilot_surfaces) else {
             return;
         };
-        let mut candidates = pilot.candidates(&self.surfaces);
+        let candidates = self.random().map(|surfaces| pilot.candidates(surfaces));
+        let mut candidates = candidates.unwrap_or_default();
         candidates.retain(|(scale, surfaces)| {
             let bytes = surface_bytes(surfaces, &self.traced, &self.settings);
             *scale == 1.0 || check_memory("", bytes).is_ok()
@@ -102,11 +103,12 @@ impl RandomGroup {
             .map(|figures| pilot.mesh_error(figures, chosen.scale))
             .collect();
         if let Some((_, surfaces)) = candidates.into_iter().find(|(s, _)| *s == chosen.scale) {
-            self.surfaces = surfaces;
+            self.source = SurfaceSource::random(surfaces);
         }
         self.pilot.scale = chosen.scale;
         if let (Some(error), false) = (chosen.mesh_error, chosen.fine_enough) {
-            let spacing = short(self.surfaces.spacing()[0]);
+            let spacing = self.random().map_or(0.0, |surfaces| surfaces.spacing()[0]);
+            let spacing = short(spacing);
             self.pilot.warnings.push(format!(
                 "at the spacing {spacing} the mesh adds an error of up to {}, above a third of the target: give a finer spacing",
                 error_in_short(error)
@@ -119,7 +121,7 @@ impl RandomGroup {
 
     /// Chooses the surfaces and rays that reach the target in the least time.
     fn choose_effort(&mut self, all_cases: usize) {
-        let Some(target) = self.settings.target() else {
+        let Some(target) = self.target() else {
             return;
         };
         let most = most_realisations(&self.largest_spec(), all_cases);

@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use super::block_run::{FinishedGroup, LitMesh, run_blocks};
+use super::block_run::{LitMesh, run_blocks};
 use super::blocks::Blocks;
 use super::context::Context;
 use super::rounds::Batches;
@@ -53,14 +53,15 @@ impl RayBlocks<'_> {
             ..self.planned
         };
         let blocks = planned.after(first);
-        let mut saving = Saving {
-            store: context.store,
-            key: self.key(),
-            used: &self.used,
-            began: self.began,
-            seconds_before: self.seconds_before,
-            is_over: false,
+        let (key, used) = (self.key(), &self.used);
+        let (began, before) = (self.began, self.seconds_before);
+        let save = |store: &dyn SurfaceStore, found: &CaseOnSurface| {
+            let cases = std::slice::from_ref(found);
+            let seconds = trace_seconds(before, began);
+            store.save(key, SavedSurface::new(cases, None, seconds, used.clone()));
         };
+        // Blocks behind one that a stop left out are of no use to a later run.
+        let mut is_over = false;
         let found = &mut self.found;
         run_blocks(
             &self.lit,
@@ -69,15 +70,20 @@ impl RayBlocks<'_> {
             blocks,
             context.observer,
             |group| {
-                saving.before(&group, found);
+                if let Some(store) = context.store.filter(|_| !is_over) {
+                    is_over = group.first != found.tally.batches();
+                    if is_over || store.is_due() {
+                        save(store, found);
+                    }
+                }
                 found.push(&group.blocks, group.work);
             },
         );
-        let complete = found.tally.batches() == count;
-        if found.tally.batches() > first {
-            saving.save_last(found);
+        let has_more = found.tally.batches() > first;
+        if let Some(store) = context.store.filter(|_| has_more && !is_over) {
+            save(store, found);
         }
-        complete
+        found.tally.batches() == count
     }
 
     /// Goes on from what the store holds of the present round, of which `count` blocks are to be traced.
@@ -149,47 +155,6 @@ impl Batches for RayBlocks<'_> {
         let ratio = error_over_target.powi(2) * MARGIN;
         let most = MAX_RAYS / self.planned.rays() as f64 * self.planned.count as f64;
         (count as f64 * ratio).min(most) as u64
-    }
-}
-
-/// Saves what the first blocks found while a round goes on.
-struct Saving<'a> {
-    store: Option<&'a dyn SurfaceStore>,
-    key: SurfaceKey,
-    used: &'a Used,
-    began: Instant,
-    seconds_before: f64,
-    /// Whether a block is missing: a stop left it out, and those after it are of no use to a later run.
-    is_over: bool,
-}
-
-impl Saving<'_> {
-    /// Before `group` is added to what was `found` before: saves that if it is time to, or if blocks are missing
-    /// in between.
-    fn before(&mut self, group: &FinishedGroup, found: &CaseOnSurface) {
-        let Some(store) = self.store.filter(|_| !self.is_over) else {
-            return;
-        };
-        self.is_over = group.first != found.tally.batches();
-        if self.is_over || store.is_due() {
-            self.save(store, found);
-        }
-    }
-
-    /// After the last block.
-    fn save_last(&self, found: &CaseOnSurface) {
-        if let Some(store) = self.store.filter(|_| !self.is_over) {
-            self.save(store, found);
-        }
-    }
-
-    fn save(&self, store: &dyn SurfaceStore, found: &CaseOnSurface) {
-        let seconds = trace_seconds(self.seconds_before, self.began);
-        let cases = std::slice::from_ref(found);
-        store.save(
-            self.key,
-            SavedSurface::new(cases, None, seconds, self.used.clone()),
-        );
     }
 }
 

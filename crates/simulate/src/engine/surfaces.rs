@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::block_run::run_blocks;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
-use super::built_surface::BuiltSurface;
+use super::built_surface::{BuiltSurface, Meshes};
 use super::context::Context;
 use super::draw::Drawer;
 use super::tallies::CaseTallies;
@@ -61,8 +61,8 @@ pub(crate) enum Surfaces<'a> {
     Random(&'a RandomSurfaces),
     /// Given ones.
     Given(&'a [Shape]),
-    /// Regions of a given surface, which is built.
-    Regions(&'a Arc<BuiltSurface>, Regions),
+    /// Regions of a given surface.
+    Regions(&'a Shape, Regions),
 }
 
 impl<'a> Surfaces<'a> {
@@ -80,19 +80,10 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    fn drawer(self, refine: bool) -> Result<Drawer<'a>, SimulateError> {
-        match self {
-            Self::Random(surfaces) => Drawer::new(surfaces, refine),
-            Self::Given(shapes) => Ok(Drawer::Given(shapes, refine)),
-            // Its surface is built.
-            Self::Regions(..) => Ok(Drawer::Given(&[], refine)),
-        }
-    }
-
     /// Where light falls on the surface of a number.
     fn windows(self, number: u64) -> Vec<Window> {
         match self {
-            Self::Regions(built, regions) => regions.windows(number, built.border()),
+            Self::Regions(shape, regions) => regions.windows(number, shape.border()),
             _ => vec![Window::WHOLE],
         }
     }
@@ -223,7 +214,7 @@ impl SurfaceGroup<'_> {
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
-        let drawer = self.surfaces.drawer(self.settings.refine)?;
+        let drawer = self.drawer(context)?;
         let turns = Turns {
             next: AtomicU64::new(surfaces.start),
             end: surfaces.end,
@@ -245,6 +236,24 @@ impl SurfaceGroup<'_> {
         let surfaces = found.into_iter().map(|one| one.found);
         let surfaces = surfaces.collect::<Result<_, _>>()?;
         Ok(CaseTallies::of_surfaces(&self.specs(), surfaces))
+    }
+
+    /// Where surfaces come from: that of all regions is built once.
+    fn drawer(&self, context: Context<'_>) -> Result<Drawer<'_>, SimulateError> {
+        let Settings {
+            refine,
+            accelerator,
+            ..
+        } = self.settings;
+        match self.surfaces {
+            Surfaces::Random(surfaces) => Drawer::new(surfaces, refine),
+            Surfaces::Given(shapes) => Ok(Drawer::Given(shapes, refine)),
+            Surfaces::Regions(shape, _) => {
+                let meshes = Meshes::new(shape.clone(), refine)?;
+                let built = BuiltSurface::build(meshes, accelerator, context.engine)?;
+                Ok(Drawer::Built(Arc::new(built)))
+            }
+        }
     }
 
     /// What is recorded of each case.
@@ -362,7 +371,7 @@ impl SurfaceGroup<'_> {
         memory: &mut Vec<f64>,
         context: Context<'_>,
     ) -> Result<DrawnSurface, SimulateError> {
-        if let Surfaces::Regions(built, _) = self.surfaces {
+        if let Drawer::Built(built) = drawer {
             return Ok(DrawnSurface {
                 built: built.clone(),
                 slopes: None,

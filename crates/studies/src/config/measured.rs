@@ -1,20 +1,20 @@
-//! `[measured]`: a given surface.
+//! `[measured]`: given surfaces.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity_surface::{Border, Form, HeightFieldError, LengthUnit, MissingPolicy, RawHeightMap};
 use serde::{Deserialize, Serialize};
 
 use super::error::ConfigError;
-use super::values::PerAxis;
+use super::values::{OneOrMany, PerAxis};
 use crate::settings::Length;
 
-/// `[measured]`: one given surface, from a file or flat, in place of random ones.
+/// `[measured]`: a given surface, from a file or flat, or several from files, in place of random ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredConfig {
-    /// Height map or triangle mesh.
+    /// Height map or triangle mesh, or several: an ensemble.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub file: Option<PathBuf>,
+    pub file: Option<OneOrMany<PathBuf>>,
     /// A flat surface in place of a file.
     #[serde(default)]
     pub flat: bool,
@@ -59,6 +59,12 @@ impl MeasuredConfig {
     #[must_use]
     pub const fn is_given(&self) -> bool {
         self.flat || self.file.is_some()
+    }
+
+    /// The files, none of random surfaces and of a flat one.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.file.as_ref().map_or(&[][..], OneOrMany::as_slice);
+        files.iter().map(PathBuf::as_path)
     }
 
     /// Refuses what says how a file is read where there is none.
@@ -133,7 +139,7 @@ pub enum UnitError {
     },
     /// Lengths are to be converted from a unit that is not known.
     #[error(
-        "--unit {unit} converts lengths, but the file states no unit; say what its numbers are in with --assume-unit"
+        "lengths are to be in {unit}, as --unit or the file of another surface says, but the file states no unit; say what its numbers are in with --assume-unit"
     )]
     Unknown {
         /// The requested unit.

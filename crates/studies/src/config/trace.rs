@@ -1,4 +1,4 @@
-//! The configuration of `asperity trace`: one given surface, one material, one direction.
+//! The configuration of `asperity trace`: given surfaces, one material, one direction.
 
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
@@ -26,12 +26,12 @@ pub struct CellsConfig {
     pub cells: CellsChoice,
 }
 
-/// Light on one given surface.
+/// Light on given surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceConfig {
     /// What lies between the heights of the surface.
     pub surface: CellsConfig,
-    /// The surface.
+    /// The surfaces.
     pub measured: MeasuredConfig,
     /// What it is made of.
     pub material: MaterialConfig,
@@ -77,11 +77,11 @@ impl TraceConfig {
             .transpose()
     }
 
-    /// The case of this configuration on its surface, whose lengths are in `unit`.
+    /// The case of this configuration on its surfaces, whose lengths are in `unit`.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn case(&self, surface: Shape, unit: LengthUnit) -> Result<Case, ConfigError> {
+    pub fn case(&self, surfaces: Vec<Shape>, unit: LengthUnit) -> Result<Case, ConfigError> {
         self.check()?;
         let bottom = self
             .medium
@@ -93,7 +93,7 @@ impl TraceConfig {
                 unit,
                 ..Coordinates::default()
             },
-            surface: SurfaceSource::Given(vec![surface]),
+            surface: SurfaceSource::Given(surfaces),
             material: self.material()?,
             layer: self.layer()?.map(|layer| LayerBelow {
                 layer,

@@ -80,6 +80,16 @@ pub enum OneOrMany<T> {
     Many(Vec<T>),
 }
 
+impl<T> OneOrMany<T> {
+    /// All values, none of an empty list.
+    pub fn as_slice(&self) -> &[T] {
+        match self {
+            Self::One(value) => std::slice::from_ref(value),
+            Self::Many(values) => values,
+        }
+    }
+}
+
 impl<T: Copy> OneOrMany<T> {
     /// The value, of a configuration without lists; `name` is that of the setting.
     ///
@@ -97,10 +107,7 @@ impl<T: Copy> OneOrMany<T> {
 
     /// The first value, for what does not depend on which it is; `None` of an empty list, which is refused elsewhere.
     pub(crate) fn first(&self) -> Option<T> {
-        match self {
-            Self::One(value) => Some(*value),
-            Self::Many(values) => values.first().copied(),
-        }
+        self.as_slice().first().copied()
     }
 
     /// All values; `name` is that of the setting.
@@ -108,10 +115,9 @@ impl<T: Copy> OneOrMany<T> {
     /// # Errors
     /// [`ConfigError::EmptyList`] of a list without values.
     pub fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
-        match self {
-            Self::One(value) => Ok(vec![*value]),
-            Self::Many(values) if values.is_empty() => Err(ConfigError::EmptyList(name)),
-            Self::Many(values) => Ok(values.clone()),
+        match self.as_slice() {
+            [] => Err(ConfigError::EmptyList(name)),
+            values => Ok(values.to_vec()),
         }
     }
 }

@@ -5,6 +5,7 @@ use asperity_results::Header;
 use asperity_simulate::{BottomSurface, check_memory, check_results};
 use asperity_tally::{HemisphereGrid, Polarimetry};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::sample::Sample;
 use crate::config::error::ConfigError;
@@ -113,7 +114,7 @@ pub struct GonioOutput {
 pub struct GonioConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
-    /// One given surface in their place.
+    /// Given surfaces in their place.
     pub measured: MeasuredConfig,
     /// What they are made of.
     pub material: MaterialConfig,
@@ -176,17 +177,17 @@ impl GonioConfig {
         })
     }
 
-    /// What the results of this configuration are kept under; `sample` is the given surface, if there is one.
+    /// What the results of this configuration are kept under; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn header(&self, sample: Option<&Sample>) -> Result<Header, ConfigError> {
-        let measured = sample.map(|sample| &sample.about.description);
-        let document = self.as_verification()?.document_of_cases(measured);
+        let measured = sample.map(|sample| by_number(&sample.about.description));
+        let document = self.as_verification()?.document_of_cases(measured.as_ref());
         Ok(Header::new("gonio", self.run.seed, document))
     }
 
-    /// What is measured, checked as far as it can be before a ray is traced; `sample` is the given surface, if there is one.
+    /// What is measured, checked as far as it can be before a ray is traced; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
@@ -213,7 +214,7 @@ impl GonioConfig {
                         "an independent bottom cannot be drawn for a measured surface; take bottom_surface flat or same".to_owned(),
                     );
                 }
-                verification.plan_on(&sample.shape, sample.about.unit)?
+                verification.plan_on(&sample.shapes, sample.about.unit)?
             }
         };
         let specs = plan.cases.iter().map(|case| plan.settings.spec_of(case));
@@ -224,4 +225,16 @@ impl GonioConfig {
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         Ok(plan)
     }
+}
+
+/// The description of a surface; of several an object with a key for each, so that a refusal names the one that differs.
+fn by_number(description: &Value) -> Value {
+    let Value::Array(surfaces) = description else {
+        return description.clone();
+    };
+    let mut keyed = json!({ "number": surfaces.len() });
+    for (i, surface) in (1..).zip(surfaces) {
+        keyed[format!("surface_{i}")] = surface.clone();
+    }
+    keyed
 }

@@ -1,71 +1,73 @@
-//! A given surface as a measurement takes it.
+//! Given surfaces as a measurement takes them.
 
 use asperity_simulate::{Cells, Shape, SimulateError, corners_hash, heights_hash};
 use asperity_surface::{Form, HeightField, LengthUnit};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
-use crate::given::{GivenShape, GivenSurface};
+use crate::given::{GivenShape, GivenSurface, GivenSurfaces};
 use crate::surface_lengths::SurfaceLengths;
 
-/// A given surface.
+/// Given surfaces.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Its shape.
-    pub shape: Shape,
-    /// What is said of it.
+    /// Their shapes.
+    pub shapes: Vec<Shape>,
+    /// What is said of them.
     pub about: AboutSample,
 }
 
-/// What is said of a given surface.
+/// What is said of given surfaces.
 #[derive(Clone, Debug)]
 pub struct AboutSample {
-    /// Its name, for titles.
+    /// Their names, for titles.
     pub name: String,
-    /// Unit of its lengths.
+    /// Unit of their lengths.
     pub unit: LengthUnit,
-    /// What it is, with a hash of its heights: results are those of another sample where this differs.
+    /// What they are, with a hash of the heights of each: results are those of another sample where this differs.
     pub description: Value,
-    /// Its lengths, to be compared with the wavelength.
+    /// The shortest of their lengths, to be compared with the wavelength.
     pub lengths: SurfaceLengths,
-    /// What a reader of the results should know about it.
+    /// What a reader of the results should know about them.
     pub warnings: Vec<String>,
 }
 
 impl Sample {
-    /// A surface from which `form` was removed when it was read, with these `cells` between heights.
+    /// Surfaces from which `form` was removed when they were read, with these `cells` between heights.
     ///
     /// # Errors
     /// As [`GivenShape::simulated`].
-    pub fn of(surface: GivenSurface, form: Form, cells: Cells) -> Result<Self, SimulateError> {
-        let warnings = match surface.file {
-            Some(_) => surface.warnings(),
-            None => Vec::new(),
-        };
-        let description = match &surface.shape {
-            GivenShape::Field(field) => {
-                let reading = surface.file.as_ref().map(|_| {
-                    json!({
-                        "points_filled": surface.filled,
-                        "form_removed": form.to_string(),
-                        "generated": field.provenance(),
-                    })
-                });
-                field_description(field, &surface.name, reading)
-            }
-            GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name, surface.unit),
-        };
-        let lengths = surface.lengths();
-        Ok(Self {
-            shape: surface.shape.simulated(cells)?,
-            about: AboutSample {
-                name: surface.name,
-                unit: surface.unit,
-                description,
-                lengths,
-                warnings,
+    pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, SimulateError> {
+        let about = AboutSample {
+            name: surfaces.name(),
+            unit: surfaces.first.unit,
+            description: surfaces.described(|surface| description(surface, form)),
+            lengths: surfaces.lengths(),
+            warnings: match surfaces.first.file {
+                Some(_) => surfaces.warnings(),
+                None => Vec::new(),
             },
+        };
+        Ok(Self {
+            shapes: surfaces.simulated(cells)?,
+            about,
         })
+    }
+}
+
+fn description(surface: &GivenSurface, form: Form) -> Value {
+    match &surface.shape {
+        GivenShape::Field(field) => {
+            let reading = surface.file.as_ref().map(|_| {
+                json!({
+                    "points_filled": surface.filled,
+                    "form_removed": form.to_string(),
+                    "generated": field.provenance(),
+                })
+            });
+            field_description(field, &surface.name, reading)
+        }
+        GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name, surface.unit),
     }
 }
 

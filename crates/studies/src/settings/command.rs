@@ -15,7 +15,7 @@ pub enum Command {
     Inspect,
     /// Writes the triangle mesh of a height map.
     Mesh,
-    /// Traces light on one surface.
+    /// Traces light on given surfaces.
     Trace,
     /// Renders one surface.
     Render,
@@ -74,7 +74,7 @@ impl Command {
             Self::Generate => "Draw a random rough surface and write it as a height map",
             Self::Inspect => "Compute roughness statistics of a height map",
             Self::Mesh => "Write a height map as a triangle mesh",
-            Self::Trace => "Trace light on one surface",
+            Self::Trace => "Trace light on given surfaces",
             Self::Render => "Render one surface and the medium below it",
             Self::Verify => "Compare random surfaces with the scattering models",
             Self::Map => "Map where each model is within tolerance",
@@ -94,8 +94,8 @@ impl Command {
                 return Some(("FILE", format!("Height map: {}", height_map_endings())));
             }
             Self::Trace => (
-                "FILE",
-                "Height map, triangle mesh or configuration (.toml); flags override it",
+                "FILE..",
+                "Height map, triangle mesh or configuration (.toml); flags override it. Several surfaces are an ensemble",
             ),
             Self::Render => ("FILE", "Height map or triangle mesh"),
             Self::Verify | Self::Map | Self::Gonio | Self::Converge | Self::Attenuation => {

@@ -85,22 +85,22 @@ impl Document {
     }
 
     /// Adds the values of flags, each by its name without hyphens; a switch has no value. `positional` is what stands
-    /// without a flag, and the `section.key` that it is.
+    /// without flags, and the `section.key` that it is.
     ///
     /// # Errors
     /// [`SettingError`] if a flag is unknown or a value is invalid.
     pub fn add_flags(
         &mut self,
         flags: &[(String, Vec<String>)],
-        positional: Option<(&str, &str)>,
+        positional: Option<(&str, &[String])>,
     ) -> Result<(), SettingError> {
         let names: Vec<&str> = flags.iter().map(|(name, _)| name.as_str()).collect();
         let mut entries = flags
             .iter()
             .map(|(name, values)| self.flag_entry(name, values, &names))
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some((path, text)) = positional {
-            let entry = self.positional_entry(path, text)?;
+        if let Some((path, values)) = positional {
+            let entry = self.positional_entry(path, values)?;
             let flag = entry.as_ref().and_then(|positional| {
                 let same = |flag: &&Entry| std::ptr::eq(flag.setting, positional.setting);
                 entries.iter().find(same)
@@ -108,7 +108,7 @@ impl Document {
             if let Some(flag) = flag {
                 return Err(SettingError::Excluded {
                     first: flag.given.clone(),
-                    second: text.to_owned(),
+                    second: values.join(" "),
                 });
             }
             entries.extend(entry);
@@ -311,16 +311,20 @@ impl Document {
     }
 
     /// The entry of what stands without a flag.
-    fn positional_entry(&self, path: &str, text: &str) -> Result<Option<Entry>, SettingError> {
+    fn positional_entry(
+        &self,
+        path: &str,
+        values: &[String],
+    ) -> Result<Option<Entry>, SettingError> {
         let setting = settings_of(self.command).find(|setting| setting.matches(path));
         let Some(setting) = setting else {
             return Ok(None);
         };
         let given = Given {
-            text: text.to_owned(),
+            text: values.join(" "),
             place: Place::Flag,
         };
-        let value = self.parse(setting, &[text.to_owned()], &given)?;
+        let value = self.parse(setting, values, &given)?;
         Ok(Some(Entry {
             setting,
             value,

@@ -86,7 +86,7 @@ pub enum Arity {
     PerAxis,
     /// As many as these names.
     Tuple(&'static [&'static str]),
-    /// One per flag, which may be repeated.
+    /// One per flag, which may be repeated; a list if there are several.
     Repeated,
 }
 

@@ -10,7 +10,9 @@ use super::setting::{Arity, Setting};
 pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -> Option<Value> {
     let one = |text: &str| setting.kind.parse(text.trim(), setting.range);
     if setting.arity == Arity::Repeated {
-        return texts.iter().map(|text| one(text)).collect();
+        let values = texts.iter().map(|text| one(text));
+        let values = values.collect::<Option<Vec<_>>>()?;
+        return Some(<[Value; 1]>::try_from(values).map_or_else(Value::from, |[one]| one));
     }
     let [text] = texts else {
         return None;

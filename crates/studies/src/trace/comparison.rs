@@ -23,7 +23,7 @@ use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
 use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
-use crate::given::{GivenShape, GivenSurface};
+use crate::given::{GivenShape, GivenSurfaces};
 
 /// Mean slope, over the root mean square slope, above which a surface is called tilted.
 const TILTED: f64 = 0.05;
@@ -112,16 +112,21 @@ pub(super) struct PlannedComparison {
 }
 
 impl PlannedComparison {
-    /// Checks that `surface` can be compared with the models of the configuration; `None` without any.
+    /// Checks that the surface, of which there is one, can be compared with the models of the configuration; `None` without any.
     pub(super) fn new(
         config: &TraceConfig,
-        surface: &GivenSurface,
+        surfaces: &GivenSurfaces,
         case: &Case,
         settings: &Settings,
     ) -> Result<Option<Self>, TraceError> {
         if config.compare.models.is_empty() {
             return Ok(None);
         }
+        if !surfaces.others.is_empty() {
+            let count = 1 + surfaces.others.len();
+            return Err(TraceError::ComparedSeveral { count });
+        }
+        let surface = &surfaces.first;
         let name = || surface.name.clone();
         let GivenShape::Field(field) = &surface.shape else {
             return Err(TraceError::ComparedMesh { name: name() });

@@ -18,7 +18,7 @@ impl Surfaces {
         let form = config.measured.remove;
         let bottom = surfaces.bottom.as_ref();
         Self {
-            surface: surfaces.surface.description(form),
+            surface: surfaces.tops.described(|one| one.description(form)),
             bottom: bottom.map(|bottom| bottom.description(form)),
         }
     }

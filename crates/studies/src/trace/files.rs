@@ -1,4 +1,4 @@
-//! The files of a traced surface.
+//! The files of traced surfaces.
 
 use asperity_io::ResultFolder;
 use asperity_simulate::Silent;
@@ -33,8 +33,9 @@ impl TraceConfig {
         of_case.add(&mut views, "", |outcome| Some(outcome.shown()));
         if self.output.plots {
             views.figure("height_map", |outcome| {
+                // That of the first surface.
                 let field = outcome.outcome.case.surface.heights();
-                let figure = field.map(|field| height_map_figure(&field, &outcome.plan.name));
+                let figure = field.map(|field| height_map_figure(&field, &outcome.plan.first));
                 Ok(figure.transpose()?)
             });
         }
@@ -43,7 +44,7 @@ impl TraceConfig {
     }
 }
 
-/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
+/// Writes what light did on the surfaces into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
 /// with models, plots and, last, summary.json.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! The report of a traced surface as text.
+//! The report of traced surfaces as text.
 
 use std::fmt::Write;
 
@@ -12,15 +12,16 @@ use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_text;
 
-/// Surface and light, then energies, errors and notes.
+/// Surfaces and light, then energies, errors and notes.
 #[must_use]
 pub fn trace_table(outcome: &TraceOutcome) -> String {
     let found = outcome.outcome;
     let mut text = format!(
-        "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}{}\n",
+        "{}, {}\nflux fractions; standard errors from {} {}\n{}{}{}{}\n",
         outcome.plan.name,
         light_line(&found.case),
         found.statistics.batches(),
+        found.errors_from,
         energy_table(&found.statistics, &FluxSupport::of(found)),
         polarised_text(&found.statistics),
         errors_table(&found.errors),

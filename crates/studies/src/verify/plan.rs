@@ -92,15 +92,15 @@ impl VerifyConfig {
         Ok(cases)
     }
 
-    /// The same on a given surface, whose lengths are in `unit`.
-    pub(crate) fn plan_on(&self, shape: &Shape, unit: LengthUnit) -> Result<Plan, ConfigError> {
+    /// The same on given surfaces, whose lengths are in `unit`.
+    pub(crate) fn plan_on(&self, shapes: &[Shape], unit: LengthUnit) -> Result<Plan, ConfigError> {
         let singles = self.singles()?.into_iter();
         let cases = singles.map(|single| {
             let at = Coordinates {
                 unit,
                 ..Coordinates::default()
             };
-            single.case(SurfaceSource::Given(vec![shape.clone()]), at)
+            single.case(SurfaceSource::Given(shapes.to_vec()), at)
         });
         let cases = cases.collect::<Result<Vec<_>, _>>()?;
         self.check(&cases)?;

@@ -1,7 +1,7 @@
-//! `[measured]`: one given surface.
+//! `[measured]`: given surfaces.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, SURFACES, TRACE};
+use super::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, setting};
@@ -17,11 +17,23 @@ pub(super) const SETTINGS: &[Setting] = &[
         SECTION,
         "file",
         Kind::Path,
-        SURFACES,
+        RENDER,
         "Height map or triangle mesh",
     )
     .flag(Flag::Named("surface"))
     .value_name("FILE")
+    .excludes(&["measured.flat"])
+    .flag_only(),
+    setting(
+        SECTION,
+        "file",
+        Kind::Path,
+        TRACE.and(GONIO),
+        "Height map or triangle mesh, repeated for each of an ensemble",
+    )
+    .flag(Flag::Named("surface"))
+    .value_name("FILE")
+    .arity(Arity::Repeated)
     .excludes(&[
         "measured.flat",
         "surface.tau",

@@ -5,6 +5,7 @@ use asperity_simulate::{Cells, RandomSurfaces, Silent};
 use asperity_surface::{LengthUnit, Psd, RegionSlopes};
 
 use super::*;
+use crate::given::GivenSurface;
 use crate::trace::{TraceOutcome, TracePlan, TracedSurfaces, trace};
 
 /// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
@@ -32,7 +33,10 @@ fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
     let text = format!("[output]\nplots = false\n{settings}");
     let config = TraceConfig::from_toml(&text).unwrap();
     let surfaces = TracedSurfaces {
-        surface,
+        tops: GivenSurfaces {
+            first: surface,
+            others: Vec::new(),
+        },
         bottom: None,
     };
     TracePlan::new(&config, surfaces).unwrap()

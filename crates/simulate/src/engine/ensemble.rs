@@ -1,4 +1,9 @@
-//! Cases that share random surfaces: what needs no rays, and how each case stands when the others have had theirs.
+//! Ensemble: cases that share surfaces whose scatter gives the errors.
+//!
+//! These are random surfaces, several given ones, or regions of one given surface that are lit on their own, with what needs no
+//! rays, and how each case stands when the others have had theirs. Rays fall on one region; what they meet afterwards is the whole
+//! surface, so that shadows and multiple scattering are those of its true neighbourhood. Regions have equally many rays, so that
+//! the mean of their tallies is that of the surface.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,7 +25,7 @@ use crate::input::case::Case;
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
-use crate::input::target::Quantity;
+use crate::input::target::{Quantity, Target};
 use crate::methods::analytic::AnalyticResult;
 use crate::methods::method::Method;
 use crate::methods::slope_control::{Observed, SlopeControl, SlopeControls};
@@ -33,11 +38,11 @@ use crate::store::Stage;
 /// What the mesh may add to an error at its target: a third of it, squared.
 pub const MESH_ALLOWANCE: f64 = 1.055;
 
-/// Cases that share random surfaces, and the effort that they take.
+/// Cases that share the surfaces of an ensemble, and the effort that they take.
 #[derive(Clone)]
-pub(crate) struct RandomGroup {
-    pub(super) surfaces: RandomSurfaces,
-    /// The same at the spacings of the pilot run, with a target error.
+pub(crate) struct EnsembleGroup {
+    pub(super) source: SurfaceSource,
+    /// Random surfaces at the spacings of the pilot run, with a target error.
     pub(super) pilot_surfaces: Option<PilotSurfaces>,
     pub(super) settings: Settings,
     pub(super) analytic: Vec<AnalyticCase>,
@@ -76,45 +81,25 @@ struct CaseEnd {
     reached: Option<StoppedBy>,
 }
 
-impl RandomGroup {
-    /// The cases, each with its number, on these surfaces.
+impl EnsembleGroup {
+    /// The cases, each with its number, on these surfaces. Given ones take the plain estimator: what others subtract is that of one
+    /// whole surface.
     pub(crate) fn new(
-        surfaces: RandomSurfaces,
+        source: SurfaceSource,
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
-        let recipe = surfaces.recipe();
-        // Refused whatever the estimator.
-        slopes(recipe)?;
-        let known_slopes = surfaces.slope_mixture()?;
-        let known_slopes = known_slopes.as_ref();
-        let prepared = cases
-            .into_par_iter()
-            .map(|NumberedCase { number, case }| {
-                match AnalyticResult::of(&case, recipe, settings)? {
-                    Some(result) => Ok(Prepared::Analytic(AnalyticCase {
-                        number,
-                        case,
-                        result: Arc::new(result),
-                    })),
-                    None => Ok(Prepared::Traced(TracedCase {
-                        method: Arc::new(Method::of_random(&case, recipe, known_slopes, settings)?),
-                        number,
-                        case,
-                    })),
-                }
-            })
-            .collect::<Result<Vec<_>, SimulateError>>()?;
-        let (mut analytic, mut traced) = (Vec::new(), Vec::new());
-        for case in prepared {
-            match case {
-                Prepared::Analytic(case) => analytic.push(case),
-                Prepared::Traced(case) => traced.push(case),
+        let (analytic, traced) = match &source {
+            SurfaceSource::Random(surfaces) => prepared(surfaces, cases, settings)?,
+            SurfaceSource::Given(_) | SurfaceSource::Described(_) => {
+                let method = Arc::new(Method::plain(settings));
+                let traced = |NumberedCase { number, case }| TracedCase {
+                    number,
+                    case,
+                    method: method.clone(),
+                };
+                (Vec::new(), cases.into_iter().map(traced).collect())
             }
-        }
-        let plan = SurfacePlan {
-            surfaces: settings.effort.surfaces(),
-            rays: settings.effort.total_rays(),
         };
         let pilot = PilotOutcome {
             figures: Vec::new(),
@@ -123,14 +108,13 @@ impl RandomGroup {
             mesh_errors: Vec::new(),
             warnings: Vec::new(),
         };
-        let pilot_surfaces = settings.target().map(|_| PilotSurfaces::new(&surfaces));
         Ok(Self {
-            surfaces,
-            pilot_surfaces,
+            pilot_surfaces: pilot_surfaces(&source, settings),
+            plan: planned(&source, settings),
+            source,
             settings: *settings,
             analytic,
             traced,
-            plan,
             pilot,
         })
     }
@@ -138,16 +122,24 @@ impl RandomGroup {
     /// The same with another effort and seed.
     pub(crate) fn repeated(&self, settings: &Settings) -> Self {
         Self {
-            pilot_surfaces: settings
-                .target()
-                .map(|_| PilotSurfaces::new(&self.surfaces)),
+            pilot_surfaces: pilot_surfaces(&self.source, settings),
+            plan: planned(&self.source, settings),
             settings: *settings,
-            plan: SurfacePlan {
-                surfaces: settings.effort.surfaces(),
-                rays: settings.effort.total_rays(),
-            },
             ..self.clone()
         }
+    }
+
+    /// The random surfaces; `None` of given ones.
+    pub(super) fn random(&self) -> Option<&RandomSurfaces> {
+        match &self.source {
+            SurfaceSource::Random(surfaces) => Some(surfaces),
+            SurfaceSource::Given(_) | SurfaceSource::Described(_) => None,
+        }
+    }
+
+    /// The target error, which surfaces are added for; `None` of given ones, of which there are no more.
+    pub(super) fn target(&self) -> Option<Target> {
+        self.settings.target().filter(|_| self.random().is_some())
     }
 
     pub(super) fn group(&self, stage: Stage) -> SurfaceGroup<'_> {
@@ -165,13 +157,20 @@ impl RandomGroup {
             ),
         };
         let pilot = self.pilot_surfaces.as_ref();
-        let surfaces = match stage {
+        let of_pilot = match stage {
             Stage::Result | Stage::Regions => None,
             Stage::Pilot | Stage::PathTrial => pilot.map(|pilot| &pilot.fine),
             Stage::CoarsePilot => pilot.and_then(|pilot| pilot.coarse.as_ref()),
         };
+        let (surfaces, stage) = match (of_pilot.or(self.random()), self.source.shapes()) {
+            (Some(surfaces), _) => (Surfaces::Random(surfaces), stage),
+            (None, shapes) => match (shapes, self.settings.regions) {
+                ([shape], Some(regions)) => (Surfaces::Regions(shape, regions), Stage::Regions),
+                _ => (Surfaces::Given(shapes), stage),
+            },
+        };
         SurfaceGroup {
-            surfaces: Surfaces::Random(surfaces.unwrap_or(&self.surfaces)),
+            surfaces,
             cases: &self.traced,
             settings,
             plan,
@@ -181,11 +180,11 @@ impl RandomGroup {
 
     /// What the stopping of all cases has in common.
     fn stopping(&self, rounds: Rounds) -> Stopping {
-        let [ny, nx] = self.surfaces.shape();
-        let rays = self.group(Stage::Result).blocks().rays();
+        let rays = self.group(Stage::Result).rays_of_surface();
+        let random = self.random();
         Stopping {
-            size: Some([nx, ny]),
-            spacing: Some(self.surfaces.spacing()),
+            size: random.and_then(|_| self.source.size()),
+            spacing: random.map(RandomSurfaces::spacing),
             warnings: self.pilot.warnings.clone(),
             ..rounds.stopping(&self.settings, self.plan.surfaces, rays)
         }
@@ -194,7 +193,7 @@ impl RandomGroup {
     /// The case on the surfaces that were traced, whose spacing the pilot run may have changed.
     fn as_traced(&self, case: &Case) -> Case {
         Case {
-            surface: SurfaceSource::random(self.surfaces.clone()),
+            surface: self.source.clone(),
             ..case.clone()
         }
     }
@@ -234,23 +233,21 @@ impl RandomGroup {
             &tallies.error_squares_of_rays(),
             tallies.work.rays,
         );
-        self.settings.target()?.of().error(&statistics)
+        self.target()?.of().error(&statistics)
     }
 
     /// The control variate of traced case `i` by the slopes of its surfaces, if it lowers the error of the target, or of the bins
     /// without a target.
     fn slope_control(&self, i: usize, tallies: &CaseTallies) -> Option<SlopeControl> {
+        let surfaces = self.random()?;
         let TracedCase { case, method, .. } = &self.traced[i];
         let folded = method.mirror.is_some();
-        let controls = SlopeControls::of(&case.light, self.surfaces.recipe(), folded);
-        let of = self
-            .settings
-            .target()
-            .map_or(Quantity::Bins, |target| target.of());
+        let controls = SlopeControls::of(&case.light, surfaces.recipe(), folded);
+        let of = self.target().map_or(Quantity::Bins, |target| target.of());
         let observed = Observed {
             tallies: &tallies.surfaces,
             slopes: &tallies.slopes,
-            expected_slopes: self.surfaces.expected_slope_moments()?,
+            expected_slopes: surfaces.expected_slope_moments()?,
         };
         let spec = self.settings.spec_of(case);
         SlopeControl::fit(observed, controls, &of.entries(&spec))
@@ -275,7 +272,7 @@ impl RandomGroup {
 
     /// What ends a case whose `error` lies within the target: that, unless the mesh adds too much to it.
     fn reached(&self, error: f64, mesh_error: Option<f64>) -> Option<StoppedBy> {
-        let target = self.settings.target()?.error();
+        let target = self.target()?.error();
         let mesh = mesh_error.unwrap_or(0.0);
         (error <= target).then(|| {
             if error.hypot(mesh) <= target * MESH_ALLOWANCE {
@@ -287,14 +284,14 @@ impl RandomGroup {
     }
 }
 
-impl ReadyGroup for RandomGroup {
+impl ReadyGroup for EnsembleGroup {
     fn explanations(&self) -> Vec<String> {
         self.explained()
     }
 
     /// Rays of all cases, as planned.
     fn rays(&self) -> u64 {
-        let of_surface = self.group(Stage::Result).blocks().rays();
+        let of_surface = self.group(Stage::Result).rays_of_surface();
         let of_case = of_surface.saturating_mul(self.plan.surfaces);
         of_case.saturating_mul(self.traced.len() as u64)
     }
@@ -366,6 +363,69 @@ enum Prepared {
     Traced(TracedCase),
 }
 
+/// Cases on random surfaces: those that need no rays, and those that are traced.
+fn prepared(
+    surfaces: &RandomSurfaces,
+    cases: Vec<NumberedCase>,
+    settings: &Settings,
+) -> Result<(Vec<AnalyticCase>, Vec<TracedCase>), SimulateError> {
+    let recipe = surfaces.recipe();
+    // Refused whatever the estimator.
+    slopes(recipe)?;
+    let known_slopes = surfaces.slope_mixture()?;
+    let known_slopes = known_slopes.as_ref();
+    let prepared = cases
+        .into_par_iter()
+        .map(
+            |NumberedCase { number, case }| match AnalyticResult::of(&case, recipe, settings)? {
+                Some(result) => Ok(Prepared::Analytic(AnalyticCase {
+                    number,
+                    case,
+                    result: Arc::new(result),
+                })),
+                None => Ok(Prepared::Traced(TracedCase {
+                    method: Arc::new(Method::of_random(&case, recipe, known_slopes, settings)?),
+                    number,
+                    case,
+                })),
+            },
+        )
+        .collect::<Result<Vec<_>, SimulateError>>()?;
+    let (mut analytic, mut traced) = (Vec::new(), Vec::new());
+    for case in prepared {
+        match case {
+            Prepared::Analytic(case) => analytic.push(case),
+            Prepared::Traced(case) => traced.push(case),
+        }
+    }
+    Ok((analytic, traced))
+}
+
+/// Random surfaces at the spacings of a pilot run; `None` without a target error.
+fn pilot_surfaces(source: &SurfaceSource, settings: &Settings) -> Option<PilotSurfaces> {
+    match source {
+        SurfaceSource::Random(surfaces) => settings.target().map(|_| PilotSurfaces::new(surfaces)),
+        SurfaceSource::Given(_) | SurfaceSource::Described(_) => None,
+    }
+}
+
+/// Surfaces and rays, as far as they are planned without a pilot run.
+fn planned(source: &SurfaceSource, settings: &Settings) -> SurfacePlan {
+    SurfacePlan {
+        surfaces: tallies(source, settings),
+        rays: settings.effort.total_rays(),
+    }
+}
+
+/// Number of surfaces, or of regions, that have a tally each; a target error may take another number of random ones.
+pub(super) fn tallies(source: &SurfaceSource, settings: &Settings) -> u64 {
+    match (source.shapes(), settings.regions) {
+        ([], _) => settings.effort.surfaces(),
+        ([_], Some(regions)) => regions.count(),
+        (shapes, _) => shapes.len() as u64,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
@@ -376,7 +436,6 @@ mod tests {
     use crate::input::case::Light;
     use crate::input::estimator::Estimator;
     use crate::input::settings::Effort;
-    use crate::input::target::Target;
     use crate::observer::Silent;
 
     /// A plan of too few surfaces, as a pilot run may make one by chance, is made up for by new ones.
@@ -385,7 +444,7 @@ mod tests {
         for (seed, rounds) in [(2, 1), (3, 2)] {
             let psd = Psd::gaussian(4.0, 8.0).unwrap();
             let synthesis = Synthesis::new(psd, [128, 128], [1.0, 1.0], false).unwrap();
-            let surfaces = RandomSurfaces::from(synthesis);
+            let source = SurfaceSource::random(synthesis);
             let light = Light {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
                 from: HalfSpace::Above,
@@ -395,7 +454,7 @@ mod tests {
             let glass = Material::Dielectric { eta: 1.5 };
             let case = NumberedCase {
                 number: 0,
-                case: Case::new(SurfaceSource::random(surfaces.clone()), glass, light),
+                case: Case::new(source.clone(), glass, light),
             };
             let target = Target::new(0.02, Quantity::Rings).unwrap();
             let settings = Settings {
@@ -404,7 +463,7 @@ mod tests {
                 effort: Effort::TargetError(target),
                 ..Settings::default()
             };
-            let mut group = RandomGroup::new(surfaces, vec![case], &settings).unwrap();
+            let mut group = EnsembleGroup::new(source, vec![case], &settings).unwrap();
             group.plan = SurfacePlan {
                 surfaces: 3,
                 rays: 3 * 128,

@@ -1,7 +1,7 @@
-//! The rounds of cases that share random surfaces: a batch is a surface.
+//! The rounds of cases that share surfaces: a batch is a surface, or a region of one.
 
 use super::context::Context;
-use super::random::RandomGroup;
+use super::ensemble::EnsembleGroup;
 use super::rounds::{Batches, PlannedBatches, Rounds, run_rounds};
 use super::tallies::CaseTallies;
 use crate::error::SimulateError;
@@ -12,7 +12,7 @@ use crate::store::Stage;
 /// Safety factor: surfaces in all, over those that the present error requires.
 const ROUND_MARGIN: f64 = 1.05;
 
-impl RandomGroup {
+impl EnsembleGroup {
     /// The tallies of every traced case, and how their rounds came to an end.
     pub(super) fn trace(
         &self,
@@ -28,7 +28,7 @@ impl RandomGroup {
         let rounds = if self.traced.is_empty() {
             Rounds::as_planned(StoppedBy::Plan)
         } else {
-            let planned = match self.settings.target() {
+            let planned = match self.target() {
                 Some(_) => PlannedBatches::in_halves(self.plan.surfaces),
                 None => PlannedBatches::at_once(self.plan.surfaces),
             };
@@ -40,7 +40,7 @@ impl RandomGroup {
 
 /// Surfaces as batches.
 struct Surfaces<'a> {
-    group: &'a RandomGroup,
+    group: &'a EnsembleGroup,
     /// By traced case.
     tallies: Vec<CaseTallies>,
     done: u64,
@@ -51,7 +51,7 @@ struct Surfaces<'a> {
 impl Batches for Surfaces<'_> {
     fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
         let group = self.group.group(Stage::Result);
-        let rays = group.blocks().rays();
+        let rays = group.rays_of_surface();
         if count > self.group.plan.surfaces && self.done > 0 {
             let more = (count - self.done) * rays * self.group.traced.len() as u64;
             context.observer.begin("adding", more);
@@ -70,7 +70,7 @@ impl Batches for Surfaces<'_> {
     }
 
     fn error_over_target(&self) -> Option<f64> {
-        let target = self.group.settings.target()?;
+        let target = self.group.target()?;
         let errors = self.tallies.iter().enumerate();
         let errors: Option<Vec<f64>> = errors.map(|(i, t)| self.group.error(i, t)).collect();
         let worst = errors?.into_iter().fold(0.0, f64::max);

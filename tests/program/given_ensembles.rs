@@ -1,0 +1,199 @@
+//! Several given surfaces: their mean, with errors by their scatter, of `trace` and `gonio`.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::support::{Table, json, refused, succeed, words};
+
+const MAPS: [&str; 3] = ["a.exr", "b.exr", "c.exr"];
+
+/// Surfaces that differ in roughness by much more than rays scatter.
+fn with_maps() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, smoothness) in MAPS.iter().zip([1.5, 2.0, 3.0]) {
+        let line =
+            format!("generate --tau 6 --smoothness {smoothness} --size 64 --unit um -o {name}");
+        succeed(folder.path(), &words(&line));
+    }
+    folder
+}
+
+/// Reflected flux and its standard error.
+fn reflected(summary: &Value) -> [f64; 2] {
+    let flux = &summary["energy"]["reflected"];
+    ["mean", "se"].map(|key| flux[key].as_f64().unwrap())
+}
+
+#[test]
+fn the_mean_is_that_of_runs_on_each_and_the_error_that_of_their_scatter() {
+    let folder = with_maps();
+    let folder = folder.path();
+    let run = |surfaces: &str, rays: u64| {
+        let line = format!("trace {surfaces} --theta 40 --estimator plain --rays {rays} --json");
+        json(&succeed(folder, &words(&line)))
+    };
+    let all = run(&MAPS.join(" "), 60_000);
+    let alone = MAPS.map(|name| reflected(&run(name, 20_000)));
+    assert_eq!(all["errors_from"], "surfaces");
+    assert_eq!(all["batches"], 3);
+    let files = all["config"]["surface"].as_array().unwrap().iter();
+    assert!(files.map(|one| &one["file"]).eq(&MAPS));
+    let rays = all["work"]["rays"].as_u64().unwrap();
+    assert!((60_000..70_000).contains(&rays), "{rays}");
+
+    let [mean, se] = reflected(&all);
+    let expected = alone.iter().map(|[mean, _]| mean).sum::<f64>() / 3.0;
+    let scatter: f64 = alone.iter().map(|[x, _]| (x - expected).powi(2)).sum();
+    // Of both sides of each difference between means of rays.
+    let of_rays = (2.0 * alone.iter().map(|[_, se]| se * se).sum::<f64>()).sqrt();
+    println!("{mean} +- {se}, {expected} +- {}", (scatter / 6.0).sqrt());
+    assert!((mean - expected).abs() < 4.0 * of_rays / 3.0);
+    // The scatter is the length of the vector of three means, over the root of six.
+    assert!((se - (scatter / 6.0).sqrt()).abs() < 4.0 * of_rays / 6_f64.sqrt());
+    assert!(se > 10.0 * of_rays, "{se} {of_rays}");
+    let warnings = all["warnings"].to_string();
+    assert!(
+        warnings.contains("3 surfaces") && !warnings.contains("one surface"),
+        "{warnings}"
+    );
+}
+
+#[test]
+fn a_list_in_a_configuration_is_that_of_the_command_line() {
+    let folder = with_maps();
+    let folder = folder.path();
+    let config = "[measured]\nfile = [\"a.exr\", \"b.exr\", \"c.exr\"]\n[run]\nrays = 3000\n";
+    fs::write(folder.join("scans.toml"), config).unwrap();
+    let positional = format!(
+        "trace {} --rays 3000 --no-plots -o positional",
+        MAPS.join(" ")
+    );
+    let repeated = MAPS.map(|name| format!(" --surface {name}")).concat();
+    for line in [
+        positional.as_str(),
+        "trace scans.toml --no-plots -o listed",
+        &format!("trace{repeated} --rays 3e3 --no-plots -o repeated"),
+    ] {
+        succeed(folder, &words(line));
+    }
+    for other in ["listed", "repeated"] {
+        for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
+            let [a, b] = ["positional", other].map(|run| fs::read(folder.join(run).join(name)));
+            assert!(a.unwrap() == b.unwrap(), "{other}: {name}");
+        }
+    }
+}
+
+#[test]
+fn all_directions_of_gonio_are_measured_on_all_surfaces() {
+    let folder = with_maps();
+    let folder = folder.path();
+    let gonio = |maps: &[&str], out: &str| {
+        let surfaces: String = maps
+            .iter()
+            .map(|name| format!(" --surface {name}"))
+            .collect();
+        format!("gonio{surfaces} --theta 0,40 --rays 6e3 --bins 3x4 --no-plots -o {out}")
+    };
+    succeed(folder, &words(&gonio(&MAPS, "out")));
+    let summary = fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    let summary = json(&summary);
+    assert_eq!(summary["sample"].as_array().unwrap().len(), 3);
+    let results = &summary["directions"][1]["results"];
+    assert_eq!(results["errors_from"], "surfaces");
+    assert_eq!(results["surfaces"], 3);
+    let table = Table::read(&folder.join("out/gonio.csv"));
+    // The same rays meet the same surfaces as in `trace`.
+    let traced = words("trace a.exr b.exr c.exr --theta 40 --rays 6e3 --bins 3x4 --json");
+    let [mean, se] = reflected(&json(&succeed(folder, &traced)));
+    let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-12;
+    assert!(near(table.number(1, "reflected"), mean));
+    assert!(near(table.number(1, "reflected_se"), se));
+
+    // Other surfaces are another measurement.
+    fs::copy(folder.join("a.exr"), folder.join("d.exr")).unwrap();
+    for (maps, what) in [
+        (&["a.exr", "b.exr"][..], "measured.number 3 in place of 2"),
+        (&["a.exr", "b.exr", "d.exr"], "measured.surface_3.heights"),
+    ] {
+        let said = refused(folder, &words(&gonio(maps, "out")), 1);
+        assert!(said.contains(what), "{said}");
+    }
+}
+
+#[test]
+fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
+    let folder = with_maps();
+    let folder = folder.path();
+    fs::write(folder.join("bare.txt"), "1 2 1 2\n2 1 2 1\n1 2 1 2\n").unwrap();
+    fs::write(folder.join("one.toml"), "[run]\nrays = 100\n").unwrap();
+    fs::copy(folder.join("one.toml"), folder.join("two.toml")).unwrap();
+    succeed(folder, &words("mesh a.exr -o a.ply"));
+    let before = MAPS.map(|name| fs::read(folder.join(name)).unwrap());
+    for (line, code, what) in [
+        ("trace a.exr no.exr", 1, "`no.exr` does not exist"),
+        ("trace a.exr b.exr ./a.exr", 2, "./a.exr is given twice"),
+        (
+            "trace a.exr bare.txt",
+            2,
+            "bare.txt: lengths are to be in um",
+        ),
+        ("trace bare.txt a.exr", 2, "bare.txt states no unit"),
+        (
+            "trace a.exr a.ply --assume-unit um",
+            2,
+            "all triangle meshes",
+        ),
+        (
+            "gonio --surface a.exr --surface a.ply --assume-unit um -o x",
+            2,
+            "all triangle meshes",
+        ),
+        ("trace a.exr b.exr --models smith", 2, "with one surface"),
+        (
+            "trace a.exr b.exr --target-error 0.1",
+            2,
+            "a target error is for one",
+        ),
+        (
+            "trace a.exr b.exr --estimator controlled",
+            2,
+            "the controlled estimator is for one",
+        ),
+        (
+            "gonio --surface a.exr --surface b.exr --estimator controlled -o x",
+            2,
+            "is for one",
+        ),
+        ("trace a.exr b.exr --flat", 2, "--flat"),
+        ("trace a.exr --surface b.exr", 2, "give one or the other"),
+        ("trace one.toml two.toml", 2, "both configurations"),
+        ("trace a.exr b.exr -o b.exr", 1, "b.exr"),
+        ("inspect a.exr b.exr", 2, "unexpected argument"),
+        ("render a.exr b.exr -o x.png", 2, "unexpected argument"),
+    ] {
+        let said = refused(folder, &words(line), code);
+        assert!(said.contains(what), "{line}: {said}");
+    }
+    assert_eq!(
+        MAPS.map(|name| fs::read(folder.join(name)).unwrap()),
+        before
+    );
+    assert!(!Path::new(&folder.join("x")).exists());
+    // Files in other units are converted, and a bottom may lie below each.
+    succeed(folder, &words("inspect b.exr --unit nm -o b_nm.exr"));
+    let below = "--mean-free-path 5um --albedo 0.9 --thickness 40um --rays 1e3";
+    for bottom in ["same", "flat", "c.exr"] {
+        let run = |second: &str| {
+            let line = format!("trace a.exr {second} {below} --bottom-surface {bottom} --json");
+            reflected(&json(&succeed(folder, &words(&line))))
+        };
+        let [[first, _], [converted, _]] = ["b.exr", "b_nm.exr"].map(run);
+        assert!(
+            (first / converted - 1.0).abs() < 1e-3,
+            "{bottom}: {first} {converted}"
+        );
+    }
+}
