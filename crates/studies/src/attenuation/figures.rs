@@ -12,35 +12,24 @@ use asperity_tally::Estimate;
 use super::heights::BINS;
 use super::{AttenuationOutcome, AttenuationRow};
 
-/// Names of all plots.
-pub(super) const NAMES: [&str; 4] = [
-    "attenuation_theta",
-    "attenuation_models",
-    "attenuation_sigma",
-    "visibility",
-];
+/// A plot; `None` if the results cannot fill it.
+type Plot = fn(&AttenuationOutcome<'_>) -> Option<Curves>;
 
-/// All plots that the results can fill, by name of their files.
-pub(super) fn figures(outcome: &AttenuationOutcome<'_>) -> Vec<(&'static str, Curves)> {
-    let [
-        over_theta_name,
-        models_name,
-        over_sigma_name,
-        visibility_name,
-    ] = NAMES;
-    let mut figures = Vec::new();
-    if outcome.plan.lights.len() > 1 {
-        figures.push((over_theta_name, over_theta(outcome)));
-        figures.push((models_name, models_over_theta(outcome)));
-    }
-    if outcome.plan.surfaces.len() > 1 {
-        figures.push((over_sigma_name, over_sigma(outcome)));
-    }
-    if !outcome.visibility.is_empty() {
-        figures.push((visibility_name, visibility(outcome)));
-    }
-    figures
-}
+/// All plots, by name of their files.
+pub(super) const FIGURES: [(&str, Plot); 4] = [
+    ("attenuation_theta", |found| {
+        (found.plan.lights.len() > 1).then(|| over_theta(found))
+    }),
+    ("attenuation_models", |found| {
+        (found.plan.lights.len() > 1).then(|| models_over_theta(found))
+    }),
+    ("attenuation_sigma", |found| {
+        (found.plan.surfaces.len() > 1).then(|| over_sigma(found))
+    }),
+    ("visibility", |found| {
+        (!found.visibility.is_empty()).then(|| visibility(found))
+    }),
+];
 
 const THETA: &str = "polar angle of the light θᵢ (°)";
 const FRACTIONS: Option<[f64; 2]> = Some([0.0, 1.04]);

@@ -1,16 +1,49 @@
-//! The files of an attenuation run: tables, plots, report.txt and summary.json.
+//! The files of an attenuation run.
 
-use std::collections::BTreeMap;
-
-use asperity_io::{ResultFolder, write_bytes, write_json};
+use asperity_io::ResultFolder;
 use asperity_simulate::Observer;
 use serde_json::{Value, json};
 
-use super::tables::{attenuation_table, tables};
+use super::tables::{attenuation, attenuation_table, demarcation, visibility};
 use super::{AttenuationConfig, AttenuationOutcome, figures};
-use crate::output::{Head, Place, figure_files};
+use crate::output::Head;
 use crate::report::error::ReportError;
-use crate::report::figures::save;
+use crate::report::views::Views;
+
+impl AttenuationConfig {
+    /// Names of all files that a run writes into its folder.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        self.views().names()
+    }
+
+    fn views<'a>(&self) -> Views<'a, AttenuationOutcome<'a>> {
+        let mut views: Views<'a, AttenuationOutcome<'a>> = Views::new();
+        views.csv("attenuation.csv", |found| {
+            Some(attenuation(found).with_rows(&found.rows))
+        });
+        if self.run.demarcation {
+            views.csv("demarcation.csv", |found| {
+                Some(demarcation(found).with_rows(&found.demarcation))
+            });
+        }
+        if self.run.heights {
+            views.csv("visibility.csv", |found| {
+                Some(visibility(found).with_rows(&found.visibility))
+            });
+        }
+        if self.output.plots {
+            for (name, figure) in figures::FIGURES {
+                views.figure(name, move |found| {
+                    Ok(figure(found).map(|curves| curves.draw()).transpose()?)
+                });
+            }
+        }
+        views.text("report.txt", |found| Some(attenuation_table(found)));
+        views.json("summary.json", |found| Some(attenuation_summary(found)));
+        views
+    }
+}
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
 /// requested, plots, report.txt, and, last, summary.json.
@@ -22,63 +55,28 @@ pub fn attenuation_report(
     outcome: &AttenuationOutcome<'_>,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    let config = &outcome.plan.config;
-    let names = config.files();
-    folder.claim_all(names.iter().map(String::as_str))?;
-    let place = Place::root(folder);
-    let drawn = match config.output.plots {
-        true => figures::figures(outcome),
-        false => Vec::new(),
-    };
-    progress.begin("writing", drawn.len() as u64);
-    for table in tables(outcome) {
-        if names.iter().any(|name| name == table.file) {
-            write_bytes(place.claim(table.file)?, table.csv.as_bytes())?;
-        }
-    }
-    for (name, curves) in drawn {
-        save(&[&place], name, &curves.draw()?)?;
-        progress.advance(1);
-    }
-    let report = attenuation_table(outcome);
-    write_bytes(place.claim("report.txt")?, report.as_bytes())?;
-    write_json(place.claim("summary.json")?, &attenuation_summary(outcome))?;
-    progress.end();
-    Ok(())
-}
-
-impl AttenuationConfig {
-    /// Names of all files that a run writes into its folder.
-    #[must_use]
-    pub fn files(&self) -> Vec<String> {
-        let mut names = ["attenuation.csv", "report.txt", "summary.json"]
-            .map(str::to_owned)
-            .to_vec();
-        names.extend(self.run.demarcation.then(|| "demarcation.csv".to_owned()));
-        names.extend(self.run.heights.then(|| "visibility.csv".to_owned()));
-        if self.output.plots {
-            names.extend(figures::NAMES.into_iter().flat_map(figure_files));
-        }
-        names
-    }
+    let views = outcome.plan.config.views();
+    views.write(folder, outcome, progress)
 }
 
 /// The contents of summary.json.
 #[must_use]
 pub fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
     let config = &outcome.plan.config;
-    let tables = tables(outcome);
-    let columns = tables.iter().map(|table| (table.file, &table.columns));
-    let columns: BTreeMap<_, _> = columns.collect();
-    let [rows, demarcation, visibility] = tables.each_ref().map(|table| &table.rows);
+    let (attenuation, demarcation) = (attenuation(outcome), demarcation(outcome));
+    let visibility = visibility(outcome);
     let mut summary = json!({
         "seed": config.run.seed,
         "config": config,
         "mesh_slope_deficit": outcome.plan.mesh_slope_deficit(),
-        "rows": rows,
-        "demarcation": demarcation,
-        "visibility": visibility,
-        "columns": columns,
+        "rows": attenuation.json(&outcome.rows),
+        "demarcation": demarcation.json(&outcome.demarcation),
+        "visibility": visibility.json(&outcome.visibility),
+        "columns": {
+            "attenuation.csv": attenuation.description(),
+            "demarcation.csv": demarcation.description(),
+            "visibility.csv": visibility.description(),
+        },
         "work": outcome.work,
     });
     Head::of("attenuation").insert_into(&mut summary);

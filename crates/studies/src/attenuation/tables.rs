@@ -9,7 +9,6 @@ use asperity_analysis::{
 use asperity_simulate::{Cells, counted, short};
 use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
-use serde_json::Value;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
 use crate::output::{Column, Format, Support, Supported, Table, unit_of_lengths, wrapped};
@@ -50,9 +49,11 @@ fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -
     Column::new(name, about, value).format(Format::Fixed(4))
 }
 
-/// attenuation.csv: a row per sigma, light and view. `independent`: independent points over all surfaces.
-fn attenuation(unit: LengthUnit, independent: f64) -> Table<'static, AttenuationRow> {
+/// attenuation.csv: a row per sigma, light and view.
+pub(super) fn attenuation(outcome: &AttenuationOutcome<'_>) -> Table<'static, AttenuationRow> {
     type Row = AttenuationRow;
+    let unit = outcome.plan.config.surface.unit;
+    let independent = outcome.independent_points();
     // From straight above nothing is hidden.
     let unless = move |is_proven: bool| match is_proven {
         true => Support::Proven,
@@ -98,7 +99,8 @@ fn attenuation(unit: LengthUnit, independent: f64) -> Table<'static, Attenuation
 }
 
 /// demarcation.csv: a row per sigma.
-fn demarcation(unit: LengthUnit) -> Table<'static, Demarcation> {
+pub(super) fn demarcation(outcome: &AttenuationOutcome<'_>) -> Table<'static, Demarcation> {
+    let unit = outcome.plan.config.surface.unit;
     type Row = Demarcation;
     let measured = |name, heading, about, value: fn(&Row) -> Option<Estimate>| {
         let column = Column::estimate(name, about, value);
@@ -152,9 +154,11 @@ fn demarcation(unit: LengthUnit) -> Table<'static, Demarcation> {
         .column(expected("paper", "2019 paper", paper, |row| row.paper))
 }
 
-/// visibility.csv: a row per sigma, light and height. `independent`: independent points over all surfaces.
-fn visibility(unit: LengthUnit, independent: f64) -> Table<'static, VisibilityRow> {
+/// visibility.csv: a row per sigma, light and height.
+pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, VisibilityRow> {
     type Row = VisibilityRow;
+    let unit = outcome.plan.config.surface.unit;
+    let independent = outcome.independent_points();
     let support = move |row: &Row| match row.theta {
         0.0 => Support::Proven,
         _ => Support::Samples(independent.min(row.points).max(1.0)),
@@ -182,47 +186,11 @@ fn visibility(unit: LengthUnit, independent: f64) -> Table<'static, VisibilityRo
         )
 }
 
-/// A table as it is written.
-pub(super) struct WrittenTable {
-    /// Name of its file.
-    pub(super) file: &'static str,
-    pub(super) csv: String,
-    /// Rows, and descriptions of columns, as summary.json has them.
-    pub(super) rows: Value,
-    pub(super) columns: Value,
-}
-
-impl WrittenTable {
-    fn new<R>(file: &'static str, table: &Table<'_, R>, rows: &[R]) -> Self {
-        Self {
-            file,
-            csv: table.csv(rows),
-            rows: table.json(rows),
-            columns: table.description(),
-        }
-    }
-}
-
-/// All tables; those that were not requested have no rows.
-pub(super) fn tables(outcome: &AttenuationOutcome<'_>) -> [WrittenTable; 3] {
-    let unit = outcome.plan.config.surface.unit;
-    let points = outcome.independent_points();
-    [
-        WrittenTable::new("attenuation.csv", &attenuation(unit, points), &outcome.rows),
-        WrittenTable::new("demarcation.csv", &demarcation(unit), &outcome.demarcation),
-        WrittenTable::new(
-            "visibility.csv",
-            &visibility(unit, points),
-            &outcome.visibility,
-        ),
-    ]
-}
-
 /// What was measured, next to theory: report.txt.
 #[must_use]
 pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let surface = &outcome.plan.config.surface;
-    let (unit, points) = (surface.unit, outcome.independent_points());
+    let unit = surface.unit;
     let work = &outcome.work;
     let mut out = format!(
         "tau {}{}, {} of {} points, {} border, by {}; fractions of points, not of projected areas\npaper_g2: fraction of the samples of the grid, {} per surface\n",
@@ -246,7 +214,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let _ = writeln!(out, "errors from the scatter between surfaces; {cells}\n");
     let fractions = |columns: &str, keys: usize, rows: Vec<&AttenuationRow>| {
         let columns: Vec<&str> = columns.split(' ').collect();
-        let table = attenuation(unit, points).select(&columns).keys(keys);
+        let table = attenuation(outcome).select(&columns).keys(keys);
         table.text(rows)
     };
     // What depends on the light alone is the same for each view.
@@ -261,7 +229,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
         let _ = write!(out, "{by_light}\n{by_view}");
     }
     if !outcome.demarcation.is_empty() {
-        let table = demarcation(unit).text(&outcome.demarcation);
+        let table = demarcation(outcome).text(&outcome.demarcation);
         let _ = write!(
             out,
             "\npolar angle at which shadow begins, degrees\n{table}"
@@ -271,7 +239,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
         // Eq. 24 is for heights about zero alone.
         let about_zero = outcome.visibility.iter().filter(|row| row.xu_sun.is_some());
         let columns = ["sigma", "theta", "x", "visibility", "smith", "xu_sun"];
-        let table = visibility(unit, points).select(&columns).text(about_zero);
+        let table = visibility(outcome).select(&columns).text(about_zero);
         let _ = write!(
             out,
             "\nvisibility of the points at height zero that face the light\n{table}"
