@@ -266,12 +266,18 @@ impl<'a, C: Stored> Container<'a, C> {
                     self.stopped_by = observer.stop().or(Some(StoppedBy::Interrupt));
                     break;
                 };
-                let case = Arc::new(case);
-                self.store.add_case(number, &case);
-                self.cases[number] = Some(case);
+                self.add(number, case);
             }
         }
         Ok(())
+    }
+
+    /// Adds the result of a case, in place of the one that is there.
+    pub fn add(&mut self, number: usize, case: C) {
+        self.make_room(number + 1);
+        let case = Arc::new(case);
+        self.store.add_case(number, &case);
+        self.cases[number] = Some(case);
     }
 
     fn make_room(&mut self, count: usize) {
