@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_results::CaseResult;
-use asperity_simulate::{Case, Effort, MachineWork, Outcome, SummaryWork};
+use asperity_simulate::{Case, MachineWork, Outcome, SummaryWork};
 use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::Branching;
 use serde::Serialize;
@@ -229,7 +229,14 @@ impl<'a> ConvergedCase<'a> {
             let own = runs[1..].iter().copied();
             let own = own.filter(|one| one.run.method == method.timed());
             let own: Vec<StoredRun<'_>> = own.collect();
-            MethodOutcome::of(plan, *method, &own, &targets)
+            let setup = own.first().filter(|_| method.peer_rate.is_none());
+            let setup =
+                setup.and_then(|one| one.result.findings["machine"][SETUP_SECONDS].as_f64());
+            let measurements = plan.efforts.iter().map(|effort| {
+                let runs = own.iter().copied().filter(|one| one.run.effort == *effort);
+                Measurement::of(&runs.collect::<Vec<_>>(), method.peer_rate, &targets)
+            });
+            MethodOutcome::of(plan, *method, setup.unwrap_or(0.0), measurements.collect())
         });
         let mut methods: Vec<MethodOutcome> = methods.collect();
         compare(&mut methods);
@@ -244,19 +251,8 @@ impl<'a> ConvergedCase<'a> {
 }
 
 impl MethodOutcome {
-    /// What `runs` of `method` say, as far as it needs no other method.
-    fn of(plan: &ConvergePlan, method: Method, runs: &[StoredRun<'_>], targets: &Targets) -> Self {
-        let setup = runs.first().filter(|_| method.peer_rate.is_none());
-        let setup = setup.and_then(|one| one.result.findings["machine"][SETUP_SECONDS].as_f64());
-        let measurements = plan.efforts.iter().map(|effort| {
-            let runs = runs.iter().copied();
-            let runs: Vec<_> = runs.filter(|one| one.run.effort == *effort).collect();
-            Measurement::of(*effort, &runs, method.peer_rate, targets)
-        });
-        Self::over(plan, method, setup.unwrap_or(0.0), measurements.collect())
-    }
-
-    fn over(
+    /// What the measurements of a method say, as far as it needs no other method.
+    fn of(
         plan: &ConvergePlan,
         method: Method,
         setup_seconds: f64,
@@ -334,12 +330,8 @@ fn compare(methods: &mut [MethodOutcome]) {
 }
 
 impl Measurement {
-    fn of(
-        effort: Effort,
-        runs: &[StoredRun<'_>],
-        peer_rate: Option<f64>,
-        targets: &Targets,
-    ) -> Self {
+    /// What runs of equal method and effort say, of which there is one at least.
+    fn of(runs: &[StoredRun<'_>], peer_rate: Option<f64>, targets: &Targets) -> Self {
         let mut seconds: Vec<f64> = runs.iter().map(|run| run.seconds(peer_rate)).collect();
         seconds.sort_by(f64::total_cmp);
         let middle = seconds.len() / 2;
@@ -354,7 +346,7 @@ impl Measurement {
         let error = against(&targets.reference);
         Self {
             rays_per_surface: runs[0].rays_per_surface(),
-            surfaces: effort.surfaces(),
+            surfaces: runs[0].run.effort.surfaces(),
             repeats: runs.len() as u64,
             seconds: 0.5 * (seconds[middle] + seconds[(seconds.len() - 1) / 2]),
             seconds_min: seconds[0],
@@ -430,7 +422,7 @@ mod tests {
             usable: error >= 2e-3,
         };
         let measurements = points.iter().map(measurement);
-        MethodOutcome::over(&plan, method, 0.0, measurements.collect())
+        MethodOutcome::of(&plan, method, 0.0, measurements.collect())
     }
 
     #[test]

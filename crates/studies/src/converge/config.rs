@@ -255,14 +255,13 @@ impl ConvergeConfig {
         };
         let methods = self.methods(&spacings)?;
         let efforts = efforts(config)?;
-        let coarsest =
-            |spacing: &PerAxis<Number>| spacing.xy().map(|d| d.0).into_iter().fold(0.0, f64::max);
+        let errors = config.errors.values("errors")?;
+        // Without a list there is one; a list has one number for both axes.
         let finest = spacings
             .iter()
-            .copied()
-            .min_by(|a, b| coarsest(a).total_cmp(&coarsest(b)));
-        let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
-        let spacing = spacing.unwrap_or(spacings[0]);
+            .min_by(|a, b| a.xy()[0].0.total_cmp(&b.xy()[0].0));
+        let spacing = config.reference_spacing.map(PerAxis::Both);
+        let spacing = spacing.or(finest.copied()).unwrap_or(spacings[0]);
         let cases_at = |spacing| verification.cases(|_, recipe| self.surfaces(recipe, spacing));
         let cases = cases_at(spacing)?;
         let uncontrolled = cases.iter().find_map(why_uncontrolled);
@@ -285,18 +284,14 @@ impl ConvergeConfig {
         };
         let reference_effort = effort(config.reference_rays.0, config.reference_surfaces.0)?;
         let spec = verification.run.ray_settings()?.tally;
-        let surfaces = efforts
-            .iter()
-            .chain([&reference_effort])
-            .map(|e| e.surfaces());
-        check_results(&spec, surfaces.max().unwrap_or(1), 1, false)?;
+        let all_efforts = efforts.iter().chain([&reference_effort]);
+        let most_surfaces = all_efforts.map(|effort| effort.surfaces()).max();
+        check_results(&spec, most_surfaces.unwrap_or(1), 1, false)?;
         // Methods of one spacing share their surfaces.
         let mut measured = vec![(reference, cases.clone())];
         for method in methods.iter().filter(|method| method.peer_rate.is_none()) {
-            let known = measured
-                .iter()
-                .find(|(known, _)| known.spacing == method.spacing);
-            let cases = match known {
+            let mut known = measured.iter();
+            let cases = match known.find(|(known, _)| known.spacing == method.spacing) {
                 Some((_, cases)) => cases.clone(),
                 None => cases_at(method.spacing)?,
             };
@@ -311,20 +306,13 @@ impl ConvergeConfig {
                 }
             }
         }
-        let runs = (measured.len() * efforts.len() * cases.len()) as u64;
-        let numbers = runs
-            .saturating_mul(config.repeats.0)
-            .saturating_mul(3 * spec.len() as u64);
-        let bytes = usize::try_from(numbers.saturating_mul(8)).unwrap_or(usize::MAX);
-        check_memory("storing the results of all runs", bytes)?;
+        let runs = measured.len() * efforts.len() * cases.len();
+        // Means, squares of deviations and least errors
+        let bytes = (runs as f64) * config.repeats.0 as f64 * (3 * 8 * spec.len()) as f64;
+        check_memory("storing the results of all runs", bytes as usize)?;
         Ok(ConvergePlan {
             runs: self.runs(&measured, &efforts, reference_effort),
-            errors: config
-                .errors
-                .values("errors")?
-                .iter()
-                .map(|error| error.0)
-                .collect(),
+            errors: errors.iter().map(|error| error.0).collect(),
             cases,
             methods,
             efforts,

@@ -1,7 +1,7 @@
 //! The tables of run time against error: convergence.csv and report.txt.
 
 use asperity_surface::LengthUnit;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
@@ -161,6 +161,11 @@ pub(super) fn rows<'a>(case: &'a ConvergedCase<'_>) -> impl Iterator<Item = Row<
 
 /// convergence.csv: a row per method and effort.
 pub(super) fn convergence<'a>(case: &'a ConvergedCase<'_>) -> Table<'a, Row<'a>> {
+    let text = |name, about, of: fn(&Method) -> &dyn Display| {
+        Column::new(name, about, move |row: &Row<'_>| {
+            of(&row.method.method).to_string()
+        })
+    };
     let column = |name, about, of: fn(&Method, &Measurement) -> Cell| {
         Column::new(name, about, move |row: &Row<'_>| {
             of(&row.method.method, row.measurement)
@@ -168,23 +173,17 @@ pub(super) fn convergence<'a>(case: &'a ConvergedCase<'_>) -> Table<'a, Row<'a>>
     };
     let reference_error = move |_: &Row<'_>| case.reference.error;
     Table::new().columns([
-        column("estimator", "estimator", |of, _| {
-            of.estimator.to_string().into()
-        }),
-        column("sampling", "how rays are distributed", |of, _| {
-            of.sampling.to_string().into()
-        }),
-        column("branching", "branches that paths follow", |of, _| {
-            of.branching.to_string().into()
+        text("estimator", "estimator", |of| &of.estimator),
+        text("sampling", "how rays are distributed", |of| &of.sampling),
+        text("branching", "branches that paths follow", |of| {
+            &of.branching
         }),
         column(
             "peer_rate",
             "rays per second of a peer, by which seconds are computed; empty for what was timed",
             |of, _| of.peer_rate.into(),
         ),
-        column("accelerator", "accelerator", |of, _| {
-            of.accelerator.to_string().into()
-        }),
+        text("accelerator", "accelerator", |of| &of.accelerator),
         column("spacing", "length units per sample", |of, _| {
             match of.spacing.xy() {
                 [dx, dy] if dx == dy => dx.0.into(),
