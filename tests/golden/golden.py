@@ -72,7 +72,7 @@ RUNS = {
     "map_both": f"map {SMALL} --smoothness 2,4 --theta 0,50 --models smith --polarisation both --rays 1e4 --realisations 8",
     "model": "model smith --smoothness 2 --theta 30 -o {out}/m.csv",
 }
-VOLATILE_KEYS = {"seconds", "seconds_min", "seconds_max", "generate_seconds", "build_seconds", "trace_seconds", "setup_seconds",
+VOLATILE_KEYS = {"seconds", "seconds_min", "seconds_max", "generate_seconds", "build_seconds", "trace_seconds", "setup_seconds", "error_at_one_second",
                  "threads", "instructions", "commit", "version", "dirty", "results_epoch", "epoch", "rustc", "target"}
 VOLATILE_PARTS = ("seconds", "efficienc", "speedup", "slope", "fit", "times_longer", "cost")
 SKIPPED_FOLDERS = {"checkpoints", "cells"}

@@ -62,6 +62,7 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
             "convergence.svg",
             "manifest.json",
             "report.txt",
+            "results.npz",
             "summary.json"
         ]
     );
@@ -98,6 +99,14 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
     succeed(folder, &other);
     let other = rows(&folder.join("other/convergence.csv"));
     assert!((0..16).all(|i| other[i]["error"] != one[i]["error"]));
+    // Errors to be reached are computed from the runs that are there.
+    let results = |run: &str| fs::read(folder.join(run).join("results.npz")).unwrap();
+    let before = results("one");
+    succeed(
+        folder,
+        &words("converge c.toml --errors 1e-1 --quiet -o one"),
+    );
+    assert!(results("one") == before);
 }
 
 #[test]
@@ -169,6 +178,7 @@ fn several_cases_and_spacings_have_their_places() {
         [
             "manifest.json",
             "report.txt",
+            "results.npz",
             "s3_mirror_theta30",
             "s60_mirror_theta30",
             "summary.json"
@@ -237,7 +247,7 @@ fn the_example_is_understood() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/converge.toml");
     let text = fs::read_to_string(path).unwrap();
     let config = asperity_studies::ConvergeConfig::from_toml(&text).unwrap();
-    config.check().unwrap();
+    config.plan().unwrap();
 }
 
 /// No control variate is known for these slopes or facets, so that the reference is plain as well.

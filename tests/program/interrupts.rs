@@ -9,7 +9,9 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::{files, json, succeed, with_surface, words};
+use asperity_results::ResultSet;
+
+use crate::support::{Table, files, json, succeed, with_surface, words};
 
 /// Runs that take long, without their output; with what they say of the same command run again.
 const LONG: [(&str, &str); 7] = [
@@ -32,7 +34,7 @@ const LONG: [(&str, &str); 7] = [
     ),
     (
         "converge --tau 4 --size 32 --theta 0,10,20,30,40,50,60,70 --samplings random --accelerators pyramid --estimators plain --rays 1e4 --surfaces 4 --repeats 40 --reference-rays 1e3 --reference-surfaces 8 --no-plots",
-        "starts again",
+        "resumes",
     ),
     ("render h.exr --size 24x18 --samples 1e9", "starts again"),
 ];
@@ -112,6 +114,47 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
             assert!(summary["work"]["rays"].as_u64().unwrap() > 0);
         }
         fs::remove_dir_all(out).unwrap();
+    }
+}
+
+/// Each run of the command gets further, and the last one completes the measurement.
+#[test]
+fn an_interrupted_convergence_run_resumes_to_the_same_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let command = "converge --tau 4 --size 32 --theta 0,40 --samplings random --rays 4e4 --surfaces 4 --repeats 12 --reference-rays 4096 --reference-surfaces 64 --no-plots";
+    succeed(folder, &words(&format!("{command} -o whole")));
+    let line = format!("{command} -o parts");
+    let mut codes = Vec::new();
+    while codes.last() != Some(&Some(0)) {
+        let after = Duration::from_millis(250 * (codes.len() as u64 + 1));
+        let (code, errors) = interrupted(folder, &words(&line), after, 1);
+        let words = match code {
+            Some(3) => " of 2 cases ",
+            Some(1) => "interrupted before the first surface was finished",
+            _ => "",
+        };
+        assert!(errors.contains(words), "{errors}");
+        codes.push(code);
+    }
+    assert!(codes.contains(&Some(3)), "{codes:?}");
+    let read = |out: &str| ResultSet::read(folder.join(out)).unwrap();
+    let [whole, parts] = ["whole", "parts"].map(|out| read(out).comparable_bytes().unwrap());
+    assert!(whole == parts);
+    for case in ["s3_n1.5_theta0", "s3_n1.5_theta40"] {
+        let table = |out: &str| {
+            let table = Table::read(&folder.join(out).join(case).join("convergence.csv"));
+            let lasting = |name: &&str| !name.starts_with("seconds");
+            let names: Vec<&str> = table.names().filter(lasting).collect();
+            let row = |row| {
+                names
+                    .iter()
+                    .map(|name| table.text(row, name).to_owned())
+                    .collect()
+            };
+            (0..table.rows.len()).map(row).collect::<Vec<Vec<String>>>()
+        };
+        assert_eq!(table("whole"), table("parts"), "{case}");
     }
 }
 

@@ -100,6 +100,11 @@ impl Table {
         }
     }
 
+    /// Names of the columns.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.header.iter().map(String::as_str)
+    }
+
     pub(crate) fn text(&self, row: usize, name: &str) -> &str {
         let column = self.header.iter().position(|c| c == name);
         &self.rows[row][column.unwrap_or_else(|| panic!("no column {name}"))]

@@ -21,7 +21,7 @@
 //!
 //! # What is kept per surface
 //! `verify` and `trace` keep the tally of each surface: their tests flip the signs of whole surfaces, and more surfaces can join them.
-//! `map` and `gonio` keep moments alone, [without details](asperity_simulate::Outcome::without_details): means, squares of deviations and least
+//! `map`, `gonio` and the runs of `converge` keep moments alone, [without details](asperity_simulate::Outcome::without_details): means, squares of deviations and least
 //! errors. A shard of them is never less than a case.
 
 mod case_result;

@@ -264,9 +264,7 @@ impl<'a, C: Stored> Container<'a, C> {
         for number in 0..count {
             if !self.is_complete(number) {
                 if let Some(case) = compute(number)? {
-                    let case = Arc::new(case);
-                    self.store.add_case(number, &case);
-                    self.cases[number] = Some(case);
+                    self.add(number, case);
                 } else if let Some(stopped_by) = observer.stop() {
                     self.stopped_by = Some(stopped_by);
                     break;
@@ -274,6 +272,14 @@ impl<'a, C: Stored> Container<'a, C> {
             }
         }
         Ok(())
+    }
+
+    /// Adds the result of a case, in place of the one that is there.
+    pub fn add(&mut self, number: usize, case: C) {
+        self.make_room(number + 1);
+        let case = Arc::new(case);
+        self.store.add_case(number, &case);
+        self.cases[number] = Some(case);
     }
 
     fn make_room(&mut self, count: usize) {

@@ -31,392 +31,196 @@
 //!
 //! Every run has surfaces and rays of its own, from a seed that follows from that of the configuration,
 //! the case, the method (its accelerator aside), the effort and the repeat. Errors depend on nothing
-//! else; seconds do.
+//! else; seconds do. Each run is stored with its seconds, without the tallies of single surfaces, so that a measurement resumes and errors
+//! are computed from what is stored.
 
+mod case;
 mod config;
 mod deviation;
+mod exact;
 mod files;
 mod fit;
 mod json;
 mod method;
-mod stage;
 mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Case, Observer, SimulateError, StoppedBy};
 use std::time::Instant;
 
-use asperity_analysis::ModelError;
-use asperity_tally::TallyResult;
-use asperity_tracer::Branching;
-use serde::Serialize;
+use asperity_results::{CaseResult, ResultSet};
+use asperity_simulate::{Observer, Outcome, SimulateError, Simulation, StoppedBy};
+use serde_json::json;
 
-use crate::config::error::ConfigError;
 use crate::verify::error::VerifyError;
 
-pub use config::{ConvergeConfig, ConvergenceConfig};
+pub use case::{
+    ConvergeWork, ConvergedCase, Efficiency, Measurement, MethodOutcome, Reference, SecondsTo,
+};
+pub use config::{ConvergeConfig, ConvergePlan, ConvergenceConfig};
 pub use deviation::RepeatedError;
 pub use files::converge_report;
-pub use fit::{Fit, SecondsTo};
+pub use fit::Fit;
 pub use json::converge_summary;
-pub use method::{Method, RunEffort};
+pub use method::{ConvergeRun, Method};
 pub use tables::converge_table;
 
-use stage::{Run, RunSample, Stage};
-
-/// An error below this multiple of the reference's own error says more about the reference than about the run.
-const AT_THE_REFERENCE: f64 = 2.0;
-
-/// Why a convergence run fails.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ConvergeError {
-    /// An interrupt came before the first case was finished.
-    #[error("interrupted before a case was finished: there is nothing to write")]
-    Interrupted,
-    /// The surfaces or their light cannot be had.
-    #[error(transparent)]
-    Run(#[from] VerifyError),
-    /// No light at all in the bins that are compared.
-    #[error(
-        "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
-    )]
-    NoLight,
-}
-
-impl From<SimulateError> for ConvergeError {
-    fn from(error: SimulateError) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<ConfigError> for ConvergeError {
-    fn from(error: ConfigError) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<ModelError> for ConvergeError {
-    fn from(error: ModelError) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-/// What errors are measured against.
-#[derive(Clone, Debug, Serialize)]
-pub struct Reference {
-    /// How it was computed.
-    #[serde(flatten)]
-    pub method: Method,
-    /// Samples `[nx, ny]` of a surface.
-    pub size: [usize; 2],
-    /// Rays on each surface.
-    pub rays_per_surface: u64,
-    /// Surfaces.
-    pub surfaces: u64,
-    /// What its own standard errors are expected to add to every error.
-    pub error: f64,
-    /// Its error against the exact fluxes, where there are such.
-    pub error_exact: Option<f64>,
-    /// Seconds that it took.
-    pub seconds: f64,
-}
-
-/// Runs of one method and effort.
-#[derive(Clone, Debug, Serialize)]
-pub struct Measurement {
-    /// Rays on each surface.
-    pub rays_per_surface: u64,
-    /// Surfaces of a run.
-    pub surfaces: u64,
-    /// Runs.
-    pub repeats: u64,
-    /// Seconds of a run: median, least and most.
-    pub seconds: f64,
-    /// Seconds of the fastest run.
-    pub seconds_min: f64,
-    /// Seconds of the slowest run.
-    pub seconds_max: f64,
-    /// Relative error against the reference.
-    pub error: RepeatedError,
-    /// The same against the exact fluxes, where there are such.
-    pub error_exact: Option<RepeatedError>,
-    /// By how much the light of a surface that absorbs nothing misses one; `None` for others, and where
-    /// a side is not requested.
-    pub energy_error: Option<f64>,
-    /// Whether the error is well above that of the reference.
-    pub usable: bool,
-}
-
-/// What was found for one method.
-#[derive(Clone, Debug)]
-pub struct MethodOutcome {
-    /// The method.
-    pub method: Method,
-    /// Rays per second of a peer, by which its seconds are computed; `None` for what was timed.
-    pub peer_rate: Option<f64>,
-    /// Seconds spent once, before its runs and not counted in theirs: on the mean of its control variate.
-    pub setup_seconds: f64,
-    /// Its runs, in the order of the efforts.
-    pub measurements: Vec<Measurement>,
-    /// The line through those that are usable.
-    pub fit: Option<Fit>,
-}
-
-/// How many times longer plain random rays take to the same error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Efficiency {
-    /// So many times.
-    pub ratio: f64,
-    /// What the standard errors of the errors make of it; `None` for single runs, and for plain random
-    /// rays in addition to the rays themselves.
-    pub se: Option<f64>,
-}
-
-/// What was found for one case.
-pub struct ConvergedCase {
-    /// The case.
-    pub case: Case,
-    /// What errors are measured against.
-    pub reference: Reference,
-    /// Whether exact fluxes are known.
-    pub is_exact: bool,
-    /// The methods.
-    pub methods: Vec<MethodOutcome>,
-    /// What the engine did, the reference included.
-    pub work: ConvergeWork,
-}
-
-/// What was done, and how long it took.
-#[derive(Clone, Debug, Serialize)]
-pub struct ConvergeWork {
-    /// Runs.
-    pub runs: u64,
-    /// Surfaces drawn.
-    pub surfaces: u64,
-    /// Incident rays.
-    pub rays: u64,
-    /// Segments searched for a hit.
-    pub segments: u64,
-    /// Segments that needed no search.
-    pub segments_skipped: u64,
-    /// Seconds spent on drawing surfaces, summed over surfaces.
-    pub generate_seconds: f64,
-    /// Seconds spent on building accelerators, summed over surfaces.
-    pub build_seconds: f64,
-    /// Seconds spent on tracing, summed over surfaces.
-    pub trace_seconds: f64,
-    /// Seconds from beginning to end.
-    pub seconds: f64,
-    /// Threads.
-    pub threads: usize,
-    /// The largest part of the flux that a run lost to numerical failure.
-    pub lost: f64,
-}
+use case::{SETUP_SECONDS, StoredRun};
 
 /// What a convergence run found.
-pub struct ConvergeOutcome {
+pub struct ConvergeOutcome<'a> {
     /// The configuration that was run.
-    pub config: ConvergeConfig,
-    /// Errors for which run times are computed.
-    pub errors: Vec<f64>,
-    /// The cases.
-    pub cases: Vec<ConvergedCase>,
-    /// Number of cases that an interrupt came before.
-    pub left_out: usize,
-    /// Names of the files of all cases.
-    files: Vec<String>,
+    pub config: &'a ConvergeConfig,
+    /// Its cases, methods and runs.
+    pub plan: &'a ConvergePlan,
+    /// What was found in each run.
+    pub found: &'a ResultSet<'a>,
+    /// The cases of which all runs are there.
+    pub cases: Vec<ConvergedCase<'a>>,
     /// Seconds from beginning to end.
     pub seconds: f64,
 }
 
-impl ConvergeOutcome {
+impl ConvergeOutcome<'_> {
     /// Whether there were several cases to measure.
     fn several(&self) -> bool {
-        self.cases.len() + self.left_out > 1
-    }
-
-    /// What ended the run before all cases were measured: nothing but an interrupt does.
-    #[must_use]
-    pub fn stopped_by(&self) -> Option<StoppedBy> {
-        (self.left_out > 0).then_some(StoppedBy::Interrupt)
+        self.plan.cases.len() > 1
     }
 }
 
-impl ConvergedCase {
-    /// Plain random rays on the grid of `method` and with its accelerator, if they were measured: those that split, else
-    /// those that pick.
-    fn baseline(&self, method: &Method) -> Option<&MethodOutcome> {
-        let timed = self.methods.iter().filter(|m| m.peer_rate.is_none());
-        let plain = timed.filter(|m| m.method.is_plain_and_random());
-        let on_grid = plain.filter(|m| m.method.shares_grid(method));
-        on_grid.min_by_key(|m| m.method.branching == Branching::Pick)
-    }
-
-    /// How many times longer plain random rays take to `error` than `method`, by the fitted lines.
-    #[must_use]
-    pub fn speedup(&self, method: &MethodOutcome, error: f64) -> Option<SecondsTo> {
-        let [plain, own] = [self.baseline(&method.method)?, method]
-            .map(|m| m.fit.and_then(|fit| fit.seconds_to(error)));
-        let (plain, own) = (plain?, own?);
-        Some(SecondsTo {
-            seconds: plain.seconds / own.seconds,
-            extrapolated: plain.extrapolated || own.extrapolated,
-        })
-    }
-
-    /// `err_plain^2 t_plain / (err^2 t)`, the geometric mean over the efforts at which both are usable.
-    #[must_use]
-    pub fn efficiency(&self, method: &MethodOutcome) -> Option<Efficiency> {
-        let plain = self.baseline(&method.method)?;
-        let is_itself = plain.method == method.method;
-        let cost = |m: &Measurement| m.error.rms.powi(2) * m.seconds;
-        // The variance of twice the logarithm of an error.
-        let variance = |m: &Measurement| m.error.se.map(|se| (2.0 * se / m.error.rms).powi(2));
-        let (mut efforts, mut logs, mut variances) = (0.0, 0.0, Some(0.0));
-        for (plain, own) in plain.measurements.iter().zip(&method.measurements) {
-            if plain.usable && own.usable {
-                efforts += 1.0;
-                logs += (cost(plain) / cost(own)).ln();
-                variances = (|| Some(variances? + variance(plain)? + variance(own)?))();
-            }
-        }
-        if efforts == 0.0 {
-            return None;
-        }
-        let ratio = (logs / efforts).exp();
-        let variances = variances.filter(|_| !is_itself);
-        Some(Efficiency {
-            ratio,
-            se: variances.map(|sum| ratio * f64::sqrt(sum) / efforts),
-        })
-    }
-}
-
-/// Measures run time against error for every case and method.
+/// Measures run time against error for every case and method, by those runs of `plan` that `found` lacks.
 ///
 /// # Errors
-/// [`ConvergeError`] if the configuration makes no sense or does not fit into memory.
-pub fn converge(
-    config: &ConvergeConfig,
-    progress: &dyn Observer,
-) -> Result<ConvergeOutcome, ConvergeError> {
+/// [`VerifyError`] if a case cannot be traced, no light reaches the bins, or the run is stopped before there is any result.
+pub fn converge<'a>(
+    config: &'a ConvergeConfig,
+    plan: &'a ConvergePlan,
+    found: &'a mut ResultSet<'_>,
+    observer: &dyn Observer,
+) -> Result<ConvergeOutcome<'a>, VerifyError> {
     let began = Instant::now();
-    let files = config.check()?;
-    let plan = config.plan()?;
-    let mut stages = Vec::new();
-    for case in &plan.cases {
-        stages.push(Stage::new(config, &plan, case.clone())?);
+    let mut prepared: Vec<Prepared<'_>> = Vec::new();
+    let mut rays = 0;
+    for (number, run) in plan.runs.iter().enumerate() {
+        if found.is_complete(number) {
+            continue;
+        }
+        let known = prepared.iter().position(|one| one.serves(run));
+        let place = known.unwrap_or(prepared.len());
+        if known.is_none() {
+            prepared.push(Prepared::new(config, run)?);
+        }
+        rays += prepared[place].simulation(run).rays();
     }
-    let rays = stages.iter().map(Stage::rays).sum();
-    progress.begin("tracing", rays);
+    observer.begin("tracing", rays);
+    found.compute_missing(plan.runs.len(), observer, |number| {
+        let run = &plan.runs[number];
+        let prepared = prepared.iter().find(|one| one.serves(run));
+        prepared.map_or(Ok(None), |one| one.result(number, run, observer))
+    })?;
+    observer.end();
+    if found.cases().next().is_none() {
+        return Err(SimulateError::Interrupted.into());
+    }
+    found.close()?;
+    let mut judged = judge_convergence(config, plan, found)?;
+    judged.seconds = began.elapsed().as_secs_f64();
+    Ok(judged)
+}
+
+/// What a measurement says of the results of its plan. Cases that lack a run are left out.
+///
+/// # Errors
+/// [`VerifyError`] if no light reaches the bins that are compared.
+pub fn judge_convergence<'a>(
+    config: &'a ConvergeConfig,
+    plan: &'a ConvergePlan,
+    found: &'a ResultSet<'_>,
+) -> Result<ConvergeOutcome<'a>, VerifyError> {
+    let began = Instant::now();
     let mut cases = Vec::new();
-    for stage in &stages {
-        match stage.measure(progress) {
-            Ok(case) => cases.push(case),
-            // The cases that are finished stand for themselves.
-            Err(ConvergeError::Interrupted) if !cases.is_empty() => break,
-            Err(error) => return Err(error),
+    for (case_number, case) in plan.cases.iter().enumerate() {
+        let runs = plan.runs.iter().enumerate();
+        let runs = runs.filter(|(_, run)| run.case_number == case_number);
+        let stored = runs.map(|(number, run)| {
+            Some(StoredRun {
+                run,
+                result: found.case(number)?,
+            })
+        });
+        if let Some(runs) = stored.collect::<Option<Vec<_>>>() {
+            cases.push(ConvergedCase::of(plan, case, &runs)?);
         }
     }
-    progress.end();
     Ok(ConvergeOutcome {
-        config: config.clone(),
-        files,
-        errors: plan.errors,
-        left_out: plan.cases.len() - cases.len(),
+        config,
+        plan,
+        found,
         cases,
         seconds: began.elapsed().as_secs_f64(),
     })
 }
 
-impl Measurement {
-    fn over(effort: RunEffort, samples: &[RunSample], reference_error: f64) -> Self {
-        let mut seconds: Vec<f64> = samples.iter().map(|sample| sample.seconds).collect();
-        seconds.sort_by(f64::total_cmp);
-        let middle = seconds.len() / 2;
-        let errors: Vec<f64> = samples.iter().map(|sample| sample.error).collect();
-        let error = RepeatedError::over(&errors);
-        let all = |of: fn(&RunSample) -> Option<f64>| -> Option<RepeatedError> {
-            let values: Option<Vec<f64>> = samples.iter().map(of).collect();
-            values.map(|values| RepeatedError::over(&values))
+/// A method, prepared for the runs of one case.
+struct Prepared<'a> {
+    /// The first of the runs.
+    run: &'a ConvergeRun,
+    simulation: Simulation,
+    /// Seconds that it took to prepare.
+    seconds: f64,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, VerifyError> {
+        let settings = config.settings(&run.method)?;
+        let clock = Instant::now();
+        Ok(Self {
+            run,
+            simulation: Simulation::new(std::slice::from_ref(&run.case), &settings)?,
+            seconds: clock.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn serves(&self, run: &ConvergeRun) -> bool {
+        self.run.case_number == run.case_number && self.run.method == run.method
+    }
+
+    fn simulation(&self, run: &ConvergeRun) -> Simulation {
+        self.simulation.repeated(run.effort, run.seed)
+    }
+
+    /// One run of the engine, by its clock; `None` if it was interrupted, since it is no sample then.
+    fn result(
+        &self,
+        number: usize,
+        run: &ConvergeRun,
+        observer: &dyn Observer,
+    ) -> Result<Option<CaseResult>, VerifyError> {
+        let outcomes = self.simulation(run).run(&Steps(observer));
+        if observer.stop().is_some() {
+            return Ok(None);
+        }
+        let result = |outcome: Outcome| CaseResult {
+            findings: json!({ "repeat": run.repeat, "machine": { SETUP_SECONDS: self.seconds } }),
+            outcome: Outcome {
+                number,
+                ..outcome.without_details()
+            },
         };
-        Self {
-            rays_per_surface: samples[0].rays_per_surface,
-            surfaces: effort.surfaces,
-            repeats: samples.len() as u64,
-            seconds: 0.5 * (seconds[middle] + seconds[(seconds.len() - 1) / 2]),
-            seconds_min: seconds[0],
-            seconds_max: seconds[seconds.len() - 1],
-            error,
-            error_exact: all(|sample| sample.error_exact),
-            energy_error: all(|sample| sample.energy_error).map(|error| error.rms),
-            usable: error.rms > 0.0 && error.rms >= AT_THE_REFERENCE * reference_error,
-        }
+        Ok(outcomes?.into_iter().next().map(result))
     }
 }
 
-impl MethodOutcome {
-    fn new(method: Method, setup_seconds: f64, measurements: Vec<Measurement>) -> Self {
-        let usable = measurements.iter().filter(|m| m.usable);
-        let points: Vec<(f64, f64)> = usable.map(|m| (m.seconds, m.error.rms)).collect();
-        Self {
-            method,
-            peer_rate: None,
-            setup_seconds,
-            fit: Fit::over(&points),
-            measurements,
-        }
-    }
+/// Passes on steps and the stop; what a run begins and ends is a part of the measurement.
+struct Steps<'a>(&'a dyn Observer);
 
-    /// The same rays at the rate of a peer, whose surfaces take no time.
-    fn of_peer(&self, rate: f64) -> Self {
-        let timed = |own: &Measurement| {
-            let seconds = (own.rays_per_surface * own.surfaces) as f64 / rate;
-            Measurement {
-                seconds,
-                seconds_min: seconds,
-                seconds_max: seconds,
-                ..own.clone()
-            }
-        };
-        let measurements = self.measurements.iter().map(timed).collect();
-        Self {
-            peer_rate: Some(rate),
-            ..Self::new(self.method, 0.0, measurements)
-        }
+impl Observer for Steps<'_> {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
     }
-}
-
-impl Default for ConvergeWork {
-    fn default() -> Self {
-        Self {
-            runs: 0,
-            surfaces: 0,
-            rays: 0,
-            segments: 0,
-            segments_skipped: 0,
-            generate_seconds: 0.0,
-            build_seconds: 0.0,
-            trace_seconds: 0.0,
-            seconds: 0.0,
-            threads: rayon::current_num_threads(),
-            lost: 0.0,
-        }
-    }
-}
-
-impl ConvergeWork {
-    fn add(&mut self, run: &Run, effort: RunEffort) {
-        self.runs += 1;
-        self.surfaces += effort.surfaces;
-        self.rays += run.work.rays;
-        self.segments += run.work.segments;
-        self.segments_skipped += run.work.segments_skipped;
-        self.generate_seconds += run.work.machine.generate_seconds;
-        self.build_seconds += run.work.machine.build_seconds;
-        self.trace_seconds += run.work.machine.trace_seconds;
-        self.lost = self.lost.max(run.statistics.means().budget().lost.abs());
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        self.0.stop()
     }
 }

@@ -49,9 +49,10 @@ pub use config::{
     VerifyConfig,
 };
 pub use converge::{
-    ConvergeConfig, ConvergeError, ConvergeOutcome, ConvergeWork, ConvergedCase, ConvergenceConfig,
-    Efficiency, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError, RunEffort,
-    SecondsTo, converge, converge_report, converge_summary, converge_table,
+    ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeWork, ConvergedCase,
+    ConvergenceConfig, Efficiency, Fit, Measurement, Method, MethodOutcome, Reference,
+    RepeatedError, SecondsTo, converge, converge_report, converge_summary, converge_table,
+    judge_convergence,
 };
 pub use given::{GivenShape, GivenSurface, GivenSurfaces};
 pub use gonio::{

@@ -135,7 +135,8 @@ impl Effort {
     }
 
     /// Rays over all surfaces; before an error has told how many it takes, the default number.
-    pub(crate) const fn total_rays(self) -> u64 {
+    #[must_use]
+    pub const fn total_rays(self) -> u64 {
         match self {
             Self::Rays { total, .. } => total,
             Self::TargetError(_) => Self::DEFAULT_RAYS,
@@ -143,7 +144,8 @@ impl Effort {
     }
 
     /// Surfaces; before an error has told how many it takes, the default number.
-    pub(crate) const fn surfaces(self) -> u64 {
+    #[must_use]
+    pub const fn surfaces(self) -> u64 {
         match self {
             Self::Rays { surfaces, .. } => surfaces,
             Self::TargetError(_) => Self::DEFAULT_SURFACES,

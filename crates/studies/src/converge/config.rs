@@ -1,8 +1,9 @@
 //! The configuration of a convergence run: what `asperity converge` reads from a file.
 
+use asperity_results::Header;
 use asperity_simulate::{
-    Case, Cells, Estimator, RandomSurfaces, SimulateError, SurfaceSource, check_memory,
-    check_results, short, traced_bytes,
+    Case, Cells, Effort, Estimator, RandomSurfaces, Settings, SimulateError, SurfaceSource,
+    check_memory, check_results, short, traced_bytes,
 };
 use asperity_surface::SurfaceRecipe;
 use std::collections::BTreeSet;
@@ -11,9 +12,9 @@ use std::fmt::Display;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
-use super::ConvergeError;
-use super::method::{Method, RunEffort};
+use super::method::{ConvergeRun, Method};
 use crate::config::error::ConfigError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis};
 use crate::config::{
@@ -22,6 +23,7 @@ use crate::config::{
 };
 use crate::settings::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
+use crate::verify::error::VerifyError;
 
 /// `[converge]`: the methods, and how much each of them does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,25 +82,20 @@ pub struct ConvergeConfig {
     pub output: OutputConfig,
 }
 
-/// What runs are measured against.
-#[derive(Clone, Copy)]
-pub(super) struct PlannedReference {
-    pub(super) method: Method,
-    pub(super) effort: RunEffort,
-}
-
 /// A configuration with its lists multiplied out, checked.
-pub(super) struct Plan {
-    pub(super) cases: Vec<Case>,
-    pub(super) methods: Vec<Method>,
-    pub(super) efforts: Vec<RunEffort>,
-    pub(super) repeats: u64,
-    pub(super) reference: PlannedReference,
-    pub(super) errors: Vec<f64>,
-    /// Rays per second of a peer.
-    pub(super) peer_rate: Option<f64>,
-    pub(super) spec: TallySpec,
-    pub(super) seed: u64,
+pub struct ConvergePlan {
+    /// The cases, on surfaces of the spacing of the reference.
+    pub cases: Vec<Case>,
+    /// The methods; those of a peer come last.
+    pub methods: Vec<Method>,
+    /// Rays and surfaces of a run.
+    pub efforts: Vec<Effort>,
+    /// The runs in the order in which they are measured. Those of a case begin with its reference, which also warms the machine up.
+    pub runs: Vec<ConvergeRun>,
+    /// Errors for which run times are computed.
+    pub errors: Vec<f64>,
+    /// What is recorded of each run.
+    pub spec: TallySpec,
 }
 
 impl Default for ConvergeConfig {
@@ -116,58 +113,16 @@ impl ConvergeConfig {
         Ok(Document::of_text(Command::Converge, text)?.read()?)
     }
 
-    /// Checks everything that can be known before a ray is traced: values, grids, memory. Returns the names of all files that are written.
-    ///
-    /// # Errors
-    /// [`ConvergeError`] as from [`crate::converge`].
-    pub fn check(&self) -> Result<Vec<String>, ConvergeError> {
-        let plan = self.plan()?;
-        let efforts = plan.efforts.iter().chain([&plan.reference.effort]);
-        let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
-        check_results(&plan.spec, surfaces, 1, false)?;
-        for method in plan.methods.iter().chain([&plan.reference.method]) {
-            for case in &plan.cases {
-                let case = self.spaced(case, method.spacing)?;
-                let SurfaceSource::Random(surfaces) = &case.surface else {
-                    continue;
-                };
-                let accelerator = method.accelerator.on_height_field(false);
-                let [ny, nx] = surfaces.shape();
-                let bytes = surfaces
-                    .peak_bytes()
-                    .max(traced_bytes([ny, nx], accelerator));
-                check_memory("tracing one surface", bytes)?;
-            }
-        }
-        Ok(self.files(&plan.cases))
-    }
-
     /// Surfaces of a recipe at a spacing.
     fn surfaces(
         &self,
         recipe: SurfaceRecipe,
         spacing: PerAxis<Number>,
-    ) -> Result<RandomSurfaces, ConvergeError> {
+    ) -> Result<RandomSurfaces, VerifyError> {
         let shape = self.shape(spacing)?;
         let (spacing, insist) = (spacing.xy().map(|spacing| spacing.0), self.surface.insist);
         let surfaces = RandomSurfaces::new(Cells::Flat, recipe, shape, spacing, insist);
         Ok(surfaces.map_err(SimulateError::from)?)
-    }
-
-    /// The same case on surfaces of another spacing.
-    pub(super) fn spaced(
-        &self,
-        case: &Case,
-        spacing: PerAxis<Number>,
-    ) -> Result<Case, ConvergeError> {
-        let surface = match case.surface.recipe() {
-            Some(recipe) => SurfaceSource::random(self.surfaces(recipe.clone(), spacing)?),
-            None => case.surface.clone(),
-        };
-        Ok(Case {
-            surface,
-            ..case.clone()
-        })
     }
 
     /// The same surfaces, material and light as a verification without models.
@@ -186,6 +141,32 @@ impl ConvergeConfig {
             compare: CompareConfig::none(),
             output: self.output.clone(),
         }
+    }
+
+    /// The settings of all runs of a method, whose effort and seeds differ.
+    pub(super) fn settings(&self, method: &Method) -> Result<Settings, ConfigError> {
+        let run = RunConfig {
+            branching: OrAuto::Named(method.branching),
+            accelerator: method.accelerator,
+            estimator: method.estimator,
+            sampling: method.sampling,
+            ..self.as_verification().run
+        };
+        Ok(Settings {
+            mesh_quadrature: false,
+            ..run.ray_settings()?
+        })
+    }
+
+    /// What the results of this configuration are stored under: neither the errors nor the peer, which are computed from the runs.
+    #[must_use]
+    pub fn header(&self) -> Header {
+        let mut settings = self.clone();
+        settings.converge.errors = OneOrMany::Many(Vec::new());
+        settings.converge.peer_rate = None;
+        settings.light.wavelength = None;
+        settings.output.plots = true;
+        Header::new("converge", self.converge.seed, json!(settings))
     }
 
     /// Extent of the surfaces along x and y, length units.
@@ -212,45 +193,26 @@ impl ConvergeConfig {
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
     }
 
-    /// The spacing of the surfaces, where methods have none of their own.
-    fn own_spacing(&self) -> PerAxis<Number> {
-        PerAxis::Each(self.surface.spacing().map(Number))
-    }
-
-    /// The spacings of the methods.
-    fn spacings(&self) -> Result<Vec<PerAxis<Number>>, ConfigError> {
-        Ok(match &self.converge.spacings {
-            Some(list) => {
-                let list = list.values("spacings")?;
-                once("spacings", list.iter().map(|spacing| spacing.0))?;
-                list.into_iter().map(PerAxis::Both).collect()
-            }
-            None => vec![self.own_spacing()],
-        })
-    }
-
-    /// All methods, by spacing, accelerator, branching, estimator and sampling in that order of nesting.
+    /// All methods, by spacing, accelerator, branching, estimator and sampling in that order of nesting, then those of peers.
     fn methods(&self, spacings: &[PerAxis<Number>]) -> Result<Vec<Method>, ConfigError> {
         let config = &self.converge;
-        let estimators = config.estimators.values("estimators")?;
-        let samplings = config.samplings.values("samplings")?;
-        let accelerators = config.accelerators.values("accelerators")?;
-        let branchings = config.branchings.values("branchings")?;
-        once("branchings", &branchings)?;
-        once("estimators", &estimators)?;
-        once("samplings", &samplings)?;
-        once("accelerators", &accelerators)?;
+        let branchings = once("branchings", config.branchings.values("branchings")?)?;
+        let estimators = once("estimators", config.estimators.values("estimators")?)?;
+        let samplings = once("samplings", config.samplings.values("samplings")?)?;
+        let accelerators = once("accelerators", config.accelerators.values("accelerators")?)?;
+        if accelerators.contains(&AcceleratorKind::Flat) {
+            return Err(ConfigError::FlatAccelerator);
+        }
         let mut methods = Vec::new();
         for &spacing in spacings {
-            self.shape(spacing)?;
             for &accelerator in &accelerators {
-                check_accelerator(accelerator)?;
                 for &branching in &branchings {
                     for &estimator in &estimators {
                         methods.extend(samplings.iter().map(|&sampling| Method {
                             estimator,
                             sampling,
                             branching,
+                            peer_rate: None,
                             accelerator,
                             spacing,
                         }));
@@ -258,40 +220,50 @@ impl ConvergeConfig {
                 }
             }
         }
-        if config.peer_rate.is_some() && !methods.iter().any(Method::is_of_peers) {
-            return Err(ConfigError::Contradiction(
-                "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
-                    .to_owned(),
-            ));
+        if let Some(Number(rate)) = config.peer_rate {
+            let of_peers = methods.iter().filter(|method| method.is_of_peers());
+            let of_peers = of_peers.map(|method| Method {
+                peer_rate: Some(rate),
+                ..*method
+            });
+            let peers: Vec<Method> = of_peers.collect();
+            if peers.is_empty() {
+                return Err(ConfigError::Contradiction(
+                    "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
+                        .to_owned(),
+                ));
+            }
+            methods.extend(peers);
         }
         Ok(methods)
     }
 
-    /// Multiplies the lists out and checks them.
-    pub(super) fn plan(&self) -> Result<Plan, ConvergeError> {
+    /// Multiplies the lists out, and checks all that can be known before a ray is traced: values, grids, memory.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn or traced in memory.
+    pub fn plan(&self) -> Result<ConvergePlan, VerifyError> {
         let config = &self.converge;
         let verification = self.as_verification();
-        let spacings = self.spacings()?;
-        let methods = self.methods(&spacings)?;
-        let errors: Vec<f64> = config
-            .errors
-            .values("errors")?
-            .iter()
-            .map(|e| e.0)
-            .collect();
-        let reference = RunEffort {
-            rays: config.reference_rays.0,
-            surfaces: config.reference_surfaces.0,
+        let spacings = match &config.spacings {
+            Some(list) => {
+                let list = list.values("spacings")?;
+                once("spacings", list.iter().map(|spacing| spacing.0).collect())?;
+                list.into_iter().map(PerAxis::Both).collect()
+            }
+            None => vec![PerAxis::Each(self.surface.spacing().map(Number))],
         };
-        check_effort(reference)?;
+        let methods = self.methods(&spacings)?;
+        let efforts = efforts(config)?;
+        let errors = config.errors.values("errors")?;
+        // Without a list there is one; a list has one number for both axes.
         let finest = spacings
             .iter()
-            .copied()
-            .reduce(|a, b| if coarsest(b) < coarsest(a) { b } else { a });
-        let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
-        let spacing = spacing.unwrap_or(self.own_spacing());
-        self.shape(spacing)?;
-        let cases = verification.cases(|_, recipe| self.surfaces(recipe, spacing))?;
+            .min_by(|a, b| a.xy()[0].0.total_cmp(&b.xy()[0].0));
+        let spacing = config.reference_spacing.map(PerAxis::Both);
+        let spacing = spacing.or(finest.copied()).unwrap_or(spacings[0]);
+        let cases_at = |spacing| verification.cases(|_, recipe| self.surfaces(recipe, spacing));
+        let cases = cases_at(spacing)?;
         let uncontrolled = cases.iter().find_map(why_uncontrolled);
         let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
         if let Some(error) = &uncontrolled
@@ -299,29 +271,87 @@ impl ConvergeConfig {
         {
             return Err(error.clone().into());
         }
-        Ok(Plan {
+        let reference = Method {
+            estimator: match uncontrolled {
+                None => Estimator::Controlled,
+                Some(_) => Estimator::Plain,
+            },
+            sampling: Sampling::QuasiRandom,
+            branching: Branching::Split,
+            peer_rate: None,
+            accelerator: AcceleratorKind::Auto,
+            spacing,
+        };
+        let reference_effort = effort(config.reference_rays.0, config.reference_surfaces.0)?;
+        let spec = verification.run.ray_settings()?.tally;
+        let all_efforts = efforts.iter().chain([&reference_effort]);
+        let most_surfaces = all_efforts.map(|effort| effort.surfaces()).max();
+        check_results(&spec, most_surfaces.unwrap_or(1), 1, false)?;
+        // Methods of one spacing share their surfaces.
+        let mut measured = vec![(reference, cases.clone())];
+        for method in methods.iter().filter(|method| method.peer_rate.is_none()) {
+            let mut known = measured.iter();
+            let cases = match known.find(|(known, _)| known.spacing == method.spacing) {
+                Some((_, cases)) => cases.clone(),
+                None => cases_at(method.spacing)?,
+            };
+            measured.push((*method, cases));
+        }
+        for (method, cases) in &measured {
+            let accelerator = method.accelerator.on_height_field(false);
+            for case in cases {
+                if let SurfaceSource::Random(surfaces) = &case.surface {
+                    let traced = traced_bytes(surfaces.shape(), accelerator);
+                    check_memory("tracing one surface", surfaces.peak_bytes().max(traced))?;
+                }
+            }
+        }
+        let runs = measured.len() * efforts.len() * cases.len();
+        // Means, squares of deviations and least errors
+        let bytes = (runs as f64) * config.repeats.0 as f64 * (3 * 8 * spec.len()) as f64;
+        check_memory("storing the results of all runs", bytes as usize)?;
+        Ok(ConvergePlan {
+            runs: self.runs(&measured, &efforts, reference_effort),
+            errors: errors.iter().map(|error| error.0).collect(),
             cases,
             methods,
-            efforts: efforts(config)?,
-            repeats: config.repeats.0,
-            reference: PlannedReference {
-                method: Method {
-                    estimator: match uncontrolled {
-                        None => Estimator::Controlled,
-                        Some(_) => Estimator::Plain,
-                    },
-                    sampling: Sampling::QuasiRandom,
-                    branching: Branching::Split,
-                    accelerator: AcceleratorKind::Auto,
-                    spacing,
-                },
-                effort: reference,
-            },
-            errors,
-            peer_rate: config.peer_rate.map(|rate| rate.0),
-            spec: verification.run.ray_settings()?.tally,
-            seed: config.seed,
+            efforts,
+            spec,
         })
+    }
+
+    /// The runs of methods, of which the first is that of the reference, on their cases.
+    fn runs(
+        &self,
+        measured: &[(Method, Vec<Case>)],
+        efforts: &[Effort],
+        reference_effort: Effort,
+    ) -> Vec<ConvergeRun> {
+        let run = |case_number: usize, method: usize, effort, repeat| {
+            let (method, cases) = &measured[method];
+            let run = ConvergeRun {
+                case_number,
+                case: cases[case_number].clone(),
+                method: *method,
+                effort,
+                repeat,
+                seed: 0,
+            };
+            run.seeded(self.converge.seed)
+        };
+        let mut runs = Vec::new();
+        for case in 0..measured[0].1.len() {
+            runs.push(run(case, 0, reference_effort, None));
+            for repeat in 0..self.converge.repeats.0 {
+                for &effort in efforts {
+                    let turns = measured.len() - 1;
+                    // Another one begins each time, so that none always follows the same.
+                    let methods = (0..turns).map(|turn| 1 + (turn + repeat as usize) % turns);
+                    runs.extend(methods.map(|method| run(case, method, effort, Some(repeat))));
+                }
+            }
+        }
+        runs
     }
 }
 
@@ -334,19 +364,14 @@ fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
     recipe.structured().map(|_| ConfigError::NoControl)
 }
 
-fn coarsest(spacing: PerAxis<Number>) -> f64 {
-    let [dx, dy] = spacing.xy();
-    dx.0.max(dy.0)
-}
-
 /// Rays and surfaces, value by value; one value holds for all of the other.
-fn efforts(config: &ConvergenceConfig) -> Result<Vec<RunEffort>, ConfigError> {
+fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
     let rays = config.rays.values("rays")?;
     let surfaces = config.surfaces.values("surfaces")?;
     let count = rays.len().max(surfaces.len());
-    if [rays.len(), surfaces.len()]
+    if ![rays.len(), surfaces.len()]
         .iter()
-        .any(|&len| len != 1 && len != count)
+        .all(|len| [1, count].contains(len))
     {
         return Err(ConfigError::Contradiction(format!(
             "rays has {} values and surfaces {}; they go together value by value, so give as many of both, or one of either",
@@ -354,52 +379,38 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<RunEffort>, ConfigError> {
             surfaces.len(),
         )));
     }
-    let efforts: Vec<RunEffort> = (0..count)
-        .map(|i| RunEffort {
-            rays: rays[i % rays.len()].0,
-            surfaces: surfaces[i % surfaces.len()].0,
-        })
-        .collect();
-    efforts.iter().copied().try_for_each(check_effort)?;
-    once(
-        "rays and surfaces",
-        efforts
-            .iter()
-            .map(|e| format!("{} x {}", e.rays, e.surfaces)),
-    )?;
-    Ok(efforts)
+    let pairs = (0..count).map(|i| (rays[i % rays.len()].0, surfaces[i % surfaces.len()].0));
+    let names = pairs
+        .clone()
+        .map(|(rays, surfaces)| format!("{rays} x {surfaces}"));
+    once("rays and surfaces", names.collect())?;
+    pairs
+        .map(|(rays, surfaces)| effort(rays, surfaces))
+        .collect()
 }
 
-fn check_effort(effort: RunEffort) -> Result<(), ConfigError> {
-    match effort.rays.checked_mul(effort.surfaces) {
-        Some(all) if all as f64 <= MOST_COUNT => Ok(()),
+fn effort(rays: u64, surfaces: u64) -> Result<Effort, ConfigError> {
+    match rays.checked_mul(surfaces) {
+        Some(total) if total as f64 <= MOST_COUNT => Ok(Effort::Rays { total, surfaces }),
         _ => Err(ConfigError::Contradiction(format!(
-            "{} rays on each of {} surfaces are more than {MOST_COUNT:e} in all",
-            effort.rays, effort.surfaces
+            "{rays} rays on each of {surfaces} surfaces are more than {MOST_COUNT:e} in all"
         ))),
     }
 }
 
-fn check_accelerator(accelerator: AcceleratorKind) -> Result<(), ConfigError> {
-    match accelerator {
-        AcceleratorKind::Flat => Err(ConfigError::FlatAccelerator),
-        _ => Ok(()),
-    }
-}
-
 /// Refuses a list that names a value twice.
-fn once<T: Display>(list: &str, values: impl IntoIterator<Item = T>) -> Result<(), ConfigError> {
+fn once<T: Display>(list: &str, values: Vec<T>) -> Result<Vec<T>, ConfigError> {
     let mut seen = BTreeSet::new();
-    for value in values {
-        let value = value.to_string();
-        if seen.contains(&value) {
-            return Err(ConfigError::Contradiction(format!(
-                "{list}: {value} is given twice"
-            )));
-        }
-        seen.insert(value);
+    match values
+        .iter()
+        .map(T::to_string)
+        .find(|value| !seen.insert(value.clone()))
+    {
+        Some(value) => Err(ConfigError::Contradiction(format!(
+            "{list}: {value} is given twice"
+        ))),
+        None => Ok(values),
     }
-    Ok(())
 }
 
 #[cfg(test)]
@@ -408,7 +419,7 @@ mod tests {
 
     fn refusal(text: &str) -> String {
         let error = match ConvergeConfig::from_toml(text) {
-            Ok(config) => config.check().unwrap_err().to_string(),
+            Ok(config) => config.plan().err().unwrap().to_string(),
             Err(error) => error.to_string(),
         };
         assert!(!error.contains('\n'), "{error}");
@@ -431,7 +442,7 @@ mod tests {
         let plan = config.plan().unwrap();
         assert_eq!(plan.methods.len(), 2 * 3 * 3);
         assert_eq!(plan.efforts.len(), 2);
-        assert!(plan.efforts.iter().all(|effort| effort.surfaces == 4));
+        assert!(plan.efforts.iter().all(|effort| effort.surfaces() == 4));
         let shapes: Vec<_> = plan
             .methods
             .iter()
@@ -440,15 +451,14 @@ mod tests {
         assert_eq!(shapes[0], [128, 256]);
         assert_eq!(shapes[17], [512, 1024]);
         // The reference is as fine as the finest.
-        assert_eq!(plan.reference.method.spacing, PerAxis::Both(Number(0.5)));
+        assert_eq!(plan.runs[0].method.spacing, PerAxis::Both(Number(0.5)));
     }
 
     #[test]
     fn defaults_are_understood() {
-        let config = ConvergeConfig::from_toml("").unwrap();
-        config.check().unwrap();
-        let plan = config.plan().unwrap();
+        let plan = ConvergeConfig::default().plan().unwrap();
         assert_eq!((plan.cases.len(), plan.methods.len()), (1, 6));
+        assert_eq!(plan.runs.len(), 1 + 6 * 3 * 8);
     }
 
     #[test]
@@ -487,6 +497,10 @@ mod tests {
             ("[converge]\nrays = 1e14", "more than 1e15"),
             ("[converge]\nsurfaces = 1e7", "GiB"),
             ("[converge]\nrepeats = 0", "1 or more"),
+            (
+                "[converge]\nrepeats = 1e15",
+                "storing the results of all runs",
+            ),
             ("[converge]\nreference_surfaces = 1", "2 or more"),
             ("[converge]\nerrors = [0.01, 0]", "above 0"),
             ("[converge]\nbins = \"0x5\"", "bins"),

@@ -10,9 +10,12 @@ pub(super) struct Target {
 
 impl Target {
     /// `None` if there is no flux, of which no error could be a fraction.
-    pub(super) fn new(fluxes: Vec<f64>) -> Option<Self> {
+    pub(super) fn new(fluxes: &[f64]) -> Option<Self> {
         let norm = fluxes.iter().map(|q| q * q).sum::<f64>().sqrt();
-        (norm > 0.0).then_some(Self { fluxes, norm })
+        (norm > 0.0).then(|| Self {
+            fluxes: fluxes.to_vec(),
+            norm,
+        })
     }
 
     /// `sqrt(sum_b (q_b - ref_b)^2) / sqrt(sum_b ref_b^2)` of the bins `q`.
@@ -61,12 +64,12 @@ mod tests {
 
     #[test]
     fn errors_are_fractions_of_the_root_of_the_sum_of_squares() {
-        let target = Target::new(vec![0.3, 0.4, 0.0]).unwrap();
+        let target = Target::new(&[0.3, 0.4, 0.0]).unwrap();
         assert_eq!(target.relative_rms(&[0.3, 0.4, 0.0]), 0.0);
         // Off by 0.03 and 0.04 over 0.5.
         assert!((target.relative_rms(&[0.33, 0.4, -0.04]) - 0.1).abs() < 1e-15);
         assert!((target.own_error(&[0.003, 0.0, 0.004]) - 0.01).abs() < 1e-15);
-        assert!(Target::new(vec![0.0, 0.0]).is_none());
+        assert!(Target::new(&[0.0, 0.0]).is_none());
     }
 
     #[test]

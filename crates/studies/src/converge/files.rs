@@ -6,8 +6,8 @@ use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 
 use super::json::{case_summary, converge_summary};
-use super::tables::{case_table, converge_table, method_name, write_convergence};
-use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
+use super::tables::{case_table, converge_table, convergence, rows};
+use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergedCase, MethodOutcome};
 use crate::output::{Place, figure_files, of_cases};
 use crate::report::error::ReportError;
 use crate::report::figures;
@@ -23,7 +23,8 @@ pub fn converge_report(
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
     let several = outcome.several();
-    folder.claim_all(outcome.files.iter().map(String::as_str))?;
+    let names = outcome.config.files(outcome.plan);
+    folder.claim_all(names.iter().map(String::as_str))?;
     let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
     for case in &outcome.cases {
@@ -46,9 +47,10 @@ pub fn converge_report(
 }
 
 impl ConvergeConfig {
-    /// Names of all files that a run of these cases writes into its folder.
-    pub(super) fn files(&self, cases: &[Case]) -> Vec<String> {
-        let folders: Vec<String> = cases.iter().map(Case::folder).collect();
+    /// Names of all files that a run of `plan` writes into its folder.
+    #[must_use]
+    pub fn files(&self, plan: &ConvergePlan) -> Vec<String> {
+        let folders: Vec<String> = plan.cases.iter().map(Case::folder).collect();
         let mut of_case = ["convergence.csv", "report.txt", "summary.json"]
             .map(str::to_owned)
             .to_vec();
@@ -65,7 +67,7 @@ fn write_case(
     outcome: &ConvergeOutcome,
     case: &ConvergedCase,
 ) -> Result<(), ReportError> {
-    write_convergence(&place.claim("convergence.csv")?, case)?;
+    convergence(case).write_csv(&place.claim("convergence.csv")?, rows(case))?;
     write_bytes(
         place.claim("report.txt")?,
         case_table(outcome, case).as_bytes(),
@@ -94,20 +96,24 @@ fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
         subtitle: format!(
             "surfaces of {x} × {y} length units; seconds are medians of {runs} on {threads} threads"
         ),
-        methods: case
-            .methods
-            .iter()
-            .map(|method| timed(case, method))
-            .collect(),
+        methods: case.methods.iter().map(timed).collect(),
         reference_error: Some(case.reference.error),
     }
 }
 
-fn timed(case: &ConvergedCase, method: &MethodOutcome) -> TimedMethod {
-    let of = &method.method;
+fn timed(method: &MethodOutcome) -> TimedMethod {
+    let (of, fit) = (&method.method, &method.fit);
+    let runs = method.measurements.iter().map(|m| TimedError {
+        seconds: m.seconds,
+        seconds_range: [m.seconds_min, m.seconds_max],
+        error: m.error.rms,
+        se: m.error.se,
+        fitted: m.usable,
+    });
+    let line = fit.slope.zip(fit.error_at_one_second);
     TimedMethod {
-        name: method_name(case, method),
-        family: match method.peer_rate {
+        name: method.name.clone(),
+        family: match of.peer_rate {
             Some(_) => "peer".to_owned(),
             None => format!(
                 "{} {} {} {}",
@@ -118,21 +124,11 @@ fn timed(case: &ConvergedCase, method: &MethodOutcome) -> TimedMethod {
             ),
         },
         variant: of.sampling.to_string(),
-        runs: method
-            .measurements
-            .iter()
-            .map(|m| TimedError {
-                seconds: m.seconds,
-                seconds_range: [m.seconds_min, m.seconds_max],
-                error: m.error.rms,
-                se: m.error.se,
-                fitted: m.usable,
-            })
-            .collect(),
-        fit: method.fit.map(|fit| PowerLaw {
-            slope: fit.slope,
+        runs: runs.collect(),
+        fit: line.map(|(slope, error_at_one_second)| PowerLaw {
+            slope,
             slope_se: fit.slope_se,
-            error_at_one_second: fit.error_at_one_second,
+            error_at_one_second,
         }),
     }
 }

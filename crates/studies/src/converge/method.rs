@@ -1,6 +1,8 @@
-//! What is measured: methods, and how much each of them does.
+//! What is measured: methods, and the runs by which they are measured.
 
-use asperity_simulate::{Case, Estimator, convergence_stream, short};
+use std::fmt::Write;
+
+use asperity_simulate::{Case, Effort, Estimator, convergence_stream, short};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use rand::RngExt;
 use serde::Serialize;
@@ -16,6 +18,9 @@ pub struct Method {
     pub sampling: Sampling,
     /// Whether paths follow both branches, or one picked at random.
     pub branching: Branching,
+    /// Rays per second of a peer, by which its seconds are computed; `None` for what is timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peer_rate: Option<f64>,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
     /// Length units per sample.
@@ -23,6 +28,14 @@ pub struct Method {
 }
 
 impl Method {
+    /// The method whose runs it is measured by: of a peer, the same rays traced here.
+    pub(super) const fn timed(&self) -> Self {
+        Self {
+            peer_rate: None,
+            ..*self
+        }
+    }
+
     /// Whether both take the same steps on the same grid, so that what differs is the estimate.
     pub(super) fn shares_grid(&self, other: &Self) -> bool {
         self.accelerator == other.accelerator && self.spacing == other.spacing
@@ -47,49 +60,73 @@ impl Method {
             format!("{}x{}", short(dx), short(dy))
         }
     }
+
+    /// Its name among all methods: what they have in common is left out, the estimator and the sampling aside.
+    pub(super) fn name(&self, all: &[Self]) -> String {
+        let differs = |is_other: &dyn Fn(&Self) -> bool| all.iter().any(is_other);
+        let mut name = match self.peer_rate {
+            Some(rate) => format!("a peer of {rate:e} rays/s"),
+            None => format!("{}, {}", self.estimator, self.sampling),
+        };
+        if self.peer_rate.is_none() && differs(&|other| other.branching != self.branching) {
+            let _ = write!(name, ", {}", self.branching);
+        }
+        if differs(&|other| other.accelerator != self.accelerator) {
+            let _ = write!(name, ", {}", self.accelerator);
+        }
+        if differs(&|other| other.spacing != self.spacing) {
+            let _ = write!(name, ", spacing {}", self.spacing_text());
+        }
+        name
+    }
 }
 
-/// How much a run does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct RunEffort {
-    /// Rays per surface, at least.
-    pub rays: u64,
-    /// Surfaces.
-    pub surfaces: u64,
+/// A run of the engine.
+#[derive(Clone, Debug)]
+pub struct ConvergeRun {
+    /// Number of its case among those of the plan.
+    pub case_number: usize,
+    /// Its case, on surfaces of the spacing of its method.
+    pub case: Case,
+    /// How it is computed.
+    pub method: Method,
+    /// Rays and surfaces.
+    pub effort: Effort,
+    /// Number among the runs of equal method and effort; `None` for the reference.
+    pub repeat: Option<u64>,
+    /// Seed of surfaces and rays.
+    pub seed: u64,
 }
 
-/// The seed of repeat `repeat` of a run: another one for each case, method, effort and repeat, and the
-/// same whatever else is in the file.
-///
-/// The accelerator has no part in it. It changes no result, and so the errors of two accelerators are
-/// the same to the last digit.
-pub(super) fn run_seed(
-    seed: u64,
-    case: &Case,
-    method: &Method,
-    effort: RunEffort,
-    repeat: u64,
-) -> u64 {
-    // Methods that split have no word for it, as before there were others.
-    let branching = match method.branching {
-        Branching::Split => "",
-        Branching::Pick => " pick",
-    };
-    let name = format!(
-        "{} {} {} {} {} {}{branching}",
-        case.folder(),
-        method.estimator,
-        method.sampling,
-        method.spacing_text(),
-        effort.rays,
-        effort.surfaces,
-    );
-    convergence_stream(seed, &name, repeat).random()
-}
-
-/// The seed of the reference of a case.
-pub(super) fn reference_seed(seed: u64, case: &Case) -> u64 {
-    convergence_stream(seed, &format!("{} reference", case.folder()), 0).random()
+impl ConvergeRun {
+    /// The run whose seed derives from that of the configuration: another one for each case, method, effort and repeat, and the
+    /// same whatever else is in the file.
+    ///
+    /// The accelerator has no part in it. It changes no result, and so the errors of two accelerators are
+    /// the same to the last digit.
+    pub(super) fn seeded(self, seed: u64) -> Self {
+        // Methods that split have no word for it, as before there were others.
+        let branching = match self.method.branching {
+            Branching::Split => "",
+            Branching::Pick => " pick",
+        };
+        let (folder, surfaces) = (self.case.folder(), self.effort.surfaces());
+        let name = match self.repeat {
+            None => format!("{folder} reference"),
+            Some(_) => format!(
+                "{folder} {} {} {} {} {surfaces}{branching}",
+                self.method.estimator,
+                self.method.sampling,
+                self.method.spacing_text(),
+                self.effort.total_rays() / surfaces,
+            ),
+        };
+        let mut stream = convergence_stream(seed, &name, self.repeat.unwrap_or(0));
+        Self {
+            seed: stream.random(),
+            ..self
+        }
+    }
 }
 
 #[cfg(test)]
@@ -101,61 +138,50 @@ mod tests {
     fn runs_have_seeds_of_their_own_whatever_the_accelerator() {
         let text = "[surface]\nsmoothness = [2, 3]\n[compare]\nmodels = []";
         let cases = VerifyConfig::from_toml(text).unwrap().plan().unwrap().cases;
-        let method = Method {
-            estimator: Estimator::Plain,
-            sampling: Sampling::Random,
-            branching: Branching::Split,
-            accelerator: AcceleratorKind::Mesh,
-            spacing: PerAxis::Both(Number(1.0)),
+        let effort = |rays, surfaces| Effort::Rays {
+            total: rays * surfaces,
+            surfaces,
         };
-        let effort = RunEffort {
-            rays: 64,
-            surfaces: 2,
+        let run = ConvergeRun {
+            case_number: 0,
+            case: cases[0].clone(),
+            method: Method {
+                estimator: Estimator::Plain,
+                sampling: Sampling::Random,
+                branching: Branching::Split,
+                peer_rate: None,
+                accelerator: AcceleratorKind::Mesh,
+                spacing: PerAxis::Both(Number(1.0)),
+            },
+            effort: effort(64, 2),
+            repeat: Some(0),
+            seed: 0,
         };
-        let first = run_seed(1, &cases[0], &method, effort, 0);
-        let pyramid = Method {
-            accelerator: AcceleratorKind::Pyramid,
-            ..method
+        let changed = |change: &dyn Fn(&mut ConvergeRun)| {
+            let mut run = run.clone();
+            change(&mut run);
+            run.seeded(1).seed
         };
-        assert_eq!(run_seed(1, &cases[0], &pyramid, effort, 0), first);
-        let controlled = Method {
-            estimator: Estimator::Controlled,
-            ..method
-        };
-        let stratified = Method {
-            sampling: Sampling::Stratified,
-            ..method
-        };
-        let pick = Method {
-            branching: Branching::Pick,
-            ..method
-        };
-        let finer = Method {
-            spacing: PerAxis::Both(Number(0.5)),
-            ..method
-        };
+        let first = changed(&|_| {});
+        let pyramid = changed(&|run| run.method.accelerator = AcceleratorKind::Pyramid);
+        assert_eq!(pyramid, first);
+        let other_case = |run: &mut ConvergeRun| run.case = cases[1].clone();
         let mut seeds = vec![
             first,
-            run_seed(2, &cases[0], &method, effort, 0),
-            run_seed(1, &cases[1], &method, effort, 0),
-            run_seed(1, &cases[0], &controlled, effort, 0),
-            run_seed(1, &cases[0], &stratified, effort, 0),
-            run_seed(1, &cases[0], &finer, effort, 0),
-            run_seed(1, &cases[0], &pick, effort, 0),
-            run_seed(1, &cases[0], &method, RunEffort { rays: 65, ..effort }, 0),
-            run_seed(
-                1,
-                &cases[0],
-                &method,
-                RunEffort {
-                    surfaces: 3,
-                    ..effort
-                },
-                0,
-            ),
-            run_seed(1, &cases[0], &method, effort, 1),
-            reference_seed(1, &cases[0]),
-            reference_seed(1, &cases[1]),
+            run.clone().seeded(2).seed,
+            changed(&other_case),
+            changed(&|run| run.method.estimator = Estimator::Controlled),
+            changed(&|run| run.method.sampling = Sampling::Stratified),
+            changed(&|run| run.method.spacing = PerAxis::Both(Number(0.5))),
+            changed(&|run| run.method.branching = Branching::Pick),
+            changed(&|run| run.effort = effort(65, 2)),
+            changed(&|run| run.effort = effort(64, 3)),
+            changed(&|run| run.repeat = Some(1)),
+            changed(&|run| run.repeat = None),
+            changed(&|run| {
+                other_case(run);
+                run.repeat = None;
+            }),
         ];
         let count = seeds.len();
         seeds.sort_unstable();

@@ -1,43 +1,16 @@
 //! The tables of run time against error: convergence.csv and report.txt.
 
 use asperity_surface::LengthUnit;
-use std::fmt::Write;
-use std::path::Path;
+use std::fmt::{Display, Write};
 
-use asperity_io::WriteError;
 use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
 use asperity_tracer::Branching;
 
 use super::{
-    ConvergeOutcome, ConvergedCase, Efficiency, Measurement, Method, MethodOutcome, RepeatedError,
-    SecondsTo,
+    ConvergeOutcome, ConvergedCase, Measurement, Method, MethodOutcome, RepeatedError, SecondsTo,
 };
 use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
-
-/// What a method is called among the methods of its case: what they have in common is left out, the
-/// estimator and the sampling aside.
-pub(super) fn method_name(case: &ConvergedCase, outcome: &MethodOutcome) -> String {
-    let method = &outcome.method;
-    let others = || case.methods.iter().map(|other| &other.method);
-    let mut name = match outcome.peer_rate {
-        Some(rate) => format!("a peer of {rate:e} rays/s"),
-        None => {
-            let branching = match others().any(|other| other.branching != method.branching) {
-                true => format!(", {}", method.branching),
-                false => String::new(),
-            };
-            format!("{}, {}{branching}", method.estimator, method.sampling)
-        }
-    };
-    if others().any(|other| other.accelerator != method.accelerator) {
-        let _ = write!(name, ", {}", method.accelerator);
-    }
-    if others().any(|other| other.spacing != method.spacing) {
-        let _ = write!(name, ", spacing {}", method.spacing_text());
-    }
-    name
-}
 
 /// The tables of every case.
 #[must_use]
@@ -58,19 +31,23 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
         "seconds are medians of {runs} on {} threads; in brackets the fastest and the slowest run\n",
         case.work.threads,
     );
-    out.push_str(&measured(case).text(measurements(case)));
-    if measurements(case).any(|row| !row.measurement.usable) {
+    out.push_str(&measured(case).text(rows(case)));
+    if rows(case).any(|row| !row.measurement.usable) {
         out.push_str("* too close to the error of the reference, and left out of the fit\n");
     }
     out.push_str(&case_notes(case));
     out.push('\n');
-    out.push_str(&compared(outcome, case).text(&case.methods));
+    out.push_str(&compared(outcome).text(&case.methods));
     let _ = writeln!(
         out,
         "\n~ lies beyond what was measured. In brackets: how many times longer plain random rays take to the same error{}. Efficiency: the same at equal numbers of rays.",
         which_plain(case),
     );
-    if case.methods.iter().any(|method| method.peer_rate.is_some()) {
+    if case
+        .methods
+        .iter()
+        .any(|method| method.method.peer_rate.is_some())
+    {
         out.push_str("The seconds of a peer are computed, rays over its rate: surfaces and search structures count as nothing. Its errors are those of plain random rays that pick, on as many surfaces.\n");
     }
     wrapped(&out)
@@ -163,196 +140,176 @@ fn case_notes(case: &ConvergedCase) -> String {
 }
 
 /// A measurement of one method of a case.
-pub(super) struct Measured<'a> {
+pub(super) struct Row<'a> {
     method: &'a MethodOutcome,
     measurement: &'a Measurement,
     /// Whether it is the first one of its method.
-    first: bool,
+    is_first: bool,
 }
 
 /// The measurements of a case, method by method.
-fn measurements(case: &ConvergedCase) -> impl Iterator<Item = Measured<'_>> {
+pub(super) fn rows<'a>(case: &'a ConvergedCase<'_>) -> impl Iterator<Item = Row<'a>> {
     case.methods.iter().flat_map(|method| {
         let measurements = method.measurements.iter().enumerate();
-        measurements.map(move |(i, measurement)| Measured {
+        measurements.map(move |(i, measurement)| Row {
             method,
             measurement,
-            first: i == 0,
+            is_first: i == 0,
         })
     })
 }
 
-/// Writes convergence.csv.
-pub(super) fn write_convergence(path: &Path, case: &ConvergedCase) -> Result<(), WriteError> {
-    convergence(case).write_csv(path, measurements(case))
-}
-
 /// convergence.csv: a row per method and effort.
-pub(super) fn convergence(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
-    with_measurements(with_methods(Table::new()), case)
-}
-
-/// With the columns of the method.
-fn with_methods<'a>(table: Table<'a, Measured<'a>>) -> Table<'a, Measured<'a>> {
-    type Row<'a> = Measured<'a>;
-    let method = |name, about, of: fn(&Method) -> String| {
-        Column::new(name, about, move |row: &Row<'_>| of(&row.method.method))
+pub(super) fn convergence<'a>(case: &'a ConvergedCase<'_>) -> Table<'a, Row<'a>> {
+    let text = |name, about, of: fn(&Method) -> &dyn Display| {
+        Column::new(name, about, move |row: &Row<'_>| {
+            of(&row.method.method).to_string()
+        })
     };
-    table
-        .column(method("estimator", "estimator", |m| {
-            m.estimator.to_string()
-        }))
-        .column(method("sampling", "how rays are distributed", |m| {
-            m.sampling.to_string()
-        }))
-        .column(method("branching", "branches that paths follow", |m| {
-            m.branching.to_string()
-        }))
-        .column(Column::new(
+    let column = |name, about, of: fn(&Method, &Measurement) -> Cell| {
+        Column::new(name, about, move |row: &Row<'_>| {
+            of(&row.method.method, row.measurement)
+        })
+    };
+    let reference_error = move |_: &Row<'_>| case.reference.error;
+    Table::new().columns([
+        text("estimator", "estimator", |of| &of.estimator),
+        text("sampling", "how rays are distributed", |of| &of.sampling),
+        text("branching", "branches that paths follow", |of| {
+            &of.branching
+        }),
+        column(
             "peer_rate",
             "rays per second of a peer, by which seconds are computed; empty for what was timed",
-            |row: &Row<'_>| row.method.peer_rate,
-        ))
-        .column(method("accelerator", "accelerator", |m| {
-            m.accelerator.to_string()
-        }))
-        .column(Column::new(
-            "spacing",
-            "length units per sample",
-            |row: &Row<'_>| {
-                let [dx, dy] = row.method.method.spacing.xy().map(|spacing| spacing.0);
-                if dx == dy {
-                    Cell::from(dx)
-                } else {
-                    row.method.method.spacing_text().into()
-                }
-            },
-        ))
-}
-
-/// With the columns of effort, run time and error.
-fn with_measurements<'a>(
-    table: Table<'a, Measured<'a>>,
-    case: &'a ConvergedCase,
-) -> Table<'a, Measured<'a>> {
-    type Row<'a> = Measured<'a>;
-    let count = |name, about, of: fn(&Measurement) -> u64| {
-        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
-    };
-    let number = |name, about, of: fn(&Measurement) -> Option<f64>| {
-        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
-    };
-    table
-        .column(count("rays_a_surface", "rays per surface", |m| {
-            m.rays_per_surface
-        }))
-        .column(count("surfaces", "surfaces", |m| m.surfaces))
-        .column(count(
+            |of, _| of.peer_rate.into(),
+        ),
+        text("accelerator", "accelerator", |of| &of.accelerator),
+        column("spacing", "length units per sample", |of, _| {
+            match of.spacing.xy() {
+                [dx, dy] if dx == dy => dx.0.into(),
+                _ => of.spacing_text().into(),
+            }
+        }),
+        column("rays_a_surface", "rays per surface", |_, m| {
+            m.rays_per_surface.into()
+        }),
+        column("surfaces", "surfaces", |_, m| m.surfaces.into()),
+        column(
             "repeats",
             "runs of which the medians and errors are",
-            |m| m.repeats,
-        ))
-        .column(number("seconds", "median run time", |m| Some(m.seconds)).unit("s"))
-        .column(number("seconds_min", "shortest run time", |m| Some(m.seconds_min)).unit("s"))
-        .column(number("seconds_max", "longest run time", |m| Some(m.seconds_max)).unit("s"))
-        .column(number(
-            "error",
-            "relative error against the reference",
-            |m| Some(m.error.rms),
-        ))
-        .column(number("error_se", "its standard error", |m| m.error.se))
-        .column(Column::new(
+            |_, m| m.repeats.into(),
+        ),
+        column("seconds", "median run time", |_, m| m.seconds.into()).unit("s"),
+        column("seconds_min", "shortest run time", |_, m| {
+            m.seconds_min.into()
+        })
+        .unit("s"),
+        column("seconds_max", "longest run time", |_, m| {
+            m.seconds_max.into()
+        })
+        .unit("s"),
+        column("error", "relative error against the reference", |_, m| {
+            m.error.rms.into()
+        }),
+        column("error_se", "its standard error", |_, m| m.error.se.into()),
+        Column::new(
             "reference_error",
             "relative error of the reference",
-            |_: &Row<'_>| case.reference.error,
-        ))
-        .column(number(
+            reference_error,
+        ),
+        column(
             "error_exact",
             "relative error against the exact fluxes",
-            |m| Some(m.error_exact?.rms),
-        ))
-        .column(number(
+            |_, m| m.error_exact.map(|error| error.rms).into(),
+        ),
+        column(
             "energy_error",
             "deviation of the total energy from one",
-            |m| m.energy_error,
-        ))
-        .column(count(
+            |_, m| m.energy_error.into(),
+        ),
+        column(
             "usable",
             "1 if the error is well above that of the reference",
-            |m| m.usable.into(),
-        ))
+            |_, m| u64::from(m.usable).into(),
+        ),
+    ])
 }
 
 /// A row per method and effort, for report.txt.
-fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
-    type Row<'a> = Measured<'a>;
-    let seconds = |row: &Row<'_>| {
-        let m = row.measurement;
-        let [median, least, most] = [m.seconds, m.seconds_min, m.seconds_max].map(significant);
-        match row.method.peer_rate {
-            Some(_) => median,
-            None => format!("{median} ({least}-{most})"),
-        }
-    };
-    let table = Table::new()
-        .column(Column::new("method", "", |row: &Row<'_>| match row.first {
-            true => method_name(case, row.method),
-            false => String::new(),
-        }))
-        .column(Column::new("surfaces", "", |row: &Row<'_>| {
-            row.measurement.surfaces
-        }))
-        .column(Column::new("rays each", "", |row: &Row<'_>| {
-            row.measurement.rays_per_surface
-        }))
-        .column(Column::new("seconds", "", seconds))
-        .column(Column::new("relative error", "", |row: &Row<'_>| {
+fn measured<'a>(case: &ConvergedCase<'_>) -> Table<'a, Row<'a>> {
+    let column = |name, of: fn(&Row<'_>) -> Cell| Column::new(name, "", of);
+    let table = Table::new().columns([
+        column("method", |row| match row.is_first {
+            true => row.method.name.clone().into(),
+            false => "".into(),
+        }),
+        column("surfaces", |row| row.measurement.surfaces.into()),
+        column("rays each", |row| row.measurement.rays_per_surface.into()),
+        column("seconds", |row| {
+            let m = row.measurement;
+            let [median, least, most] = [m.seconds, m.seconds_min, m.seconds_max].map(significant);
+            match row.method.method.peer_rate {
+                Some(_) => median.into(),
+                None => format!("{median} ({least}-{most})").into(),
+            }
+        }),
+        column("relative error", |row| {
             let mark = if row.measurement.usable { "" } else { " *" };
-            format!("{}{mark}", repeated(row.measurement.error))
-        }));
-    if !case.is_exact {
-        return table;
-    }
-    table.column(Column::new("against exact fluxes", "", |row: &Row<'_>| {
-        row.measurement.error_exact.map(repeated)
-    }))
+            format!("{}{mark}", repeated(row.measurement.error)).into()
+        }),
+    ]);
+    let exact = || {
+        column("against exact fluxes", |row| {
+            row.measurement.error_exact.map(repeated).into()
+        })
+    };
+    table.columns(case.is_exact.then(exact))
 }
 
 /// A row per method: slope, seconds to each error, gains.
-fn compared<'a>(outcome: &'a ConvergeOutcome, case: &'a ConvergedCase) -> Table<'a, MethodOutcome> {
-    let name = |method: &MethodOutcome| method_name(case, method);
-    let seconds_to = |&error: &f64| {
-        let seconds = move |method: &MethodOutcome| {
-            let seconds = marked(method.fit?.seconds_to(error)?);
-            Some(match case.speedup(method, error) {
-                None => seconds,
-                Some(gain) => format!("{seconds} ({})", significant(gain.seconds)),
-            })
-        };
-        Column::new(format!("s to {error:e}"), "", seconds)
+fn compared<'a>(outcome: &'a ConvergeOutcome<'_>) -> Table<'a, MethodOutcome> {
+    let seconds_to = |(i, error): (usize, &f64)| {
+        Column::new(
+            format!("s to {error:e}"),
+            "",
+            move |method: &MethodOutcome| marked(&method.seconds_to[i]),
+        )
     };
     Table::new()
-        .column(Column::new("method", "", name))
+        .column(Column::new("method", "", |method: &MethodOutcome| {
+            method.name.clone()
+        }))
         .column(Column::new("slope", "", slope))
-        .columns(outcome.errors.iter().map(seconds_to))
+        .columns(outcome.plan.errors.iter().enumerate().map(seconds_to))
         .column(Column::new("efficiency", "", |method: &MethodOutcome| {
-            let Efficiency { ratio, se } = case.efficiency(method)?;
-            Some(repeated(RepeatedError { rms: ratio, se }))
+            let efficiency = method.efficiency?;
+            Some(repeated(RepeatedError {
+                rms: efficiency.ratio,
+                se: efficiency.se,
+            }))
         }))
 }
 
 fn slope(method: &MethodOutcome) -> Option<String> {
-    let fit = method.fit?;
-    Some(match fit.slope_se {
-        Some(se) => format!("{:.2} +- {se:.2}", fit.slope),
-        None => format!("{:.2}", fit.slope),
+    let slope = format!("{:.2}", method.fit.slope?);
+    Some(match method.fit.slope_se {
+        Some(se) => format!("{slope} +- {se:.2}"),
+        None => slope,
     })
 }
 
-/// Seconds, with a mark where they lie beyond what was measured.
-fn marked(to: SecondsTo) -> String {
-    let mark = if to.extrapolated { "~" } else { "" };
-    format!("{mark}{}", significant(to.seconds))
+/// Seconds, with a mark where they lie beyond what was measured, and in brackets what plain random rays take over that.
+fn marked(to: &SecondsTo) -> Option<String> {
+    let mark = if to.extrapolated == Some(true) {
+        "~"
+    } else {
+        ""
+    };
+    let seconds = format!("{mark}{}", significant(to.seconds?));
+    Some(match to.plain_random_over_this {
+        Some(gain) => format!("{seconds} ({})", significant(gain)),
+        None => seconds,
+    })
 }
 
 fn repeated(error: RepeatedError) -> String {
@@ -373,10 +330,13 @@ mod tests {
     #[test]
     fn seconds_beyond_what_was_measured_are_marked() {
         let to = |seconds, extrapolated| {
-            marked(SecondsTo {
-                seconds,
-                extrapolated,
-            })
+            let to = SecondsTo {
+                error: 1e-3,
+                seconds: Some(seconds),
+                extrapolated: Some(extrapolated),
+                plain_random_over_this: None,
+            };
+            marked(&to).unwrap()
         };
         assert_eq!(to(1.2345, false), "1.23");
         assert_eq!(to(1.2345e7, true), "~1.23e7");

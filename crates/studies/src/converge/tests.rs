@@ -1,140 +1,159 @@
-//! Tests of definitions and of whole measurements.
+//! Tests of whole measurements.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use asperity_simulate::{Silent, convergence_stream};
+use rand::RngExt;
+use serde_json::{Value, json};
+
+use super::json::case_summary;
 use super::*;
-use crate::config::values::{Number, PerAxis};
-use asperity_simulate::{Estimator, Silent};
-use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 
-fn method(estimator: Estimator, sampling: Sampling) -> Method {
-    Method {
-        estimator,
-        sampling,
-        branching: Branching::Split,
-        accelerator: AcceleratorKind::Auto,
-        spacing: PerAxis::Both(Number(1.0)),
+/// Two cases of two methods and two efforts.
+const SMALL: &str = "
+    [surface]
+    tau = 8
+    size = 32
+    insist = true
+    [light]
+    theta = [0, 40]
+    [converge]
+    samplings = \"random\"
+    rays = 64
+    surfaces = [2, 4]
+    repeats = 4
+    reference_rays = 64
+    reference_surfaces = 8
+    bins = \"6x12\"
+";
+
+/// Runs of `SMALL` with further keys of `[converge]`.
+struct Measured {
+    config: ConvergeConfig,
+    plan: ConvergePlan,
+    found: ResultSet<'static>,
+}
+
+impl Measured {
+    fn of(text: &str) -> Self {
+        let config = ConvergeConfig::from_toml(text).unwrap();
+        let plan = config.plan().unwrap();
+        let mut found = ResultSet::in_memory(config.header());
+        converge(&config, &plan, &mut found, &Silent).unwrap();
+        Self {
+            config,
+            plan,
+            found,
+        }
+    }
+
+    fn judge(&self) -> ConvergeOutcome<'_> {
+        judge_convergence(&self.config, &self.plan, &self.found).unwrap()
+    }
+
+    /// The summaries of the cases that are complete in `found`.
+    fn summaries(&self, found: &ResultSet<'_>) -> Vec<Value> {
+        let outcome = judge_convergence(&self.config, &self.plan, found).unwrap();
+        let cases = outcome.cases.iter();
+        cases
+            .map(|case| json!(case_summary(&outcome, case)))
+            .collect()
     }
 }
 
-/// Runs of `seconds` and `error` against a reference of error 1e-3.
-fn measured(seconds: &[f64], error: f64) -> Measurement {
-    let samples: Vec<RunSample> = seconds
-        .iter()
-        .map(|&seconds| RunSample {
-            seconds,
-            rays_per_surface: 64,
-            error,
-            error_exact: None,
-            energy_error: Some(1e-9),
-        })
-        .collect();
-    let effort = RunEffort {
-        rays: 64,
-        surfaces: 2,
-    };
-    Measurement::over(effort, &samples, 1e-3)
+/// Counts rays, and interrupts a run after so many.
+struct After {
+    rays: u64,
+    traced: AtomicU64,
+}
+
+impl Observer for After {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, steps: u64) {
+        self.traced.fetch_add(steps, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        let is_over = self.traced.load(Ordering::Relaxed) >= self.rays;
+        is_over.then_some(StoppedBy::Interrupt)
+    }
 }
 
 #[test]
 fn seconds_are_medians_and_errors_at_the_reference_are_marked() {
-    let odd = measured(&[5.0, 1.0, 2.0], 3e-3);
-    assert_eq!(
-        (odd.seconds, odd.seconds_min, odd.seconds_max),
-        (2.0, 1.0, 5.0)
-    );
-    assert_eq!(measured(&[4.0, 1.0, 2.0, 8.0], 3e-3).seconds, 3.0);
-    assert!(odd.usable && measured(&[1.0], 2e-3).usable);
-    assert!(!measured(&[1.0], 1.99e-3).usable);
+    let mut measured = Measured::of(SMALL);
+    for (number, run) in measured.plan.runs.iter().enumerate() {
+        let mut result = measured.found.case(number).unwrap().clone();
+        if let Some(repeat) = run.repeat {
+            result.outcome.work.machine.seconds = [4.0, 1.0, 2.0, 8.0][repeat as usize];
+        }
+        measured.found.add(number, result);
+    }
+    let outcome = measured.judge();
+    let mut marks = Vec::new();
+    for case in &outcome.cases {
+        for m in case.methods.iter().flat_map(|method| &method.measurements) {
+            assert_eq!((m.seconds, m.seconds_min, m.seconds_max), (3.0, 1.0, 8.0));
+            assert_eq!(m.usable, m.error.rms >= 2.0 * case.reference.error);
+            marks.push(m.usable);
+        }
+    }
+    assert!(marks.contains(&true) && marks.contains(&false), "{marks:?}");
 }
 
 #[test]
-fn a_point_at_the_reference_bends_no_line() {
-    let plain = method(Estimator::Plain, Sampling::Random);
-    let points = [(1.0, 2e-2), (4.0, 1e-2), (16.0, 5e-3), (256.0, 1.5e-3)];
-    let outcome = MethodOutcome::new(plain, 0.0, points.map(|(t, e)| measured(&[t], e)).to_vec());
-    let fit = outcome.fit.unwrap();
-    assert_eq!(fit.points, 3);
-    assert!((fit.slope + 0.5).abs() < 1e-12);
-    assert_eq!(fit.errors, [5e-3, 2e-2]);
-    assert!((fit.seconds_to(1e-3).unwrap().seconds / 400.0 - 1.0).abs() < 1e-12);
+fn merged_shards_say_what_the_whole_says_and_incomplete_cases_are_left_out() {
+    let measured = Measured::of(SMALL);
+    let whole = measured.summaries(&measured.found);
+    assert_eq!(whole.len(), 2);
+    let mut stream = convergence_stream(7, "shards", 0);
+    for _ in 0..4 {
+        let shard = |_| ResultSet::in_memory(measured.config.header());
+        let mut shards: Vec<ResultSet<'_>> = (0..3).map(shard).collect();
+        for (number, result) in measured.found.cases() {
+            // Some are in two shards.
+            for _ in 0..2 {
+                let shard = stream.random_range(0..3);
+                shards[shard].add(number, result.clone());
+            }
+        }
+        assert_eq!(
+            measured.summaries(&ResultSet::merge(shards).unwrap()),
+            whole
+        );
+    }
+    // All but the last run
+    let mut short = ResultSet::in_memory(measured.config.header());
+    for (number, result) in measured.found.cases().take(measured.plan.runs.len() - 1) {
+        short.add(number, result.clone());
+    }
+    assert_eq!(measured.summaries(&short), whole[..1]);
 }
 
 #[test]
-fn gains_are_over_plain_random_rays_on_the_same_grid() {
-    let config = ConvergeConfig::default();
-    let case = config.plan().unwrap().cases[0].clone();
-    let runs = |scale: f64| -> Vec<Measurement> {
-        [(1.0, 4e-2), (4.0, 2e-2)]
-            .map(|(t, e)| measured(&[t], scale * e))
-            .to_vec()
+fn an_interrupted_run_is_dropped_and_finished_ones_are_not_traced_again() {
+    let measured = Measured::of(SMALL);
+    let traced = |found: &mut ResultSet<'_>, rays| {
+        let after = After {
+            rays,
+            traced: AtomicU64::new(0),
+        };
+        let _ = converge(&measured.config, &measured.plan, found, &after);
+        after.traced.into_inner()
     };
-    let plain = method(Estimator::Plain, Sampling::Random);
-    let controlled = method(Estimator::Controlled, Sampling::Stratified);
-    let elsewhere = Method {
-        accelerator: AcceleratorKind::Mesh,
-        ..controlled
-    };
-    let outcome = ConvergedCase {
-        case,
-        reference: Reference {
-            method: controlled,
-            size: [512; 2],
-            rays_per_surface: 1,
-            surfaces: 2,
-            error: 1e-3,
-            error_exact: None,
-            seconds: 1.0,
-        },
-        is_exact: false,
-        methods: vec![
-            MethodOutcome::new(plain, 0.0, runs(1.0)),
-            MethodOutcome::new(controlled, 0.0, runs(0.2)),
-            MethodOutcome::new(elsewhere, 0.0, runs(0.2)),
-        ],
-        work: ConvergeWork::default(),
-    };
-    // A fifth of the error is 25 times the efficiency, and the same in seconds at slope -1/2.
-    let gain = |m: usize| outcome.efficiency(&outcome.methods[m]).map(|e| e.ratio);
-    assert!((gain(1).unwrap() - 25.0).abs() < 1e-10 && (gain(0).unwrap() - 1.0).abs() < 1e-12);
-    let speedup = outcome.speedup(&outcome.methods[1], 1e-2).unwrap();
-    assert!((speedup.seconds - 25.0).abs() < 1e-10 && speedup.extrapolated);
-    // Plain random rays were not measured with that accelerator.
-    assert_eq!(gain(2), None);
-    assert_eq!(outcome.speedup(&outcome.methods[2], 1e-2), None);
-}
-
-#[test]
-fn nearly_flat_surfaces_have_an_exact_answer_and_rough_ones_none() {
-    let stage = |text: &str| {
-        let config = ConvergeConfig::from_toml(text).unwrap();
-        let plan = config.plan().unwrap();
-        let exact = Stage::new(&config, &plan, plan.cases[0].clone())
-            .unwrap()
-            .exact_fluxes()
-            .unwrap();
-        exact.map(|fluxes| fluxes.iter().sum::<f64>())
-    };
-    let near = |found: Option<f64>, expected: f64| (found.unwrap() - expected).abs() < 1e-8;
-    assert!(near(
-        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 45"),
-        1.0
-    ));
-    assert!(near(
-        stage("[surface]\nsmoothness = 30\n[material]\nkind = \"mirror\""),
-        1.0
-    ));
-    let gold =
-        "[surface]\nsmoothness = 30\n[material]\nkind = \"conductor\"\neta = 0.21\nkappa = 3.272";
-    assert!((0.9..0.99).contains(&stage(gold).unwrap()));
-    assert_eq!(stage("[surface]\nsmoothness = 3"), None);
-    // Nothing is hidden, but one part in 1e7 is sent down and meets the surface again.
-    assert_eq!(
-        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 60"),
-        None
+    let mut found = ResultSet::in_memory(measured.config.header());
+    let all = traced(
+        &mut ResultSet::in_memory(measured.config.header()),
+        u64::MAX,
     );
-    assert_eq!(
-        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 89"),
-        None
-    );
+    traced(&mut found, all / 3);
+    let finished = found.cases().map(|(_, result)| result.outcome.work.rays);
+    let finished = finished.sum::<u64>();
+    assert!(finished > 0 && found.stopped_by() == Some(StoppedBy::Interrupt));
+    assert_eq!(traced(&mut found, u64::MAX), all - finished);
+    assert_eq!(traced(&mut found, u64::MAX), 0);
+    let bytes = |found: &ResultSet<'_>| found.comparable_bytes().unwrap();
+    assert!(bytes(&found) == bytes(&measured.found));
 }
 
 #[test]
@@ -154,9 +173,8 @@ fn errors_fall_with_rays_and_agree_with_the_exact_answer() {
         reference_surfaces = 256
         bins = \"9x18\"
     ";
-    let config = ConvergeConfig::from_toml(text).unwrap();
-    let outcome = converge(&config, &Silent).unwrap();
-    let case = &outcome.cases[0];
+    let measured = Measured::of(text);
+    let case = &measured.judge().cases[0];
     let [few, many] = [0, 1].map(|i| &case.methods[0].measurements[i]);
     assert!(case.is_exact && few.usable && many.usable);
     // Independent rays, and surfaces that are all alike: 16 times as many have a quarter of the
@@ -178,68 +196,49 @@ fn errors_fall_with_rays_and_agree_with_the_exact_answer() {
 }
 
 #[test]
-fn a_peer_takes_the_time_of_its_rays() {
-    let pick = Method {
-        branching: Branching::Pick,
-        ..method(Estimator::Plain, Sampling::Random)
-    };
-    // 128 rays with an error of 0.04, then 0.02
-    let runs = [measured(&[3.0], 4e-2), measured(&[12.0], 2e-2)];
-    let mut own = MethodOutcome::new(pick, 1.0, runs.to_vec());
-    own.measurements[1].surfaces = 8;
-    let peer = own.of_peer(1024.0);
-    let seconds: Vec<f64> = peer.measurements.iter().map(|m| m.seconds).collect();
-    assert_eq!(seconds, [0.125, 0.5]);
-    assert_eq!((peer.setup_seconds, peer.peer_rate), (0.0, Some(1024.0)));
-    let to = peer.fit.unwrap().seconds_to(1e-2).unwrap();
-    assert!(
-        (to.seconds - 2.0).abs() < 1e-12 && to.extrapolated,
-        "{to:?}"
-    );
-}
-
-#[test]
 fn a_peer_needs_rays_that_pick() {
     let with = |converge: &str| {
         let text = format!("[converge]\npeer_rate = 5e6\n{converge}");
-        ConvergeConfig::from_toml(&text).unwrap().check()
+        ConvergeConfig::from_toml(&text).unwrap().plan()
     };
-    let error = with("").unwrap_err().to_string();
+    let error = with("").err().unwrap().to_string();
     assert!(error.contains("pick to branchings"), "{error}");
     with("branchings = [\"split\", \"pick\"]").unwrap();
 }
 
 #[test]
-fn each_grid_has_a_peer_and_pick_alone_is_a_baseline() {
-    let text = "
-        [surface]
-        tau = 8
-        size = 32
-        insist = true
-        [converge]
+fn each_grid_has_a_peer_that_takes_the_time_of_its_rays_and_pick_alone_is_a_baseline() {
+    let more = "
         estimators = \"plain\"
-        samplings = \"random\"
         branchings = \"pick\"
         accelerators = [\"auto\", \"mesh\"]
-        rays = 64
-        surfaces = [2, 4]
-        repeats = 2
-        reference_rays = 64
-        reference_surfaces = 8
-        peer_rate = 1e6
-        ";
-    let config = ConvergeConfig::from_toml(text).unwrap();
-    let outcome = converge(&config, &Silent).unwrap();
+        peer_rate = 1024
+    ";
+    let measured = Measured::of(&format!("{SMALL}{more}"));
+    let outcome = measured.judge();
     let methods = &outcome.cases[0].methods;
-    let rates: Vec<_> = methods.iter().map(|m| m.peer_rate.is_some()).collect();
-    assert_eq!(rates, [false, false, true, true]);
-    for method in methods {
-        let baseline = outcome.cases[0].baseline(&method.method).unwrap();
-        assert_eq!(baseline.method, method.method);
-        assert_eq!(baseline.peer_rate, None);
+    let rates: Vec<_> = methods.iter().map(|m| m.method.peer_rate).collect();
+    assert_eq!(rates, [None, None, Some(1024.0), Some(1024.0)]);
+    for (method, own) in methods.iter().zip(&[&methods[..2], &methods[..2]].concat()) {
+        // The baseline of a peer is the rays that it shares.
+        let efficiency = method.efficiency.unwrap();
+        assert_eq!(efficiency.se, None);
+        for (m, own) in method.measurements.iter().zip(&own.measurements) {
+            assert_eq!(m.error, own.error);
+            if method.method.peer_rate.is_some() {
+                let seconds = (m.rays_per_surface * m.surfaces) as f64 / 1024.0;
+                assert_eq!([m.seconds, m.seconds_min, m.seconds_max], [seconds; 3]);
+                assert_eq!(method.setup_seconds, 0.0);
+            } else {
+                assert!((efficiency.ratio - 1.0).abs() < 1e-12);
+            }
+        }
     }
     let report = converge_table(&outcome);
-    assert!(report.contains("a peer of 1e6 rays/s, mesh"), "{report}");
+    assert!(
+        report.contains("a peer of 1.024e3 rays/s, mesh"),
+        "{report}"
+    );
     assert!(
         report.contains("seconds of a peer are computed"),
         "{report}"

@@ -26,6 +26,11 @@ pub enum VerifyError {
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
+    /// No light at all in the bins over which errors are taken.
+    #[error(
+        "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
+    )]
+    NoLight,
 }
 
 impl From<CompareError> for VerifyError {
@@ -50,7 +55,7 @@ impl VerifyError {
         match self {
             Self::Config(_) | Self::Model(_) => true,
             Self::Simulate(error) => error.is_usage(),
-            Self::Results(_) | Self::Comparison(_) => false,
+            Self::Results(_) | Self::Comparison(_) | Self::NoLight => false,
         }
     }
 
