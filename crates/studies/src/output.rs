@@ -20,7 +20,7 @@ pub(crate) use columns::{
 };
 pub(crate) use head::Head;
 pub(crate) use number::{cut_short, distance, significant, two_digits, with_error};
-pub(crate) use place::{Place, figure_files, of_cases};
+pub(crate) use place::{Place, figure_files};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub(crate) use support::{Support, Supported};
 pub(crate) use table::unit_of_lengths;

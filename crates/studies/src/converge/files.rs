@@ -1,16 +1,53 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
-use asperity_simulate::{Case, Observer, counted, short};
-
-use asperity_io::{ResultFolder, write_bytes, write_json};
+use asperity_io::ResultFolder;
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
+use asperity_simulate::{Observer, counted, short};
 
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, convergence, rows};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergedCase, MethodOutcome};
-use crate::output::{Place, figure_files, of_cases};
 use crate::report::error::ReportError;
-use crate::report::figures;
+use crate::report::views::{Views, case_folders};
+
+impl ConvergeConfig {
+    /// Names of all files that a run of `plan` writes into its folder.
+    #[must_use]
+    pub fn files(&self, plan: &ConvergePlan) -> Vec<String> {
+        self.views(plan).names()
+    }
+
+    fn views<'a>(&self, plan: &ConvergePlan) -> Views<'a, ConvergeOutcome<'a>> {
+        let mut views: Views<'a, ConvergeOutcome<'a>> = Views::new();
+        let several = plan.cases.len() > 1;
+        for (number, folder) in case_folders(&plan.cases).iter().enumerate() {
+            views.csv(format!("{folder}convergence.csv"), move |found| {
+                let case = found.case(number)?;
+                Some(convergence(case).with_rows(rows(case)))
+            });
+            views.text(format!("{folder}report.txt"), move |found| {
+                Some(case_table(found, found.case(number)?))
+            });
+            if self.output.plots {
+                views.figure(format!("{folder}convergence"), move |found| {
+                    let case = found.case(number).filter(|case| has_errors(case));
+                    let figure = case.map(|case| figure(found, case).draw());
+                    Ok(figure.transpose()?)
+                });
+            }
+            if several {
+                views.json(format!("{folder}summary.json"), move |found| {
+                    Some(case_summary(found, found.case(number)?))
+                });
+            }
+        }
+        if several {
+            views.text("report.txt", |found| Some(converge_table(found)));
+        }
+        views.json("summary.json", |found| Some(converge_summary(found)));
+        views
+    }
+}
 
 /// Writes what was found into `folder`: the files of every case, in folders of their own where there
 /// are several, report.txt, and, last, summary.json.
@@ -22,67 +59,22 @@ pub fn converge_report(
     outcome: &ConvergeOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    let several = outcome.several();
-    let names = outcome.config.files(outcome.plan);
-    folder.claim_all(names.iter().map(String::as_str))?;
-    let root = Place::root(folder);
-    progress.begin("writing", outcome.cases.len() as u64);
-    for case in &outcome.cases {
-        let place = root.of_case(&case.case.folder(), several);
-        write_case(&place, outcome, case)?;
-        if several {
-            write_json(place.claim("summary.json")?, &case_summary(outcome, case))?;
-        }
-        progress.advance(1);
-    }
-    if several {
-        write_bytes(
-            root.claim("report.txt")?,
-            converge_table(outcome).as_bytes(),
-        )?;
-    }
-    write_json(root.claim("summary.json")?, &converge_summary(outcome))?;
-    progress.end();
-    Ok(())
+    let views = outcome.config.views(outcome.plan);
+    views.write(folder, outcome, progress)
 }
 
-impl ConvergeConfig {
-    /// Names of all files that a run of `plan` writes into its folder.
-    #[must_use]
-    pub fn files(&self, plan: &ConvergePlan) -> Vec<String> {
-        let folders: Vec<String> = plan.cases.iter().map(Case::folder).collect();
-        let mut of_case = ["convergence.csv", "report.txt", "summary.json"]
-            .map(str::to_owned)
-            .to_vec();
-        if self.output.plots {
-            of_case.extend(figure_files("convergence"));
-        }
-        of_cases(&folders, &of_case)
+impl ConvergeOutcome<'_> {
+    /// The case of that number; `None` if it lacks a run.
+    fn case(&self, number: usize) -> Option<&ConvergedCase<'_>> {
+        let mut cases = self.cases.iter();
+        cases.find(|one| std::ptr::eq(one.case, &raw const self.plan.cases[number]))
     }
 }
 
-/// Writes all of one case but its summary.
-fn write_case(
-    place: &Place<'_>,
-    outcome: &ConvergeOutcome,
-    case: &ConvergedCase,
-) -> Result<(), ReportError> {
-    convergence(case).write_csv(&place.claim("convergence.csv")?, rows(case))?;
-    write_bytes(
-        place.claim("report.txt")?,
-        case_table(outcome, case).as_bytes(),
-    )?;
-    // Without any error above zero there is nothing that logarithmic axes could show.
-    let any = case
-        .methods
-        .iter()
-        .flat_map(|m| &m.measurements)
-        .any(|m| m.error.rms > 0.0);
-    if outcome.config.output.plots && any {
-        let figure = figure(outcome, case).draw()?;
-        figures::save(&[place], "convergence", &figure)?;
-    }
-    Ok(())
+/// Whether any error is above zero: without, there is nothing that logarithmic axes could show.
+fn has_errors(case: &ConvergedCase) -> bool {
+    let mut measurements = case.methods.iter().flat_map(|m| &m.measurements);
+    measurements.any(|m| m.error.rms > 0.0)
 }
 
 /// Error over seconds of one case.

@@ -11,21 +11,21 @@ use crate::output::{CaseInFolder, Head, SummaryOfCases};
 
 /// The contents of summary.json of one case.
 #[derive(Serialize)]
-pub(super) struct CaseSummary<'a> {
+pub(super) struct CaseSummary {
     #[serde(flatten)]
     head: Head,
-    config: CaseConfig<'a>,
+    config: CaseConfig,
     seed: u64,
-    reference: &'a Reference,
+    reference: Reference,
     exact: bool,
-    methods: &'a [MethodOutcome],
+    methods: Vec<MethodOutcome>,
     columns: Value,
-    work: &'a ConvergeWork,
+    work: ConvergeWork,
 }
 
 #[derive(Serialize)]
-struct CaseConfig<'a> {
-    converge: &'a ConvergeConfig,
+struct CaseConfig {
+    converge: ConvergeConfig,
     case: Value,
 }
 
@@ -48,21 +48,18 @@ pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
     })
 }
 
-pub(super) fn case_summary<'a>(
-    outcome: &'a ConvergeOutcome,
-    case: &'a ConvergedCase,
-) -> CaseSummary<'a> {
+pub(super) fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> CaseSummary {
     CaseSummary {
         head: Head::of("converge"),
         config: CaseConfig {
-            converge: outcome.config,
+            converge: outcome.config.clone(),
             case: case.case.summary_json(),
         },
         seed: outcome.config.converge.seed,
-        reference: &case.reference,
+        reference: case.reference.clone(),
         exact: case.is_exact,
-        methods: &case.methods,
+        methods: case.methods.clone(),
         columns: json!({ "convergence.csv": convergence(case).description() }),
-        work: &case.work,
+        work: case.work.clone(),
     }
 }

@@ -29,14 +29,6 @@ impl<'a> Place<'a> {
         }
     }
 
-    /// The place of a case: its folder where there are several cases, else this one.
-    pub(crate) fn of_case(&self, folder: &str, several: bool) -> Self {
-        match several {
-            true => self.join(&format!("{folder}/")),
-            false => self.clone(),
-        }
-    }
-
     /// Lists a file of this place as one of the run, and returns the path to write it to.
     pub(crate) fn claim(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
         self.folder.claim(&format!("{}{name}", self.within))
@@ -46,19 +38,4 @@ impl<'a> Place<'a> {
 /// Names of the files of one figure.
 pub(crate) fn figure_files(name: &str) -> [String; 2] {
     ["svg", "png"].map(|ending| format!("{name}.{ending}"))
-}
-
-/// Names of the files of all cases: those of one case, or, of several, of each in its folder, with a report and a
-/// summary of all.
-pub(crate) fn of_cases(folders: &[String], of_case: &[String]) -> Vec<String> {
-    if folders.len() == 1 {
-        return of_case.to_vec();
-    }
-    let in_folder = |folder: &String| {
-        let names = of_case.iter().map(move |name| format!("{folder}/{name}"));
-        names.collect::<Vec<_>>()
-    };
-    let mut names: Vec<String> = folders.iter().flat_map(in_folder).collect();
-    names.extend(["report.txt", "summary.json"].map(str::to_owned));
-    names
 }

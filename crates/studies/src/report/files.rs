@@ -17,7 +17,7 @@ use crate::report::error::ReportError;
 use crate::report::figures;
 use crate::report::shown_case::ShownCase;
 use crate::report::summary::Summary;
-use crate::report::views::Views;
+use crate::report::views::{Views, case_folders};
 use crate::verify::VerifyOutcome;
 
 impl VerifyConfig {
@@ -38,10 +38,7 @@ impl VerifyConfig {
             figures: self.output.plots,
         };
         let mut views: Views<'a, VerifyOutcome<'a>> = Views::new();
-        let folders: Vec<String> = match cases {
-            [_] => vec![String::new()],
-            several => several.iter().map(|case| case.folder() + "/").collect(),
-        };
+        let folders = case_folders(cases);
         for (number, folder) in folders.iter().enumerate() {
             of_case.add(&mut views, folder, move |outcome| {
                 Some(outcome.shown(outcome.case(number)?))

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use asperity_io::{ResultFolder, WriteError, write_bytes, write_json};
 use asperity_plot::Figure;
-use asperity_simulate::Observer;
+use asperity_simulate::{Case, Observer};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -179,5 +179,13 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         summaries.into_iter().try_for_each(write)?;
         observer.end();
         Ok(())
+    }
+}
+
+/// Folders of the files of cases, each with a slash at its end; a single case has the result folder itself.
+pub(crate) fn case_folders(cases: &[Case]) -> Vec<String> {
+    match cases {
+        [_] => vec![String::new()],
+        several => several.iter().map(|case| case.folder() + "/").collect(),
     }
 }
