@@ -65,8 +65,9 @@ impl Batches for Surfaces<'_> {
             }
         }
         self.done = count;
-        let traced = self.tallies.first().map_or(0, |t| t.work.rays);
-        Ok(traced >= count * rays)
+        // A stop may come between two cases of the only surface.
+        let is_traced = |tallies: &CaseTallies| tallies.work.rays >= count * rays;
+        Ok(self.tallies.iter().all(is_traced))
     }
 
     fn error_over_target(&self) -> Option<f64> {

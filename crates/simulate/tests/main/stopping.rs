@@ -126,6 +126,16 @@ fn an_interrupt_leaves_the_surfaces_so_far() {
 }
 
 #[test]
+fn a_stop_in_the_second_case_of_the_only_surface_is_reported() {
+    let cases = [0.0, 30.0].map(|theta| Rough::smooth(2.0, 8.0, 128).case(glass(), theta));
+    let settings = rays(64_000, 1);
+    let outcomes = simulate(&cases, &settings, &After::rays(70_000)).unwrap();
+    let second = &outcomes[1];
+    assert!(second.work.rays < 64_000, "{}", second.work.rays);
+    assert_eq!(second.stopping.stopped_by, StoppedBy::Interrupt);
+}
+
+#[test]
 fn without_time_one_surface_is_traced() {
     for settings in [
         rays(9000, 9),
