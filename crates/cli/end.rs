@@ -42,7 +42,7 @@ pub(crate) struct EndedRun<'a> {
 
 /// "1 of 4 cells is finished".
 pub(crate) fn finished(done: usize, total: usize, noun: &str) -> String {
-    let are = if done == 1 { "is" } else { "are" };
+    let are = if done == 1 || total == 1 { "is" } else { "are" };
     format!("{done} of {} {are} finished", counted(total as u64, noun))
 }
 

@@ -81,10 +81,28 @@ pub(crate) fn given_surfaces(
     };
     let others = others.iter();
     let others = others.map(|path| read_like(&first, path, measured, common));
-    Ok(Some(GivenSurfaces {
+    let surfaces = GivenSurfaces {
         others: others.collect::<Result<_, _>>()?,
         first,
-    }))
+    };
+    let all: Vec<&GivenSurface> = surfaces.iter().collect();
+    for (i, one) in all.iter().enumerate() {
+        if let Some(other) = all[..i].iter().find(|other| are_equal(other, one)) {
+            return Err(Failure::usage(format!(
+                "{} and {} hold the same heights; give each surface once",
+                other.name, one.name
+            )));
+        }
+    }
+    Ok(Some(surfaces))
+}
+
+/// Whether two height maps have the same heights, of which the scatter would be none.
+fn are_equal(a: &GivenSurface, b: &GivenSurface) -> bool {
+    match (&a.shape, &b.shape) {
+        (GivenShape::Field(a), GivenShape::Field(b)) => a.heights() == b.heights(),
+        _ => false,
+    }
 }
 
 /// Reads a surface from a file.

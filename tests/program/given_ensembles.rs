@@ -113,10 +113,11 @@ fn all_directions_of_gonio_are_measured_on_all_surfaces() {
     assert!(near(table.number(1, "reflected_se"), se));
 
     // Other surfaces are another measurement.
-    fs::copy(folder.join("a.exr"), folder.join("d.exr")).unwrap();
+    let other = "generate --tau 6 --smoothness 3 --size 64 --seed 9 --unit um -o d.exr";
+    succeed(folder, &words(other));
     for (maps, what) in [
-        (&["a.exr", "b.exr"][..], "measured.number 3 in place of 2"),
-        (&["a.exr", "b.exr", "d.exr"], "measured.surface_3.heights"),
+        (&["a.exr", "b.exr"][..], "measured 3 elements in place of 2"),
+        (&["a.exr", "b.exr", "d.exr"], "measured.3.heights"),
     ] {
         let said = refused(folder, &words(&gonio(maps, "out")), 1);
         assert!(said.contains(what), "{said}");
@@ -129,12 +130,15 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     let folder = folder.path();
     fs::write(folder.join("bare.txt"), "1 2 1 2\n2 1 2 1\n1 2 1 2\n").unwrap();
     fs::write(folder.join("one.toml"), "[run]\nrays = 100\n").unwrap();
-    fs::copy(folder.join("one.toml"), folder.join("two.toml")).unwrap();
+    for (file, copy) in [("one.toml", "two.toml"), ("a.exr", "copy.exr")] {
+        fs::copy(folder.join(file), folder.join(copy)).unwrap();
+    }
     succeed(folder, &words("mesh a.exr -o a.ply"));
     let before = MAPS.map(|name| fs::read(folder.join(name)).unwrap());
     for (line, code, what) in [
         ("trace a.exr no.exr", 1, "`no.exr` does not exist"),
         ("trace a.exr b.exr ./a.exr", 2, "./a.exr is given twice"),
+        ("trace a.exr copy.exr", 2, "hold the same heights"),
         (
             "trace a.exr bare.txt",
             2,

@@ -133,12 +133,6 @@ impl Incidence {
         self.phi.to_degrees()
     }
 
-    /// The same polar angle at azimuth `phi`, radians.
-    #[must_use]
-    pub const fn at_azimuth(self, phi: f64) -> Self {
-        Self { phi, ..self }
-    }
-
     /// Whether the light comes from straight above, so that its azimuth has no meaning.
     #[must_use]
     pub fn is_vertical(self) -> bool {

@@ -1,9 +1,9 @@
 //! Case result: the stored results of one case.
 
-use asperity_simulate::{CaseColumn, Outcome, SurfaceSource};
+use asperity_simulate::{CaseColumn, CaseGroup, Outcome, SurfaceSource};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A result that a [`ResultSet`](crate::ResultSet) stores: a [`CaseResult`], or, of a study that traces no tally, its own.
 pub trait Stored: Clone + Serialize + DeserializeOwned {
@@ -47,8 +47,17 @@ impl Stored for CaseResult {
         self.outcome.stopping.is_cut_short()
     }
 
+    /// The columns of tables, and the azimuth of the light.
     fn columns(&self) -> Vec<CaseColumn> {
-        self.outcome.case.columns()
+        let case = &self.outcome.case;
+        let phi = CaseColumn {
+            group: CaseGroup::Light,
+            name: "phi_deg".to_owned(),
+            unit: "deg".to_owned(),
+            about: "azimuth of the light".to_owned(),
+            value: json!(case.light.incidence.phi_deg()),
+        };
+        case.columns().into_iter().chain([phi]).collect()
     }
 
     fn surface_mut(&mut self) -> Option<&mut SurfaceSource> {

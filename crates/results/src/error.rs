@@ -56,6 +56,9 @@ pub enum ResultsError {
     /// Results that cannot be serialised.
     #[error("the results cannot be written ({0})")]
     Unwritable(String),
+    /// Findings of a case that are not of the form that the study stores.
+    #[error("the findings of a case cannot be read ({0})")]
+    Findings(String),
     /// Shards of different runs.
     #[error("the shards are of different runs ({0})")]
     OtherShard(String),

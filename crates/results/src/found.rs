@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
 use asperity_simulate::{SavedSurface, SurfaceKey};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::case_result::Stored;
 use crate::error::ResultsError;
@@ -72,7 +72,12 @@ impl<C: Stored> Found<C> {
             let mut records = read_journal(&path)?.records.into_iter();
             if let Some((_, first)) = records.next() {
                 let value = serde_json::from_slice(&first).map_err(|error| error.to_string());
-                header = Some(parsed(&path, value.map_err(broken(&path))?)?);
+                let of_run = parsed(&path, value.map_err(broken(&path))?)?;
+                // A killed run of other settings was about to replace the file.
+                if header.is_some_and(|of| of.difference(&json!(of_run)).is_some()) {
+                    found = Self::default();
+                }
+                header = Some(of_run);
                 found.read_records(records);
             }
         }
@@ -135,7 +140,7 @@ impl<C: Stored> Found<C> {
             }
             if journal.dropped > 0 {
                 notes.push(format!(
-                    "the last {} bytes of {} are not a whole record and are computed again",
+                    "the last {} bytes of {} are damaged or incomplete; what they held is computed again",
                     journal.dropped,
                     path.display()
                 ));

@@ -103,10 +103,20 @@ pub(crate) fn other_build(found: &Value, study: &str) -> Option<String> {
         .then(|| format!("results epoch {epoch}, that of this program is {RESULTS_EPOCH}"))
 }
 
-/// First key whose value differs, with both values.
+/// First key whose value differs, with both values; objects of lists are numbered from 1.
 pub(crate) fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
     if found == expected {
         return None;
+    }
+    if let (Value::Array(a), Value::Array(b)) = (found, expected)
+        && a.iter().chain(b).all(Value::is_object)
+    {
+        if a.len() != b.len() {
+            let [found, expected] = [a.len(), b.len()];
+            return Some(format!("{key} {found} elements in place of {expected}"));
+        }
+        let mut pairs = (1..).zip(a.iter().zip(b));
+        return pairs.find_map(|(i, (a, b))| first_difference(a, b, &format!("{key}.{i}")));
     }
     let (Value::Object(a), Value::Object(b)) = (found, expected) else {
         return Some(format!("{key} {found} in place of {expected}"));

@@ -34,6 +34,8 @@ pub(crate) struct Packed {
     pub(crate) arrays: BTreeMap<String, Array>,
     /// What depends on the machine, by the same names.
     pub(crate) machine: Map<String, Value>,
+    /// The first value that no form of JSON stands for.
+    lost: Option<String>,
 }
 
 impl Packed {
@@ -42,7 +44,10 @@ impl Packed {
         let plain = Plain::serialized(value).map_err(|error| error.to_string())?;
         let mut packed = Self::default();
         packed.json = packed.divided(name, plain);
-        Ok(packed)
+        match packed.lost.take() {
+            Some(name) => Err(format!("{name} has no form in JSON")),
+            None => Ok(packed),
+        }
     }
 
     fn divided(&mut self, name: &str, value: Plain) -> Value {
@@ -50,7 +55,9 @@ impl Packed {
             Plain::Map(members) => {
                 let mut object = Map::new();
                 for (key, value) in members {
-                    let Some(key) = key.as_text() else { continue };
+                    let Some(key) = key.as_text() else {
+                        return self.lose(name);
+                    };
                     let name = format!("{name}/{key}");
                     let value = self.divided(&name, value);
                     if key == MACHINE {
@@ -66,7 +73,7 @@ impl Packed {
                     let shape = vec![numbers.len() as u64];
                     self.set_aside(name, Array { shape, numbers }, false)
                 }
-                None => Value::Null,
+                None => self.lose(name),
             },
             Plain::Array(values) => match Array::of_rows(&values)
                 .map(|array| (array, false))
@@ -87,13 +94,19 @@ impl Packed {
                 match (u64::try_from(number), i64::try_from(number)) {
                     (Ok(number), _) => json!(number),
                     (_, Ok(number)) => json!(number),
-                    _ => Value::Null,
+                    _ => self.lose(name),
                 }
             }
             Plain::Text(text) => Value::String(text),
             Plain::Bool(value) => Value::Bool(value),
-            _ => Value::Null,
+            Plain::Null => Value::Null,
+            _ => self.lose(name),
         }
+    }
+
+    fn lose(&mut self, name: &str) -> Value {
+        self.lost.get_or_insert_with(|| name.to_owned());
+        Value::Null
     }
 
     /// Writes an array aside, and what stands for it.
@@ -173,8 +186,11 @@ impl Array {
         let mut numbers = Vec::new();
         for bytes in rows {
             let bytes = bytes.as_bytes().filter(|bytes| bytes.len() == row)?;
-            let (of_row, _) = bytes.as_chunks();
-            // Which NaN it is does not matter.
+            let (of_row, rest) = bytes.as_chunks();
+            if !rest.is_empty() {
+                return None;
+            }
+            // All NaNs have one form.
             let number = |bytes| Some(f64::from_le_bytes(bytes)).filter(|x| !x.is_nan());
             numbers.extend(
                 of_row
@@ -196,7 +212,7 @@ impl Array {
         let mut push = |value: &Plain| match value {
             Plain::Float(number) => {
                 has_nan |= number.is_nan();
-                // Which NaN it is does not matter.
+                // All NaNs have one form.
                 numbers.push(if number.is_nan() { f64::NAN } else { *number });
                 Some(())
             }

@@ -132,7 +132,7 @@ impl<'a, C: Stored> PartStore<'a, C> {
         state.write_if_due(self.folder);
     }
 
-    /// The same for the simulation whose first case has this number.
+    /// Begins a simulation whose first case has this number.
     pub(crate) const fn begin(&mut self, first: usize) {
         self.first = first;
     }

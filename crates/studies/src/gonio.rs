@@ -201,6 +201,19 @@ pub fn gonio<'a>(
     let derive = |_: &Outcome| Ok::<_, VerifyError>(Value::Null);
     found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
+    judge_gonio(config, sample, plan, found)
+}
+
+/// A measurement by the results of its plan, as far as they are there.
+///
+/// # Errors
+/// [`VerifyError`] if the angles make no sense.
+pub fn judge_gonio<'a>(
+    config: &'a GonioConfig,
+    sample: Option<&'a AboutSample>,
+    plan: &'a Plan,
+    found: &'a ResultSet<'_>,
+) -> Result<GonioOutcome<'a>, VerifyError> {
     let [thetas, phis] = config.light.angles()?;
     Ok(GonioOutcome {
         config,

@@ -57,13 +57,13 @@ pub use converge::{
 pub use given::{GivenShape, GivenSurface, GivenSurfaces};
 pub use gonio::{
     AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, PlotScale, Sample,
-    gonio, gonio_report, gonio_summary, gonio_table,
+    gonio, gonio_report, gonio_summary, gonio_table, judge_gonio,
 };
 pub use inspect::{InspectError, Texture, inspect_report, texture_files};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, map, map_report,
-    map_summary, map_table, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, judge_map, map,
+    map_report, map_summary, map_table, summarise,
 };
 pub use model::{
     Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
@@ -88,4 +88,4 @@ pub use trace::{
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::error::VerifyError;
 pub use verify::plan::Plan;
-pub use verify::{VerifyOutcome, judge, verify};
+pub use verify::{VerifyOutcome, judge_verification, verify};

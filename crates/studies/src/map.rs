@@ -11,7 +11,7 @@ mod json;
 mod summary;
 mod tables;
 
-use asperity_results::ResultSet;
+use asperity_results::{ResultSet, ResultsError};
 use asperity_simulate::{Case, Deadline, Observer, Outcome};
 use serde::Deserialize;
 use serde_json::json;
@@ -93,11 +93,27 @@ pub fn map<'a>(
     };
     found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
-    let read = |cell| CellResults::deserialize(&found.case(cell)?.findings).ok();
+    judge_map(config, plan, found)
+}
+
+/// A map of the results of its plan, as far as they are there.
+///
+/// # Errors
+/// [`VerifyError`] if the findings of a cell are of another form.
+pub fn judge_map<'a>(
+    config: &'a MapConfig,
+    plan: &'a Plan,
+    found: &ResultSet<'_>,
+) -> Result<MapOutcome<'a>, VerifyError> {
+    let read = |cell| {
+        let findings = found.case(cell).map(|case| &case.findings);
+        findings.map(CellResults::deserialize).transpose()
+    };
+    let results = (0..plan.cases.len()).map(read).collect::<Result<_, _>>();
     Ok(MapOutcome {
         config,
         plan,
-        results: (0..plan.cases.len()).map(read).collect(),
+        results: results.map_err(|error| ResultsError::Findings(error.to_string()))?,
         cut_short: found.cut_short(),
     })
 }

@@ -92,7 +92,7 @@ pub fn verify<'a>(
     let observer = &Deadline::new(observer, time);
     found.run_missing(0, &plan.cases, &plan.settings, observer)?;
     found.close()?;
-    let mut judged = judge(config, plan, found, observer)?;
+    let mut judged = judge_verification(config, plan, found, observer)?;
     judged.seconds = began.elapsed().as_secs_f64();
     Ok(judged)
 }
@@ -101,7 +101,7 @@ pub fn verify<'a>(
 ///
 /// # Errors
 /// [`VerifyError`] if a model cannot be made, or fits no result.
-pub fn judge<'a>(
+pub fn judge_verification<'a>(
     config: &'a VerifyConfig,
     plan: &'a Plan,
     found: &'a ResultSet<'_>,

@@ -139,16 +139,6 @@ impl SurfaceRecipe {
         }
     }
 
-    /// The longest scale of the surfaces, length units: how long a correlation length a tile has to hold.
-    #[must_use]
-    pub fn longest_scale(&self) -> f64 {
-        let [first, second] = self.correlation_lengths();
-        match self {
-            Self::Gaussian(_) | Self::Transformed(_) | Self::Structured(_) => first.max(second),
-            Self::StudentSlopes(student) => student.amplitude_ratio() * first.max(second),
-        }
-    }
-
     /// As [`Psd::anisotropy`]; `None` of structured surfaces, whose directions no ratio tells.
     #[must_use]
     pub fn anisotropy(&self) -> Option<[f64; 2]> {

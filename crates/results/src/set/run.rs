@@ -1,6 +1,7 @@
 //! Runs of the missing cases of a result set.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,7 +34,10 @@ impl<'a> ResultSet<'a> {
             // The journal knows the cases by their former numbers.
             true => {
                 set.close()?;
-                open(header)
+                let notes = std::mem::take(&mut set.notes);
+                let mut renumbered = open(header)?;
+                renumbered.notes.extend(notes);
+                Ok(renumbered)
             }
         }
     }
@@ -66,7 +70,10 @@ impl<'a> ResultSet<'a> {
         self.cases = renumbered;
         if is_changed {
             let mut state = self.store.state();
-            state.parts.clear();
+            if !std::mem::take(&mut state.parts).is_empty() {
+                let note = "cases are numbered anew, so that finished surfaces of those that were cut short are computed again";
+                self.notes.push(note.to_owned());
+            }
             state.is_changed = true;
         }
         Ok(is_changed)
@@ -87,8 +94,9 @@ impl<'a> ResultSet<'a> {
         observer: &dyn Observer,
     ) -> Result<(), SimulateError> {
         let held = self.cases.len().max(first + cases.len());
+        let simulation = self.prepare(first, cases, settings)?;
         let keep = |outcome: Outcome| Ok(outcome.into());
-        self.run_and_keep(first, cases, settings, observer, held, keep)
+        self.run_and_keep(simulation, first..first + cases.len(), observer, held, keep)
     }
 
     /// As [`run_missing`](Self::run_missing), but keeps moments alone, and the findings that a study derives from the tallies of surfaces.
@@ -102,7 +110,8 @@ impl<'a> ResultSet<'a> {
         observer: &dyn Observer,
         mut derive: impl FnMut(&Outcome) -> Result<Value, E>,
     ) -> Result<(), E> {
-        self.run_and_keep(0, cases, settings, observer, 0, |outcome| {
+        let simulation = self.prepare(0, cases, settings)?;
+        self.run_and_keep(simulation, 0..cases.len(), observer, 0, |outcome| {
             Ok(CaseResult {
                 findings: derive(&outcome)?,
                 outcome: outcome.without_details(),
@@ -110,38 +119,43 @@ impl<'a> ResultSet<'a> {
         })
     }
 
-    /// `held`: number of cases whose surfaces are in memory at the end.
-    pub(super) fn run_and_keep<E: From<SimulateError>>(
+    /// The simulation of those of `cases` that are missing, the first of which has the number `first`.
+    pub(super) fn prepare(
         &mut self,
         first: usize,
         cases: &[Case],
         settings: &Settings,
+    ) -> Result<Simulation, SimulateError> {
+        self.make_room(first + cases.len());
+        let surfaces = cases.iter().map(|case| &case.surface);
+        self.store.state().describe(surfaces);
+        for (number, case) in (first..).zip(cases) {
+            self.attach(number, case);
+        }
+        Simulation::of_missing(cases, settings, |case| self.is_complete(first + case))
+    }
+
+    /// Runs a simulation of the cases with these `numbers`. `held`: number of cases whose surfaces are in memory at the end.
+    pub(super) fn run_and_keep<E: From<SimulateError>>(
+        &mut self,
+        simulation: Simulation,
+        numbers: Range<usize>,
         observer: &dyn Observer,
         held: usize,
         mut keep: impl FnMut(Outcome) -> Result<CaseResult, E>,
     ) -> Result<(), E> {
-        let end = first + cases.len();
-        self.make_room(end);
-        self.store
-            .state()
-            .describe(cases.iter().map(|case| &case.surface));
-        for (number, case) in (first..).zip(cases) {
-            self.attach(number, case);
-        }
-        let simulation =
-            Simulation::of_missing(cases, settings, |case| self.is_complete(first + case))?;
-        self.store.begin(first);
+        self.store.begin(numbers.start);
         let Self { cases, store, .. } = self;
         let store = &*store;
         let run = simulation.resume(Some(store), observer, held, |mut outcome| {
-            outcome.number += first;
+            outcome.number += numbers.start;
             let number = outcome.number;
             let case = Arc::new(keep(outcome)?);
             store.add_case(number, &case);
             cases[number] = Some(case);
             Ok(())
         });
-        let is_complete = (first..end).all(|case| self.is_complete(case));
+        let is_complete = numbers.into_iter().all(|case| self.is_complete(case));
         self.stopped_by = match is_complete {
             true => None,
             false => observer.stop().or(Some(StoppedBy::Interrupt)),

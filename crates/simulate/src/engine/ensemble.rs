@@ -1,9 +1,8 @@
 //! Ensemble: cases that share surfaces whose scatter gives the errors.
 //!
-//! These are random surfaces, several given ones, or regions of one given surface that are lit on their own, with what needs no
-//! rays, and how each case stands when the others have had theirs. Rays fall on one region; what they meet afterwards is the whole
-//! surface, so that shadows and multiple scattering are those of its true neighbourhood. Regions have equally many rays, so that
-//! the mean of their tallies is that of the surface.
+//! These are random surfaces, several given ones, or regions of one given surface that are lit on their own. The cases that need no
+//! rays are among them. Rays fall on one region; what they meet afterwards is the whole surface, so that shadows and multiple
+//! scattering are those of its true neighbourhood. Regions have equally many rays, so that the mean of their tallies is that of the surface.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -82,8 +81,8 @@ struct CaseEnd {
 }
 
 impl EnsembleGroup {
-    /// The cases, each with its number, on these surfaces. Given ones take the plain estimator: what others subtract is that of one
-    /// whole surface.
+    /// The cases, each with its number, on these surfaces. Given ones take the plain estimator: the control variate of facets is that of
+    /// one whole surface.
     pub(crate) fn new(
         source: SurfaceSource,
         cases: Vec<NumberedCase>,

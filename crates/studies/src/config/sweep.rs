@@ -83,6 +83,8 @@ impl VerifyConfig {
     /// surface in place of the random ones.
     pub(crate) fn document_of_cases(&self, measured: Option<&Value>) -> Value {
         let mut settings = self.clone();
+        // A list that is not given is that of its default.
+        settings.material.eta = Some(OneOrMany::Many(Vec::new()));
         for (_, dimension) in DIMENSIONS {
             if let Some(list) = dimension(&mut settings) {
                 *list = OneOrMany::Many(Vec::new());

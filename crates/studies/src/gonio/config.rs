@@ -5,7 +5,6 @@ use asperity_results::Header;
 use asperity_simulate::{BottomSurface, check_memory, check_results};
 use asperity_tally::{HemisphereGrid, Polarimetry};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 use super::sample::Sample;
 use crate::config::error::ConfigError;
@@ -182,8 +181,8 @@ impl GonioConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn header(&self, sample: Option<&Sample>) -> Result<Header, ConfigError> {
-        let measured = sample.map(|sample| by_number(&sample.about.description));
-        let document = self.as_verification()?.document_of_cases(measured.as_ref());
+        let measured = sample.map(|sample| &sample.about.description);
+        let document = self.as_verification()?.document_of_cases(measured);
         Ok(Header::new("gonio", self.run.seed, document))
     }
 
@@ -225,16 +224,4 @@ impl GonioConfig {
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         Ok(plan)
     }
-}
-
-/// The description of a surface; of several an object with a key for each, so that a refusal names the one that differs.
-fn by_number(description: &Value) -> Value {
-    let Value::Array(surfaces) = description else {
-        return description.clone();
-    };
-    let mut keyed = json!({ "number": surfaces.len() });
-    for (i, surface) in (1..).zip(surfaces) {
-        keyed[format!("surface_{i}")] = surface.clone();
-    }
-    keyed
 }

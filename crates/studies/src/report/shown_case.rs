@@ -45,7 +45,11 @@ impl<'a> ShownCase<'a> {
             HalfSpace::Above => "",
             HalfSpace::Below => "; light from below the surface, drawn with its side up",
         };
-        format!("{}{turned}", self.case().figure_label())
+        let surfaces = match self.case().surface.shapes().len() {
+            0 | 1 => String::new(),
+            n => format!("; mean of {n} surfaces"),
+        };
+        format!("{}{surfaces}{turned}", self.case().figure_label())
     }
 
     /// Direction into which a flat surface would send the light of `side`, signed degrees from its normal.

@@ -58,10 +58,4 @@ impl VerifyError {
             Self::Results(_) | Self::Comparison(_) | Self::NoLight => false,
         }
     }
-
-    /// Whether the run was stopped before there was any result.
-    #[must_use]
-    pub const fn is_interrupt(&self) -> bool {
-        matches!(self, Self::Simulate(SimulateError::Interrupted))
-    }
 }

@@ -32,15 +32,6 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// The physical units, the smallest first.
-    pub const PHYSICAL: [Self; 5] = [
-        Self::Nanometre,
-        Self::Micrometre,
-        Self::Millimetre,
-        Self::Metre,
-        Self::Kilometre,
-    ];
-
     /// The symbol written into files: `1` (arbitrary), `km`, `m`, `mm`, `um` or `nm`.
     #[must_use]
     pub const fn symbol(self) -> &'static str {

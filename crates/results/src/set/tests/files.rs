@@ -86,15 +86,10 @@ fn every_field_is_read_back_as_it_was() {
                 findings: json!({ "name": "x", "distance": 0.5, "list": vec![0.25; 40] }),
             })
         };
-        set.run_and_keep(
-            first,
-            std::slice::from_ref(case),
-            settings,
-            &Silent,
-            6,
-            keep,
-        )
-        .unwrap();
+        let simulation = set.prepare(first, std::slice::from_ref(case), settings);
+        let numbers = first..first + 1;
+        set.run_and_keep(simulation.unwrap(), numbers, &Silent, 6, keep)
+            .unwrap();
     }
     let bounded = set.case(3).unwrap().outcome.clone();
     assert!(bounded.deviation_bound.is_some());

@@ -152,6 +152,7 @@ fn an_error_of_a_study_ends_the_run_and_leaves_what_is_complete() {
         "other bytes"
     );
     let angle = json!(30);
+    assert_eq!(set.select("phi_deg", &json!(0.0)).count(), set.len());
     let inclined = set.select("theta_deg", &angle);
     let inclined: Vec<usize> = inclined.map(|(number, _)| number).collect();
     assert_eq!(inclined, [1, 2]);
