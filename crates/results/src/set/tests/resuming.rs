@@ -80,7 +80,7 @@ fn a_torn_or_flipped_record_is_dropped_with_those_behind_it_and_computed_again()
         let (resumed, notes, has_last) = opened();
         assert_eq!(resumed, all);
         assert!(!has_last);
-        assert!(notes[0].contains("not a whole record"), "{notes:?}");
+        assert!(notes[0].contains("damaged or incomplete"), "{notes:?}");
     }
     // In a part of the first group, before its cases.
     let mut flipped = journal.clone();
