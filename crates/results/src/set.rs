@@ -212,7 +212,7 @@ impl<'a, C: Stored> Container<'a, C> {
         cases.filter_map(|(number, case)| Some((number, case.as_deref()?)))
     }
 
-    /// The cases whose coordinate has this value, by the name of its [column](Case::columns), as in `theta_deg`. Numbers are compared as numbers.
+    /// The cases whose coordinate has this value, by the name of its [column](Stored::columns), as in `theta_deg`. Numbers are compared as numbers.
     pub fn select(&self, coordinate: &str, value: &Value) -> impl Iterator<Item = (usize, &C)> {
         let is_equal = move |found: &Value| match (found.as_f64(), value.as_f64()) {
             (Some(found), Some(wanted)) => found == wanted,
