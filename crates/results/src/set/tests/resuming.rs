@@ -19,11 +19,16 @@ fn ended_runs_go_on_to_the_bytes_of_the_whole() {
     let whole = whole();
     for is_closed in [true, false] {
         let place = tempfile::tempdir().unwrap();
+        let mut before = Resumed::default();
         for runs in 1.. {
             let folder = folder(place.path());
             folder.check([FILE]).unwrap();
             let mut set = ResultSet::open_at(&folder, header(), ALWAYS, Complete::Refused).unwrap();
             assert!(set.notes().is_empty());
+            let resumed = set.resumed();
+            let is_kept = resumed.cases > before.cases || resumed.parts >= before.parts;
+            assert!(is_kept, "{resumed:?} after {before:?}");
+            before = resumed;
             let after = After::rays(5000 * runs);
             match run(&mut set, &after) {
                 Ok(()) | Err(SimulateError::Interrupted) => {}
@@ -55,6 +60,21 @@ fn ended_runs_go_on_to_the_bytes_of_the_whole() {
         run(&mut set, &after).unwrap();
         assert_eq!(after.drawn.into_inner(), 0);
     }
+}
+
+#[test]
+fn results_that_a_killed_run_was_to_replace_are_not_read_with_its_own() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = folder(place.path());
+    let mut first = ResultSet::open(&folder, header()).unwrap();
+    run(&mut first, &Silent).unwrap();
+    first.close().unwrap();
+    let other = Header::new("test", 1, json!("other settings"));
+    let mut second = ResultSet::open_at(&folder, other, ALWAYS, Complete::Replaced).unwrap();
+    let _ = run(&mut second, &After::rays(5000));
+    let read = ResultSet::read(place.path()).unwrap();
+    assert_eq!(read.header.document, "other settings");
+    assert!(read.case(1).is_none());
 }
 
 #[test]
