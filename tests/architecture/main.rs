@@ -62,6 +62,15 @@ fn crates_use_only_what_lies_below_them() {
 }
 
 #[test]
+fn a_module_with_a_folder_is_the_file_beside_it() {
+    let mut folders = vec![root().join("tests")];
+    folders.extend(crates().iter().map(|name| root().join("crates").join(name)));
+    let files = folders.iter().flat_map(|folder| rust_files(folder));
+    let other: Vec<_> = files.filter(|file| file.ends_with("mod.rs")).collect();
+    assert!(other.is_empty(), "name.rs beside name/, not {other:?}");
+}
+
+#[test]
 fn modules_form_no_import_cycles() {
     let mut found = Vec::new();
     for name in crates() {

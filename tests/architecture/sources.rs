@@ -53,7 +53,7 @@ pub(crate) fn modules(name: &str) -> Modules {
     for path in rust_files(&sources) {
         let relative = path.strip_prefix(&sources).unwrap().with_extension("");
         let mut parts: Vec<&str> = relative.iter().map(|part| part.to_str().unwrap()).collect();
-        if parts.last() == Some(&"mod") || parts == ["lib"] || parts == ["main"] {
+        if parts == ["lib"] || parts == ["main"] {
             parts.pop();
         }
         modules.insert(parts.join("::"), bare(&fs::read_to_string(&path).unwrap()));
