@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asperity_simulate::Observer;
 use asperity_studies::settings::{Document, SettingError};
 use asperity_studies::wrapped;
 use serde::{Deserialize, Serialize};
@@ -30,11 +31,28 @@ impl Common {
         Ok(document.read::<Whole>()?.program)
     }
 
+    /// Prints a line on standard error with `--verbose`, if there is one.
+    pub(crate) fn say_if(&self, line: Option<String>) {
+        if let Some(line) = line {
+            self.say(|| line);
+        }
+    }
+
     /// Prints a line on standard error with `--verbose`.
     pub(crate) fn say(&self, what: impl FnOnce() -> String) {
         if self.verbose {
             say(&wrapped(&what()));
         }
+    }
+}
+
+impl Observer for Common {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+
+    fn explain(&self, text: &str) {
+        self.say(|| text.to_owned());
     }
 }
 

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{StoppedBy, counted};
+use asperity_simulate::StoppedBy;
 
 use crate::failure::Failure;
 use crate::output::say;
@@ -38,12 +38,6 @@ pub(crate) struct EndedRun<'a> {
     /// What is finished of a run that was stopped: a clause.
     pub(crate) so_far: &'a str,
     pub(crate) again: Again,
-}
-
-/// "1 of 4 cells is finished".
-pub(crate) fn finished(done: usize, total: usize, noun: &str) -> String {
-    let are = if done == 1 || total == 1 { "is" } else { "are" };
-    format!("{done} of {} {are} finished", counted(total as u64, noun))
 }
 
 impl EndedRun<'_> {

@@ -1,34 +1,28 @@
 //! asperity: light on explicit rough surfaces, against the statistical models.
 
-mod attenuation;
 mod command_line;
 mod common;
-mod completion;
-mod converge;
 mod end;
-mod erosion;
 mod failure;
 mod generate;
-mod given;
-mod gonio;
 mod help;
-mod input;
 mod inspect;
 mod interrupt;
-mod map;
 mod mesh;
 mod model;
 mod output;
 mod output_files;
 mod progress;
 mod render;
+mod study;
 mod tools;
-mod trace;
-mod verify;
 
 use std::process::ExitCode;
 
 use asperity_studies::settings::{Command, Document};
+use asperity_studies::{
+    AttenuationPlan, ConvergeStudy, GonioStudy, MapStudy, TracePlan, VerifyStudy,
+};
 
 use crate::command_line::{Request, Stop, parse, program};
 use crate::common::Common;
@@ -57,19 +51,20 @@ fn main() -> ExitCode {
 
 fn run(document: &Document) -> Result<End, Failure> {
     let common = &Common::of(document).map_err(Failure::usage)?;
+    document.check_required().map_err(Failure::usage)?;
     interrupt::handle();
     set_threads(common)?;
     match document.command() {
         Command::Generate => generate::run(document, common),
         Command::Inspect => inspect::run(document, common),
         Command::Mesh => mesh::run(document, common),
-        Command::Trace => trace::run(document, common),
+        Command::Trace => study::run::<TracePlan>(document, common),
         Command::Render => render::run(document, common),
-        Command::Verify => verify::run(document, common),
-        Command::Map => map::run(document, common),
-        Command::Gonio => gonio::run(document, common),
-        Command::Converge => converge::run(document, common),
-        Command::Attenuation => attenuation::run(document, common),
+        Command::Verify => study::run::<VerifyStudy>(document, common),
+        Command::Map => study::run::<MapStudy>(document, common),
+        Command::Gonio => study::run::<GonioStudy>(document, common),
+        Command::Converge => study::run::<ConvergeStudy>(document, common),
+        Command::Attenuation => study::run::<AttenuationPlan>(document, common),
         Command::Model => model::run(document, common),
     }
 }

@@ -21,7 +21,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let file = results.output.as_deref();
     if let Some(path) = file {
         check_table_output(path)?;
-        check_outputs(&[path], &[document.file()])?;
+        check_outputs(&[path], document)?;
     }
     let resolution = match results.json {
         true => Resolution::Bins,

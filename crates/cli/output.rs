@@ -1,9 +1,10 @@
 //! Where output goes: result folders, and standard output, which may be a closed pipe or a full disk.
 
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_io::ResultFolder;
+use asperity_studies::settings::Document;
 use asperity_studies::wrapped;
 use serde::Serialize;
 
@@ -40,15 +41,23 @@ pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// Opens the folder `path` for the results of `command`, which reads `inputs` and writes files of these `names`.
-/// Refuses a folder in which one of them would replace a file that is not a result of that command.
+/// Prints a note on standard error for each of `notes`.
+pub(crate) fn say_notes(notes: &[String]) {
+    for note in notes {
+        say(&format!("note: {note}"));
+    }
+}
+
+/// Opens the folder `path` for the results of the command of `document`, which writes files of these `names`.
+/// Refuses a folder in which one of them would replace an input, or a file that is not a result of that command.
 pub(crate) fn result_folder(
     path: &Path,
-    command: &str,
-    inputs: &[Option<&Path>],
+    document: &Document,
     names: &[String],
 ) -> Result<ResultFolder, Failure> {
-    let inputs: Vec<&Path> = inputs.iter().copied().flatten().collect();
+    let inputs = document.input_files();
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let command = document.command().name();
     let folder = ResultFolder::open(path, command, &inputs).map_err(Failure::failed)?;
     folder.check(names).map_err(Failure::failed)?;
     Ok(folder)

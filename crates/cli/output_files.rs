@@ -1,15 +1,17 @@
 //! Output files: refuses, before any work, those that cannot be written or would replace an input or each other.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use asperity_io::check_output_file;
+use asperity_io::{check_output_file, is_same_file};
+use asperity_studies::settings::Document;
 
 use crate::failure::Failure;
 
-/// Checks that the files `outputs` of a command that reads `inputs` can be written.
-pub(crate) fn check_outputs(outputs: &[&Path], inputs: &[Option<&Path>]) -> Result<(), Failure> {
+/// Checks that the files `outputs` can be written, and replace no file that the run of `document` reads.
+pub(crate) fn check_outputs(outputs: &[&Path], document: &Document) -> Result<(), Failure> {
+    let inputs = document.input_files();
     for output in outputs {
-        for input in inputs.iter().flatten() {
+        for input in &inputs {
             refuse_input(output, input)?;
         }
         check_output_file(output).map_err(Failure::failed)?;
@@ -42,18 +44,4 @@ fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
         ))),
         None => Ok(()),
     }
-}
-
-/// Whether both paths name one file, which need not exist.
-pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
-    a == b || place(a).is_some_and(|place_of_a| Some(place_of_a) == place(b))
-}
-
-/// The file without links, or the name that a new one has in its folder; `None` if there is no such folder.
-fn place(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().ok().or_else(|| {
-        let path = std::path::absolute(path).ok()?;
-        let folder = path.parent()?.canonicalize().ok()?;
-        Some(folder.join(path.file_name()?))
-    })
 }

@@ -38,9 +38,8 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Of a run that begins: from now on the first interrupt ends it with the results so far.
-    pub(crate) fn begin_run(common: &Common) -> Self {
-        interrupt::listen();
+    /// Progress of a run that is planned.
+    pub(crate) fn new(common: &Common) -> Self {
         let is_lines = !common.quiet && !stderr().is_terminal();
         let shown = match (common.quiet, stderr().is_terminal()) {
             (true, _) => Shown::Nothing,
@@ -55,6 +54,11 @@ impl Progress {
             shown,
             verbose: common.verbose,
         }
+    }
+
+    /// Begins the run: from now on the first interrupt ends it with the results so far.
+    pub(crate) fn begin_run(&self) {
+        interrupt::listen();
     }
 
     /// Updates the bar, or the lines and then prints one if it is due.

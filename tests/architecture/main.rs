@@ -32,7 +32,8 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     (
         "studies",
         &[
-            "optics", "surface", "tally", "tracer", "analysis", "io", "plot", "simulate", "results",
+            "optics", "surface", "tally", "tracer", "analysis", "io", "plot", "simulate",
+            "results", "render",
         ],
     ),
     (
@@ -201,45 +202,74 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 17] = [
-    ("border", &[]),
+const STUDIES: [(&str, &[&str]); 21] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
     ("config", &["settings"]),
+    ("given", &["config", "settings", "surface_lengths"]),
+    ("error", &["config", "given", "settings"]),
     ("output", &["config"]),
-    ("comparison", &["config", "output"]),
+    ("comparison", &["config", "error", "output"]),
+    ("report", &["comparison", "config", "output", "validity"]),
+    ("study", &["error", "report", "settings"]),
+    ("generate", &["config", "error", "settings"]),
+    ("mesh", &["config", "error", "given", "settings"]),
+    ("render", &["config", "error", "given", "settings"]),
+    (
+        "attenuation",
+        &["config", "error", "output", "report", "settings", "study"],
+    ),
+    (
+        "inspect",
+        &[
+            "attenuation",
+            "config",
+            "error",
+            "given",
+            "output",
+            "report",
+            "settings",
+        ],
+    ),
     (
         "verify",
-        &["comparison", "config", "output", "settings", "validity"],
+        &[
+            "comparison",
+            "config",
+            "error",
+            "output",
+            "report",
+            "settings",
+            "study",
+            "validity",
+        ],
     ),
-    (
-        "report",
-        &["comparison", "config", "output", "validity", "verify"],
-    ),
-    ("given", &["surface_lengths"]),
-    ("inspect", &["output", "report"]),
     (
         "trace",
         &[
             "comparison",
             "config",
+            "error",
             "given",
             "output",
             "report",
+            "settings",
+            "study",
             "validity",
         ],
     ),
     ("model", &["config", "output", "report", "settings"]),
-    ("attenuation", &["config", "output", "report", "settings"]),
     (
         "map",
         &[
             "comparison",
             "config",
+            "error",
             "output",
             "report",
             "settings",
+            "study",
             "verify",
         ],
     ),
@@ -247,10 +277,12 @@ const STUDIES: [(&str, &[&str]); 17] = [
         "gonio",
         &[
             "config",
+            "error",
             "given",
             "output",
             "report",
             "settings",
+            "study",
             "surface_lengths",
             "validity",
             "verify",
@@ -258,7 +290,9 @@ const STUDIES: [(&str, &[&str]); 17] = [
     ),
     (
         "converge",
-        &["config", "output", "report", "settings", "verify"],
+        &[
+            "config", "error", "output", "report", "settings", "study", "verify",
+        ],
     ),
 ];
 

@@ -10,6 +10,7 @@ mod memory;
 mod open;
 mod parts;
 mod result_folder;
+mod same_file;
 mod text;
 
 pub use atomic::{write_atomically, write_bytes, write_json};
@@ -19,6 +20,7 @@ pub use journal::{Journal, JournalRecords, read_journal};
 pub use memory::available_memory;
 pub use parts::remove_temporary_files;
 pub use result_folder::ResultFolder;
+pub use same_file::is_same_file;
 pub use text::{read_bytes, read_json, read_text};
 
 pub(crate) use atomic::{replace, replace_alone};

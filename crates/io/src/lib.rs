@@ -48,9 +48,9 @@ pub use build::{Build, RESULTS_EPOCH};
 pub use error::{ReadError, ResultFolderError, WriteError};
 pub use files::{
     CsvField, Journal, JournalRecords, ResultFolder, available_memory, check_output_file,
-    check_output_folder, create_output_folder, csv_text, exists, names_in, read_bytes,
-    read_journal, read_json, read_text, remove_temporary_files, write_atomically, write_bytes,
-    write_csv, write_json,
+    check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in,
+    read_bytes, read_journal, read_json, read_text, remove_temporary_files, write_atomically,
+    write_bytes, write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};

@@ -61,6 +61,7 @@ mod plan;
 mod points;
 mod skyline;
 mod smooth_ground;
+mod study;
 mod survey;
 mod tables;
 #[cfg(test)]
@@ -70,12 +71,12 @@ use std::time::Instant;
 
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
-use asperity_results::{Container, ResultsError};
+use asperity_results::Container;
 use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
 use asperity_tally::Estimate;
 use serde::Serialize;
 
-use crate::config::error::ConfigError;
+use crate::error::StudyError;
 use crate::report::flux_support::patches;
 
 pub use config::{
@@ -83,34 +84,14 @@ pub use config::{
     AttenuationSurface, VisibilityMethod,
 };
 pub use demarcation::Demarcation;
-pub use files::{attenuation_report, attenuation_summary};
 pub use given::ShadowShares;
 pub use heights::VisibilityRow;
 pub use plan::AttenuationPlan;
 pub use survey::SurveyedSurface;
-pub use tables::attenuation_table;
 
 use counts::Counts;
 use demarcation::Rises;
 use estimate::ratio;
-
-/// Why an attenuation run fails.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum AttenuationError {
-    /// An interrupt came before the first surface was finished.
-    #[error("interrupted before a surface was finished: there is nothing to write")]
-    Interrupted,
-    /// The configuration makes no sense.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The surfaces cannot be drawn, do not fit into memory, or the light cannot be followed.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// Results cannot be kept.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-}
 
 /// What was measured for one sigma, light and view.
 #[derive(Clone, Debug)]
@@ -223,13 +204,13 @@ impl AttenuationOutcome<'_> {
 /// Measures geometric attenuation on the surfaces that `found` lacks.
 ///
 /// # Errors
-/// [`AttenuationError`] if light cannot be followed, results cannot be kept, or the run is interrupted before its first surface is
+/// [`StudyError`] if light cannot be followed, results cannot be kept, or the run is interrupted before its first surface is
 /// finished.
 pub fn attenuation<'a>(
     plan: &'a AttenuationPlan,
     found: &mut Container<'_, SurveyedSurface>,
     observer: &dyn Observer,
-) -> Result<AttenuationOutcome<'a>, AttenuationError> {
+) -> Result<AttenuationOutcome<'a>, StudyError> {
     let began = Instant::now();
     let count = plan.config.run.realisations.0 as usize;
     let missing = count.saturating_sub(found.resumed().cases);
@@ -248,14 +229,14 @@ impl AttenuationPlan {
     /// What the surfaces that were found say together.
     ///
     /// # Errors
-    /// [`AttenuationError::Interrupted`] if there are none.
+    /// [`SimulateError::Interrupted`] if there are none.
     pub fn judge(
         &self,
         found: &Container<'_, SurveyedSurface>,
-    ) -> Result<AttenuationOutcome<'_>, AttenuationError> {
+    ) -> Result<AttenuationOutcome<'_>, StudyError> {
         let found_surfaces = || found.cases().map(|(_, surface)| surface);
         let first = found_surfaces().next();
-        let first = &first.ok_or(AttenuationError::Interrupted)?.counts[0];
+        let first = &first.ok_or(SimulateError::Interrupted)?.counts[0];
         let rises: Vec<Rises> = found_surfaces().filter_map(|found| found.rises).collect();
         let tau = self.config.surface.tau.0;
         let (mut rows, mut demarcation, mut visibility) = (Vec::new(), Vec::new(), Vec::new());

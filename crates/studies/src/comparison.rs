@@ -5,7 +5,6 @@ pub(crate) const AVERAGED_LAYERS: &str = "models of layers average s and p at ea
 
 pub(crate) mod compared;
 pub(crate) mod conclusion;
-pub(crate) mod error;
 pub(crate) mod json;
 pub(crate) mod judgement;
 pub(crate) mod models;

@@ -42,6 +42,7 @@ mod files;
 mod fit;
 mod json;
 mod method;
+mod study;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -52,18 +53,16 @@ use asperity_results::{CaseResult, ResultSet};
 use asperity_simulate::{Observer, Outcome, SimulateError, Simulation, StoppedBy};
 use serde_json::json;
 
-use crate::verify::error::VerifyError;
+use crate::error::StudyError;
 
 pub use case::{
     ConvergeWork, ConvergedCase, Efficiency, Measurement, MethodOutcome, Reference, SecondsTo,
 };
 pub use config::{ConvergeConfig, ConvergePlan, ConvergenceConfig};
 pub use deviation::RepeatedError;
-pub use files::converge_report;
 pub use fit::Fit;
-pub use json::converge_summary;
 pub use method::{ConvergeRun, Method};
-pub use tables::converge_table;
+pub use study::ConvergeStudy;
 
 use case::{SETUP_SECONDS, StoredRun};
 
@@ -91,13 +90,13 @@ impl ConvergeOutcome<'_> {
 /// Measures run time against error for every case and method, by those runs of `plan` that `found` lacks.
 ///
 /// # Errors
-/// [`VerifyError`] if a case cannot be traced, no light reaches the bins, or the run is stopped before there is any result.
+/// [`StudyError`] if a case cannot be traced, no light reaches the bins, or the run is stopped before there is any result.
 pub fn converge<'a>(
     config: &'a ConvergeConfig,
     plan: &'a ConvergePlan,
     found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<ConvergeOutcome<'a>, VerifyError> {
+) -> Result<ConvergeOutcome<'a>, StudyError> {
     let began = Instant::now();
     let mut prepared: Vec<Prepared<'_>> = Vec::new();
     let mut rays = 0;
@@ -131,12 +130,12 @@ pub fn converge<'a>(
 /// What a measurement says of the results of its plan. Cases that lack a run are left out.
 ///
 /// # Errors
-/// [`VerifyError`] if no light reaches the bins that are compared.
+/// [`StudyError`] if no light reaches the bins that are compared.
 pub fn judge_convergence<'a>(
     config: &'a ConvergeConfig,
     plan: &'a ConvergePlan,
     found: &'a ResultSet<'_>,
-) -> Result<ConvergeOutcome<'a>, VerifyError> {
+) -> Result<ConvergeOutcome<'a>, StudyError> {
     let began = Instant::now();
     let mut cases = Vec::new();
     for (case_number, case) in plan.cases.iter().enumerate() {
@@ -171,7 +170,7 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, VerifyError> {
+    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, StudyError> {
         let settings = config.settings(&run.method)?;
         let clock = Instant::now();
         Ok(Self {
@@ -195,7 +194,7 @@ impl<'a> Prepared<'a> {
         number: usize,
         run: &ConvergeRun,
         observer: &dyn Observer,
-    ) -> Result<Option<CaseResult>, VerifyError> {
+    ) -> Result<Option<CaseResult>, StudyError> {
         let outcomes = self.simulation(run).run(&Steps(observer));
         if observer.stop().is_some() {
             return Ok(None);

@@ -10,6 +10,7 @@ mod files;
 mod json;
 mod peak;
 mod sample;
+mod study;
 mod summary;
 mod tables;
 
@@ -21,18 +22,16 @@ use serde_json::Value;
 
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
+use crate::error::StudyError;
 use crate::output::{Supported, over, projected_solid_angle};
 use crate::report::flux_support::FluxSupport;
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
-use crate::verify::error::VerifyError;
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
-pub use files::gonio_report;
-pub use json::gonio_summary;
 pub use sample::{AboutSample, Sample};
-pub use summary::gonio_table;
+pub use study::GonioStudy;
 
 /// One direction of a measurement: a case, and what was found of it.
 #[derive(Clone, Copy)]
@@ -188,17 +187,17 @@ const FOLDER: &str = "directions";
 /// Measures the directions of `plan` that `found` lacks, of which moments alone are kept, until the time of the configuration is over.
 ///
 /// # Errors
-/// [`VerifyError`] if a direction cannot be traced, or the run is stopped before there is any result.
+/// [`StudyError`] if a direction cannot be traced, or the run is stopped before there is any result.
 pub fn gonio<'a>(
     config: &'a GonioConfig,
     sample: Option<&'a AboutSample>,
     plan: &'a Plan,
     found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<GonioOutcome<'a>, VerifyError> {
+) -> Result<GonioOutcome<'a>, StudyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time).between_cases();
-    let derive = |_: &Outcome| Ok::<_, VerifyError>(Value::Null);
+    let derive = |_: &Outcome| Ok::<_, StudyError>(Value::Null);
     found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
     judge_gonio(config, sample, plan, found)
@@ -207,13 +206,13 @@ pub fn gonio<'a>(
 /// A measurement by the results of its plan, as far as they are there.
 ///
 /// # Errors
-/// [`VerifyError`] if the angles make no sense.
+/// [`StudyError`] if the angles make no sense.
 pub fn judge_gonio<'a>(
     config: &'a GonioConfig,
     sample: Option<&'a AboutSample>,
     plan: &'a Plan,
     found: &'a ResultSet<'_>,
-) -> Result<GonioOutcome<'a>, VerifyError> {
+) -> Result<GonioOutcome<'a>, StudyError> {
     let [thetas, phis] = config.light.angles()?;
     Ok(GonioOutcome {
         config,

@@ -1,7 +1,9 @@
 //! Inspect: the spectrum, autocorrelation and histograms of one surface, as tables and figures.
 
+mod config;
 mod figures;
 mod files;
+mod statistics;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -13,7 +15,9 @@ use asperity_surface::{
     SpectralRing, SurfaceRecipe,
 };
 
+pub use self::config::{ErosionConfig, InspectConfig, InspectLight, Inspection};
 pub use self::files::{inspect_report, texture_files};
+pub use self::statistics::Statistics;
 
 /// Azimuths over a half turn at which a requested spectrum is averaged.
 const AZIMUTHS: usize = 90;

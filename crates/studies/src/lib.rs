@@ -5,31 +5,33 @@
 //! measures the whole BRDF and BTDF, direction by direction.
 
 mod attenuation;
-mod border;
 mod comparison;
 mod config;
 mod converge;
+mod error;
+mod generate;
 mod given;
 mod gonio;
 mod inspect;
 mod map;
+mod mesh;
 mod model;
 mod output;
+mod render;
 mod report;
 pub mod settings;
+mod study;
 mod surface_lengths;
 mod trace;
 mod validity;
 mod verify;
 
 pub use attenuation::{
-    AttenuationConfig, AttenuationDirections, AttenuationError, AttenuationOutcome,
-    AttenuationOutput, AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface,
-    AttenuationWork, Demarcation, ShadowShares, SurveyedSurface, VisibilityMethod, VisibilityRow,
-    attenuation, attenuation_report, attenuation_summary, attenuation_table,
+    AttenuationConfig, AttenuationDirections, AttenuationOutcome, AttenuationOutput,
+    AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationWork,
+    Demarcation, ShadowShares, SurveyedSurface, VisibilityMethod, VisibilityRow, attenuation,
 };
-pub use border::{ASSUMED_BORDER, border_notes};
-pub use comparison::error::CompareError;
+
 pub use comparison::judgement::Judgement;
 pub use comparison::models::{ComparedComponent, ModelOutcome};
 pub use comparison::peak::PeakDifference;
@@ -49,43 +51,49 @@ pub use config::{
     VerifyConfig,
 };
 pub use converge::{
-    ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeWork, ConvergedCase,
-    ConvergenceConfig, Efficiency, Fit, Measurement, Method, MethodOutcome, Reference,
-    RepeatedError, SecondsTo, converge, converge_report, converge_summary, converge_table,
-    judge_convergence,
+    ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeStudy, ConvergeWork,
+    ConvergedCase, ConvergenceConfig, Efficiency, Fit, Measurement, Method, MethodOutcome,
+    Reference, RepeatedError, SecondsTo, converge, judge_convergence,
 };
-pub use given::{GivenShape, GivenSurface, GivenSurfaces};
+pub use error::StudyError;
+pub use generate::{GenerateConfig, GeneratePlan, HeightMapConfig, SeedConfig};
+pub use given::{
+    GivenError, GivenShape, GivenSurface, GivenSurfaces, ReadHeightMap, check_height_map_ending,
+    file_name, write_surface,
+};
 pub use gonio::{
-    AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, PlotScale, Sample,
-    gonio, gonio_report, gonio_summary, gonio_table, judge_gonio,
+    AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy,
+    PlotScale, Sample, gonio, judge_gonio,
 };
-pub use inspect::{InspectError, Texture, inspect_report, texture_files};
+pub use inspect::{
+    ErosionConfig, InspectConfig, InspectError, InspectLight, Inspection, Statistics, Texture,
+    inspect_report, texture_files,
+};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, ModelSummary, ToleranceConfig, judge_map, map,
-    map_report, map_summary, map_table, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig, judge_map,
+    map, summarise,
 };
+pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
     Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
     model_list,
 };
 pub use output::wrapped;
-
+pub use render::{
+    CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderPlan, RenderRun,
+    RenderedPicture, ViewConfig,
+};
 pub use report::areal_parameters::areal_table;
-pub use report::case_report::verify_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;
 pub use report::figures::height_map_figure;
-pub use report::files::{verify_report, verify_summary};
 pub use report::flux_support::FluxSupport;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
+pub use study::{Findings, Study};
 pub use surface_lengths::SurfaceLengths;
-pub use trace::{
-    TraceComparison, TraceError, TraceOutcome, TracePlan, TracedSurfaces, trace, trace_report,
-    trace_summary, trace_table,
-};
+pub use trace::{TraceComparison, TraceOutcome, TracePlan, trace};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
-pub use verify::error::VerifyError;
 pub use verify::plan::Plan;
-pub use verify::{VerifyOutcome, judge_verification, verify};
+pub use verify::{VerifyOutcome, VerifyStudy, judge_verification, verify};

@@ -8,16 +8,17 @@ mod config;
 mod files;
 mod interval;
 mod json;
+mod study;
 mod summary;
 mod tables;
 
 use asperity_results::{ResultSet, ResultsError};
-use asperity_simulate::{Case, Deadline, Observer, Outcome};
+use asperity_simulate::{Case, Deadline, Observer, Outcome, StoppedBy};
 use serde::Deserialize;
 use serde_json::json;
 
 use crate::config::values::Seconds;
-use crate::verify::error::VerifyError;
+use crate::error::StudyError;
 use crate::verify::judge_case;
 use crate::verify::plan::Plan;
 
@@ -25,10 +26,9 @@ pub use cell::{
     CellDistances, CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell,
 };
 pub use config::{MapConfig, ToleranceConfig};
-pub use files::map_report;
 pub use interval::{CellVerdict, Interval};
-pub use json::map_summary;
-pub use summary::{ModelSummary, map_table, summarise};
+pub use study::MapStudy;
+pub use summary::{ModelSummary, summarise};
 
 /// One cell of a map.
 #[derive(Clone, Copy)]
@@ -49,6 +49,8 @@ pub struct MapOutcome<'a> {
     pub results: Vec<Option<CellResults>>,
     /// Number of cells that a stop cut short: they are of the surfaces that were finished.
     pub cut_short: usize,
+    /// Reason why the run ended before all cells were complete.
+    pub stopped_by: Option<StoppedBy>,
 }
 
 impl MapOutcome<'_> {
@@ -77,19 +79,19 @@ impl MapOutcome<'_> {
 /// Computes the cells of `plan` that `found` lacks, until the time of the configuration is over.
 ///
 /// # Errors
-/// [`VerifyError`] if a cell cannot be traced or compared, or the run is stopped before there is any result.
+/// [`StudyError`] if a cell cannot be traced or compared, or the run is stopped before there is any result.
 pub fn map<'a>(
     config: &'a MapConfig,
     plan: &'a Plan,
     found: &mut ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<MapOutcome<'a>, VerifyError> {
+) -> Result<MapOutcome<'a>, StudyError> {
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time).between_cases();
     let verification = config.as_verification()?;
     let derive = |outcome: &Outcome| {
         let judged = judge_case(&verification, outcome)?;
-        Ok::<_, VerifyError>(json!(CellResults::of(&judged)))
+        Ok::<_, StudyError>(json!(CellResults::of(&judged)))
     };
     found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
     found.close()?;
@@ -99,12 +101,12 @@ pub fn map<'a>(
 /// A map of the results of its plan, as far as they are there.
 ///
 /// # Errors
-/// [`VerifyError`] if the findings of a cell are of another form.
+/// [`StudyError`] if the findings of a cell are of another form.
 pub fn judge_map<'a>(
     config: &'a MapConfig,
     plan: &'a Plan,
     found: &ResultSet<'_>,
-) -> Result<MapOutcome<'a>, VerifyError> {
+) -> Result<MapOutcome<'a>, StudyError> {
     let read = |cell| {
         let findings = found.case(cell).map(|case| &case.findings);
         findings.map(CellResults::deserialize).transpose()
@@ -115,5 +117,6 @@ pub fn judge_map<'a>(
         plan,
         results: results.map_err(|error| ResultsError::Findings(error.to_string()))?,
         cut_short: found.cut_short(),
+        stopped_by: found.stopped_by(),
     })
 }

@@ -1,7 +1,6 @@
 //! What a run leaves: tables of fluxes, summaries, reports, figures and the files they go into.
 
 pub(crate) mod areal_parameters;
-pub(crate) mod case_report;
 pub(crate) mod case_views;
 pub(crate) mod config_json;
 pub(crate) mod disc_bins;
@@ -9,7 +8,6 @@ pub(crate) mod distribution_table;
 pub(crate) mod energies;
 pub(crate) mod error;
 pub(crate) mod figures;
-pub(crate) mod files;
 pub(crate) mod flux_support;
 pub(crate) mod flux_tables;
 pub(crate) mod fluxes;

@@ -5,151 +5,25 @@ mod comparison_text;
 mod description;
 mod files;
 mod region_plan;
+mod study;
 mod text;
 
-use asperity_analysis::ModelError;
-use asperity_results::{Header, ResultSet, ResultsError, Stored};
+use asperity_results::{Header, ResultSet, Stored};
 use asperity_simulate::{
-    Case, Cells, Deadline, Lobe, Observer, Outcome, Settings, Shape, SimulateError, StoppedBy,
-    Stopping, short,
+    Case, Deadline, Lobe, Observer, Outcome, Settings, SimulateError, StoppedBy, Stopping,
 };
 use asperity_tally::TallySpec;
 use serde_json::{Value, json};
 
 use self::comparison::PlannedComparison;
 pub use self::comparison::TraceComparison;
-pub use self::files::{trace_report, trace_summary};
-use self::region_plan::{MIN_REGIONS, MIN_WIDTH};
-pub use self::text::trace_table;
-use crate::comparison::error::CompareError;
-use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
-use crate::given::{GivenShape, GivenSurface, GivenSurfaces};
+use crate::error::StudyError;
+use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
 use crate::report::energies::lost_warning;
 use crate::validity::Validity;
-
-/// Why light on a surface is not traced.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TraceError {
-    /// The configuration makes no sense.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// A mesh is to be refined, which has no surface between its corners.
-    #[error(
-        "--refine: {name} is a triangle mesh, which says nothing of the surface between its corners; only height maps can be refined"
-    )]
-    RefinedMesh {
-        /// The file of the mesh.
-        name: String,
-    },
-    /// A height map over a mesh, or a mesh over a height map.
-    #[error(
-        "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind"
-    )]
-    OtherBottom,
-    /// A mesh is to be compared with models.
-    #[error(
-        "--models: {name} is a triangle mesh; models are compared with height maps, whose slopes and correlation lengths are known"
-    )]
-    ComparedMesh {
-        /// The name of the mesh.
-        name: String,
-    },
-    /// Heights that are to be compared with models do not lose their correlation.
-    #[error(
-        "--models: the heights of {name} are all equal, or keep their correlation over half of its width: errors by parts of a surface need parts that are independent; remove its form (--remove plane or parabola), or leave out --models"
-    )]
-    Correlated {
-        /// The name of the surface.
-        name: String,
-    },
-    /// A surface that is to be compared with models is too small.
-    #[error(
-        "--models: {name} is {x:.1} x {y:.1} correlation lengths wide; errors by parts of a surface need {} parts, each {} correlation lengths wide or more: take a larger surface, or leave out --models",
-        MIN_REGIONS,
-        MIN_WIDTH
-    )]
-    FewRegions {
-        /// The name of the surface.
-        name: String,
-        /// Its width along x, in correlation lengths.
-        x: f64,
-        /// Its width along y, in correlation lengths.
-        y: f64,
-    },
-    /// The slopes of the surface are not isotropic, and a model is of isotropic ones.
-    #[error(
-        "--models: slope variances of {name} along its principal axes, {} and {}, differ by more than their errors: {error}",
-        short(.variances[0]),
-        short(.variances[1])
-    )]
-    Anisotropic {
-        /// The name of the surface.
-        name: String,
-        /// The variances, the larger first.
-        variances: [f64; 2],
-        /// The refusal of the model.
-        error: ModelError,
-    },
-    /// Several surfaces are to be compared with models.
-    #[error(
-        "--models: models are compared with one surface, whose slopes they are made for, but {count} are given; give one, or leave out --models"
-    )]
-    ComparedSeveral {
-        /// Number of surfaces.
-        count: usize,
-    },
-    /// The surface cannot be compared with models.
-    #[error(transparent)]
-    Compare(#[from] CompareError),
-    /// The simulation was refused or failed.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// Results cannot be kept.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-}
-
-/// Given surfaces, and the one below each of them.
-#[derive(Clone, Debug)]
-pub struct TracedSurfaces {
-    /// The surfaces that light falls on.
-    pub tops: GivenSurfaces,
-    /// The bottom of the layer, if it is given too.
-    pub bottom: Option<GivenSurface>,
-}
-
-impl TracedSurfaces {
-    /// Refuses to refine a mesh.
-    ///
-    /// # Errors
-    /// [`TraceError::RefinedMesh`].
-    pub fn check(&self, config: &TraceConfig) -> Result<(), TraceError> {
-        for surface in self.tops.iter().filter(|_| config.run.refine) {
-            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
-                return Err(TraceError::RefinedMesh {
-                    name: path.display().to_string(),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// The surfaces over the one below them, if there is one.
-    fn shapes(self, cells: Cells) -> Result<Vec<Shape>, TraceError> {
-        let tops = self.tops.simulated(cells)?;
-        let Some(bottom) = self.bottom else {
-            return Ok(tops);
-        };
-        let bottom = bottom.shape.simulated(cells)?;
-        let tops = tops.into_iter();
-        let both = tops.map(|top| top.over(bottom.clone()));
-        both.collect::<Option<_>>().ok_or(TraceError::OtherBottom)
-    }
-}
 
 /// What was found on a surface.
 pub struct TraceOutcome<'a> {
@@ -231,23 +105,32 @@ impl TracePlan {
     /// Checks everything that can be before a ray is traced.
     ///
     /// # Errors
-    /// [`TraceError`] if the configuration makes no sense on these surfaces.
-    pub fn new(config: &TraceConfig, surfaces: TracedSurfaces) -> Result<Self, TraceError> {
-        surfaces.check(config)?;
+    /// [`StudyError`] if the configuration makes no sense on these surfaces.
+    pub fn new(
+        config: TraceConfig,
+        tops: GivenSurfaces,
+        bottom: Option<GivenSurface>,
+    ) -> Result<Self, StudyError> {
+        for surface in tops.iter().filter(|_| config.run.refine) {
+            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
+                let name = path.display().to_string();
+                return Err(GivenError::RefinedMesh { name }.into());
+            }
+        }
         let settings = config.ray_settings()?;
-        let tops = surfaces.tops.clone();
         let mut warnings = tops.warnings();
         let theta = config.incidence()?.theta();
         let validity = Validity::new(&tops.lengths(), theta, config.light.wavelength_nm());
-        let description = description::Surfaces::of(&surfaces, config);
-        let shapes = surfaces.shapes(config.surface.cells.of_given())?;
+        let description = description::Surfaces::of(&tops, bottom.as_ref(), &config);
+        let cells = config.surface.cells.of_given();
+        let shapes = tops.clone().simulated(bottom, cells)?;
         let case = config.case(shapes, tops.first.unit)?;
-        let comparison = PlannedComparison::new(config, &tops, &case, &settings)?;
+        let comparison = PlannedComparison::new(&config, &tops, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());
         Ok(Self {
-            described: description.config(config, &case),
-            config: config.clone(),
+            described: description.config(&config, &case),
+            config,
             name: tops.name(),
             first: tops.first.name,
             validity,
@@ -259,10 +142,9 @@ impl TracePlan {
         })
     }
 
-    /// What the results of this configuration on these surfaces are kept under. The time that a run is given, its plots and the
+    /// Identity of the results of this configuration on these surfaces. The time that a run is given, its plots and the
     /// wavelength, which changes nothing that is traced, do not belong to it.
-    #[must_use]
-    pub fn header(&self) -> Header {
+    fn identity(&self) -> Header {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
         settings.light.wavelength = None;
@@ -276,12 +158,12 @@ impl TracePlan {
 /// Traces what `found` lacks until the time of the configuration is over, and compares the surface with the models.
 ///
 /// # Errors
-/// [`TraceError::Simulate`], [`TraceError::Results`] and [`TraceError::Compare`].
+/// [`StudyError`] if the surfaces cannot be traced or compared, or results cannot be kept.
 pub fn trace<'a>(
     plan: &'a TracePlan,
     found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<TraceOutcome<'a>, TraceError> {
+) -> Result<TraceOutcome<'a>, StudyError> {
     let time = plan.config.run.max_time.and_then(Seconds::duration);
     let deadline = Deadline::new(observer, time);
     let cases = std::slice::from_ref(&plan.case);

@@ -1,7 +1,9 @@
 //! Explicit surfaces against statistical models.
 
-pub(crate) mod error;
+mod case_report;
+mod files;
 pub(crate) mod plan;
+mod study;
 #[cfg(test)]
 mod tests;
 
@@ -12,7 +14,6 @@ use asperity_results::{CaseResult, Header, ResultSet};
 use asperity_simulate::{Case, Deadline, Observer, Outcome, Stopping, SurfaceSource};
 use rayon::prelude::*;
 
-use self::error::VerifyError;
 use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{Compared, compare_models};
 use crate::comparison::other_slopes::OtherSlopes;
@@ -21,8 +22,11 @@ use crate::config::VerifyConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
+use crate::error::StudyError;
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
+
+pub use self::study::VerifyStudy;
 
 /// What a verification found.
 pub struct VerifyOutcome<'a> {
@@ -80,13 +84,13 @@ impl VerifyConfig {
 /// Cases of equal surfaces share them.
 ///
 /// # Errors
-/// [`VerifyError`] if a case cannot be traced or compared, or the run is stopped before there is any result.
+/// [`StudyError`] if a case cannot be traced or compared, or the run is stopped before there is any result.
 pub fn verify<'a>(
     config: &'a VerifyConfig,
     plan: &'a Plan,
     found: &'a mut ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<VerifyOutcome<'a>, VerifyError> {
+) -> Result<VerifyOutcome<'a>, StudyError> {
     let began = Instant::now();
     let time = config.run.max_time.and_then(Seconds::duration);
     let observer = &Deadline::new(observer, time);
@@ -100,13 +104,13 @@ pub fn verify<'a>(
 /// What a verification says of the results of its plan.
 ///
 /// # Errors
-/// [`VerifyError`] if a model cannot be made, or fits no result.
+/// [`StudyError`] if a model cannot be made, or fits no result.
 pub fn judge_verification<'a>(
     config: &'a VerifyConfig,
     plan: &'a Plan,
     found: &'a ResultSet<'_>,
     observer: &dyn Observer,
-) -> Result<VerifyOutcome<'a>, VerifyError> {
+) -> Result<VerifyOutcome<'a>, StudyError> {
     let began = Instant::now();
     let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
     observer.begin("comparing", cases.len() as u64);
@@ -132,7 +136,7 @@ pub fn judge_verification<'a>(
 fn other_slopes(
     config: &VerifyConfig,
     outcome: &Outcome,
-) -> Result<Option<OtherSlopes>, VerifyError> {
+) -> Result<Option<OtherSlopes>, StudyError> {
     let is_requested = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
     let SurfaceSource::Random(surfaces) = &outcome.case.surface else {
         return Ok(None);
@@ -151,7 +155,7 @@ fn other_slopes(
 pub(crate) fn judge_case<'a>(
     config: &VerifyConfig,
     outcome: &'a Outcome,
-) -> Result<Judgement<'a>, VerifyError> {
+) -> Result<Judgement<'a>, StudyError> {
     let free_azimuth = config.free_azimuth(&outcome.case);
     let other = other_slopes(config, outcome)?;
     let Some(mut surface) = ModelledSurface::of(&outcome.case) else {

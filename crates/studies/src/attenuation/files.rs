@@ -1,23 +1,15 @@
 //! The files of an attenuation run.
 
-use asperity_io::ResultFolder;
-use asperity_simulate::Observer;
 use serde_json::{Value, json};
 
 use super::tables::{attenuation, attenuation_table, demarcation, visibility};
 use super::{AttenuationConfig, AttenuationOutcome, figures};
 use crate::output::Head;
-use crate::report::error::ReportError;
 use crate::report::views::Views;
 
 impl AttenuationConfig {
-    /// Names of all files that a run writes into its folder.
-    #[must_use]
-    pub fn files(&self) -> Vec<String> {
-        self.views().names()
-    }
-
-    fn views<'a>(&self) -> Views<'a, AttenuationOutcome<'a>> {
+    /// The files of the study.
+    pub(super) fn views<'a>(&self) -> Views<'a, AttenuationOutcome<'a>> {
         let mut views: Views<'a, AttenuationOutcome<'a>> = Views::new();
         views.csv("attenuation.csv", |found| {
             Some(attenuation(found).with_rows(&found.rows))
@@ -45,23 +37,8 @@ impl AttenuationConfig {
     }
 }
 
-/// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
-/// requested, plots, report.txt, and, last, summary.json.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn attenuation_report(
-    folder: &ResultFolder,
-    outcome: &AttenuationOutcome<'_>,
-    progress: &dyn Observer,
-) -> Result<(), ReportError> {
-    let views = outcome.plan.config.views();
-    views.write(folder, outcome, progress)
-}
-
 /// The contents of summary.json.
-#[must_use]
-pub fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
+pub(super) fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
     let config = &outcome.plan.config;
     let (attenuation, demarcation) = (attenuation(outcome), demarcation(outcome));
     let visibility = visibility(outcome);

@@ -12,10 +12,10 @@ use asperity_surface::{Border, Psd};
 use asperity_tracer::AcceleratorKind;
 use serde_json::json;
 
-use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationDirections, VisibilityMethod};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
+use crate::error::StudyError;
 
 /// A configuration with its lists checked.
 pub struct AttenuationPlan {
@@ -49,7 +49,7 @@ pub(super) struct RoughSurfaces {
 impl AttenuationPlan {
     /// What the results of this configuration are kept under: all settings but those of the figures.
     #[must_use]
-    pub fn header(&self) -> Header {
+    pub(super) fn identity(&self) -> Header {
         let config = &self.config;
         let document = json!({
             "surface": config.surface,
@@ -71,7 +71,7 @@ impl AttenuationPlan {
     }
 
     /// Refuses what does not fit into memory.
-    fn check_size(&self) -> Result<(), AttenuationError> {
+    fn check_size(&self) -> Result<(), StudyError> {
         let run = &self.config.run;
         let drawn = &self.surfaces[0].drawn;
         let horizons = usize::from(self.needs_horizons()) * self.azimuths.len();
@@ -103,14 +103,14 @@ impl AttenuationConfig {
     /// Goes through the lists, and checks everything that can be known before a surface is drawn: values, grids, memory.
     ///
     /// # Errors
-    /// [`AttenuationError`] if a value is out of range, two contradict each other, or a surface does not fit into memory.
-    pub fn plan(&self) -> Result<AttenuationPlan, AttenuationError> {
+    /// [`StudyError`] if a value is out of range, two contradict each other, or a surface does not fit into memory.
+    pub fn plan(&self) -> Result<AttenuationPlan, StudyError> {
         let (surface, run) = (&self.surface, &self.run);
         let sigmas = numbers("sigma", &surface.sigma)?;
         let tau = surface.tau.0;
         let (shape, cells) = (self.shape()?, surface.cells.of_random());
         let spacing = surface.spacing.xy().map(|spacing| spacing.0);
-        let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, AttenuationError> {
+        let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, StudyError> {
             let psd = Psd::gaussian(sigma, tau).map_err(ConfigError::from)?;
             let drawn = RandomSurfaces::new(cells, psd, shape, spacing, surface.insist);
             Ok(RoughSurfaces {
@@ -168,7 +168,7 @@ impl AttenuationConfig {
     }
 
     /// Samples `[ny, nx]`.
-    fn shape(&self) -> Result<[usize; 2], AttenuationError> {
+    fn shape(&self) -> Result<[usize; 2], StudyError> {
         let surface = &self.surface;
         let [nx, ny] = match (surface.size, surface.length) {
             (Some(size), None) => size.xy().map(|samples| Ok(samples.0 as usize)),
@@ -196,7 +196,7 @@ const MAX_SAMPLES: f64 = 1e9;
 const MAX_RESULTS: f64 = 1e8;
 
 /// Samples along a side of this length.
-fn samples(length: f64, spacing: f64) -> Result<usize, AttenuationError> {
+fn samples(length: f64, spacing: f64) -> Result<usize, StudyError> {
     let samples = length / spacing;
     let whole = samples.round();
     let divides = (samples - whole).abs() <= 1e-9 * whole;
@@ -210,7 +210,7 @@ fn samples(length: f64, spacing: f64) -> Result<usize, AttenuationError> {
     )))
 }
 
-pub(super) fn contradiction(text: impl Display) -> AttenuationError {
+pub(super) fn contradiction(text: impl Display) -> StudyError {
     ConfigError::Contradiction(text.to_string()).into()
 }
 
@@ -243,7 +243,7 @@ fn chosen(
     named: Option<&OneOrMany<Number>>,
     values: &[f64],
     count: usize,
-) -> Result<Vec<usize>, AttenuationError> {
+) -> Result<Vec<usize>, StudyError> {
     let Some(named) = named else {
         let (last, shown) = (values.len() - 1, count.min(values.len()));
         let place = |i: usize| if shown > 1 { i * last / (shown - 1) } else { 0 };

@@ -4,11 +4,11 @@ use asperity_optics::Incidence;
 use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
-use super::AttenuationError;
 use super::config::VisibilityMethod;
 use super::ground::Point;
 use super::plan::{AttenuationPlan, contradiction};
 use super::points::{chunks, points, samples};
+use crate::error::StudyError;
 
 /// Horizons along one azimuth, in one list per chunk.
 pub(super) struct Skyline {
@@ -25,7 +25,7 @@ impl Skyline {
         surface: &Surface,
         index: u64,
         least: f64,
-    ) -> Result<Vec<Self>, AttenuationError> {
+    ) -> Result<Vec<Self>, StudyError> {
         let are_needed = plan.method == VisibilityMethod::Horizons;
         let along = |&azimuth: &f64| {
             let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;

@@ -13,7 +13,6 @@ use asperity_tracer::{
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::AttenuationError;
 use super::config::VisibilityMethod;
 use super::counts::Counts;
 use super::demarcation::Rises;
@@ -22,6 +21,7 @@ use super::heights::{self, BINS};
 use super::plan::AttenuationPlan;
 use super::points::{chunks, points, samples};
 use super::skyline::{Skyline, cotangent, least_rise};
+use crate::error::StudyError;
 
 /// Counts of one realisation, whose surfaces are one at several scales of height.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ impl SurveyedSurface {
         plan: &AttenuationPlan,
         index: u64,
         observer: &dyn Observer,
-    ) -> Result<Option<Self>, AttenuationError> {
+    ) -> Result<Option<Self>, StudyError> {
         let run = &plan.config.run;
         let (mut counts, mut rises, mut skylines) = (Vec::new(), None, Vec::new());
         for (number, surfaces) in plan.surfaces.iter().enumerate() {

@@ -6,6 +6,8 @@ use asperity_io::ResultFolder;
 use asperity_simulate::{Silent, point_stream};
 use rand::RngExt;
 
+use super::files::attenuation_summary;
+use super::tables::attenuation_table;
 use super::*;
 
 const CONFIG: &str = "
@@ -63,14 +65,14 @@ fn said(outcome: &AttenuationOutcome<'_>) -> (String, serde_json::Value) {
 }
 
 fn whole(plan: &AttenuationPlan) -> (String, serde_json::Value) {
-    let mut found = Container::in_memory(plan.header());
+    let mut found = Container::in_memory(plan.identity());
     said(&attenuation(plan, &mut found, &Silent).unwrap())
 }
 
 #[test]
 fn report_and_summary_of_an_interrupted_run_say_so() {
     let plan = plan();
-    let mut found = Container::in_memory(plan.header());
+    let mut found = Container::in_memory(plan.identity());
     let outcome = attenuation(&plan, &mut found, &Interrupt::after(5)).unwrap();
     // Two sigma: the third realisation was begun and not finished.
     assert_eq!(outcome.work.realisations, 2);
@@ -93,7 +95,7 @@ fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
     let place = tempfile::tempdir().unwrap();
     let folder = ResultFolder::open(place.path(), "attenuation", &[]).unwrap();
     let plan = plan();
-    let open = || Container::open(&folder, plan.header()).unwrap();
+    let open = || Container::open(&folder, plan.identity()).unwrap();
     for surfaces in [2, 5, 20] {
         let observer = Interrupt::after(surfaces);
         let mut found = open();
@@ -107,9 +109,12 @@ fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
     let outcome = attenuation(&plan, &mut found, &Interrupt::after(0)).unwrap();
     assert_eq!(said(&outcome), whole(&plan));
     // Nothing is found, and nothing written, if an interrupt comes first.
-    let mut found = Container::in_memory(plan.header());
+    let mut found = Container::in_memory(plan.identity());
     let refused = attenuation(&plan, &mut found, &Interrupt::after(1));
-    assert!(matches!(refused, Err(AttenuationError::Interrupted)));
+    assert!(matches!(
+        refused,
+        Err(StudyError::Simulate(SimulateError::Interrupted))
+    ));
 }
 
 #[test]
@@ -120,7 +125,7 @@ fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
     for _ in 0..4 {
         let owners: Vec<u32> = (0..5).map(|_| rng.random_range(0..3)).collect();
         let shard = |number: u32| {
-            let mut found = Container::in_memory(plan.header());
+            let mut found = Container::in_memory(plan.identity());
             // All shards have the last surface.
             let own = |index: usize| match owners[index] == number || index == 4 {
                 true => SurveyedSurface::of(&plan, index as u64, &Silent),

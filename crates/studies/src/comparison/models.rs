@@ -12,7 +12,6 @@ use asperity_optics::Incidence;
 use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyValues};
 use rayon::prelude::*;
 
-use crate::comparison::error::CompareError;
 use crate::comparison::ray_counts::RayCounts;
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::side_difference::{SideDifference, side_differences};
@@ -20,6 +19,7 @@ use crate::comparison::slope_tables::SlopeTables;
 use crate::config::CompareConfig;
 use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
+use crate::error::StudyError;
 
 /// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
@@ -112,13 +112,13 @@ impl ModelOutcome {
 /// case. Returns the models and the level of each test.
 pub(crate) fn compare_models(
     compared: &Compared<'_>,
-) -> Result<(Vec<ModelOutcome>, f64), CompareError> {
+) -> Result<(Vec<ModelOutcome>, f64), StudyError> {
     let config = compared.config;
     let mut models = config
         .models
         .par_iter()
         .map(|name| compared.with(CaseModel::of(name, &compared.surface)?))
-        .collect::<Result<Vec<_>, CompareError>>()?;
+        .collect::<Result<Vec<_>, StudyError>>()?;
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
@@ -156,7 +156,7 @@ impl Compared<'_> {
     }
 
     /// The comparison with one model.
-    fn with(&self, model: CaseModel) -> Result<ModelOutcome, CompareError> {
+    fn with(&self, model: CaseModel) -> Result<ModelOutcome, StudyError> {
         let surfaces = self.outcome.surfaces.len() as u64;
         let effort = SamplingEffort {
             rays: self.config.model_rays.0,
@@ -184,7 +184,7 @@ impl Compared<'_> {
                 let derivatives = regions.derivatives(|slopes| {
                     let surface = self.surface.with_slopes(slopes);
                     let model = CaseModel::of(model.name(), &surface)?;
-                    Ok::<_, CompareError>(expect(&model).statistics().means().clone())
+                    Ok::<_, StudyError>(expect(&model).statistics().means().clone())
                 })?;
                 Cow::Owned(regions.adjusted(&self.outcome.surfaces, &derivatives))
             }
@@ -199,7 +199,7 @@ impl Compared<'_> {
             || against(ALL_LIGHT),
             || {
                 let components = apart.map(|component| Ok((component, against(component)?)));
-                components.collect::<Result<_, CompareError>>()
+                components.collect::<Result<_, StudyError>>()
             },
         );
         Ok(ModelOutcome {
@@ -211,7 +211,7 @@ impl Compared<'_> {
     }
 
     /// The tallies of surfaces or regions less what their own tables of slopes explain.
-    fn less_tabulated(&self) -> Result<Vec<TallyValues>, CompareError> {
+    fn less_tabulated(&self) -> Result<Vec<TallyValues>, StudyError> {
         let tallies = &self.outcome.surfaces;
         let Some(tables) = self.tables else {
             return Ok(tallies.clone());
@@ -230,7 +230,7 @@ impl Compared<'_> {
         tallies: &[TallyValues],
         expectation: &Expectation,
         component: Component,
-    ) -> Result<ComparedComponent, CompareError> {
+    ) -> Result<ComparedComponent, StudyError> {
         let spec = self.spec();
         let bins = spec.recorded_entries(component);
         let fluxes = |tally: &TallyValues| tally[bins].to_vec();

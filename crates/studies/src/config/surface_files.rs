@@ -15,9 +15,7 @@ use serde::Serialize;
 use self::source::Source;
 use super::surface::SurfaceConfig;
 use super::surface_choices::HeightsChoice;
-
-/// What the name of a height map begins with that surfaces are to be like.
-const LIKE: &str = "like:";
+use crate::settings::LIKE;
 
 /// Why a file does not give a spectrum or a distribution of heights.
 #[derive(Debug, thiserror::Error)]

@@ -12,7 +12,7 @@ use super::deviation::{RepeatedError, Target};
 use super::exact::exact_fluxes;
 use super::fit::Fit;
 use super::method::{ConvergeRun, Method};
-use crate::verify::error::VerifyError;
+use crate::error::StudyError;
 
 /// An error below this multiple of the reference's own error says more about the reference than about the run.
 const AT_THE_REFERENCE: f64 = 2.0;
@@ -197,10 +197,10 @@ impl<'a> ConvergedCase<'a> {
         plan: &ConvergePlan,
         case: &'a Case,
         runs: &[StoredRun<'_>],
-    ) -> Result<Self, VerifyError> {
+    ) -> Result<Self, StudyError> {
         let first = &runs[0];
         let statistics = &first.outcome().statistics;
-        let target = Target::new(first.fluxes()).ok_or(VerifyError::NoLight)?;
+        let target = Target::new(first.fluxes()).ok_or(StudyError::NoLight)?;
         let squares = statistics.error_squares();
         let squares = &squares[plan.spec.recorded_entries(Component::All)];
         let errors: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();

@@ -21,9 +21,9 @@ use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
     VerifyConfig,
 };
+use crate::error::StudyError;
 use crate::settings::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
-use crate::verify::error::VerifyError;
 
 /// `[converge]`: the methods, and how much each of them does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -118,7 +118,7 @@ impl ConvergeConfig {
         &self,
         recipe: SurfaceRecipe,
         spacing: PerAxis<Number>,
-    ) -> Result<RandomSurfaces, VerifyError> {
+    ) -> Result<RandomSurfaces, StudyError> {
         let shape = self.shape(spacing)?;
         let (spacing, insist) = (spacing.xy().map(|spacing| spacing.0), self.surface.insist);
         let surfaces = RandomSurfaces::new(Cells::Flat, recipe, shape, spacing, insist);
@@ -241,8 +241,8 @@ impl ConvergeConfig {
     /// Multiplies the lists out, and checks all that can be known before a ray is traced: values, grids, memory.
     ///
     /// # Errors
-    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn or traced in memory.
-    pub fn plan(&self) -> Result<ConvergePlan, VerifyError> {
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn or traced in memory.
+    pub fn plan(&self) -> Result<ConvergePlan, StudyError> {
         let config = &self.converge;
         let verification = self.as_verification();
         let spacings = match &config.spacings {

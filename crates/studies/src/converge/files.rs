@@ -1,23 +1,16 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
-use asperity_io::ResultFolder;
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
-use asperity_simulate::{Observer, counted, short};
+use asperity_simulate::{counted, short};
 
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, convergence, rows};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergedCase, MethodOutcome};
-use crate::report::error::ReportError;
 use crate::report::views::{Views, case_folders};
 
 impl ConvergeConfig {
-    /// Names of all files that a run of `plan` writes into its folder.
-    #[must_use]
-    pub fn files(&self, plan: &ConvergePlan) -> Vec<String> {
-        self.views(plan).names()
-    }
-
-    fn views<'a>(&self, plan: &ConvergePlan) -> Views<'a, ConvergeOutcome<'a>> {
+    /// The files of the study.
+    pub(super) fn views<'a>(&self, plan: &ConvergePlan) -> Views<'a, ConvergeOutcome<'a>> {
         let mut views: Views<'a, ConvergeOutcome<'a>> = Views::new();
         let several = plan.cases.len() > 1;
         for (number, folder) in case_folders(&plan.cases).iter().enumerate() {
@@ -47,20 +40,6 @@ impl ConvergeConfig {
         views.json("summary.json", |found| Some(converge_summary(found)));
         views
     }
-}
-
-/// Writes what was found into `folder`: the files of every case, in folders of their own where there
-/// are several, report.txt, and, last, summary.json.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn converge_report(
-    folder: &ResultFolder,
-    outcome: &ConvergeOutcome,
-    progress: &dyn Observer,
-) -> Result<(), ReportError> {
-    let views = outcome.config.views(outcome.plan);
-    views.write(folder, outcome, progress)
 }
 
 impl ConvergeOutcome<'_> {

@@ -30,8 +30,7 @@ struct CaseConfig {
 }
 
 /// The contents of summary.json: that of the case, or, of several, a list of all with their folders.
-#[must_use]
-pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
+pub(super) fn converge_summary(outcome: &ConvergeOutcome) -> Value {
     if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
         return json!(case_summary(outcome, case));
     }

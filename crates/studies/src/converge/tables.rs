@@ -13,8 +13,7 @@ use super::{
 use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
 
 /// The tables of every case.
-#[must_use]
-pub fn converge_table(outcome: &ConvergeOutcome) -> String {
+pub(super) fn converge_table(outcome: &ConvergeOutcome) -> String {
     outcome
         .cases
         .iter()

@@ -7,6 +7,7 @@ use rand::RngExt;
 use serde_json::{Value, json};
 
 use super::json::case_summary;
+use super::tables::converge_table;
 use super::*;
 
 /// Two cases of two methods and two efforts.

@@ -15,8 +15,8 @@ use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
+use crate::error::StudyError;
 use crate::settings::{Command, Document, defaults};
-use crate::verify::error::VerifyError;
 use crate::verify::plan::Plan;
 
 /// `[light]`: the directions that light comes from.
@@ -189,8 +189,8 @@ impl GonioConfig {
     /// What is measured, checked as far as it can be before a ray is traced; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
-    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
-    pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, VerifyError> {
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
         let refused = |text: String| Err(ConfigError::Contradiction(text).into());
         if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
             return refused(format!(

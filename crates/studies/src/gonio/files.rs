@@ -1,7 +1,6 @@
 //! The files of a measurement: tables, arrays, plots, report.txt and summary.json.
 
-use asperity_io::{ResultFolder, write_array};
-use asperity_simulate::Silent;
+use asperity_io::write_array;
 use asperity_tally::Side;
 
 use super::json::gonio_summary;
@@ -25,15 +24,11 @@ const ARRAYS: [&str; 4] = [
 ];
 
 impl GonioConfig {
-    /// Names of all files that a measurement of the cases of `plan` writes into its folder.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self, plan: &Plan) -> Result<Vec<String>, ConfigError> {
-        Ok(self.views(plan)?.names())
-    }
-
-    fn views<'a>(&self, plan: &Plan) -> Result<Views<'a, GonioOutcome<'a>>, ConfigError> {
+    /// The files of the study.
+    pub(super) fn views<'a>(
+        &self,
+        plan: &Plan,
+    ) -> Result<Views<'a, GonioOutcome<'a>>, ConfigError> {
         let mut views: Views<'a, GonioOutcome<'a>> = Views::new();
         views.csv("gonio.csv", |outcome| Some(tables::directions(outcome)));
         views.csv("in_plane.csv", |outcome| Some(tables::in_plane(outcome)));
@@ -60,17 +55,6 @@ impl GonioConfig {
         views.json("summary.json", |outcome| Some(gonio_summary(outcome)));
         Ok(views)
     }
-}
-
-/// Writes a measurement into `folder`: tables, arrays, plots, report.txt, and, last, summary.json.
-///
-/// All of it depends on the directions alone, not on how many runs they took.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(), ReportError> {
-    let views = outcome.config.views(outcome.plan)?;
-    views.write(folder, outcome, &Silent)
 }
 
 /// bsdf.npy and bsdf_se.npy, `[setting][theta_i][phi_i][side][theta_o][phi_o]`, and the edges of their bins, theta_edges.npy and

@@ -12,8 +12,7 @@ use crate::output::{BySide, Head};
 use crate::report::config_json::config_json;
 
 /// The contents of summary.json.
-#[must_use]
-pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
+pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
     let spec = outcome.spec();
     let directions = outcome.directions().map(|one| describe(outcome, &one));
     let of_direction = measured(outcome).next().map(tables::direction);

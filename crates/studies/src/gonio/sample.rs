@@ -1,11 +1,11 @@
 //! Given surfaces as a measurement takes them.
 
-use asperity_simulate::{Cells, Shape, SimulateError, corners_hash, heights_hash};
+use asperity_simulate::{Cells, Shape, corners_hash, heights_hash};
 use asperity_surface::{Form, HeightField, LengthUnit};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
-use crate::given::{GivenShape, GivenSurface, GivenSurfaces};
+use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
 use crate::surface_lengths::SurfaceLengths;
 
 /// Given surfaces.
@@ -37,7 +37,7 @@ impl Sample {
     ///
     /// # Errors
     /// As [`GivenShape::simulated`].
-    pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, SimulateError> {
+    pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, GivenError> {
         let about = AboutSample {
             name: surfaces.name(),
             unit: surfaces.first.unit,
@@ -49,7 +49,7 @@ impl Sample {
             },
         };
         Ok(Self {
-            shapes: surfaces.simulated(cells)?,
+            shapes: surfaces.simulated(None, cells)?,
             about,
         })
     }

@@ -14,8 +14,7 @@ use crate::report::energies::lost_warning;
 use crate::validity::Validity;
 
 /// The summary as text: report.txt.
-#[must_use]
-pub fn gonio_table(outcome: &GonioOutcome) -> String {
+pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
     let mut out = String::new();
     let done = outcome.directions().len() - outcome.missing();
     let distinction = Distinction::of(outcome.settings());

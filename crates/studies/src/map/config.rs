@@ -12,8 +12,8 @@ use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, MaterialKind, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
+use crate::error::StudyError;
 use crate::settings::{Command, Document, defaults};
-use crate::verify::error::VerifyError;
 use crate::verify::plan::Plan;
 
 /// `[map]`: the tolerances of the distances between a model and the explicit result.
@@ -83,8 +83,8 @@ impl MapConfig {
     /// The cells, checked as far as it can be before a ray is traced.
     ///
     /// # Errors
-    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
-    pub fn plan(&self) -> Result<Plan, VerifyError> {
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn plan(&self) -> Result<Plan, StudyError> {
         let verification = self.as_verification()?;
         let mut plan = verification.plan()?;
         // What a cell finds does not depend on the others.

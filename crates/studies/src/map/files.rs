@@ -1,25 +1,18 @@
 //! The files of a map: map.csv, two plots, report.txt and summary.json.
 
-use asperity_io::ResultFolder;
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
-use asperity_simulate::{Case, Silent, short};
+use asperity_simulate::{Case, short};
 
 use super::cell::ComparedLight;
 use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::summary::{grooves, is_in_panel, map_table, panels, smoothness, thetas};
 use super::{MapConfig, MapOutcome, tables};
-use crate::report::error::ReportError;
 use crate::report::views::Views;
 
 impl MapConfig {
-    /// Names of all files that a map writes into its folder.
-    #[must_use]
-    pub fn files(&self) -> Vec<String> {
-        self.views().names()
-    }
-
-    fn views<'a>(&self) -> Views<'a, MapOutcome<'a>> {
+    /// The files of the study.
+    pub(super) fn views<'a>(&self) -> Views<'a, MapOutcome<'a>> {
         let mut views: Views<'a, MapOutcome<'a>> = Views::new();
         views.csv("map.csv", |outcome| Some(tables::map(outcome)));
         if self.output.plots {
@@ -33,16 +26,6 @@ impl MapConfig {
         views.json("summary.json", |outcome| Some(map_summary(outcome)));
         views
     }
-}
-
-/// Writes a map into `folder`: map.csv, map_own and map_all as plots, report.txt, and, last, summary.json.
-///
-/// All of it depends on the cells alone, not on how many runs they took.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), ReportError> {
-    outcome.config.views().write(folder, outcome, &Silent)
 }
 
 /// The heat map of one comparison.

@@ -9,8 +9,7 @@ use crate::output::Head;
 use crate::report::config_json::config_json;
 
 /// The contents of summary.json.
-#[must_use]
-pub fn map_summary(outcome: &MapOutcome) -> Value {
+pub(super) fn map_summary(outcome: &MapOutcome) -> Value {
     let cells = outcome.cells().map(|cell| describe(outcome, cell));
     let mut summary = json!({
         "seed": outcome.config.run.seed,

@@ -158,8 +158,7 @@ pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
 }
 
 /// The summary as text: report.txt.
-#[must_use]
-pub fn map_table(outcome: &MapOutcome) -> String {
+pub(super) fn map_table(outcome: &MapOutcome) -> String {
     let mut out = String::new();
     let tolerances = &outcome.config.map;
     let list = |values: Vec<f64>| values.into_iter().map(short).collect::<Vec<_>>().join(", ");
@@ -275,6 +274,7 @@ mod tests {
             config: &config,
             plan: &plan,
             cut_short: 0,
+            stopped_by: None,
         };
         use CellVerdict::{Beyond, NotResolved, Within};
         // Of four smoothness values, at 0 and at 60 degrees.

@@ -2,9 +2,9 @@
 
 use asperity_io::{ResultFolderError, WriteError};
 use asperity_plot::PlotError;
+use asperity_simulate::SimulateError;
 
 use crate::config::error::ConfigError;
-use crate::verify::error::VerifyError;
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]
@@ -21,7 +21,7 @@ pub enum ReportError {
     Config(#[from] ConfigError),
     /// The surface of a plot cannot be drawn again.
     #[error(transparent)]
-    Surface(#[from] Box<VerifyError>),
+    Surface(#[from] SimulateError),
     /// A plot cannot be drawn.
     #[error("a plot could not be drawn: {0}")]
     Plot(#[from] PlotError),

@@ -10,8 +10,7 @@ use asperity_tally::TallyResult;
 use asperity_tracer::Polarisation;
 use serde_json::{Value, json};
 
-use super::TraceError;
-use super::region_plan::{RegionPlan, TooSmall};
+use super::region_plan::{MIN_REGIONS, MIN_WIDTH, RegionPlan, TooSmall};
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
@@ -23,7 +22,8 @@ use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
 use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
-use crate::given::{GivenShape, GivenSurfaces};
+use crate::error::StudyError;
+use crate::given::{GivenError, GivenShape, GivenSurfaces};
 
 /// Mean slope, over the root mean square slope, above which a surface is called tilted.
 const TILTED: f64 = 0.05;
@@ -65,13 +65,13 @@ impl Slopes {
     /// Those of the `models` that are of isotropic surfaces and take the mean of the slope variances.
     ///
     /// # Errors
-    /// [`TraceError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
+    /// [`GivenError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
     fn isotropic_models<'a>(
         &self,
         models: &'a [String],
         case: &Case,
         surface: &str,
-    ) -> Result<Vec<&'a str>, TraceError> {
+    ) -> Result<Vec<&'a str>, StudyError> {
         let modelled = self.modelled(case);
         let anisotropic = ModelledSurface {
             is_nearly_isotropic: false,
@@ -80,11 +80,13 @@ impl Slopes {
         let mut isotropic = Vec::new();
         for name in models {
             CaseModel::of(name, &modelled).map_err(|error| match error {
-                ConfigError::Model(error) if error.is_anisotropic() => TraceError::Anisotropic {
-                    name: surface.to_owned(),
-                    variances: self.isotropy.variances,
-                    error,
-                },
+                ConfigError::Model(error) if error.is_anisotropic() => {
+                    StudyError::from(GivenError::Anisotropic {
+                        name: surface.to_owned(),
+                        variances: self.isotropy.variances,
+                        error,
+                    })
+                }
                 error => error.into(),
             })?;
             if CaseModel::of(name, &anisotropic).is_err() {
@@ -118,22 +120,28 @@ impl PlannedComparison {
         surfaces: &GivenSurfaces,
         case: &Case,
         settings: &Settings,
-    ) -> Result<Option<Self>, TraceError> {
+    ) -> Result<Option<Self>, StudyError> {
         if config.compare.models.is_empty() {
             return Ok(None);
         }
         if !surfaces.others.is_empty() {
             let count = 1 + surfaces.others.len();
-            return Err(TraceError::ComparedSeveral { count });
+            return Err(GivenError::ComparedSeveral { count }.into());
         }
         let surface = &surfaces.first;
         let name = || surface.name.clone();
         let GivenShape::Field(field) = &surface.shape else {
-            return Err(TraceError::ComparedMesh { name: name() });
+            return Err(GivenError::ComparedMesh { name: name() }.into());
         };
         let plan = RegionPlan::of(field).map_err(|error| match error {
-            TooSmall::Correlated => TraceError::Correlated { name: name() },
-            TooSmall::Widths([x, y]) => TraceError::FewRegions { name: name(), x, y },
+            TooSmall::Correlated => GivenError::Correlated { name: name() },
+            TooSmall::Widths([x, y]) => GivenError::FewRegions {
+                name: name(),
+                x,
+                y,
+                regions: MIN_REGIONS,
+                width: MIN_WIDTH,
+            },
         })?;
         let regions = [plan.regions.columns as usize, plan.regions.rows as usize];
         let found = match case.surface.shapes() {
@@ -193,7 +201,7 @@ impl PlannedComparison {
         outcome: &'a Outcome,
         seed: u64,
         observer: &dyn Observer,
-    ) -> Result<TraceComparison<'a>, TraceError> {
+    ) -> Result<TraceComparison<'a>, StudyError> {
         observer.begin("comparing", self.config.models.len() as u64);
         let compared = Compared {
             config: &self.config,

@@ -3,9 +3,9 @@
 use asperity_simulate::Case;
 use serde_json::{Value, json};
 
-use super::TracedSurfaces;
 use crate::config::Azimuth;
 use crate::config::trace::TraceConfig;
+use crate::given::{GivenSurface, GivenSurfaces};
 
 /// The surfaces as summary.json holds them.
 pub(super) struct Surfaces {
@@ -14,11 +14,14 @@ pub(super) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(super) fn of(surfaces: &TracedSurfaces, config: &TraceConfig) -> Self {
+    pub(super) fn of(
+        tops: &GivenSurfaces,
+        bottom: Option<&GivenSurface>,
+        config: &TraceConfig,
+    ) -> Self {
         let form = config.measured.remove;
-        let bottom = surfaces.bottom.as_ref();
         Self {
-            surface: surfaces.tops.described(|one| one.description(form)),
+            surface: tops.described(|one| one.description(form)),
             bottom: bottom.map(|bottom| bottom.description(form)),
         }
     }

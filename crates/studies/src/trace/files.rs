@@ -1,29 +1,18 @@
 //! The files of traced surfaces.
 
-use asperity_io::ResultFolder;
-use asperity_simulate::Silent;
-
 use super::TraceOutcome;
 use super::comparison::TraceComparison;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::report::case_views::CaseViews;
-use crate::report::error::ReportError;
 use crate::report::figures::height_map_figure;
 use crate::report::shown_case::ShownCase;
 use crate::report::summary::Summary;
 use crate::report::views::Views;
 
 impl TraceConfig {
-    /// Names of all files that are written.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
-        Ok(self.views()?.names())
-    }
-
-    fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
+    /// The files of traced surfaces.
+    pub(super) fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
         let of_case = CaseViews {
             spec: &self.ray_settings()?.tally,
             compared: !self.compare.models.is_empty(),
@@ -44,16 +33,6 @@ impl TraceConfig {
     }
 }
 
-/// Writes what light did on the surfaces into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
-/// with models, plots and, last, summary.json.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(), ReportError> {
-    let views = outcome.plan.config.views()?;
-    views.write(folder, outcome, &Silent)
-}
-
 impl TraceOutcome<'_> {
     /// The surface as its tables and figures show it.
     fn shown(&self) -> ShownCase<'_> {
@@ -66,8 +45,7 @@ impl TraceOutcome<'_> {
 }
 
 /// The contents of summary.json.
-#[must_use]
-pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
+pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let config = outcome.plan.described.clone();
     let tables = CaseViews {
         spec: outcome.spec(),

@@ -13,8 +13,7 @@ use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_text;
 
 /// Surfaces and light, then energies, errors and notes.
-#[must_use]
-pub fn trace_table(outcome: &TraceOutcome) -> String {
+pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
     let found = outcome.outcome;
     let mut text = format!(
         "{}, {}\nflux fractions; standard errors from {} {}\n{}{}{}{}\n",

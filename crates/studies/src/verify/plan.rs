@@ -8,7 +8,7 @@ use asperity_surface::{FieldSynthesis, LengthUnit, SurfaceRecipe};
 
 use crate::config::error::ConfigError;
 use crate::config::{RunConfig, SurfaceConfig, VerifyConfig};
-use crate::verify::error::VerifyError;
+use crate::error::StudyError;
 
 /// The cases that a configuration stands for, and how they are simulated.
 #[derive(Clone)]
@@ -46,7 +46,7 @@ impl Plan {
 
 impl SurfaceConfig {
     /// Surfaces of `recipe` on the grid of the configuration.
-    fn planned(&self, recipe: SurfaceRecipe) -> Result<RandomSurfaces, VerifyError> {
+    fn planned(&self, recipe: SurfaceRecipe) -> Result<RandomSurfaces, StudyError> {
         let shape = self.shape().map_err(ConfigError::from)?;
         let planning = FieldSynthesis::planning_bytes(&recipe, shape);
         check_memory("planning these surfaces", planning)?;
@@ -60,8 +60,8 @@ impl VerifyConfig {
     /// Every combination of surface, material, medium and direction of light, checked.
     ///
     /// # Errors
-    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
-    pub fn plan(&self) -> Result<Plan, VerifyError> {
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn plan(&self) -> Result<Plan, StudyError> {
         let cases = self.cases(SurfaceConfig::planned)?;
         Ok(Plan::new(cases, self.ray_settings()?, &self.run))
     }

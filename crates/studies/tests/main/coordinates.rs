@@ -7,10 +7,7 @@ use std::sync::Mutex;
 use asperity_io::ResultFolder;
 use asperity_results::ResultSet;
 use asperity_simulate::{Coordinate, Observer, Silent};
-use asperity_studies::{
-    GonioConfig, MapConfig, Plan, VerifyConfig, gonio, gonio_report, map, map_report, verify,
-    verify_report,
-};
+use asperity_studies::{Findings, GonioConfig, MapConfig, Plan, VerifyConfig, gonio, map, verify};
 
 const SETTINGS: &str = "
     [surface]
@@ -129,7 +126,7 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
     let folder = ResultFolder::open(out, "gonio", &[]).unwrap();
     let mut found = ResultSet::in_memory(config.header(None).unwrap());
     let outcome = gonio(&config, None, &plan, &mut found, &Silent).unwrap();
-    gonio_report(&folder, &outcome).unwrap();
+    outcome.write(&folder, &Silent).unwrap();
     assert_in_table(out, "gonio.csv");
     assert_in_text(out, &["report.txt"]);
     assert_in_json(out);
@@ -157,7 +154,7 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     let folder = ResultFolder::open(&out, "verify", &[]).unwrap();
     let mut found = ResultSet::in_memory(config.header());
     let outcome = verify(&config, &plan, &mut found, &Silent).unwrap();
-    verify_report(&folder, &outcome, &Silent).unwrap();
+    outcome.write(&folder, &Silent).unwrap();
     assert_in_text(&out, &["report.txt"]);
     assert_in_json(&out);
     for value in [450, 650] {
@@ -172,7 +169,7 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     let folder = ResultFolder::open(&out, "map", &[]).unwrap();
     let mut found = ResultSet::in_memory(config.header().unwrap());
     let outcome = map(&config, &plan, &mut found, &Silent).unwrap();
-    map_report(&folder, &outcome).unwrap();
+    outcome.write(&folder, &Silent).unwrap();
     assert_in_table(&out, "map.csv");
     assert_in_json(&out);
     assert_in_text(&out, &["report.txt"]);

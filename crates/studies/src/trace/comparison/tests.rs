@@ -6,7 +6,7 @@ use asperity_surface::{LengthUnit, Psd, RegionSlopes};
 
 use super::*;
 use crate::given::GivenSurface;
-use crate::trace::{TraceOutcome, TracePlan, TracedSurfaces, trace};
+use crate::trace::{TraceOutcome, TracePlan, trace};
 
 /// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
 const SMOOTH: f64 = 10.0;
@@ -32,19 +32,16 @@ fn isotropic(smoothness: f64, seed: u64) -> GivenSurface {
 fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
     let text = format!("[output]\nplots = false\n{settings}");
     let config = TraceConfig::from_toml(&text).unwrap();
-    let surfaces = TracedSurfaces {
-        tops: GivenSurfaces {
-            first: surface,
-            others: Vec::new(),
-        },
-        bottom: None,
+    let tops = GivenSurfaces {
+        first: surface,
+        others: Vec::new(),
     };
-    TracePlan::new(&config, surfaces).unwrap()
+    TracePlan::new(config, tops, None).unwrap()
 }
 
 /// What `read` takes from the outcome of a run.
 fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
-    let mut found = ResultSet::in_memory(plan.header());
+    let mut found = ResultSet::in_memory(plan.identity());
     read(&trace(&plan, &mut found, &Silent).unwrap())
 }
 

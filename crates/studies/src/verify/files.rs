@@ -1,16 +1,16 @@
 //! The files of a verification.
 
-use asperity_io::ResultFolder;
-use asperity_simulate::{Case, Observer, SimulateError, SurfaceSource};
+use asperity_simulate::{Case, SimulateError, SurfaceSource};
 use asperity_surface::HeightField;
 use serde_json::{Value, json};
 
+use super::VerifyOutcome;
+use super::case_report::{case_table, verify_table, warnings};
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files};
-use crate::report::case_report::{case_table, verify_table, warnings};
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
@@ -18,19 +18,13 @@ use crate::report::figures;
 use crate::report::shown_case::ShownCase;
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
-use crate::verify::VerifyOutcome;
 
 impl VerifyConfig {
-    /// Names of all files that a verification of these cases writes into its folder.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn files(&self, cases: &[Case]) -> Result<Vec<String>, ConfigError> {
-        Ok(self.views(cases)?.names())
-    }
-
     /// The files of every case, in folders of their own where there are several, with a report and a summary of all.
-    fn views<'a>(&self, cases: &[Case]) -> Result<Views<'a, VerifyOutcome<'a>>, ConfigError> {
+    pub(super) fn views<'a>(
+        &self,
+        cases: &[Case],
+    ) -> Result<Views<'a, VerifyOutcome<'a>>, ConfigError> {
         let spec = self.ray_settings()?.tally;
         let of_case = CaseViews {
             spec: &spec,
@@ -67,20 +61,6 @@ impl VerifyConfig {
     }
 }
 
-/// Writes a verification into `folder`: the files of every case, in folders of their own where there
-/// are several, report.txt, and, last, summary.json.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn verify_report(
-    folder: &ResultFolder,
-    outcome: &VerifyOutcome,
-    progress: &dyn Observer,
-) -> Result<(), ReportError> {
-    let views = outcome.config.views(&outcome.plan.cases)?;
-    views.write(folder, outcome, progress)
-}
-
 /// Draws the first surface of every case: once for those that share it, and one after the other, since
 /// memory may hold no more.
 fn height_maps(
@@ -100,8 +80,7 @@ fn height_maps(
             continue;
         };
         let first = surfaces.heights(outcome.config.run.seed, 0);
-        let first: HeightField =
-            first.map_err(|error| Box::new(SimulateError::from(error).into()))?;
+        let first: HeightField = first.map_err(SimulateError::from)?;
         let name = match found.work.realisations {
             0 => "One such surface".to_owned(),
             n => format!("First of {n} surfaces"),
@@ -137,8 +116,7 @@ impl VerifyOutcome<'_> {
 
 /// The contents of summary.json of a verification: that of its case, or, of several, a list of all
 /// with their folders.
-#[must_use]
-pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
+pub(super) fn verify_summary(outcome: &VerifyOutcome) -> Value {
     if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
         return json!(case_summary(outcome, case));
     }

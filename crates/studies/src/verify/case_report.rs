@@ -28,7 +28,7 @@ const MAX_CASE_WIDTH: usize = 34;
 const MEASURE_WIDTH: usize = 23 + 3 * 2;
 
 /// What a reader must know of the results of a case.
-pub(crate) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<String> {
+pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     let stopping = outcome.stopping(case);
     warnings.extend(stopping.iter().flat_map(|s| s.warnings.clone()));
@@ -50,8 +50,7 @@ pub(crate) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
 }
 
 /// The comparison of every case.
-#[must_use]
-pub fn verify_table(outcome: &VerifyOutcome) -> String {
+pub(super) fn verify_table(outcome: &VerifyOutcome) -> String {
     let mut out = String::new();
     for case in &outcome.cases {
         out.push_str(&case_table(outcome, case));
@@ -65,7 +64,7 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
 }
 
 /// The comparison of one case.
-pub(crate) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
+pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
     let mut out = String::new();
     let surface = &case.outcome.case.surface;
     let [nx, ny] = surface.size().unwrap_or_default();

@@ -4,7 +4,7 @@ use asperity_surface::{Border, HeightField, Roughness};
 
 /// The border of a height map whose file states none, whatever its format: a measured patch is not periodic, and a
 /// mirrored one has no steps.
-pub const ASSUMED_BORDER: Border = Border::Mirrored;
+pub(super) const ASSUMED_BORDER: Border = Border::Mirrored;
 
 /// Step of heights at a periodic border, over the step between neighbours, from which a note warns.
 ///
@@ -13,8 +13,7 @@ pub const ASSUMED_BORDER: Border = Border::Mirrored;
 const STEP: f64 = 4.0;
 
 /// What a reader of the results should know about the border; `is_known`: whether the file or the user states it.
-#[must_use]
-pub fn border_notes(field: &HeightField, is_known: bool) -> Vec<String> {
+pub(super) fn border_notes(field: &HeightField, is_known: bool) -> Vec<String> {
     let mut notes = Vec::new();
     let border = field.border();
     if !is_known {

@@ -1,0 +1,79 @@
+//! Shadowing and masking as a study.
+
+use asperity_io::ResultFolder;
+use asperity_results::{Container, Header};
+use asperity_simulate::{Observer, StoppedBy, counted};
+use serde::Serialize;
+
+use super::files::attenuation_summary;
+use super::tables::attenuation_table;
+use super::{AttenuationConfig, AttenuationOutcome, AttenuationPlan, SurveyedSurface, attenuation};
+use crate::config::error::ConfigError;
+use crate::error::StudyError;
+use crate::report::error::ReportError;
+use crate::settings::Document;
+use crate::study::{Findings, Study};
+
+impl Study for AttenuationPlan {
+    type Kept = SurveyedSurface;
+    type Findings<'a> = AttenuationOutcome<'a>;
+
+    fn plan(document: &Document, _observer: &dyn Observer) -> Result<Self, StudyError> {
+        let config: AttenuationConfig = document.read()?;
+        if document.is_given("view.phi") && !document.is_given("view.theta") {
+            let text = "--view-phi: the viewer is straight above, where the azimuth has no meaning; give --view-theta too";
+            return Err(ConfigError::Contradiction(text.to_owned()).into());
+        }
+        config.plan()
+    }
+
+    fn files(&self) -> Result<Vec<String>, StudyError> {
+        Ok(self.config.views().names())
+    }
+
+    fn header(&self) -> Result<Header, StudyError> {
+        Ok(self.identity())
+    }
+
+    fn run<'a>(
+        &'a self,
+        found: &'a mut Container<'_, SurveyedSurface>,
+        observer: &dyn Observer,
+    ) -> Result<AttenuationOutcome<'a>, StudyError> {
+        attenuation(self, found, observer)
+    }
+}
+
+impl Findings for AttenuationOutcome<'_> {
+    fn write(&self, folder: &ResultFolder, observer: &dyn Observer) -> Result<(), ReportError> {
+        self.plan.config.views().write(folder, self, observer)
+    }
+
+    fn summary(&self) -> impl Serialize {
+        attenuation_summary(self)
+    }
+
+    fn text(&self) -> String {
+        attenuation_table(self)
+    }
+
+    fn stopped_by(&self) -> Option<StoppedBy> {
+        self.stopped_by
+    }
+
+    fn progress(&self) -> Option<String> {
+        let surfaces = counted(self.work.realisations, "surface");
+        Some(format!("results are of {surfaces} that finished"))
+    }
+
+    fn work(&self) -> Option<String> {
+        let work = &self.work;
+        Some(format!(
+            "{} of {} points by {} in {:.2} s",
+            counted(work.realisations, "surface"),
+            work.points,
+            work.method,
+            work.seconds
+        ))
+    }
+}

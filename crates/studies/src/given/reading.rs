@@ -1,0 +1,253 @@
+//! Reading: given surfaces from files, in the requested unit, with missing points filled, without form.
+
+use std::path::Path;
+
+use asperity_io::{MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh};
+use asperity_simulate::{Observer, counted, short};
+use asperity_surface::{Border, Form, HeightField, LengthUnit, MissingPolicy};
+use asperity_tracer::{Geometry, MeshSurface};
+
+use super::border::{ASSUMED_BORDER, border_notes};
+use super::error::GivenError;
+use super::surface::{GivenShape, GivenSurface, GivenSurfaces};
+use crate::config::measured::MeasuredConfig;
+use crate::settings::Command;
+
+/// A height map that was read.
+#[derive(Clone, Debug)]
+pub struct ReadHeightMap {
+    /// The heights.
+    pub field: HeightField,
+    /// Number of missing points that were filled.
+    pub filled: usize,
+    /// Notes for the user on how the file was read, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl MeasuredConfig {
+    /// The file of a height map, which `command` needs.
+    ///
+    /// # Errors
+    /// [`GivenError::NoSurface`] without a file.
+    pub fn required_file(&self, command: Command) -> Result<&Path, GivenError> {
+        let needed = "FILE, a height map";
+        let no_file = GivenError::NoSurface { command, needed };
+        self.files().next().ok_or(no_file)
+    }
+
+    /// Reads the given surfaces, if there are any. Lengths of the flat surface are in `unit`, those of all files in that of the first.
+    /// Each file that is read is explained to `observer`.
+    ///
+    /// # Errors
+    /// [`GivenError`] if a file cannot be read as requested, or two surfaces are the same.
+    pub fn read_surfaces(
+        &self,
+        unit: LengthUnit,
+        observer: &dyn Observer,
+    ) -> Result<Option<GivenSurfaces>, GivenError> {
+        let files: Vec<&Path> = self.files().collect();
+        for (i, path) in files.iter().enumerate() {
+            if files[..i].iter().any(|other| is_same_file(other, path)) {
+                return Err(GivenError::Twice((*path).to_owned()));
+            }
+        }
+        let (first, others) = match files.split_first() {
+            Some((first, others)) => (self.read(first, observer)?, others),
+            None if self.flat => (GivenSurface::flat(unit), &[][..]),
+            None => return Ok(None),
+        };
+        let others = others.iter();
+        let others = others.map(|path| self.read_like(&first, path, observer));
+        let surfaces = GivenSurfaces {
+            others: others.collect::<Result<_, _>>()?,
+            first,
+        };
+        let all: Vec<&GivenSurface> = surfaces.iter().collect();
+        for (i, one) in all.iter().enumerate() {
+            if let Some(other) = all[..i].iter().find(|other| have_equal_heights(other, one)) {
+                return Err(GivenError::SameHeights {
+                    first: other.name.clone(),
+                    second: one.name.clone(),
+                });
+            }
+        }
+        Ok(Some(surfaces))
+    }
+
+    /// Reads a further surface, or the bottom of a layer, with lengths in the unit of `surface`.
+    ///
+    /// # Errors
+    /// [`GivenError`] if the file cannot be read as requested, or `surface` has no unit and the file has one.
+    pub fn read_like(
+        &self,
+        surface: &GivenSurface,
+        path: &Path,
+        observer: &dyn Observer,
+    ) -> Result<GivenSurface, GivenError> {
+        let physical = Some(surface.unit).filter(|unit| *unit != LengthUnit::Arbitrary);
+        let reading = Self {
+            unit: physical.or(self.unit),
+            ..self.clone()
+        };
+        let read = reading.read(path, observer)?;
+        if read.unit == surface.unit || surface.file.is_none() {
+            return Ok(read);
+        }
+        Err(GivenError::OtherUnit {
+            path: path.to_owned(),
+            unit: read.unit,
+            other: surface.name.clone(),
+        })
+    }
+
+    /// Reads a height map, fills or refuses missing points, filters it and removes form.
+    ///
+    /// # Errors
+    /// [`GivenError`] if the file holds no height map or cannot be read as requested.
+    pub fn read_height_map(
+        &self,
+        path: &Path,
+        observer: &dyn Observer,
+    ) -> Result<ReadHeightMap, GivenError> {
+        let of_file = || path.to_owned();
+        if MeshFormat::from_path(path).is_some() {
+            return Err(GivenError::Mesh(of_file()));
+        }
+        let in_unit = |error| GivenError::Unit {
+            path: of_file(),
+            error,
+        };
+        let mut raw = self.scaled(read_height_map(path)?).map_err(in_unit)?;
+        let mut notes = std::mem::take(&mut raw.notes);
+        if !raw.spacing_is_known() {
+            notes.push(
+                "the file has no spacing: 1 is assumed; set it with --spacing and --assume-unit"
+                    .to_owned(),
+            );
+        }
+        let filled = match self.missing {
+            MissingPolicy::Fill => raw.missing(),
+            MissingPolicy::Refuse => 0,
+        };
+        raw.border = self.border.or(raw.border);
+        let is_border_known = raw.border.is_some();
+        let field = raw.into_height_field(self.missing, ASSUMED_BORDER);
+        let field = field.map_err(|error| GivenError::Missing {
+            path: of_file(),
+            error,
+        })?;
+        let field = self.filtered(field);
+        let field = field.map_err(|error| GivenError::Filtering {
+            path: of_file(),
+            error,
+        })?;
+        notes.extend(border_notes(&field, is_border_known));
+        let [dx, dy] = field.spacing().map(short);
+        observer.explain(&format!(
+            "{}: {} x {} samples, spacing {dx} x {dy}{}, {} border, {filled} points filled",
+            path.display(),
+            field.nx(),
+            field.ny(),
+            field.unit().suffix(),
+            field.border(),
+        ));
+        if filled > 0 {
+            let were = if filled == 1 { "was" } else { "were" };
+            let points = counted(filled as u64, "missing point");
+            notes.push(format!("{points} {were} filled"));
+        }
+        Ok(ReadHeightMap {
+            field,
+            filled,
+            notes,
+        })
+    }
+
+    /// Reads a triangle mesh, and the unit of its lengths; an open patch unless a border is given.
+    fn read_mesh(
+        &self,
+        path: &Path,
+        observer: &dyn Observer,
+    ) -> Result<(MeshSurface, LengthUnit), GivenError> {
+        for (given, flag) in [
+            (self.spacing.is_some(), "--spacing"),
+            (self.flip, "--flip"),
+            (self.missing != MissingPolicy::Refuse, "--missing"),
+            (self.remove != Form::None, "--remove"),
+        ] {
+            if given {
+                let path = path.to_owned();
+                return Err(GivenError::HeightMapFlag { flag, path });
+            }
+        }
+        let MeshData {
+            mut vertices,
+            triangles,
+        } = read_mesh(path)?;
+        // No mesh format states a unit
+        let own = self.unit_of_file(LengthUnit::Arbitrary);
+        let own = own.map_err(|error| GivenError::Unit {
+            path: path.to_owned(),
+            error,
+        })?;
+        let unit = self.unit.unwrap_or(own);
+        if let Some(convert) = own.conversion(unit) {
+            for coordinate in vertices.as_flattened_mut() {
+                *coordinate = convert(*coordinate);
+            }
+        }
+        let border = self.border.unwrap_or(Border::Open);
+        let mesh = MeshSurface::new(&vertices, triangles, border);
+        let mesh = mesh.map_err(|error| GivenError::Triangles {
+            path: path.to_owned(),
+            error,
+        })?;
+        let [x, y, z] = mesh.size();
+        observer.explain(&format!(
+            "{}: {} vertices, {} triangles, extent {x} x {y} x {z}{}, {border} border",
+            path.display(),
+            mesh.vertex_count(),
+            mesh.facet_count(),
+            unit.suffix(),
+        ));
+        Ok((mesh, unit))
+    }
+
+    /// Reads a surface of either kind.
+    fn read(&self, path: &Path, observer: &dyn Observer) -> Result<GivenSurface, GivenError> {
+        let (shape, unit, filled, notes) = match SurfaceFormat::from_path(path)? {
+            SurfaceFormat::Mesh(_) => {
+                let (mesh, unit) = self.read_mesh(path, observer)?;
+                (GivenShape::Mesh(mesh), unit, 0, Vec::new())
+            }
+            SurfaceFormat::HeightMap(_) => {
+                let read = self.read_height_map(path, observer)?;
+                let unit = read.field.unit();
+                (GivenShape::Field(read.field), unit, read.filled, read.notes)
+            }
+        };
+        Ok(GivenSurface {
+            shape,
+            name: file_name(path),
+            file: Some(path.to_owned()),
+            unit,
+            filled,
+            notes,
+        })
+    }
+}
+
+/// The file's own name, for titles.
+#[must_use]
+pub fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// `true` of two height maps without scatter between them: they have the same heights.
+fn have_equal_heights(a: &GivenSurface, b: &GivenSurface) -> bool {
+    match (&a.shape, &b.shape) {
+        (GivenShape::Field(a), GivenShape::Field(b)) => a.heights() == b.heights(),
+        _ => false,
+    }
+}

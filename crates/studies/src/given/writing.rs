@@ -1,0 +1,41 @@
+//! Writing: height maps to files, with a note of what the format leaves out.
+
+use std::path::Path;
+
+use asperity_io::{HeightMapFormat, write_height_map};
+use asperity_surface::{HeightField, LengthUnit};
+
+use super::border::ASSUMED_BORDER;
+use super::error::GivenError;
+
+/// Checks that the ending stands for a format that height maps are written in.
+///
+/// # Errors
+/// [`GivenError::OtherEnding`].
+pub fn check_height_map_ending(path: &Path) -> Result<(), GivenError> {
+    match HeightMapFormat::from_path(path) {
+        Some(format) if format.can_write() => Ok(()),
+        _ => Err(GivenError::OtherEnding(path.to_owned())),
+    }
+}
+
+/// Writes a height map; returns a note if the format cannot hold spacing, unit or border.
+///
+/// # Errors
+/// [`GivenError::Write`].
+pub fn write_surface(path: &Path, field: &HeightField) -> Result<Option<String>, GivenError> {
+    write_height_map(path, field)?;
+    let ([dx, dy], unit, border) = (field.spacing(), field.unit(), field.border());
+    let is_default =
+        [dx, dy] == [1.0; 2] && unit == LengthUnit::Arbitrary && border == ASSUMED_BORDER;
+    let is_npy = HeightMapFormat::from_path(path) == Some(HeightMapFormat::Npy);
+    let assumed = match unit {
+        LengthUnit::Arbitrary => String::new(),
+        unit => format!(" --assume-unit {unit}"),
+    };
+    Ok((is_npy && !is_default).then(|| {
+        format!(
+            "NPY holds heights alone: read them with --spacing {dx},{dy}{assumed} --border {border}"
+        )
+    }))
+}

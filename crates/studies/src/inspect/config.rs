@@ -1,0 +1,137 @@
+//! The configuration of an inspected height map: how it is read, eroded and lit.
+
+use asperity_optics::Incidence;
+use asperity_simulate::{Observer, short};
+use asperity_surface::{Erosion, Etch, HeightField, Slip};
+use serde::Deserialize;
+
+use super::statistics::Statistics;
+use crate::config::error::ConfigError;
+use crate::config::measured::MeasuredConfig;
+use crate::config::trace::CellsConfig;
+use crate::config::values::{Number, OneOrMany};
+use crate::error::StudyError;
+use crate::settings::Document;
+
+/// A height map, the processes that erode it, and lights whose shadow is measured.
+#[derive(Clone, Debug, Deserialize)]
+pub struct InspectConfig {
+    /// The cells between heights.
+    pub surface: CellsConfig,
+    /// The height map.
+    pub measured: MeasuredConfig,
+    /// The lights.
+    pub light: InspectLight,
+    /// The erosion.
+    pub erosion: ErosionConfig,
+}
+
+/// `[light]`: directions of lights whose shadow is measured.
+#[derive(Clone, Debug, Deserialize)]
+pub struct InspectLight {
+    /// Polar angles, degrees.
+    pub theta: Option<OneOrMany<Number>>,
+    /// Azimuth, degrees.
+    pub phi: Number,
+}
+
+/// `[erosion]`: the processes.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct ErosionConfig {
+    /// Angle of repose, degrees.
+    pub repose: Option<f64>,
+    /// Most steps of slipping.
+    pub slip_steps: u32,
+    /// Depth of etching, in the unit of the heights.
+    pub etch: Option<f64>,
+}
+
+/// A height map with its statistics.
+pub struct Inspection {
+    /// The heights, eroded.
+    pub field: HeightField,
+    /// Its roughness and shadows.
+    pub statistics: Statistics,
+    /// Notes for the user on how the file was read and eroded, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl InspectConfig {
+    /// Reads the configuration of a document.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid or lacks another.
+    pub fn new(document: &Document) -> Result<Self, StudyError> {
+        let config: Self = document.read()?;
+        config.light.directions()?;
+        if config.erosion.repose.is_none() && document.is_given("erosion.slip_steps") {
+            let text = "--slip-steps needs --repose";
+            return Err(ConfigError::Contradiction(text.to_owned()).into());
+        }
+        Ok(config)
+    }
+
+    /// Reads the height map, erodes it, and measures it. `document` is that of the configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the file cannot be read, the process applied, or light cannot be followed.
+    pub fn inspect(
+        &self,
+        document: &Document,
+        observer: &dyn Observer,
+    ) -> Result<Inspection, StudyError> {
+        let file = self.measured.required_file(document.command())?;
+        let mut read = self.measured.read_height_map(file, observer)?;
+        let in_unit: Self = document.clone().in_unit(read.field.unit())?.read()?;
+        let (field, note) = in_unit.erosion.eroded(read.field)?;
+        read.notes.extend(note);
+        let (cells, lights) = (self.surface.cells.of_given(), self.light.directions()?);
+        Ok(Inspection {
+            statistics: Statistics::of(&field, cells, &lights)?,
+            field,
+            notes: read.notes,
+        })
+    }
+}
+
+impl InspectLight {
+    fn directions(&self) -> Result<Vec<Incidence>, ConfigError> {
+        let thetas = self.theta.as_ref().map(|list| list.values("theta"));
+        let thetas = thetas.transpose()?.unwrap_or_default();
+        let direction = |theta: &Number| Ok(Incidence::from_degrees(theta.0, self.phi.0)?);
+        thetas.iter().map(direction).collect()
+    }
+}
+
+impl ErosionConfig {
+    /// `field` after the processes, without provenance then, and a note if one changes no shape; unchanged if there is no process.
+    fn eroded(self, field: HeightField) -> Result<(HeightField, Option<String>), StudyError> {
+        let slip = self.repose.map(|repose| {
+            Erosion::Slip(Slip {
+                slope: repose.to_radians().tan(),
+                steps: self.slip_steps,
+            })
+        });
+        let etch = self.etch.map(|depth| Erosion::Etch(Etch { depth }));
+        let note = self.etch.and_then(|depth| shallow_note(depth, &field));
+        let mut processes = slip.into_iter().chain(etch);
+        let field = processes.try_fold(field, |field, process| {
+            let eroded = process.of(&field)?;
+            Ok::<_, StudyError>(eroded.with_provenance(None))
+        })?;
+        Ok((field, note))
+    }
+}
+
+/// Note on a depth of etching that reaches no other sample, so that the surface sinks and keeps its shape.
+fn shallow_note(depth: f64, field: &HeightField) -> Option<String> {
+    let [dx, dy] = field.spacing();
+    let spacing = dx.min(dy);
+    (depth < spacing).then(|| {
+        let unit = field.unit().suffix();
+        let (depth, spacing) = (short(depth), short(spacing));
+        format!(
+            "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
+        )
+    })
+}

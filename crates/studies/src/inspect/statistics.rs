@@ -1,0 +1,66 @@
+//! Statistics: roughness of one surface, and its shadows.
+
+use asperity_optics::Incidence;
+use asperity_simulate::Cells;
+use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
+use serde::Serialize;
+
+use crate::attenuation::ShadowShares;
+use crate::error::StudyError;
+use crate::report::areal_parameters::areal_table;
+use crate::report::roughness::{realisation_table, roughness_table, smooth_table};
+
+/// Roughness of the samples and facets, and of the smooth cells through the same heights.
+#[derive(Clone, Debug, Serialize)]
+pub struct Statistics {
+    /// Of samples and facets.
+    #[serde(flatten)]
+    pub facets: Roughness,
+    /// Of ISO 25178-2.
+    #[serde(flatten)]
+    pub areal: Iso25178,
+    /// The cells between heights.
+    pub cells: Cells,
+    /// Of the smooth cells, if cells are smooth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smooth: Option<SplineRoughness>,
+    /// Lit and shadowed fractions, one per light.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub shadows: Vec<ShadowShares>,
+}
+
+impl Statistics {
+    /// Measures `field` with these `cells` between heights, under each of `lights`.
+    pub(super) fn of(
+        field: &HeightField,
+        cells: Cells,
+        lights: &[Incidence],
+    ) -> Result<Self, StudyError> {
+        let smooth = || SplineRoughness::of(&SplineSurface::through(field));
+        Ok(Self {
+            facets: Roughness::of(field),
+            areal: Iso25178::of(field),
+            cells,
+            smooth: (cells == Cells::Smooth).then(smooth),
+            shadows: ShadowShares::of(field, cells, lights)?,
+        })
+    }
+
+    /// Tables for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let facets = &self.facets;
+        let (table, realisation) = (roughness_table(facets), realisation_table(facets));
+        let areal = areal_table(&self.areal, facets.unit);
+        let cells = match &self.smooth {
+            None => FLAT_CELLS.to_owned(),
+            Some(smooth) => smooth_table(facets, smooth),
+        };
+        let shadows = self.shadows.iter().map(|shares| shares.text() + "\n");
+        let shadows: String = shadows.collect();
+        format!("{table}{areal}{realisation}{cells}{shadows}")
+    }
+}
+
+const FLAT_CELLS: &str =
+    "traced with flat cells by default, two triangles each; see --cells smooth\n";

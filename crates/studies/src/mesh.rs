@@ -1,0 +1,119 @@
+//! Mesh: a height map as triangles.
+
+use asperity_simulate::{Cells, Observer, check_memory, short};
+use asperity_surface::{HeightField, LengthUnit, SplineSurface};
+use asperity_tracer::{Surface, TriangleMesh};
+use serde::Deserialize;
+
+use crate::config::error::ConfigError;
+use crate::config::measured::MeasuredConfig;
+use crate::config::trace::CellsConfig;
+use crate::error::StudyError;
+use crate::settings::Document;
+
+/// Bytes per cell of the height field and its triangles.
+const BYTES_PER_CELL: usize = 64;
+
+/// A height map, and how fine its triangles are.
+#[derive(Clone, Debug, Deserialize)]
+pub struct MeshConfig {
+    /// The cells between heights.
+    pub surface: CellsConfig,
+    /// The height map.
+    pub measured: MeasuredConfig,
+    /// The triangles of smooth cells.
+    pub mesh: FinenessConfig,
+}
+
+/// `[mesh]`: how fine the triangles of smooth cells are.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct FinenessConfig {
+    /// Parts of a cell along each axis.
+    pub subdivide: Option<usize>,
+    /// Largest distance from the smooth surface, in the unit of the heights.
+    pub deviation: Option<f64>,
+}
+
+/// The triangles of a height map.
+pub struct MeshedSurface {
+    /// The triangles.
+    pub mesh: TriangleMesh,
+    /// Unit of their lengths.
+    pub unit: LengthUnit,
+    /// The surface and the distance from it, where cells are smooth.
+    pub comment: String,
+}
+
+impl MeshConfig {
+    /// Reads the configuration of a document.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid or excludes another, or no height map is given.
+    pub fn new(document: &Document) -> Result<Self, StudyError> {
+        let config: Self = document.read()?;
+        if config.surface.cells.of_given() == Cells::Flat && document.is_given("mesh.*") {
+            let text = "--subdivide and --deviation are for --cells smooth; flat cells are two triangles each";
+            return Err(ConfigError::Contradiction(text.to_owned()).into());
+        }
+        Ok(config)
+    }
+
+    /// Reads the height map, and divides it into triangles. `document` is that of the configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if no height map is given, it cannot be read, or the triangles cannot be as near as requested or held in memory.
+    pub fn triangles(
+        &self,
+        document: &Document,
+        observer: &dyn Observer,
+    ) -> Result<MeshedSurface, StudyError> {
+        let file = self.measured.required_file(document.command())?;
+        let field = self.measured.read_height_map(file, observer)?.field;
+        let unit = field.unit();
+        let (field, comment) = match self.surface.cells.of_given() {
+            Cells::Flat => (field, String::new()),
+            Cells::Smooth => {
+                let config: Self = document.clone().in_unit(unit)?.read()?;
+                config.mesh.tessellated(&field)?
+            }
+        };
+        Ok(MeshedSurface {
+            mesh: TriangleMesh::new(&Surface::new(field))?,
+            unit,
+            comment,
+        })
+    }
+}
+
+impl FinenessConfig {
+    /// The heights of the smooth surface on a finer grid, and how far its triangles are from it.
+    fn tessellated(self, field: &HeightField) -> Result<(HeightField, String), StudyError> {
+        let surface = SplineSurface::through(field);
+        let unit = field.unit().suffix();
+        let per_cell = match (self.deviation, self.subdivide) {
+            (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
+                ConfigError::Contradiction(format!(
+                    "--deviation {}{unit}: must be above {}{unit}, to which heights of this surface are rounded",
+                    short(most),
+                    rounded_up(surface.deviation(usize::MAX))
+                ))
+            })?,
+            (None, subdivide) => subdivide.unwrap_or(1),
+        };
+        let [cx, cy] = surface.cells().map(|cells| cells.saturating_mul(per_cell));
+        let bytes = cx.saturating_mul(cy).saturating_mul(BYTES_PER_CELL);
+        check_memory("this mesh", bytes)?;
+        let fine = surface.tessellated(per_cell)?;
+        let deviation = rounded_up(surface.deviation(per_cell));
+        let comment = format!(
+            "bicubic B-spline, {per_cell} x {per_cell} parts per cell, at most {deviation}{unit} off"
+        );
+        Ok((fine, comment))
+    }
+}
+
+/// Four digits of a length, no less than it.
+fn rounded_up(length: f64) -> String {
+    // Printing rounds down by half a unit of the last digit at most
+    format!("{:.3e}", length * (1.0 + 5.01e-4))
+}

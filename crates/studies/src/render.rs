@@ -1,0 +1,129 @@
+//! Render: a picture of one given surface and the medium below it.
+
+mod config;
+mod text;
+
+use asperity_render::{RenderError, RenderOutcome, RenderSettings, exposure, render};
+use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
+use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
+
+pub use self::config::{
+    CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderRun, ViewConfig,
+};
+use crate::config::error::ConfigError;
+use crate::config::values::Seconds;
+use crate::error::StudyError;
+use crate::given::{GivenError, GivenSurface};
+use crate::settings::Document;
+
+/// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
+const ROULETTE: f64 = 0.2;
+
+/// Note on smooth cells: light beams need flat facets.
+const SUN_BY_CHANCE: &str = "below smooth cells sunlight is found by random paths alone, which takes many samples or a wide sun";
+
+/// A picture that is planned: the surface is read, and all settings are checked.
+pub struct RenderPlan {
+    /// The configuration, with lengths in the unit of the surface.
+    pub config: RenderConfig,
+    /// The surface.
+    pub surface: GivenSurface,
+    settings: RenderSettings,
+    shape: Shape,
+}
+
+/// A picture, and what is said of it.
+pub struct RenderedPicture {
+    /// The picture, its errors and missing light.
+    pub outcome: RenderOutcome,
+    /// Factor from radiance to the brightness of a PNG.
+    pub exposure: f64,
+    /// Name of the surface.
+    name: String,
+    notes: Vec<String>,
+}
+
+impl RenderPlan {
+    /// Reads the surface of a configuration that was read from `document`, and checks all settings.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid, a file cannot be read, or the camera lies below the surface.
+    pub fn new(
+        config: RenderConfig,
+        document: &Document,
+        observer: &dyn Observer,
+    ) -> Result<Self, StudyError> {
+        let surfaces = config
+            .measured
+            .read_surfaces(document.own_unit(), observer)?;
+        let surfaces = surfaces.ok_or_else(|| GivenError::NoSurface {
+            command: document.command(),
+            needed: "a surface: FILE or --flat",
+        })?;
+        let bottom = config.bottom_file();
+        let bottom = bottom.map(|path| config.measured.read_like(&surfaces.first, path, observer));
+        let bottom = bottom.transpose()?;
+        let config: RenderConfig = document.clone().in_unit(surfaces.first.unit)?.read()?;
+        let medium = config.medium.as_ref();
+        let surface = surfaces.first.clone();
+        let paths = PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER);
+        let settings = RenderSettings {
+            view: config.view(surface.extent(), surface.unit)?,
+            lights: config.lights.lights()?,
+            size: config.picture.size,
+            samples: config.picture.samples,
+            seed: config.run.seed,
+            paths: paths.map_err(ConfigError::from)?,
+            accelerator: AcceleratorKind::Auto,
+            bottom: medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named()),
+            most_scatterings: medium.map_or(0, |medium| medium.max_scatterings),
+        };
+        let mut shapes = surfaces.simulated(bottom, config.surface.cells.of_given())?;
+        Ok(Self {
+            shape: shapes.swap_remove(0),
+            config,
+            surface,
+            settings,
+        })
+    }
+
+    /// Renders the picture until the time of the configuration is over.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the layer does not fit below the surface, a ray is too grazing, or a stop comes before the first pass is finished.
+    pub fn render(&self, observer: &dyn Observer) -> Result<RenderedPicture, StudyError> {
+        let config = &self.config;
+        let time = config.run.max_time.and_then(Seconds::duration);
+        let material = config.material.material()?;
+        let layer = config.medium.as_ref().map(|medium| medium.layer(material));
+        let layer = layer.transpose()?;
+        let observer = Deadline::new(observer, time);
+        let outcome = render(
+            &self.shape,
+            material,
+            layer.as_ref(),
+            &self.settings,
+            &observer,
+        );
+        let outcome = outcome.map_err(|error| match error {
+            RenderError::View(error) => StudyError::View {
+                error,
+                unit: self.surface.unit,
+            },
+            error => error.into(),
+        })?;
+        let is_left_to_chance = config.surface.cells.of_given() == Cells::Smooth
+            && config.medium.is_some()
+            && config.lights.sun > 0.0;
+        let notes = is_left_to_chance.then(|| SUN_BY_CHANCE.to_owned());
+        Ok(RenderedPicture {
+            exposure: config
+                .picture
+                .exposure
+                .unwrap_or_else(|| exposure(&outcome.picture)),
+            outcome,
+            name: self.surface.name.clone(),
+            notes: self.surface.notes.iter().cloned().chain(notes).collect(),
+        })
+    }
+}

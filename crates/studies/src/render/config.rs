@@ -1,0 +1,180 @@
+//! The configuration of a picture: surface, medium, camera and lights.
+
+use std::path::{Path, PathBuf};
+
+use asperity_optics::Incidence;
+use asperity_render::{Lights, Patch, Projection, Sun, View};
+use asperity_simulate::BottomSurface;
+use asperity_surface::LengthUnit;
+use serde::Deserialize;
+
+use crate::config::MaterialConfig;
+use crate::config::error::ConfigError;
+use crate::config::measured::MeasuredConfig;
+use crate::config::medium::MediumConfig;
+use crate::config::trace::CellsConfig;
+use crate::config::values::{OneOrMany, Seconds};
+use crate::error::StudyError;
+use crate::settings::Document;
+
+/// A picture of one given surface.
+#[derive(Clone, Debug, Deserialize)]
+pub struct RenderConfig {
+    /// The cells between heights.
+    pub surface: CellsConfig,
+    /// The surface.
+    pub measured: MeasuredConfig,
+    /// The material of the surface.
+    pub material: MaterialConfig,
+    /// The medium below, if there is one.
+    pub medium: Option<MediumConfig>,
+    /// The direction towards the camera.
+    pub view: ViewConfig,
+    /// The camera.
+    pub camera: CameraConfig,
+    /// The lights.
+    pub lights: LightingConfig,
+    /// The picture.
+    pub picture: PictureConfig,
+    /// The effort.
+    pub run: RenderRun,
+}
+
+/// `[view]`: the direction towards the camera, degrees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct ViewConfig {
+    /// Polar angle.
+    pub theta: f64,
+    /// Azimuth.
+    pub phi: f64,
+}
+
+/// Kinds of camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CameraKind {
+    /// Perspective.
+    Pinhole,
+    /// Parallel lines of sight.
+    Orthographic,
+}
+
+/// `[camera]`: the camera.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct CameraConfig {
+    /// Its kind.
+    pub projection: CameraKind,
+    /// Field of view of a pinhole camera, degrees.
+    pub fov: f64,
+    /// Point of the mean plane that it looks at; the middle of the tile unless given.
+    pub look_at: Option<[f64; 2]>,
+    /// Width of the picture at that point; that of the tile unless given.
+    pub width: Option<f64>,
+}
+
+/// `[lights]`: radiances, and the sun.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct LightingConfig {
+    /// Radiance of the zenith.
+    pub sky: f64,
+    /// Radiance of the horizon over that of the zenith.
+    pub horizon: f64,
+    /// Irradiance of the sun.
+    pub sun: f64,
+    /// Polar angle of the direction towards the sun, degrees.
+    pub sun_theta: f64,
+    /// Azimuth of that direction, degrees.
+    pub sun_phi: f64,
+    /// Angular radius of the sun, degrees.
+    pub sun_radius: f64,
+    /// Rectangle of the mean plane that the sun lights, `x0, y0, x1, y1`; all of it unless given.
+    pub patch: Option<[f64; 4]>,
+    /// Radiance from below.
+    pub below: f64,
+}
+
+/// `[picture]`: the picture and its files.
+#[derive(Clone, Debug, Deserialize)]
+pub struct PictureConfig {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Camera rays per pixel.
+    pub samples: u64,
+    /// Factor from radiance to the brightness of a PNG; chosen by the picture unless given.
+    pub exposure: Option<f64>,
+    /// The files.
+    pub output: OneOrMany<PathBuf>,
+}
+
+/// `[run]` of a picture.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct RenderRun {
+    /// Seed of camera rays and paths.
+    pub seed: u64,
+    /// Time after which no further pass begins.
+    pub max_time: Option<Seconds>,
+}
+
+impl RenderConfig {
+    /// Reads the configuration of a document, and checks what does not depend on the surface.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid or two contradict each other.
+    pub fn new(document: &Document) -> Result<Self, StudyError> {
+        let config: Self = document.read()?;
+        let refused = |text: &str| Err(ConfigError::Contradiction(text.to_owned()).into());
+        if config.camera.projection == CameraKind::Orthographic && document.is_given("camera.fov") {
+            return refused(
+                "--fov is only for --camera pinhole; for others --width sets what the picture shows",
+            );
+        }
+        let medium = config.medium.as_ref();
+        if medium.is_some_and(|m| m.bottom_surface.named() == BottomSurface::Independent) {
+            return refused(
+                "--bottom-surface independent: a single surface is rendered and none is drawn; take flat, same or a file",
+            );
+        }
+        config.lights.lights()?;
+        Ok(config)
+    }
+
+    /// File of the bottom of the layer, if it is given as one.
+    pub(super) fn bottom_file(&self) -> Option<&Path> {
+        self.medium.as_ref()?.bottom_surface.file()
+    }
+
+    /// The view of a tile of that extent, lengths in `unit`.
+    pub(super) fn view(&self, extent: [f64; 2], unit: LengthUnit) -> Result<View, StudyError> {
+        let camera = &self.camera;
+        let projection = match camera.projection {
+            CameraKind::Orthographic => Projection::Orthographic,
+            CameraKind::Pinhole => Projection::Pinhole {
+                field_of_view: camera.fov.to_radians(),
+            },
+        };
+        let target = camera
+            .look_at
+            .unwrap_or_else(|| extent.map(|length| 0.5 * length));
+        let towards = direction(self.view.theta, self.view.phi)?;
+        let width = camera.width.unwrap_or(extent[0]);
+        let view = View::new(projection, towards, target, width);
+        view.map_err(|error| StudyError::View { error, unit })
+    }
+}
+
+impl LightingConfig {
+    pub(super) fn lights(&self) -> Result<Lights, StudyError> {
+        let patch = self
+            .patch
+            .map(|[x0, y0, x1, y1]| Patch::new([x0, y0], [x1, y1]));
+        let patch = patch.transpose()?;
+        let towards = direction(self.sun_theta, self.sun_phi)?;
+        let sun = Sun::new(towards, self.sun, self.sun_radius.to_radians(), patch)?;
+        let sun = (self.sun > 0.0).then_some(sun);
+        Ok(Lights::new(self.sky, self.below, sun)?.with_horizon(self.horizon)?)
+    }
+}
+
+fn direction(theta: f64, phi: f64) -> Result<Incidence, ConfigError> {
+    Ok(Incidence::from_degrees(theta, phi)?)
+}

@@ -1,0 +1,52 @@
+//! Text of a picture: what was rendered, and what of its light is missing.
+
+use asperity_simulate::{counted, short};
+
+use super::RenderedPicture;
+
+impl RenderedPicture {
+    /// Surface, rays, radiance and exposure, then missing light and notes.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let outcome = &self.outcome;
+        let picture = &outcome.picture;
+        let [columns, rows] = picture.size;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let [build, follow] = outcome.seconds;
+        let rays = outcome.samples as f64 * (columns * rows) as f64;
+        let error = match outcome.passes {
+            1 => "of unknown error, from a single pass".to_owned(),
+            passes => format!(
+                "standard error of a pixel {:.2e} on average, from {passes} passes",
+                mean(&picture.error)
+            ),
+        };
+        let mut text = format!(
+            "{}, {columns} x {rows} pixels of {}, {} rays in {:.1} s\nmean radiance {:.5}, {error}\nexposure {:.4}\n",
+            self.name,
+            counted(outcome.samples, "camera ray"),
+            short(rays),
+            build + follow,
+            mean(&picture.radiance),
+            self.exposure,
+        );
+        for (fraction, end) in [
+            (outcome.truncated, "was truncated by a limit of the paths"),
+            (outcome.left_patch, "left the open patch past its rim"),
+            (outcome.lost, "failed numerically"),
+        ] {
+            if fraction > 0.0 {
+                text.push_str(&format!(
+                    "note: a fraction of {fraction:.1e} of the light {end} and is missing from the picture\n"
+                ));
+            }
+        }
+        text
+    }
+
+    /// Notes for the user on the surface and its light, one sentence each.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}

@@ -1,0 +1,96 @@
+//! Study: the steps that every study takes, from a document of settings to files, text and JSON.
+
+use asperity_io::ResultFolder;
+use asperity_results::{Container, Header, Stored};
+use asperity_simulate::{Observer, StoppedBy, counted};
+use serde::Serialize;
+
+use crate::error::StudyError;
+use crate::report::error::ReportError;
+use crate::settings::Document;
+
+/// A study that is planned: everything is checked, and nothing is traced.
+pub trait Study: Sized {
+    /// The results that are kept, one per case.
+    type Kept: Stored;
+    /// The results, judged.
+    type Findings<'a>: Findings
+    where
+        Self: 'a;
+
+    /// Reads the configuration and the surfaces of a document, and plans the study. Files that are read are explained to `observer`.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid, two contradict each other, a file cannot be read, or surfaces cannot be drawn or held.
+    fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError>;
+
+    /// Notes for the user on the files that were read, one sentence each.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
+
+    /// Names of all files that the study writes.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid.
+    fn files(&self) -> Result<Vec<String>, StudyError>;
+
+    /// Identity of the results, by which a later run resumes them.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is invalid.
+    fn header(&self) -> Result<Header, StudyError>;
+
+    /// Opens the results of an earlier run of this study in `folder`. Complete results of other settings are replaced, unless the study
+    /// extends them by further cases.
+    ///
+    /// # Errors
+    /// [`StudyError`] if they are of another study or results epoch, or cannot be read.
+    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<Container<'f, Self::Kept>, StudyError> {
+        Ok(Container::open(folder, self.header()?)?)
+    }
+
+    /// Computes what `found` lacks, until a stop, and judges all of it.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a case cannot be computed or judged, or a stop comes before there is any result.
+    fn run<'a>(
+        &'a self,
+        found: &'a mut Container<'_, Self::Kept>,
+        observer: &dyn Observer,
+    ) -> Result<Self::Findings<'a>, StudyError>;
+}
+
+/// The results of a study, judged.
+pub trait Findings {
+    /// Writes all files into `folder`.
+    ///
+    /// # Errors
+    /// [`ReportError`] if a file cannot be written or a figure drawn.
+    fn write(&self, folder: &ResultFolder, observer: &dyn Observer) -> Result<(), ReportError>;
+
+    /// The contents of summary.json.
+    fn summary(&self) -> impl Serialize;
+
+    /// Tables for people.
+    fn text(&self) -> String;
+
+    /// Reason why the run ended before all that was planned was done.
+    fn stopped_by(&self) -> Option<StoppedBy>;
+
+    /// Clause that says what is finished of a run that was stopped; `None` where results say it.
+    fn progress(&self) -> Option<String> {
+        None
+    }
+
+    /// Line that says what was done in which time.
+    fn work(&self) -> Option<String> {
+        None
+    }
+}
+
+/// Clause that says how many of the cases are finished: "1 of 4 cells is finished".
+pub(crate) fn finished(done: usize, total: usize, noun: &str) -> String {
+    let are = if done == 1 || total == 1 { "is" } else { "are" };
+    format!("{done} of {} {are} finished", counted(total as u64, noun))
+}
