@@ -19,7 +19,10 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     let progress = Progress::new(common);
     let study = S::plan(document, &progress).map_err(refused)?;
     say_notes(study.notes());
-    let names = study.files().map_err(refused)?;
+    let names = study
+        .views()
+        .map_err(|error| refused(error.into()))?
+        .names();
     let folder = results.output.as_ref();
     let folder = folder.map(|path| result_folder(path, document, &names));
     let folder = folder.transpose()?;
@@ -27,7 +30,7 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     progress.begin_run();
     let mut found = match &folder {
         Some(folder) => study.open(folder).map_err(refused)?,
-        None => Container::in_memory(study.header().map_err(refused)?),
+        None => Container::in_memory(study.header().map_err(|error| refused(error.into()))?),
     };
     say_notes(found.notes());
     let resumed = found.resumed();
@@ -39,7 +42,10 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     }
     let findings = study.run(&mut found, &progress).map_err(refused)?;
     if let Some(folder) = &folder {
-        findings.write(folder, &progress).map_err(Failure::failed)?;
+        let views = study.views().map_err(|error| refused(error.into()))?;
+        views
+            .write(folder, &findings, &progress)
+            .map_err(Failure::failed)?;
     }
     let end = ended(&findings, folder.as_ref())?;
     common.say_if(findings.work());

@@ -10,28 +10,35 @@ mod files;
 mod json;
 mod peak;
 mod sample;
-mod study;
 mod summary;
 mod tables;
 
-use asperity_results::ResultSet;
-use asperity_simulate::{Case, Deadline, Lobe, Observer, Outcome};
+use asperity_io::ResultFolder;
+use asperity_results::{CaseResult, Header, ResultSet};
+use asperity_simulate::{Case, Deadline, Lobe, Observer, Outcome, StoppedBy};
 use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use serde::Serialize;
 use serde_json::Value;
 
+use self::json::gonio_summary;
+use self::summary::gonio_table;
+
+use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::output::{Supported, over, projected_solid_angle};
 use crate::report::flux_support::FluxSupport;
+use crate::report::views::Views;
+use crate::settings::Document;
+use crate::study::{Findings, Study, finished};
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
 pub use sample::{AboutSample, Sample};
-pub use study::GonioStudy;
 
 /// One direction of a measurement: a case, and what was found of it.
 #[derive(Clone, Copy)]
@@ -184,42 +191,121 @@ impl<'a> GonioOutcome<'a> {
 /// Folder of the tables of directions within that of the measurement.
 const FOLDER: &str = "directions";
 
-/// Measures the directions of `plan` that `found` lacks, of which moments alone are kept, until the time of the configuration is over.
-///
-/// # Errors
-/// [`StudyError`] if a direction cannot be traced, or the run is stopped before there is any result.
-pub fn gonio<'a>(
-    config: &'a GonioConfig,
-    sample: Option<&'a AboutSample>,
-    plan: &'a Plan,
-    found: &'a mut ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<GonioOutcome<'a>, StudyError> {
-    let time = config.run.max_time.and_then(Seconds::duration);
-    let observer = &Deadline::new(observer, time).between_cases();
-    let derive = |_: &Outcome| Ok::<_, StudyError>(Value::Null);
-    found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
-    found.close()?;
-    judge_gonio(config, sample, plan, found)
+/// BRDF and BTDF of random or given surfaces, direction by direction.
+pub struct GonioStudy {
+    /// The configuration.
+    pub config: GonioConfig,
+    /// Description of the given surfaces, if there are any.
+    pub sample: Option<AboutSample>,
+    /// The directions, and how they are simulated.
+    pub plan: Plan,
+    header: Header,
+    notes: Vec<String>,
 }
 
-/// A measurement by the results of its plan, as far as they are there.
-///
-/// # Errors
-/// [`StudyError`] if the angles make no sense.
-pub fn judge_gonio<'a>(
-    config: &'a GonioConfig,
-    sample: Option<&'a AboutSample>,
-    plan: &'a Plan,
-    found: &'a ResultSet<'_>,
-) -> Result<GonioOutcome<'a>, StudyError> {
-    let [thetas, phis] = config.light.angles()?;
-    Ok(GonioOutcome {
-        config,
-        sample,
-        plan,
-        found,
-        thetas,
-        phis,
-    })
+impl GonioStudy {
+    /// Plans a configuration on a given sample, or on random surfaces.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn new(config: GonioConfig, sample: Option<Sample>) -> Result<Self, StudyError> {
+        Ok(Self {
+            plan: config.plan(sample.as_ref())?,
+            header: config.header(sample.as_ref())?,
+            sample: sample.map(|sample| sample.about),
+            config,
+            notes: Vec::new(),
+        })
+    }
+
+    /// The measurement by the results of the plan, as far as they are there.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the angles make no sense.
+    pub fn judge<'a>(&'a self, found: &'a ResultSet<'_>) -> Result<GonioOutcome<'a>, StudyError> {
+        let [thetas, phis] = self.config.light.angles()?;
+        Ok(GonioOutcome {
+            config: &self.config,
+            sample: self.sample.as_ref(),
+            plan: &self.plan,
+            found,
+            thetas,
+            phis,
+        })
+    }
+}
+
+impl Study for GonioStudy {
+    type Kept = CaseResult;
+    type Findings<'a> = GonioOutcome<'a>;
+
+    fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError> {
+        let mut config: GonioConfig = document.read()?;
+        let unit = document.own_unit();
+        let surfaces = config.measured.read_surfaces(unit, observer)?;
+        if let Some(surfaces) = &surfaces {
+            config = document.clone().in_unit(surfaces.first.unit)?.read()?;
+        }
+        let notes = config.surface.read_files()?;
+        let (form, cells) = (config.measured.remove, config.surface.cells.of_given());
+        let sample = surfaces.map(|surfaces| Sample::of(surfaces, form, cells));
+        Ok(Self {
+            notes,
+            ..Self::new(config, sample.transpose()?)?
+        })
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn views<'a>(&self) -> Result<Views<'a, GonioOutcome<'a>>, ConfigError> {
+        self.config.views(&self.plan)
+    }
+
+    fn header(&self) -> Result<Header, ConfigError> {
+        Ok(self.header.clone())
+    }
+
+    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<ResultSet<'f>, StudyError> {
+        Ok(ResultSet::open_cases(
+            folder,
+            self.header()?,
+            &self.plan.cases,
+        )?)
+    }
+
+    fn run<'a>(
+        &'a self,
+        found: &'a mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<GonioOutcome<'a>, StudyError> {
+        let time = self.config.run.max_time.and_then(Seconds::duration);
+        let observer = &Deadline::new(observer, time).between_cases();
+        // Of each direction moments alone are kept.
+        let derive = |_: &Outcome| Ok::<_, StudyError>(Value::Null);
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
+        found.close()?;
+        self.judge(found)
+    }
+}
+
+impl Findings for GonioOutcome<'_> {
+    fn summary(&self) -> impl Serialize {
+        gonio_summary(self)
+    }
+
+    fn text(&self) -> String {
+        gonio_table(self) + "\n"
+    }
+
+    fn stopped_by(&self) -> Option<StoppedBy> {
+        self.found.stopped_by()
+    }
+
+    fn progress(&self) -> Option<String> {
+        let all = self.found.len();
+        let done = (0..all).filter(|&case| self.found.is_complete(case));
+        Some(finished(done.count(), all, "direction"))
+    }
 }

@@ -1,8 +1,9 @@
-//! Studies: from a typed configuration to results with errors, as tables and figures.
+//! Studies: from a document of settings to results with errors, as tables and figures.
 //!
-//! [`verify`] simulates light on random surfaces and compares it with statistical models; [`converge()`] measures what the ways of
-//! computing cost, run time against error; [`map()`] says over a grid of cases where models are within tolerance; [`gonio()`]
-//! measures the whole BRDF and BTDF, direction by direction.
+//! A [`Study`] is planned, run and judged. [`VerifyStudy`] simulates light on random surfaces and compares it with statistical models;
+//! [`ConvergeStudy`] measures run time against error; [`MapStudy`] says over a grid of cases where models are within tolerance;
+//! [`GonioStudy`] measures BRDF and BTDF, direction by direction; [`TracePlan`] traces given surfaces, and [`AttenuationPlan`] measures
+//! shadowing and masking.
 
 mod attenuation;
 mod comparison;
@@ -63,7 +64,7 @@ pub use given::{
 };
 pub use gonio::{
     AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy,
-    PlotScale, Sample, gonio, judge_gonio,
+    PlotScale, Sample,
 };
 pub use inspect::{
     ErosionConfig, InspectConfig, InspectError, InspectLight, Inspection, Statistics, Texture,
@@ -71,8 +72,7 @@ pub use inspect::{
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig, judge_map,
-    map, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig, summarise,
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
@@ -91,9 +91,10 @@ pub use report::figures::height_map_figure;
 pub use report::flux_support::FluxSupport;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
+pub use report::views::Views;
 pub use study::{Findings, Study};
 pub use surface_lengths::SurfaceLengths;
-pub use trace::{TraceComparison, TraceOutcome, TracePlan, trace};
+pub use trace::{TraceComparison, TraceOutcome, TracePlan};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::plan::Plan;
-pub use verify::{VerifyOutcome, VerifyStudy, judge_verification, verify};
+pub use verify::{VerifyOutcome, VerifyStudy};

@@ -8,17 +8,24 @@ mod config;
 mod files;
 mod interval;
 mod json;
-mod study;
 mod summary;
 mod tables;
 
-use asperity_results::{ResultSet, ResultsError};
+use asperity_io::ResultFolder;
+use asperity_results::{CaseResult, Header, ResultSet, ResultsError};
 use asperity_simulate::{Case, Deadline, Observer, Outcome, StoppedBy};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use self::json::map_summary;
+use self::summary::map_table;
+
+use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
+use crate::report::views::Views;
+use crate::settings::Document;
+use crate::study::{Findings, Study, finished};
 use crate::verify::judge_case;
 use crate::verify::plan::Plan;
 
@@ -27,7 +34,6 @@ pub use cell::{
 };
 pub use config::{MapConfig, ToleranceConfig};
 pub use interval::{CellVerdict, Interval};
-pub use study::MapStudy;
 pub use summary::{ModelSummary, summarise};
 
 /// One cell of a map.
@@ -76,47 +82,117 @@ impl MapOutcome<'_> {
     }
 }
 
-/// Computes the cells of `plan` that `found` lacks, until the time of the configuration is over.
-///
-/// # Errors
-/// [`StudyError`] if a cell cannot be traced or compared, or the run is stopped before there is any result.
-pub fn map<'a>(
-    config: &'a MapConfig,
-    plan: &'a Plan,
-    found: &mut ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<MapOutcome<'a>, StudyError> {
-    let time = config.run.max_time.and_then(Seconds::duration);
-    let observer = &Deadline::new(observer, time).between_cases();
-    let verification = config.as_verification()?;
-    let derive = |outcome: &Outcome| {
-        let judged = judge_case(&verification, outcome)?;
-        Ok::<_, StudyError>(json!(CellResults::of(&judged)))
-    };
-    found.run_missing_moments(&plan.cases, &plan.settings, observer, derive)?;
-    found.close()?;
-    judge_map(config, plan, found)
+/// Distances of models from explicit surfaces, over smoothness, material and angle.
+pub struct MapStudy {
+    /// The configuration.
+    pub config: MapConfig,
+    /// The cases of the cells, and how they are simulated.
+    pub plan: Plan,
+    notes: Vec<String>,
 }
 
-/// A map of the results of its plan, as far as they are there.
-///
-/// # Errors
-/// [`StudyError`] if the findings of a cell are of another form.
-pub fn judge_map<'a>(
-    config: &'a MapConfig,
-    plan: &'a Plan,
-    found: &ResultSet<'_>,
-) -> Result<MapOutcome<'a>, StudyError> {
-    let read = |cell| {
-        let findings = found.case(cell).map(|case| &case.findings);
-        findings.map(CellResults::deserialize).transpose()
-    };
-    let results = (0..plan.cases.len()).map(read).collect::<Result<_, _>>();
-    Ok(MapOutcome {
-        config,
-        plan,
-        results: results.map_err(|error| ResultsError::Findings(error.to_string()))?,
-        cut_short: found.cut_short(),
-        stopped_by: found.stopped_by(),
-    })
+impl MapStudy {
+    /// Plans a configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn new(config: MapConfig) -> Result<Self, StudyError> {
+        Ok(Self {
+            plan: config.plan()?,
+            config,
+            notes: Vec::new(),
+        })
+    }
+
+    /// Makes a map of the results of the plan, as far as they are there.
+    ///
+    /// # Errors
+    /// [`StudyError::Results`] if the findings of a cell are of another form.
+    pub fn judge<'a>(&'a self, found: &ResultSet<'_>) -> Result<MapOutcome<'a>, StudyError> {
+        let read = |cell| {
+            let findings = found.case(cell).map(|case| &case.findings);
+            findings.map(CellResults::deserialize).transpose()
+        };
+        let results = (0..self.plan.cases.len()).map(read);
+        let results = results.collect::<Result<_, _>>();
+        Ok(MapOutcome {
+            config: &self.config,
+            plan: &self.plan,
+            results: results.map_err(|error| ResultsError::Findings(error.to_string()))?,
+            cut_short: found.cut_short(),
+            stopped_by: found.stopped_by(),
+        })
+    }
+}
+
+impl Study for MapStudy {
+    type Kept = CaseResult;
+    type Findings<'a> = MapOutcome<'a>;
+
+    fn plan(document: &Document, _observer: &dyn Observer) -> Result<Self, StudyError> {
+        let mut config: MapConfig = document.read()?;
+        let notes = config.surface.read_files()?;
+        config.choose_models(document);
+        Ok(Self {
+            notes,
+            ..Self::new(config)?
+        })
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn views<'a>(&self) -> Result<Views<'a, MapOutcome<'a>>, ConfigError> {
+        Ok(self.config.views())
+    }
+
+    fn header(&self) -> Result<Header, ConfigError> {
+        self.config.header()
+    }
+
+    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<ResultSet<'f>, StudyError> {
+        Ok(ResultSet::open_cases(
+            folder,
+            self.header()?,
+            &self.plan.cases,
+        )?)
+    }
+
+    fn run<'a>(
+        &'a self,
+        found: &'a mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<MapOutcome<'a>, StudyError> {
+        let time = self.config.run.max_time.and_then(Seconds::duration);
+        let observer = &Deadline::new(observer, time).between_cases();
+        let verification = self.config.as_verification()?;
+        let derive = |outcome: &Outcome| {
+            let judged = judge_case(&verification, outcome)?;
+            Ok::<_, StudyError>(json!(CellResults::of(&judged)))
+        };
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
+        found.close()?;
+        self.judge(found)
+    }
+}
+
+impl Findings for MapOutcome<'_> {
+    fn summary(&self) -> impl Serialize {
+        map_summary(self)
+    }
+
+    fn text(&self) -> String {
+        map_table(self) + "\n"
+    }
+
+    fn stopped_by(&self) -> Option<StoppedBy> {
+        self.stopped_by
+    }
+
+    fn progress(&self) -> Option<String> {
+        let unfinished = self.missing() + self.cut_short;
+        let all = self.results.len();
+        Some(finished(all - unfinished, all, "cell"))
+    }
 }

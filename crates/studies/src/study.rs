@@ -5,8 +5,9 @@ use asperity_results::{Container, Header, Stored};
 use asperity_simulate::{Observer, StoppedBy, counted};
 use serde::Serialize;
 
+use crate::config::error::ConfigError;
 use crate::error::StudyError;
-use crate::report::error::ReportError;
+use crate::report::views::Views;
 use crate::settings::Document;
 
 /// A study that is planned: everything is checked, and nothing is traced.
@@ -14,7 +15,7 @@ pub trait Study: Sized {
     /// The results that are kept, one per case.
     type Kept: Stored;
     /// The results, judged.
-    type Findings<'a>: Findings
+    type Findings<'a>: Findings + Sync
     where
         Self: 'a;
 
@@ -29,19 +30,21 @@ pub trait Study: Sized {
         &[]
     }
 
-    /// Names of all files that the study writes.
+    /// The files that the study writes.
     ///
     /// # Errors
-    /// [`StudyError`] if a value is invalid.
-    fn files(&self) -> Result<Vec<String>, StudyError>;
+    /// [`ConfigError`] if a value is invalid.
+    fn views<'a>(&self) -> Result<Views<'a, Self::Findings<'a>>, ConfigError>
+    where
+        Self: 'a;
 
     /// Identity of the results, by which a later run resumes them.
     ///
     /// # Errors
-    /// [`StudyError`] if a value is invalid.
-    fn header(&self) -> Result<Header, StudyError>;
+    /// [`ConfigError`] if a value is invalid.
+    fn header(&self) -> Result<Header, ConfigError>;
 
-    /// Opens the results of an earlier run of this study in `folder`. Complete results of other settings are replaced, unless the study
+    /// Opens the results of an earlier run of this study in a folder. Complete results of other settings are replaced, unless the study
     /// extends them by further cases.
     ///
     /// # Errors
@@ -63,12 +66,6 @@ pub trait Study: Sized {
 
 /// The results of a study, judged.
 pub trait Findings {
-    /// Writes all files into `folder`.
-    ///
-    /// # Errors
-    /// [`ReportError`] if a file cannot be written or a figure drawn.
-    fn write(&self, folder: &ResultFolder, observer: &dyn Observer) -> Result<(), ReportError>;
-
     /// The contents of summary.json.
     fn summary(&self) -> impl Serialize;
 

@@ -5,24 +5,30 @@ mod comparison_text;
 mod description;
 mod files;
 mod region_plan;
-mod study;
 mod text;
 
-use asperity_results::{Header, ResultSet, Stored};
+use asperity_results::{CaseResult, Header, ResultSet, Stored};
 use asperity_simulate::{
     Case, Deadline, Lobe, Observer, Outcome, Settings, SimulateError, StoppedBy, Stopping,
 };
 use asperity_tally::TallySpec;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use self::comparison::PlannedComparison;
 pub use self::comparison::TraceComparison;
+use self::files::trace_summary;
+use self::text::trace_table;
+use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
 use crate::report::energies::lost_warning;
+use crate::report::views::Views;
+use crate::settings::Document;
+use crate::study::{Findings, Study};
 use crate::validity::Validity;
 
 /// What was found on a surface.
@@ -141,69 +147,106 @@ impl TracePlan {
             warnings,
         })
     }
+}
 
-    /// Identity of the results of this configuration on these surfaces. The time that a run is given, its plots and the
-    /// wavelength, which changes nothing that is traced, do not belong to it.
-    fn identity(&self) -> Header {
+impl Study for TracePlan {
+    type Kept = CaseResult;
+    type Findings<'a> = TraceOutcome<'a>;
+
+    fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError> {
+        let config: TraceConfig = document.read()?;
+        // Checked before the surfaces are read, which may take long.
+        config.check()?;
+        let unit = document.own_unit();
+        let tops = config.measured.read_surfaces(unit, observer)?;
+        let tops = tops.ok_or_else(|| GivenError::NoSurface {
+            command: document.command(),
+            needed: "a surface: FILE or --flat",
+        })?;
+        let bottom = config.medium.as_ref().and_then(|m| m.bottom_surface.file());
+        let bottom = bottom.map(|path| config.measured.read_like(&tops.first, path, observer));
+        let bottom = bottom.transpose()?;
+        let config = document.clone().in_unit(tops.first.unit)?.read()?;
+        Self::new(config, tops, bottom)
+    }
+
+    fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
+        self.config.views()
+    }
+
+    /// The time that a run is given, its plots and the wavelength, which changes nothing that is traced, do not belong to the header.
+    fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
         settings.light.wavelength = None;
         settings.output.plots = true;
         let mut settings = json!(settings);
         settings["points"] = json!(self.case.surface);
-        Header::new("trace", self.config.run.seed, settings)
+        Ok(Header::new("trace", self.config.run.seed, settings))
+    }
+
+    fn run<'a>(
+        &'a self,
+        found: &'a mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<TraceOutcome<'a>, StudyError> {
+        let time = self.config.run.max_time.and_then(Seconds::duration);
+        let deadline = Deadline::new(observer, time);
+        let cases = std::slice::from_ref(&self.case);
+        found.run_missing(0, cases, &self.settings, &deadline)?;
+        if let (Some(planned), Some(whole)) = (&self.comparison, found.case(0)) {
+            let rays = whole.outcome.work.rays;
+            if !whole.is_cut_short() {
+                // All regions together have as many rays.
+                let settings = planned.settings(rays);
+                match found.run_missing(1, cases, &settings, &deadline) {
+                    Err(SimulateError::Interrupted) => {}
+                    run => run?,
+                }
+            }
+        }
+        found.close()?;
+        let found = &*found;
+        let whole = found.case(0).ok_or(SimulateError::Interrupted)?;
+        let compared = self.comparison.as_ref().zip(found.case(1));
+        let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
+        let comparison = compared.map(|(planned, regions)| {
+            let seed = self.config.run.seed;
+            planned.judge(&self.case, &regions.outcome, seed, &deadline)
+        });
+        let mut outcome = TraceOutcome {
+            plan: self,
+            outcome: &whole.outcome,
+            comparison: comparison.transpose()?,
+            stopped_by: None,
+        };
+        outcome.stopped_by = if whole.is_cut_short() {
+            Some(whole.outcome.stopping.stopped_by)
+        } else if outcome.lacks_comparison() {
+            deadline.stop().or(Some(StoppedBy::Interrupt))
+        } else {
+            None
+        };
+        Ok(outcome)
     }
 }
 
-/// Traces what `found` lacks until the time of the configuration is over, and compares the surface with the models.
-///
-/// # Errors
-/// [`StudyError`] if the surfaces cannot be traced or compared, or results cannot be kept.
-pub fn trace<'a>(
-    plan: &'a TracePlan,
-    found: &'a mut ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<TraceOutcome<'a>, StudyError> {
-    let time = plan.config.run.max_time.and_then(Seconds::duration);
-    let deadline = Deadline::new(observer, time);
-    let cases = std::slice::from_ref(&plan.case);
-    found.run_missing(0, cases, &plan.settings, &deadline)?;
-    if let (Some(planned), Some(whole)) = (&plan.comparison, found.case(0)) {
-        let rays = whole.outcome.work.rays;
-        if !whole.is_cut_short() {
-            // All regions together have as many rays.
-            let settings = planned.settings(rays);
-            match found.run_missing(1, cases, &settings, &deadline) {
-                Err(SimulateError::Interrupted) => {}
-                run => run?,
-            }
-        }
+impl Findings for TraceOutcome<'_> {
+    fn summary(&self) -> impl Serialize {
+        trace_summary(self)
     }
-    found.close()?;
-    let found = &*found;
-    let whole = found.case(0).ok_or(SimulateError::Interrupted)?;
-    let compared = plan.comparison.as_ref().zip(found.case(1));
-    let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
-    let comparison = compared.map(|(planned, regions)| {
-        planned.judge(
-            &plan.case,
-            &regions.outcome,
-            plan.config.run.seed,
-            &deadline,
-        )
-    });
-    let mut outcome = TraceOutcome {
-        plan,
-        outcome: &whole.outcome,
-        comparison: comparison.transpose()?,
-        stopped_by: None,
-    };
-    outcome.stopped_by = if whole.is_cut_short() {
-        Some(whole.outcome.stopping.stopped_by)
-    } else if outcome.lacks_comparison() {
-        deadline.stop().or(Some(StoppedBy::Interrupt))
-    } else {
-        None
-    };
-    Ok(outcome)
+
+    fn text(&self) -> String {
+        trace_table(self)
+    }
+
+    fn stopped_by(&self) -> Option<StoppedBy> {
+        self.stopped_by
+    }
+
+    fn work(&self) -> Option<String> {
+        let work = &self.outcome.work.machine;
+        let (build, trace) = (work.build_seconds, work.trace_seconds);
+        Some(format!("built in {build:.3} s, traced in {trace:.3} s"))
+    }
 }

@@ -3,7 +3,6 @@
 mod case_report;
 mod files;
 pub(crate) mod plan;
-mod study;
 #[cfg(test)]
 mod tests;
 
@@ -11,8 +10,14 @@ use std::time::Instant;
 
 use asperity_analysis::SmithSlopes;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Case, Deadline, Observer, Outcome, Stopping, SurfaceSource};
+use asperity_simulate::{
+    Case, Deadline, Observer, Outcome, StoppedBy, Stopping, SurfaceSource, counted,
+};
 use rayon::prelude::*;
+use serde::Serialize;
+
+use self::case_report::verify_table;
+use self::files::verify_summary;
 
 use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{Compared, compare_models};
@@ -23,10 +28,11 @@ use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
+use crate::report::views::Views;
+use crate::settings::Document;
+use crate::study::{Findings, Study};
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
-
-pub use self::study::VerifyStudy;
 
 /// What a verification found.
 pub struct VerifyOutcome<'a> {
@@ -72,64 +78,125 @@ impl VerifyOutcome<'_> {
 }
 
 impl VerifyConfig {
-    /// What the results of this configuration are kept under.
+    /// Identity of the results of this configuration.
     #[must_use]
     pub fn header(&self) -> Header {
         Header::new("verify", self.run.seed, self.document())
     }
 }
 
-/// Simulates the cases of `plan` that `found` lacks until the time of the configuration is over, and compares all with the models.
-///
-/// Cases of equal surfaces share them.
-///
-/// # Errors
-/// [`StudyError`] if a case cannot be traced or compared, or the run is stopped before there is any result.
-pub fn verify<'a>(
-    config: &'a VerifyConfig,
-    plan: &'a Plan,
-    found: &'a mut ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<VerifyOutcome<'a>, StudyError> {
-    let began = Instant::now();
-    let time = config.run.max_time.and_then(Seconds::duration);
-    let observer = &Deadline::new(observer, time);
-    found.run_missing(0, &plan.cases, &plan.settings, observer)?;
-    found.close()?;
-    let mut judged = judge_verification(config, plan, found, observer)?;
-    judged.seconds = began.elapsed().as_secs_f64();
-    Ok(judged)
+/// Random surfaces against scattering models.
+pub struct VerifyStudy {
+    /// The configuration.
+    pub config: VerifyConfig,
+    /// Its cases, and how they are simulated. Cases of equal surfaces share them.
+    pub plan: Plan,
+    notes: Vec<String>,
 }
 
-/// What a verification says of the results of its plan.
-///
-/// # Errors
-/// [`StudyError`] if a model cannot be made, or fits no result.
-pub fn judge_verification<'a>(
-    config: &'a VerifyConfig,
-    plan: &'a Plan,
-    found: &'a ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<VerifyOutcome<'a>, StudyError> {
-    let began = Instant::now();
-    let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
-    observer.begin("comparing", cases.len() as u64);
-    let cases = cases
-        .into_par_iter()
-        .map(|one| {
-            let judged = judge_case(config, &one.outcome);
-            observer.advance(1);
-            judged
+impl VerifyStudy {
+    /// Plans a configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn new(config: VerifyConfig) -> Result<Self, StudyError> {
+        Ok(Self {
+            plan: config.plan()?,
+            config,
+            notes: Vec::new(),
         })
-        .collect::<Result<_, _>>()?;
-    observer.end();
-    Ok(VerifyOutcome {
-        config,
-        plan,
-        found,
-        cases,
-        seconds: began.elapsed().as_secs_f64(),
-    })
+    }
+
+    /// Compares the results of the plan with the models.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a model cannot be made, or fits no result.
+    pub fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<VerifyOutcome<'a>, StudyError> {
+        let began = Instant::now();
+        let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
+        observer.begin("comparing", cases.len() as u64);
+        let cases = cases
+            .into_par_iter()
+            .map(|one| {
+                let judged = judge_case(&self.config, &one.outcome);
+                observer.advance(1);
+                judged
+            })
+            .collect::<Result<_, _>>()?;
+        observer.end();
+        Ok(VerifyOutcome {
+            config: &self.config,
+            plan: &self.plan,
+            found,
+            cases,
+            seconds: began.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+impl Study for VerifyStudy {
+    type Kept = CaseResult;
+    type Findings<'a> = VerifyOutcome<'a>;
+
+    fn plan(document: &Document, _observer: &dyn Observer) -> Result<Self, StudyError> {
+        let mut config: VerifyConfig = document.read()?;
+        let notes = config.surface.read_files()?;
+        config.choose_models(document);
+        Ok(Self {
+            notes,
+            ..Self::new(config)?
+        })
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn views<'a>(&self) -> Result<Views<'a, VerifyOutcome<'a>>, ConfigError> {
+        self.config.views(&self.plan.cases)
+    }
+
+    fn header(&self) -> Result<Header, ConfigError> {
+        Ok(self.config.header())
+    }
+
+    fn run<'a>(
+        &'a self,
+        found: &'a mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<VerifyOutcome<'a>, StudyError> {
+        let began = Instant::now();
+        let time = self.config.run.max_time.and_then(Seconds::duration);
+        let observer = &Deadline::new(observer, time);
+        found.run_missing(0, &self.plan.cases, &self.plan.settings, observer)?;
+        found.close()?;
+        let mut judged = self.judge(found, observer)?;
+        judged.seconds = began.elapsed().as_secs_f64();
+        Ok(judged)
+    }
+}
+
+impl Findings for VerifyOutcome<'_> {
+    fn summary(&self) -> impl Serialize {
+        verify_summary(self)
+    }
+
+    fn text(&self) -> String {
+        verify_table(self)
+    }
+
+    fn stopped_by(&self) -> Option<StoppedBy> {
+        self.found.stopped_by()
+    }
+
+    fn work(&self) -> Option<String> {
+        let cases = counted(self.cases.len() as u64, "case");
+        Some(format!("{cases} in {:.1} s", self.seconds))
+    }
 }
 
 /// The slopes of the surfaces, if a model is made of them and they are not Gaussian.

@@ -1,6 +1,5 @@
 //! Shadowing and masking as a study.
 
-use asperity_io::ResultFolder;
 use asperity_results::{Container, Header};
 use asperity_simulate::{Observer, StoppedBy, counted};
 use serde::Serialize;
@@ -10,7 +9,7 @@ use super::tables::attenuation_table;
 use super::{AttenuationConfig, AttenuationOutcome, AttenuationPlan, SurveyedSurface, attenuation};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
-use crate::report::error::ReportError;
+use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study};
 
@@ -27,11 +26,11 @@ impl Study for AttenuationPlan {
         config.plan()
     }
 
-    fn files(&self) -> Result<Vec<String>, StudyError> {
-        Ok(self.config.views().names())
+    fn views<'a>(&self) -> Result<Views<'a, AttenuationOutcome<'a>>, ConfigError> {
+        Ok(self.config.views())
     }
 
-    fn header(&self) -> Result<Header, StudyError> {
+    fn header(&self) -> Result<Header, ConfigError> {
         Ok(self.identity())
     }
 
@@ -45,10 +44,6 @@ impl Study for AttenuationPlan {
 }
 
 impl Findings for AttenuationOutcome<'_> {
-    fn write(&self, folder: &ResultFolder, observer: &dyn Observer) -> Result<(), ReportError> {
-        self.plan.config.views().write(folder, self, observer)
-    }
-
     fn summary(&self) -> impl Serialize {
         attenuation_summary(self)
     }

@@ -1,6 +1,5 @@
 //! Run time against error as a study.
 
-use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet};
 use asperity_simulate::{Observer, StoppedBy, counted};
 use serde::Serialize;
@@ -8,8 +7,9 @@ use serde::Serialize;
 use super::json::converge_summary;
 use super::tables::converge_table;
 use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, converge};
+use crate::config::error::ConfigError;
 use crate::error::StudyError;
-use crate::report::error::ReportError;
+use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study, finished};
 
@@ -40,11 +40,11 @@ impl Study for ConvergeStudy {
         &self.notes
     }
 
-    fn files(&self) -> Result<Vec<String>, StudyError> {
-        Ok(self.config.views(&self.plan).names())
+    fn views<'a>(&self) -> Result<Views<'a, ConvergeOutcome<'a>>, ConfigError> {
+        Ok(self.config.views(&self.plan))
     }
 
-    fn header(&self) -> Result<Header, StudyError> {
+    fn header(&self) -> Result<Header, ConfigError> {
         Ok(self.config.header())
     }
 
@@ -58,10 +58,6 @@ impl Study for ConvergeStudy {
 }
 
 impl Findings for ConvergeOutcome<'_> {
-    fn write(&self, folder: &ResultFolder, observer: &dyn Observer) -> Result<(), ReportError> {
-        self.config.views(self.plan).write(folder, self, observer)
-    }
-
     fn summary(&self) -> impl Serialize {
         converge_summary(self)
     }

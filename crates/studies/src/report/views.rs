@@ -59,7 +59,7 @@ struct View<'v, J> {
 }
 
 /// The files of a study that finds `J`.
-pub(crate) struct Views<'v, J>(Vec<View<'v, J>>);
+pub struct Views<'v, J>(Vec<View<'v, J>>);
 
 impl<'v, J: Sync + 'v> Views<'v, J> {
     pub(crate) const fn new() -> Self {
@@ -137,7 +137,8 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
     }
 
     /// Names of all files.
-    pub(crate) fn names(&self) -> Vec<String> {
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
         let names = self.0.iter().flat_map(|view| &view.names);
         names.cloned().collect()
     }
@@ -152,7 +153,10 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
     }
 
     /// Writes all files into `folder`, summaries last, and claims those that an earlier run left too.
-    pub(crate) fn write(
+    ///
+    /// # Errors
+    /// [`ReportError`] if a file cannot be written or a figure drawn.
+    pub fn write(
         &self,
         folder: &ResultFolder,
         found: &J,

@@ -7,7 +7,9 @@ use std::sync::Mutex;
 use asperity_io::ResultFolder;
 use asperity_results::ResultSet;
 use asperity_simulate::{Coordinate, Observer, Silent};
-use asperity_studies::{Findings, GonioConfig, MapConfig, Plan, VerifyConfig, gonio, map, verify};
+use asperity_studies::{
+    GonioConfig, GonioStudy, MapConfig, MapStudy, Plan, Study, VerifyConfig, VerifyStudy,
+};
 
 const SETTINGS: &str = "
     [surface]
@@ -35,20 +37,15 @@ fn tint(value: f64) -> Coordinate {
     }
 }
 
-/// The cases of a plan in each of two tints.
-fn in_two_tints(plan: &Plan) -> Plan {
-    let mut tinted = plan.clone();
-    tinted.cases.extend(plan.cases.iter().cloned());
-    tinted.lobes.extend(plan.lobes.iter().copied());
-    for (number, case) in tinted.cases.iter_mut().enumerate() {
-        let value = if number < plan.cases.len() {
-            450.0
-        } else {
-            650.0
-        };
+/// Puts the cases of a plan in each of two tints.
+fn in_two_tints(plan: &mut Plan) {
+    let count = plan.cases.len();
+    plan.cases.extend_from_within(..);
+    plan.lobes.extend_from_within(..);
+    for (number, case) in plan.cases.iter_mut().enumerate() {
+        let value = if number < count { 450.0 } else { 650.0 };
         case.at.others.push(tint(value));
     }
-    tinted
 }
 
 /// Keeps the numbers of the surfaces that are drawn.
@@ -122,11 +119,13 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
     let place = tempfile::tempdir().unwrap();
     let out = place.path();
     let config = GonioConfig::from_toml(SETTINGS).unwrap();
-    let plan = in_two_tints(&config.plan(None).unwrap());
+    let mut study = GonioStudy::new(config, None).unwrap();
+    in_two_tints(&mut study.plan);
     let folder = ResultFolder::open(out, "gonio", &[]).unwrap();
-    let mut found = ResultSet::in_memory(config.header(None).unwrap());
-    let outcome = gonio(&config, None, &plan, &mut found, &Silent).unwrap();
-    outcome.write(&folder, &Silent).unwrap();
+    let mut found = ResultSet::in_memory(study.header().unwrap());
+    let outcome = study.run(&mut found, &Silent).unwrap();
+    let views = study.views().unwrap();
+    views.write(&folder, &outcome, &Silent).unwrap();
     assert_in_table(out, "gonio.csv");
     assert_in_text(out, &["report.txt"]);
     assert_in_json(out);
@@ -150,11 +149,13 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     let place = tempfile::tempdir().unwrap();
     let out = place.path().join("verify");
     let config = VerifyConfig::from_toml(SETTINGS).unwrap();
-    let plan = in_two_tints(&config.plan().unwrap());
+    let mut study = VerifyStudy::new(config).unwrap();
+    in_two_tints(&mut study.plan);
     let folder = ResultFolder::open(&out, "verify", &[]).unwrap();
-    let mut found = ResultSet::in_memory(config.header());
-    let outcome = verify(&config, &plan, &mut found, &Silent).unwrap();
-    outcome.write(&folder, &Silent).unwrap();
+    let mut found = ResultSet::in_memory(study.header().unwrap());
+    let outcome = study.run(&mut found, &Silent).unwrap();
+    let views = study.views().unwrap();
+    views.write(&folder, &outcome, &Silent).unwrap();
     assert_in_text(&out, &["report.txt"]);
     assert_in_json(&out);
     for value in [450, 650] {
@@ -165,11 +166,13 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
 
     let out = place.path().join("map");
     let config = MapConfig::from_toml(SETTINGS).unwrap();
-    let plan = in_two_tints(&config.plan().unwrap());
+    let mut study = MapStudy::new(config).unwrap();
+    in_two_tints(&mut study.plan);
     let folder = ResultFolder::open(&out, "map", &[]).unwrap();
-    let mut found = ResultSet::in_memory(config.header().unwrap());
-    let outcome = map(&config, &plan, &mut found, &Silent).unwrap();
-    outcome.write(&folder, &Silent).unwrap();
+    let mut found = ResultSet::in_memory(study.header().unwrap());
+    let outcome = study.run(&mut found, &Silent).unwrap();
+    let views = study.views().unwrap();
+    views.write(&folder, &outcome, &Silent).unwrap();
     assert_in_table(&out, "map.csv");
     assert_in_json(&out);
     assert_in_text(&out, &["report.txt"]);
@@ -183,9 +186,10 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
 fn gonio_and_map_draw_each_surface_once_for_all_angles_and_tints() {
     let drawn = Drawn::default();
     let config = GonioConfig::from_toml(SETTINGS).unwrap();
-    let plan = in_two_tints(&config.plan(None).unwrap());
-    let mut found = ResultSet::in_memory(config.header(None).unwrap());
-    gonio(&config, None, &plan, &mut found, &drawn).unwrap();
+    let mut study = GonioStudy::new(config, None).unwrap();
+    in_two_tints(&mut study.plan);
+    let mut found = ResultSet::in_memory(study.header().unwrap());
+    study.run(&mut found, &drawn).unwrap();
     let each_once: Vec<u64> = (0..SURFACES).collect();
     let numbers = || {
         let mut numbers = std::mem::take(&mut *drawn.0.lock().unwrap());
@@ -196,8 +200,9 @@ fn gonio_and_map_draw_each_surface_once_for_all_angles_and_tints() {
     assert_eq!(numbers(), each_once);
 
     let config = MapConfig::from_toml(SETTINGS).unwrap();
-    let plan = in_two_tints(&config.plan().unwrap());
-    let mut found = ResultSet::in_memory(config.header().unwrap());
-    map(&config, &plan, &mut found, &drawn).unwrap();
+    let mut study = MapStudy::new(config).unwrap();
+    in_two_tints(&mut study.plan);
+    let mut found = ResultSet::in_memory(study.header().unwrap());
+    study.run(&mut found, &drawn).unwrap();
     assert_eq!(numbers(), each_once);
 }

@@ -3,7 +3,7 @@
 
 use asperity_results::ResultSet;
 use asperity_simulate::Silent;
-use asperity_studies::{VerifyConfig, verify};
+use asperity_studies::{Study, VerifyConfig, VerifyStudy};
 
 /// One ensemble of surfaces, of which Smith's model is true: so smooth that nothing is shadowed, masked or scattered twice but
 /// for rays that are fewer than the errors can tell.
@@ -22,9 +22,9 @@ fn p_values(case: &TrueModel, seeds: std::ops::Range<u64>) -> Vec<f64> {
             );
             let mut config = VerifyConfig::from_toml(&text).unwrap();
             config.run.seed = seed;
-            let plan = config.plan().unwrap();
-            let mut found = ResultSet::in_memory(config.header());
-            let outcome = verify(&config, &plan, &mut found, &Silent).unwrap();
+            let study = VerifyStudy::new(config).unwrap();
+            let mut found = ResultSet::in_memory(study.header().unwrap());
+            let outcome = study.run(&mut found, &Silent).unwrap();
             let model = &outcome.cases[0].models[0];
             let components = model.components.iter().map(|(_, compared)| compared);
             let tests = components.chain([&model.total]);

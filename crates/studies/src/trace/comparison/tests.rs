@@ -6,7 +6,8 @@ use asperity_surface::{LengthUnit, Psd, RegionSlopes};
 
 use super::*;
 use crate::given::GivenSurface;
-use crate::trace::{TraceOutcome, TracePlan, trace};
+use crate::study::Study;
+use crate::trace::{TraceOutcome, TracePlan};
 
 /// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
 const SMOOTH: f64 = 10.0;
@@ -41,8 +42,8 @@ fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
 
 /// What `read` takes from the outcome of a run.
 fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
-    let mut found = ResultSet::in_memory(plan.identity());
-    read(&trace(&plan, &mut found, &Silent).unwrap())
+    let mut found = ResultSet::in_memory(plan.header().unwrap());
+    read(&plan.run(&mut found, &Silent).unwrap())
 }
 
 /// The p value of the component that each model is judged by.
