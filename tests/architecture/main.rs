@@ -212,7 +212,7 @@ const STUDIES: [(&str, &[&str]); 21] = [
     ("output", &["config"]),
     ("comparison", &["config", "error", "output"]),
     ("report", &["comparison", "config", "output", "validity"]),
-    ("study", &["error", "report", "settings"]),
+    ("study", &["config", "error", "report", "settings"]),
     ("generate", &["config", "error", "settings"]),
     ("mesh", &["config", "error", "given", "settings"]),
     ("render", &["config", "error", "given", "settings"]),
