@@ -2,7 +2,8 @@
 
 use asperity_simulate::short;
 use asperity_studies::settings::Document;
-use asperity_surface::{Erosion, Etch, HeightField, Slip};
+use asperity_surface::HeightField;
+use asperity_synthesis::{Erosion, Etch, Slip};
 use serde::Deserialize;
 
 use crate::failure::Failure;

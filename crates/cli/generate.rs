@@ -3,7 +3,7 @@
 use asperity_simulate::{check_memory, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
-use asperity_surface::{FieldSynthesis, Resolution, Roughness, SurfaceRecipe, Unreached};
+use asperity_synthesis::{DrawnRoughness, FieldSynthesis, Resolution, SurfaceRecipe, Unreached};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -69,7 +69,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     common.say(|| format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
     let note = write_surface(&path, &field)?;
 
-    let roughness = Roughness::of(&field);
+    let roughness = DrawnRoughness::of(&field);
     results.print_file(
         common,
         || &roughness,

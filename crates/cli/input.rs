@@ -13,8 +13,8 @@ use asperity_studies::{
 };
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
-    StructureError, SynthesisError,
 };
+use asperity_synthesis::{StructureError, SynthesisError};
 use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
 use crate::common::Common;

@@ -11,7 +11,8 @@ use asperity_studies::{
     height_map_figure, inspect_report, realisation_table, roughness_table, smooth_table,
     texture_files, wrapped,
 };
-use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
+use asperity_surface::{HeightField, Iso25178, SplineRoughness, SplineSurface};
+use asperity_synthesis::DrawnRoughness;
 use serde::{Deserialize, Serialize};
 
 use crate::common::{Common, Results};
@@ -139,7 +140,7 @@ impl<'a> Output<'a> {
 #[derive(Serialize)]
 struct Statistics {
     #[serde(flatten)]
-    facets: Roughness,
+    facets: DrawnRoughness,
     #[serde(flatten)]
     areal: Iso25178,
     cells: Cells,
@@ -154,7 +155,7 @@ impl Statistics {
     fn of(field: &HeightField, cells: Cells, lights: &[Incidence]) -> Result<Self, Failure> {
         let smooth = || SplineRoughness::of(&SplineSurface::through(field));
         Ok(Self {
-            facets: Roughness::of(field),
+            facets: DrawnRoughness::of(field),
             areal: Iso25178::of(field),
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
@@ -164,8 +165,8 @@ impl Statistics {
     }
 
     fn text(&self) -> String {
-        let facets = &self.facets;
-        let (table, realisation) = (roughness_table(facets), realisation_table(facets));
+        let facets = &self.facets.roughness;
+        let (table, realisation) = (roughness_table(facets), realisation_table(&self.facets));
         let areal = areal_table(&self.areal, facets.unit);
         let cells = match &self.smooth {
             None => CELLS.to_owned(),

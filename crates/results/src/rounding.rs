@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::sync::OnceLock;
 
 use asperity_analysis::fnv1a;
-use asperity_surface::{Psd, Synthesis, SynthesisError};
+use asperity_synthesis::{Psd, Synthesis, SynthesisError};
 
 /// Arguments per function.
 const ARGUMENTS: u32 = 256;

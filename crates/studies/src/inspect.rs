@@ -9,9 +9,9 @@ mod tests;
 use std::f64::consts::PI;
 
 use asperity_surface::{
-    AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, Psd,
-    SpectralRing, SurfaceRecipe,
+    AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, SpectralRing,
 };
+use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
 pub use self::files::{inspect_report, texture_files};
 
@@ -67,7 +67,7 @@ impl Texture {
         let slopes = Histogram::of_slopes(field).ok_or(InspectError::Flat)?;
         let spectrum = PowerSpectrum::of(field)?;
         let correlation = AxisAutocorrelation::of(field);
-        let recipe = field.provenance().map(|provenance| &provenance.recipe);
+        let recipe = Provenance::of(field.provenance()).map(|provenance| &provenance.recipe);
         let requested = recipe.and_then(|recipe| recipe.gaussian());
         let row = |ring: SpectralRing| SpectrumRow {
             ring,

@@ -2,11 +2,17 @@
 
 mod border;
 mod border_steps;
+mod mean;
+mod provenance;
 mod unit;
 
-use crate::Provenance;
+use std::sync::Arc;
 
 pub use self::border::Border;
+pub(crate) use self::mean::mean_height;
+pub use self::provenance::ProvenanceRecord;
+#[cfg(test)]
+pub(crate) use self::provenance::RecordedLength;
 pub use self::unit::LengthUnit;
 
 /// Largest magnitude of a height.
@@ -114,7 +120,7 @@ pub struct HeightField {
     spacing: [f64; 2],
     unit: LengthUnit,
     border: Border,
-    provenance: Option<Provenance>,
+    provenance: Option<Arc<dyn ProvenanceRecord>>,
 }
 
 impl HeightField {
@@ -143,12 +149,9 @@ impl HeightField {
         Ok(Self::of_checked(heights, shape, spacing))
     }
 
-    /// As [`HeightField::new`], of what has passed its checks already.
-    pub(crate) const fn of_checked(
-        heights: Vec<f64>,
-        shape: [usize; 2],
-        spacing: [f64; 2],
-    ) -> Self {
+    /// A periodic surface in arbitrary units, of a grid that passes [`check_grid`] and heights that are [allowed](are_allowed).
+    #[must_use]
+    pub const fn of_checked(heights: Vec<f64>, shape: [usize; 2], spacing: [f64; 2]) -> Self {
         Self {
             heights,
             shape,
@@ -175,7 +178,7 @@ impl HeightField {
 
     /// The same surface with a record of how it was generated.
     #[must_use]
-    pub fn with_provenance(mut self, provenance: Option<Provenance>) -> Self {
+    pub fn with_provenance(mut self, provenance: Option<Arc<dyn ProvenanceRecord>>) -> Self {
         self.provenance = provenance;
         self
     }
@@ -247,7 +250,7 @@ impl HeightField {
 
     /// How the surface was generated, if it was.
     #[must_use]
-    pub fn provenance(&self) -> Option<&Provenance> {
+    pub fn provenance(&self) -> Option<&Arc<dyn ProvenanceRecord>> {
         self.provenance.as_ref()
     }
 
@@ -302,9 +305,10 @@ pub fn check_grid(shape: [usize; 2], spacing: [f64; 2]) -> Result<(), HeightFiel
     Ok(())
 }
 
-/// Whether all are finite and within bounds. There is no early exit, which would keep this from being
+/// Returns `true` if all heights are finite and within bounds. There is no early exit, which would keep this from being
 /// compiled to vector instructions.
-pub(crate) fn are_allowed(heights: &[f64]) -> bool {
+#[must_use]
+pub fn are_allowed(heights: &[f64]) -> bool {
     heights
         .iter()
         .fold(true, |all, h| all & (h.abs() <= MAX_HEIGHT))

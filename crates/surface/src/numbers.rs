@@ -33,7 +33,8 @@ fn without_zeros(text: &str) -> &str {
 }
 
 /// As [`short`], never above `value`: for the largest number that is allowed.
-pub(crate) fn short_below(value: f64) -> String {
+#[must_use]
+pub fn short_below(value: f64) -> String {
     let text = short(value);
     match text.parse::<f64>() {
         Ok(shown) if shown > value => {

@@ -10,8 +10,10 @@ mod region_slopes;
 mod roughness;
 mod tessellation;
 
+use std::sync::Arc;
+
 pub use self::roughness::SplineRoughness;
-use crate::{Border, HeightField, LengthUnit, Provenance};
+use crate::{Border, HeightField, LengthUnit, ProvenanceRecord};
 
 /// A single-valued surface `z = h(x, y)` of uniform bicubic B-spline patches, one per cell.
 ///
@@ -49,7 +51,7 @@ pub struct SplineSurface {
     spacing: [f64; 2],
     unit: LengthUnit,
     border: Border,
-    provenance: Option<Provenance>,
+    provenance: Option<Arc<dyn ProvenanceRecord>>,
 }
 
 impl SplineSurface {
@@ -74,7 +76,8 @@ impl SplineSurface {
 
     /// The spline with one coefficient per grid point, row-major with shape `[ny, nx]`, as for the samples
     /// of a [`HeightField`], in arbitrary units. Their memory is used if it has room for the padding.
-    pub(crate) fn of_coefficients(
+    #[must_use]
+    pub fn of_coefficients(
         coefficients: Vec<f64>,
         shape: [usize; 2],
         spacing: [f64; 2],
@@ -99,7 +102,8 @@ impl SplineSurface {
     }
 
     /// The same surface with a record of how it was generated.
-    pub(crate) fn with_provenance(mut self, provenance: Option<Provenance>) -> Self {
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Option<Arc<dyn ProvenanceRecord>>) -> Self {
         self.provenance = provenance;
         self
     }
@@ -158,7 +162,7 @@ impl SplineSurface {
 
     /// How the surface was generated, if it was.
     #[must_use]
-    pub const fn provenance(&self) -> Option<&Provenance> {
+    pub const fn provenance(&self) -> Option<&Arc<dyn ProvenanceRecord>> {
         self.provenance.as_ref()
     }
 }

@@ -1,7 +1,8 @@
 //! Surface error: why no surfaces are drawn from a `[surface]` configuration.
 
 use asperity_simulate::{SimulateError, short};
-use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{JohnsonError, PsdError, StructureError};
 
 use super::surface_choices::SpectrumName;
 

@@ -3,7 +3,7 @@
 use super::SplineSurface;
 use super::patch::{Place, dot};
 use super::roughness::RULE;
-use crate::region_slopes::{RegionSlopes, by_region};
+use crate::slopes::{RegionSlopes, by_region};
 
 impl SplineSurface {
     /// Slopes in each of `[columns, rows]` regions, row by row, exact but for rounding where edges of regions are edges of cells. A

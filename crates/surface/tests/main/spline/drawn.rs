@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use asperity_surface::{
-    Border, HeightField, MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Psd, SplineSurface,
-    SplineSynthesis, Synthesis, SynthesisError,
+use asperity_surface::{Border, HeightField, SplineSurface};
+use asperity_synthesis::{
+    MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Psd, SplineSynthesis, Synthesis, SynthesisError,
 };
 
 use super::{BORDERS, jumble};

@@ -1,0 +1,528 @@
+//! Random periodic surfaces by FFT from random waves.
+//!
+//! Each wave vector `k` of the FFT grid gets a complex normal number `z(k)` with `<|z|^2> = 1`, which is
+//! multiplied by the square root of the power spectral density and goes through the inverse FFT. With
+//! `dk^2 = 4 pi^2 / (N dx dy)`, where `N` is the number of samples, and `z(-k)` the conjugate of `z(k)`,
+//! `h = sum_k sqrt(W dk^2) z(k) exp(i k.r)` is real and has the variance `sum_k W dk^2`.
+//!
+//! White noise filtered in the plane of positions would give the same ensemble, but takes a forward
+//! FFT more, and random numbers for all those wave vectors whose waves are empty.
+//!
+//! The mean (`k = 0`) is set to zero. This lowers the expected variance by `W(0) dk^2`, for the
+//! Gaussian by the fraction `pi tau_x tau_y / (Lx Ly)` of sigma^2: 5 % at the smallest tile allowed
+//! (8 correlation lengths), 0.3 % at 32. No realisation is ever rescaled to sigma.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner};
+use rustfft::{Fft, FftPlanner};
+
+use self::filter::{Filter, Numbers};
+use self::noise::{Noise, Stream};
+use crate::{Provenance, Psd, StructureError, SurfaceRecipe, Unreached};
+use asperity_surface::check_grid;
+use asperity_surface::{HeightField, HeightFieldError, LengthUnit};
+use asperity_surface::{short, short_below};
+
+mod direct;
+mod expected_moments;
+pub(crate) mod field_synthesis;
+mod filter;
+pub(crate) mod noise;
+pub(crate) mod slope_mixture;
+mod slopes;
+mod spectrum;
+pub(crate) mod splines;
+mod transform;
+pub(crate) mod unreached;
+
+/// Fewest spacings a correlation length must span along each axis.
+///
+/// At four, the power beyond the Nyquist wave number is `erfc(2 pi) < 1e-17` of the whole, and the
+/// slope variance of the mesh is low by 3 %.
+pub const MIN_SPACINGS_PER_CORRELATION_LENGTH: f64 = 4.0;
+
+/// Fewest spacings that a wavelength must span, per spacing that a correlation length must: 8 of facets, whose slope variance is then
+/// low by 5 % for the shortest waves, and 5 of splines.
+///
+/// This is required of the waves that hold all but [`UNRESOLVED_SLOPES`] of the slope variance, where the spectrum is not Gaussian.
+const SPACINGS_PER_WAVE: f64 = 2.0;
+
+/// Fraction of the slope variance that waves may hold that the grid does not resolve.
+pub const UNRESOLVED_SLOPES: f64 = 0.03;
+
+/// Fewest correlation lengths a tile's side must span.
+///
+/// At eight, the expected variance is low by `pi / 64` = 5 %, and the realised variance scatters by
+/// 22 % from one realisation to the next.
+pub const MIN_CORRELATION_LENGTHS_PER_SIDE: f64 = 8.0;
+
+/// Largest number of samples drawn: `2^31`, whose two triangles each still have a 32-bit number.
+pub const MAX_SAMPLES: usize = 1 << 31;
+
+/// Why a surface cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SynthesisError {
+    /// The grid is too coarse for the correlation length.
+    Unresolved {
+        /// `x` or `y`.
+        axis: char,
+        /// Lag along this axis at which the autocorrelation is 1/e, length units.
+        length: f64,
+        /// Spacing along this axis, length units.
+        spacing: f64,
+        /// Spacings in a correlation length.
+        per_spacing: f64,
+        /// Largest spacing that resolves it, length units.
+        largest_spacing: f64,
+    },
+    /// The grid is too coarse for the waves that hold the slopes.
+    UnresolvedWaves {
+        /// `x` or `y`.
+        axis: char,
+        /// Wavelength along this axis below which waves hold [`UNRESOLVED_SLOPES`] of the slope variance, length units.
+        wavelength: f64,
+        /// Spacing along this axis, length units.
+        spacing: f64,
+        /// Fewest spacings that a wavelength must span.
+        fewest: f64,
+        /// Largest spacing that resolves it, length units.
+        largest_spacing: f64,
+    },
+    /// The tile is too small for the correlation length.
+    TooSmallTile {
+        /// `x` or `y`.
+        axis: char,
+        /// Period of the tile along this axis, length units.
+        side: f64,
+        /// Extent along this axis of the autocorrelation's 1/e contour, length units.
+        length: f64,
+        /// Correlation lengths in the side.
+        per_length: f64,
+        /// Fewest samples that hold it at this spacing.
+        fewest_samples: f64,
+    },
+    /// More than [`MAX_SAMPLES`].
+    TooManySamples {
+        /// Columns.
+        nx: usize,
+        /// Rows.
+        ny: usize,
+    },
+    /// The system gives no more memory.
+    OutOfMemory {
+        /// Requested bytes.
+        bytes: usize,
+    },
+    /// The structure cannot be made.
+    Structure(#[from] StructureError),
+    /// The grid or the heights drawn make no surface.
+    HeightField(#[from] HeightFieldError),
+    /// No Gaussian surface turns into one of these heights and this spectrum.
+    Unreachable(Unreached),
+}
+
+impl fmt::Display for SynthesisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_unit(LengthUnit::Arbitrary))
+    }
+}
+
+impl SynthesisError {
+    /// The sentence, with lengths in `unit`.
+    #[must_use]
+    pub fn in_unit(&self, unit: LengthUnit) -> String {
+        let length_unit = unit;
+        let unit = unit.suffix();
+        match self {
+            Self::Unresolved {
+                axis,
+                length,
+                spacing,
+                per_spacing,
+                largest_spacing,
+            } => format!(
+                "the correlation length along {axis} is {}{unit}, only {per_spacing:.2} spacings of {}{unit}: \
+                 take a spacing of at most {}{unit}, or insist",
+                short(*length),
+                short(*spacing),
+                short_below(*largest_spacing),
+            ),
+            Self::UnresolvedWaves {
+                axis,
+                wavelength,
+                spacing,
+                fewest,
+                largest_spacing,
+            } => format!(
+                "waves shorter than {}{unit} along {axis} hold {} % of the slope variance, and a spacing of {}{unit} resolves waves from {fewest} spacings on: \
+                 take a spacing of at most {}{unit}, or insist",
+                short(*wavelength),
+                100.0 * UNRESOLVED_SLOPES,
+                short(*spacing),
+                short_below(*largest_spacing),
+            ),
+            Self::TooSmallTile {
+                axis,
+                side,
+                length,
+                per_length,
+                fewest_samples,
+            } => format!(
+                "the tile is {}{unit} long along {axis}, only {per_length:.2} correlation lengths of {}{unit}: \
+                 take at least {fewest_samples} samples along {axis} at this spacing, or insist",
+                short(*side),
+                short(*length),
+            ),
+            Self::TooManySamples { nx, ny } => format!(
+                "{nx} x {ny} samples are more than the {MAX_SAMPLES} that one surface may have"
+            ),
+            Self::OutOfMemory { bytes } => {
+                format!("{bytes} bytes of memory were refused; take fewer samples")
+            }
+            Self::Structure(error) => error.in_unit(length_unit),
+            Self::HeightField(error) => error.to_string(),
+            Self::Unreachable(Unreached {
+                autocorrelation,
+                slope_variance: [x, y],
+            }) => format!(
+                "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {autocorrelation:.3} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y; take a distribution nearer to the Gaussian, or insist",
+                100.0 * x,
+                100.0 * y,
+            ),
+        }
+    }
+}
+
+/// A generator of random periodic surfaces, with its FFTs planned.
+///
+/// One generator draws any number of realisations. The heights depend on the power spectral density,
+/// shape, spacing, seed and realisation, and on nothing else: not on the number of threads. Between
+/// kinds of processor, whose FFTs round differently, they agree to about `1e-15 sigma`.
+///
+/// # Examples
+/// ```
+/// use asperity_synthesis::{Psd, Synthesis};
+///
+/// let psd = Psd::gaussian(1.0, 8.0)?;
+/// let synthesis = Synthesis::new(psd, [64, 128], [1.0, 1.0], false)?;
+/// let (seed, realisation) = (7, 0);
+/// let surface = synthesis.draw(seed, realisation)?;
+/// assert_eq!(surface.shape(), [64, 128]);
+/// assert_eq!(surface, synthesis.draw(seed, realisation)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Synthesis {
+    /// Of Gaussian surfaces.
+    recipe: SurfaceRecipe,
+    psd: Psd,
+    shape: [usize; 2],
+    spacing: [f64; 2],
+    stream: Stream,
+    filter: Filter,
+    row_inverse: Arc<dyn ComplexToReal<f64>>,
+    column_inverse: Arc<dyn Fft<f64>>,
+}
+
+impl fmt::Debug for Synthesis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Synthesis")
+            .field("psd", &self.psd)
+            .field("shape", &self.shape)
+            .field("spacing", &self.spacing)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Synthesis {
+    /// Plans surfaces of the power spectral density `psd`.
+    ///
+    /// `shape`: `[ny, nx]`, at least `[2, 2]`, of any size, odd and prime included (sizes with small
+    /// prime factors are quickest). `spacing`: `[dx, dy]`, length units per sample. `insist`: draw
+    /// even what the grid cannot resolve or hold; the surface then lacks the statistics of `psd`,
+    /// and [`Synthesis::expected_variance`] says how much of its variance is left.
+    ///
+    /// # Errors
+    /// - [`SynthesisError::Unresolved`] if, along an axis, the autocorrelation falls to 1/e within
+    ///   four spacings, unless `insist`.
+    /// - [`SynthesisError::TooSmallTile`] if a side of the tile is below eight times the extent of
+    ///   the autocorrelation's 1/e contour along it, unless `insist`.
+    /// - [`SynthesisError::TooManySamples`] above [`MAX_SAMPLES`].
+    /// - [`SynthesisError::HeightField`] for a shape or spacing that no surface has.
+    pub fn new(
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        insist: bool,
+    ) -> Result<Self, SynthesisError> {
+        let fewest = (!insist).then_some(MIN_SPACINGS_PER_CORRELATION_LENGTH);
+        Self::of_heights(psd, shape, spacing, fewest)
+    }
+
+    /// As [`Synthesis::new`]. `fewest`: spacings that a correlation length must span; if none, nothing is refused.
+    pub(crate) fn of_heights(
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
+        Self::planned(psd, shape, spacing, Numbers::Heights, fewest)
+    }
+
+    /// A generator of heights or coefficients. `fewest`: spacings that a correlation length must span;
+    /// if none, nothing that the grid cannot resolve or hold is refused.
+    fn planned(
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        numbers: Numbers,
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
+        check_grid(shape, spacing)?;
+        let [ny, nx] = shape;
+        if nx * ny > MAX_SAMPLES {
+            return Err(SynthesisError::TooManySamples { nx, ny });
+        }
+        if let Some(fewest) = fewest {
+            check_resolution(&psd, shape, spacing, fewest)?;
+        }
+        let stream = psd.mark().map_or(Stream::Heights, Stream::Measured);
+        Ok(Self {
+            filter: Filter::new(&psd, shape, spacing, numbers),
+            recipe: psd.clone().into(),
+            psd,
+            shape,
+            spacing,
+            stream,
+            row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
+            column_inverse: FftPlanner::new().plan_fft_inverse(ny),
+        })
+    }
+
+    /// The requested power spectral density.
+    #[must_use]
+    pub const fn psd(&self) -> &Psd {
+        &self.psd
+    }
+
+    /// The same as what surfaces are drawn by.
+    #[must_use]
+    pub const fn recipe(&self) -> &SurfaceRecipe {
+        &self.recipe
+    }
+
+    /// `[ny, nx]`.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    /// `[dx, dy]`, length units per sample.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// Bytes that a program holds at the peak of a [`Synthesis::draw`]: the heights, which are computed
+    /// in place, some columns of their spectrum, more of them the more threads there are,
+    /// and 8 MiB for the program itself and the tables of its FFTs.
+    #[must_use]
+    pub fn peak_bytes(&self) -> usize {
+        let [ny, nx] = self.shape;
+        ny * nx * size_of::<f64>() + self.room_bytes() + (8 << 20)
+    }
+
+    /// Variance expected of the heights, length units squared: `sum_k W dk^2` over the FFT grid
+    /// without `k = 0`. It takes `nx ny` evaluations of the density.
+    #[must_use]
+    pub fn expected_variance(&self) -> f64 {
+        let [ny, nx] = self.shape;
+        let [dx, dy] = self.spacing;
+        let area = (nx as f64 * dx) * (ny as f64 * dy);
+        let rows: Vec<f64> = (0..ny)
+            .into_par_iter()
+            .map(|iy| {
+                let first = usize::from(iy == 0);
+                (first..nx).map(|ix| self.filter.density(ix, iy)).sum()
+            })
+            .collect();
+        rows.iter().sum::<f64>() * TAU * TAU / area
+    }
+
+    /// Draws one periodic surface.
+    ///
+    /// Returns heights in the unit of the power spectral density, shape `[ny, nx]`, mean zero to
+    /// rounding, border periodic, provenance recorded. `seed` and `realisation` may be any numbers;
+    /// every pair is its own stream of random numbers.
+    ///
+    /// # Errors
+    /// [`SynthesisError::OutOfMemory`] if the system refuses [`Synthesis::peak_bytes`];
+    /// [`SynthesisError::HeightField`] if sigma is so large that heights overflow.
+    ///
+    /// # Source
+    /// Garcia and Stoll, Phys. Rev. Lett. 52, 1798 (1984): Gaussian surfaces by linear filtering.
+    pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+        self.draw_into(seed, realisation, Vec::new())
+    }
+
+    /// Draws the same surface as [`Synthesis::draw`], reusing the memory of `room` if it is large
+    /// enough, such as the [`HeightField::into_heights`] of an earlier surface. Its contents do not
+    /// matter.
+    ///
+    /// Of a surface larger than some megabytes, the system provides and clears each page again, which
+    /// may dominate the time.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn draw_into(
+        &self,
+        seed: u64,
+        realisation: u64,
+        room: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError> {
+        let [ny, nx] = self.shape;
+        let mut heights = self.room_for(ny * nx, room)?;
+        let allowed = self.fill(&self.noise(seed, realisation), &mut heights)?;
+        let field = if allowed {
+            HeightField::of_checked(heights, self.shape, self.spacing)
+        } else {
+            HeightField::new(heights, self.shape, self.spacing)?
+        };
+        Ok(field.with_provenance(Some(self.provenance(seed, realisation))))
+    }
+
+    /// `room` with place for `len` numbers in all, whose first are one per grid point.
+    fn room_for(&self, len: usize, room: Vec<f64>) -> Result<Vec<f64>, SynthesisError> {
+        let [ny, nx] = self.shape;
+        let mut numbers = room;
+        if numbers.capacity() < len {
+            drop(numbers);
+            numbers = zeroed(0.0, len)?;
+        }
+        numbers.resize(ny * nx, 0.0);
+        Ok(numbers)
+    }
+
+    /// Power `W dk^2` of every wave vector of the FFT grid, rows of `nx` numbers, zero at `k = 0`.
+    pub(crate) fn powers(&self) -> Vec<f64> {
+        let [ny, nx] = self.shape;
+        let [dx, dy] = self.spacing;
+        let cell = TAU * TAU / ((nx as f64 * dx) * (ny as f64 * dy));
+        let row = |iy: usize| (0..nx).map(move |ix| cell * self.filter.density(ix, iy));
+        let mut powers: Vec<f64> = (0..ny).into_par_iter().flat_map_iter(row).collect();
+        powers[0] = 0.0;
+        powers
+    }
+
+    /// The same grid with waves of these powers, as [`Synthesis::powers`].
+    pub(crate) fn with_powers(mut self, powers: &[f64]) -> Self {
+        let [ny, nx] = self.shape;
+        let column = |ix: usize| (0..ny).map(move |iy| powers[iy * nx + ix].sqrt());
+        let columns = (0..=nx / 2).into_par_iter();
+        let amplitudes = columns.flat_map_iter(column).collect();
+        self.filter = self.filter.with_amplitudes(amplitudes);
+        self
+    }
+
+    /// The same with random numbers of another stream, so that both are independent for one seed.
+    pub(crate) fn of_stream(mut self, stream: Stream) -> Self {
+        self.stream = stream;
+        self
+    }
+
+    /// The noise of one surface.
+    fn noise(&self, seed: u64, realisation: u64) -> Noise {
+        Noise::of_stream(self.stream, seed, realisation)
+    }
+
+    /// The record of a surface.
+    fn provenance(&self, seed: u64, realisation: u64) -> Arc<Provenance> {
+        Arc::new(Provenance {
+            recipe: self.recipe.clone(),
+            seed,
+            realisation,
+        })
+    }
+}
+
+/// How much wider than that of a measured surface a spacing may be, which people write with few digits.
+const SPACING_TOLERANCE: f64 = 1e-3;
+
+/// Refuses what the grid cannot resolve, with `fewest` spacings per correlation length, or hold.
+fn check_resolution(
+    psd: &Psd,
+    [ny, nx]: [usize; 2],
+    spacing: [f64; 2],
+    fewest: f64,
+) -> Result<(), SynthesisError> {
+    for part in psd.parts() {
+        let lengths = part.axis_correlation_lengths();
+        let extents = part.correlation_extents();
+        let waves = part.wavelengths_holding(UNRESOLVED_SLOPES);
+        for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
+            let (spacing, length) = (spacing[i], lengths[i]);
+            let is_as_measured = part
+                .sampled()
+                .is_some_and(|own| spacing <= (1.0 + SPACING_TOLERANCE) * own[i]);
+            if !is_as_measured && length < fewest * spacing {
+                return Err(SynthesisError::Unresolved {
+                    axis,
+                    length,
+                    spacing,
+                    per_spacing: length / spacing,
+                    largest_spacing: length / fewest,
+                });
+            }
+            let fewest_of_wave = SPACINGS_PER_WAVE * fewest;
+            if let Some([wave_x, wave_y]) = waves
+                && !is_as_measured
+                && [wave_x, wave_y][i] < fewest_of_wave * spacing * (1.0 - 1e-9)
+            {
+                let wavelength = [wave_x, wave_y][i];
+                return Err(SynthesisError::UnresolvedWaves {
+                    axis,
+                    wavelength,
+                    spacing,
+                    fewest: fewest_of_wave,
+                    largest_spacing: wavelength / fewest_of_wave,
+                });
+            }
+            let (side, length) = (n as f64 * spacing, extents[i]);
+            if side < MIN_CORRELATION_LENGTHS_PER_SIDE * length {
+                return Err(SynthesisError::TooSmallTile {
+                    axis,
+                    side,
+                    length,
+                    per_length: side / length,
+                    fewest_samples: (MIN_CORRELATION_LENGTHS_PER_SIDE * length / spacing).ceil(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// An empty vector with room for `len`, or an error where `Vec::with_capacity` would abort.
+fn reserved<T>(len: usize) -> Result<Vec<T>, SynthesisError> {
+    let mut values = Vec::new();
+    values
+        .try_reserve_exact(len)
+        .map_err(|_| SynthesisError::OutOfMemory {
+            bytes: len.saturating_mul(size_of::<T>()),
+        })?;
+    Ok(values)
+}
+
+/// `len` zeros, whose pages the system provides when they are first written, by the threads that
+/// write them.
+///
+/// The memory is reserved twice, since the vector that is quick to zero cannot report a refusal.
+fn zeroed<T: Copy>(zero: T, len: usize) -> Result<Vec<T>, SynthesisError> {
+    drop(reserved::<T>(len)?);
+    Ok(vec![zero; len])
+}

@@ -1,0 +1,42 @@
+//! Provenance: how a surface was drawn.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use asperity_surface::ProvenanceRecord;
+use serde::{Deserialize, Serialize};
+
+use crate::SurfaceRecipe;
+
+/// How a surface was generated: the requested statistics and the random stream.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// What it was drawn by.
+    #[serde(rename = "psd")]
+    pub recipe: SurfaceRecipe,
+    /// The seed.
+    pub seed: u64,
+    /// The realisation drawn from that seed, counted from zero.
+    pub realisation: u64,
+}
+
+impl Provenance {
+    /// Returns the provenance that a surface carries as `record`, if it was drawn by this crate.
+    #[must_use]
+    pub fn of(record: Option<&Arc<dyn ProvenanceRecord>>) -> Option<&Self> {
+        (record?.as_ref() as &dyn Any).downcast_ref()
+    }
+}
+
+impl ProvenanceRecord for Provenance {
+    fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Arc<dyn ProvenanceRecord> {
+        Arc::new(Self {
+            recipe: self.recipe.converted(convert),
+            ..*self
+        })
+    }
+
+    fn equals(&self, other: &dyn ProvenanceRecord) -> bool {
+        (other as &dyn Any).downcast_ref() == Some(self)
+    }
+}
