@@ -20,12 +20,13 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("surface", &["numerics"]),
     ("synthesis", &["numerics", "surface"]),
     ("tracer", &["optics", "surface", "tally"]),
-    ("analysis", &["optics", "tally"]),
+    ("analysis", &["numerics", "optics", "tally"]),
     ("io", &["surface", "synthesis"]),
     ("plot", &[]),
     (
         "simulate",
         &[
+            "numerics",
             "optics",
             "surface",
             "synthesis",
@@ -38,6 +39,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     (
         "results",
         &[
+            "numerics",
             "surface",
             "synthesis",
             "tracer",
@@ -49,6 +51,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     (
         "studies",
         &[
+            "numerics",
             "optics",
             "surface",
             "synthesis",
@@ -184,12 +187,11 @@ fn folders_of_the_tracer_use_only_what_lies_below_them() {
 }
 
 /// Folders of the models and their integrals, each with those that it may use.
-const ANALYSIS: [(&str, &[&str]); 6] = [
-    ("numerics", &[]),
-    ("microfacet", &["numerics"]),
-    ("models", &["numerics", "microfacet"]),
-    ("integrals", &["numerics", "microfacet", "models"]),
-    ("layer", &["numerics", "models", "integrals"]),
+const ANALYSIS: [(&str, &[&str]); 5] = [
+    ("microfacet", &[]),
+    ("models", &["microfacet"]),
+    ("integrals", &["microfacet", "models"]),
+    ("layer", &["models", "integrals"]),
     // It judges models by their numbers alone.
     ("compare", &[]),
 ];

@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::sync::OnceLock;
 
-use asperity_analysis::fnv1a;
+use asperity_numerics::fnv1a;
 use asperity_synthesis::{Psd, Synthesis, SynthesisError};
 
 /// Arguments per function.

@@ -26,7 +26,6 @@
 
 mod drawing;
 mod erosion;
-mod numerics;
 mod realised;
 mod recipe;
 mod spectra;

@@ -4,8 +4,8 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
-use asperity_analysis::fnv1a;
 use asperity_io::{NumberTable, ReadError, read_number_table};
+use asperity_numerics::fnv1a;
 use asperity_surface::{LengthUnit, MissingError};
 use asperity_synthesis::{
     EstimateError, HeightTable, HeightTableError, Psd, PsdError, RadialTable,

@@ -1,6 +1,8 @@
 //! Field synthesis: draws random surfaces of any recipe as heights on a grid.
 
 mod centred;
+mod curve;
+mod hermite;
 mod structured;
 mod student;
 mod transformed;

@@ -1,6 +1,6 @@
 //! Slope mixture: slopes that are Gaussian with a covariance that differs from place to place.
 
-use crate::numerics::gauss_rule;
+use asperity_numerics::quadrature::gauss_rule;
 
 /// How much steeper or flatter than others places are, and the fraction of them that is.
 #[derive(Clone, Copy, Debug, PartialEq)]

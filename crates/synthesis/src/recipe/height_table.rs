@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::{ln_normal_cdf, normal_moments};
+use asperity_numerics::ln_normal_cdf;
+use asperity_numerics::quadrature::normal_moments;
 use asperity_surface::{Form, FormError, HeightField};
 
 /// Nodes per unit of the normal number, and the largest of them.
@@ -158,7 +159,7 @@ impl HeightTable {
 
     /// Mean, variance, skewness and kurtosis, by the trapezium rule over normal numbers.
     fn moments(&self) -> [f64; 4] {
-        normal_moments(|z| self.at(z), 1.0 / 64.0, 8.0)
+        normal_moments(|z| self.at(z), 64, 8)
     }
 
     /// Skewness of the distribution.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::{normal_moments, root};
+use asperity_numerics::quadrature::normal_moments;
+use asperity_numerics::root;
 
 /// A family of Johnson's system: how a number `x` follows from a standard normal number `z`, with `y = (z - gamma) / delta`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,7 +167,7 @@ impl Johnson {
     /// Mean, variance, skewness and kurtosis, by the trapezium rule over normal numbers, which is exact to rounding for smooth
     /// functions.
     fn moments(&self) -> [f64; 4] {
-        normal_moments(|z| self.raw(z), 1.0 / 16.0, 12.0)
+        normal_moments(|z| self.raw(z), 16, 12)
     }
 
     pub(super) fn is_valid(&self) -> bool {

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numerics::exponential_integral;
 use crate::{GaussianPsd, Psd, PsdError};
+use asperity_numerics::exponential_integral;
 
 /// Added to the exponentially distributed number whose inverse is the variance of the slopes, so that it is finite.
 pub(crate) const FLOOR: f64 = 1e-3;

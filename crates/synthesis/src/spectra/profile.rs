@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::matern::Matern;
 use super::power_law::PowerLaw;
 use super::radial_table::RadialTable;
-use crate::numerics::{gauss_legendre, root};
+use asperity_numerics::quadrature::gauss_legendre;
+use asperity_numerics::root;
 
 /// How a power spectral density falls with the wave number `kappa`, which is `k` in units of one over the correlation length.
 ///

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::numerics::root;
+use asperity_numerics::root;
 
 /// Steps of the wave number up to the largest: the autocorrelation is off by less than 1e-5 up to lags of a hundred of the shortest
 /// wavelengths.

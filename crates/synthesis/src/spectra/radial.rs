@@ -10,7 +10,7 @@ use super::matern::Matern;
 use super::power_law::PowerLaw;
 use super::profile::Profile;
 use super::radial_table::RadialTable;
-use crate::numerics::root;
+use asperity_numerics::root;
 
 /// A spectrum `W = sigma^2 tau_x tau_y f(kappa)` with `kappa^2 = (tau_x k_u)^2 + (tau_y k_v)^2`, in axes turned by an azimuth, where
 /// the integral of `f` over the plane is 1. Made by [`Psd::matern`](super::Psd::matern) and its fellows, which check its parameters.

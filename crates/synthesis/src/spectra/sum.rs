@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Psd;
 use super::axes::Axes;
 use super::error::PsdError;
-use crate::numerics::root;
+use asperity_numerics::root;
 
 /// The sum of spectra: the surface is the sum of independent ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

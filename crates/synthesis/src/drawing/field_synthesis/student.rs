@@ -3,11 +3,13 @@
 use rayon::prelude::*;
 
 use super::centred::centred;
+use super::curve::Curve;
 use crate::drawing::noise::Stream;
 use crate::drawing::{Synthesis, SynthesisError};
-use crate::numerics::{Curve, ln_normal_cdf, normal_nodes};
 use crate::recipe::FLOOR;
 use crate::{SlopeMixture, StudentSlopes};
+use asperity_numerics::ln_normal_cdf;
+use asperity_numerics::quadrature::normal_nodes;
 use asperity_surface::HeightField;
 
 /// Largest difference of the covariances of two slopes that counts as none, over the sum of the variances.
@@ -71,10 +73,10 @@ impl StudentSynthesis {
         }
         let variance = self.base.expected_variance();
         let added = ratio * self.scale * self.scale * variance;
-        let factors = normal_nodes(AMPLITUDES_PER_UNIT).flat_map(|[z, of_amplitude]| {
+        let factors = normal_nodes(AMPLITUDES_PER_UNIT, 8).flat_map(|[z, of_amplitude]| {
             let amplitude = self.amplitude.at(z);
             let rise = self.amplitude.derivative_at(z);
-            normal_nodes(HEIGHTS_PER_UNIT).map(move |[height, of_height]| {
+            normal_nodes(HEIGHTS_PER_UNIT, 8).map(move |[height, of_height]| {
                 let factor = amplitude * amplitude + added * (rise * height).powi(2);
                 [factor, of_amplitude * of_height]
             })

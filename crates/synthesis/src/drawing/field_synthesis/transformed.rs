@@ -3,9 +3,11 @@
 use rayon::prelude::*;
 
 use super::centred::centred;
+use super::curve::Curve;
+use super::hermite::HermiteSeries;
 use crate::drawing::{Synthesis, SynthesisError};
-use crate::numerics::{Curve, HermiteSeries, normal_nodes};
 use crate::{SlopeMixture, TransformedHeights, Unreached};
+use asperity_numerics::quadrature::normal_nodes;
 use asperity_numerics::transform_plane;
 use asperity_surface::HeightField;
 
@@ -83,7 +85,7 @@ impl TransformedSynthesis {
     /// For a given number the slopes are those of the waves, times the derivative of the height.
     pub(super) fn slope_mixture(&self) -> SlopeMixture {
         let factor = |[z, weight]: [f64; 2]| [self.height.derivative_at(z).powi(2), weight];
-        let factors: Vec<[f64; 2]> = normal_nodes(NODES_PER_UNIT).map(factor).collect();
+        let factors: Vec<[f64; 2]> = normal_nodes(NODES_PER_UNIT, 8).map(factor).collect();
         SlopeMixture::scaled(self.waves.wave_slope_covariance(), &factors)
     }
 

@@ -32,15 +32,16 @@ const GAUSS: [f64; 4] = [
 
 /// Error allowed in an integral: the larger of both.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct AllowedError {
-    pub(crate) absolute: f64,
+pub struct AllowedError {
+    /// In the unit of the integral.
+    pub absolute: f64,
     /// As a fraction of the integral.
-    pub(crate) relative: f64,
+    pub relative: f64,
 }
 
 impl AllowedError {
     /// The tolerance with this error and at most `max_pieces` pieces.
-    pub(crate) const fn within(self, max_pieces: usize) -> Tolerance {
+    pub const fn within(self, max_pieces: usize) -> Tolerance {
         Tolerance {
             absolute: self.absolute,
             relative: self.relative,
@@ -51,18 +52,18 @@ impl AllowedError {
 
 /// When the subdivision of an integral ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tolerance {
+pub struct Tolerance {
     /// Error allowed in the integral.
-    pub(crate) absolute: f64,
+    pub absolute: f64,
     /// Error allowed as a fraction of the integral.
-    pub(crate) relative: f64,
+    pub relative: f64,
     /// Pieces allowed after subdivision.
-    pub(crate) max_pieces: usize,
+    pub max_pieces: usize,
 }
 
 /// Special points of an integrand within a range.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Breaks {
+pub struct Breaks {
     points: Vec<(f64, bool)>,
     lo: f64,
     hi: f64,
@@ -70,14 +71,14 @@ pub(crate) struct Breaks {
 
 impl Breaks {
     /// No special points yet between `lo` and `hi`.
-    pub(crate) fn new(lo: f64, hi: f64) -> Self {
+    pub fn new(lo: f64, hi: f64) -> Self {
         let mut breaks = Self::default();
         breaks.reset(lo, hi);
         breaks
     }
 
     /// Forgets all points; the range becomes `[lo, hi]`.
-    pub(crate) fn reset(&mut self, lo: f64, hi: f64) {
+    pub fn reset(&mut self, lo: f64, hi: f64) {
         self.points.clear();
         self.points.push((lo, false));
         self.points.push((hi, false));
@@ -85,14 +86,14 @@ impl Breaks {
     }
 
     /// A point where the scale of the integrand changes; it stays smooth there.
-    pub(crate) fn add_smooth(&mut self, x: f64) {
+    pub fn add_smooth(&mut self, x: f64) {
         if x > self.lo && x < self.hi {
             self.points.push((x, false));
         }
     }
 
     /// A point where the integrand may behave like a power `|x - x0|^(k / 2)`.
-    pub(crate) fn add_root(&mut self, x: f64) {
+    pub fn add_root(&mut self, x: f64) {
         // Also at the ends, which are then roots themselves.
         if x >= self.lo && x <= self.hi {
             self.points.push((x, true));
@@ -100,13 +101,12 @@ impl Breaks {
     }
 
     /// All points, in the order in which they were added.
-    #[cfg(test)]
-    pub(crate) fn points(&self) -> impl Iterator<Item = f64> {
+    pub fn points(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|point| point.0)
     }
 
     /// Sorts and merges; must precede integration.
-    pub(crate) fn finish(&mut self) {
+    pub fn finish(&mut self) {
         self.points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let gap = 1e-13 * (self.hi - self.lo).abs();
         self.points.dedup_by(|next, kept| {
@@ -185,7 +185,7 @@ impl Piece {
 ///
 /// Pieces with the largest estimated error are halved until the sum of errors meets `tolerance` or
 /// the maximum number of pieces is reached.
-pub(crate) fn integrate(
+pub fn integrate(
     breaks: &Breaks,
     tolerance: Tolerance,
     pieces: &mut Pieces,
@@ -234,18 +234,7 @@ pub(crate) fn integrate(
 
 /// Buffer for the pieces of one integral, reused by the next.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pieces(Vec<Piece>);
-
-/// Real roots of `a x^2 + 2 b x + c = 0`, without cancellation.
-pub(crate) fn quadratic_roots(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
-    let discriminant = b * b - a * c;
-    let mut roots = [f64::NAN; 2];
-    if discriminant >= 0.0 {
-        let larger = -(b + discriminant.sqrt().copysign(b));
-        roots = [larger / a, c / larger];
-    }
-    roots.into_iter().filter(|x| x.is_finite())
-}
+pub struct Pieces(Vec<Piece>);
 
 #[cfg(test)]
 mod tests {

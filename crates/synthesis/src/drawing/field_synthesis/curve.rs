@@ -7,7 +7,7 @@ use rayon::prelude::*;
 ///
 /// It takes additions and multiplications alone, so that every processor computes the same bits.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Curve {
+pub(super) struct Curve {
     /// Value and slope times the step, per node.
     nodes: Vec<[f64; 2]>,
 }
@@ -23,7 +23,7 @@ const CHUNK: usize = 1 << 14;
 
 impl Curve {
     /// Of a function that gives values alone; slopes are differences of neighbouring nodes of fourth order.
-    pub(crate) fn of(function: impl Fn(f64) -> f64) -> Self {
+    pub(super) fn of(function: impl Fn(f64) -> f64) -> Self {
         let count = (2.0 * RANGE * PER_UNIT) as i64;
         let at = |i: i64| function(i as f64 / PER_UNIT - RANGE);
         let values: Vec<f64> = (-2..=count + 2).map(at).collect();
@@ -37,7 +37,7 @@ impl Curve {
     }
 
     /// The value at `z`.
-    pub(crate) fn at(&self, z: f64) -> f64 {
+    pub(super) fn at(&self, z: f64) -> f64 {
         let (i, t) = self.cell(z);
         let [[f0, d0], [f1, d1]] = [self.nodes[i], self.nodes[i + 1]];
         let rise = f1 - f0;
@@ -46,7 +46,7 @@ impl Curve {
     }
 
     /// The derivative at `z`.
-    pub(crate) fn derivative_at(&self, z: f64) -> f64 {
+    pub(super) fn derivative_at(&self, z: f64) -> f64 {
         let (i, t) = self.cell(z);
         let [[f0, d0], [f1, d1]] = [self.nodes[i], self.nodes[i + 1]];
         let rise = f1 - f0;
@@ -63,7 +63,7 @@ impl Curve {
     }
 
     /// Replaces each of `values` by the curve at `scale` times it.
-    pub(crate) fn map(&self, values: &mut [f64], scale: f64) {
+    pub(super) fn map(&self, values: &mut [f64], scale: f64) {
         values.par_chunks_mut(CHUNK).for_each(|chunk| {
             for value in chunk {
                 *value = self.at(scale * *value);

@@ -12,7 +12,7 @@ const COMPLETE: f64 = 1e-20;
 /// # Source
 /// Stieltjes's procedure for the recurrence of the orthogonal polynomials, whose Jacobi matrix has the nodes as eigenvalues:
 /// W. Gautschi, *Orthogonal Polynomials: Computation and Approximation*, Oxford 2004, sections 2.2 and 3.1.
-pub(crate) fn gauss_rule(measure: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
+pub fn gauss_rule(measure: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     let total: f64 = measure.iter().map(|[_, weight]| weight).sum();
     // p_(k+1) = (x - a_k) p_k - b_k p_(k-1), of leading coefficient one
     let (mut diagonal, mut squares) = (Vec::new(), Vec::new());

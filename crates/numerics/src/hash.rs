@@ -7,8 +7,8 @@ use std::borrow::Borrow;
 ///
 /// ```
 /// // The test vectors of Fowler, Noll and Vo.
-/// assert_eq!(asperity_analysis::fnv1a(b""), 0xcbf2_9ce4_8422_2325);
-/// assert_eq!(asperity_analysis::fnv1a(b"foobar"), 0x8594_4171_f739_67e8);
+/// assert_eq!(asperity_numerics::fnv1a(b""), 0xcbf2_9ce4_8422_2325);
+/// assert_eq!(asperity_numerics::fnv1a(b"foobar"), 0x8594_4171_f739_67e8);
 /// ```
 ///
 /// # Source

@@ -1,5 +1,7 @@
 //! Hermite series: how a function of a Gaussian process changes its autocorrelation.
 
+use asperity_numerics::quadrature::normal_nodes;
+
 /// Terms of a series.
 const TERMS: usize = 32;
 
@@ -9,20 +11,17 @@ const TERMS: usize = 32;
 /// # Source
 /// H. G. Mehler, J. Reine Angew. Math. 66 (1866) 161; M. Grigoriu, *Applied Non-Gaussian Processes* (1995), section 3.1.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct HermiteSeries {
+pub(super) struct HermiteSeries {
     /// `c_n^2` from `n = 1`, whose sum is one; terms beyond are added to the last.
     squares: [f64; TERMS],
 }
 
 impl HermiteSeries {
     /// Of a function, by the trapezium rule.
-    pub(crate) fn of(function: impl Fn(f64) -> f64) -> Self {
-        const STEP: f64 = 1.0 / 64.0;
+    pub(super) fn of(function: impl Fn(f64) -> f64) -> Self {
         let mut sums = [0.0; TERMS];
         let mut total = 0.0;
-        for i in -768..=768 {
-            let z = f64::from(i) * STEP;
-            let weight = (-0.5 * z * z).exp();
+        for [z, weight] in normal_nodes(64, 12) {
             total += weight;
             let value = weight * function(z);
             // sqrt(n) p_n = z p_(n-1) - sqrt(n - 1) p_(n-2)
@@ -53,12 +52,12 @@ impl HermiteSeries {
     }
 
     /// The correlation of function values where that of normal numbers is `rho`.
-    pub(crate) fn correlation(&self, rho: f64) -> f64 {
+    pub(super) fn correlation(&self, rho: f64) -> f64 {
         self.at(rho)[0]
     }
 
     /// The correlation of normal numbers at which function values have the correlation `value`; -1 where none has.
-    pub(crate) fn inverse(&self, value: f64) -> f64 {
+    pub(super) fn inverse(&self, value: f64) -> f64 {
         if value >= 1.0 {
             return 1.0;
         }
