@@ -231,7 +231,7 @@ pub(crate) fn refuse_surface(unit: LengthUnit, error: SynthesisError) -> Failure
         | SynthesisError::TooSmallTile { .. }
         | SynthesisError::Structure(StructureError::Unresolved { .. })
         | SynthesisError::Unreachable(_) => {
-            let sentence = error.in_unit(unit);
+            let sentence = error.with_unit(unit);
             Failure::usage(format!("{sentence} with --insist"))
         }
         _ => Failure::usage(error),

@@ -2,6 +2,7 @@
 
 mod border;
 mod border_steps;
+mod length;
 mod mean;
 mod provenance;
 mod unit;
@@ -9,6 +10,7 @@ mod unit;
 use std::sync::Arc;
 
 pub use self::border::Border;
+pub use self::length::Length;
 pub(crate) use self::mean::mean_height;
 pub use self::provenance::ProvenanceRecord;
 #[cfg(test)]

@@ -24,7 +24,8 @@ pub use editing::{
     RawHeightMap, RefinementError,
 };
 pub use height_field::{
-    Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord, are_allowed, check_grid,
+    Border, HeightField, HeightFieldError, Length, LengthUnit, ProvenanceRecord, are_allowed,
+    check_grid,
 };
 pub use numbers::{short, short_below};
 pub use roughness::{

@@ -20,14 +20,15 @@ use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner};
 use rustfft::{Fft, FftPlanner};
 
+pub use self::error::{MAX_SAMPLES, SynthesisError, UNRESOLVED_SLOPES};
 use self::filter::{Filter, Numbers};
 use self::noise::{Noise, Stream};
-use crate::{Provenance, Psd, StructureError, SurfaceRecipe, Unreached};
+use crate::{Provenance, Psd, SurfaceRecipe};
 use asperity_surface::check_grid;
-use asperity_surface::{HeightField, HeightFieldError, LengthUnit};
-use asperity_surface::{short, short_below};
+use asperity_surface::{HeightField, Length};
 
 mod direct;
+mod error;
 mod expected_moments;
 pub(crate) mod field_synthesis;
 mod filter;
@@ -51,152 +52,11 @@ pub const MIN_SPACINGS_PER_CORRELATION_LENGTH: f64 = 4.0;
 /// This is required of the waves that hold all but [`UNRESOLVED_SLOPES`] of the slope variance, where the spectrum is not Gaussian.
 const SPACINGS_PER_WAVE: f64 = 2.0;
 
-/// Fraction of the slope variance that waves may hold that the grid does not resolve.
-pub const UNRESOLVED_SLOPES: f64 = 0.03;
-
 /// Fewest correlation lengths a tile's side must span.
 ///
 /// At eight, the expected variance is low by `pi / 64` = 5 %, and the realised variance scatters by
 /// 22 % from one realisation to the next.
 pub const MIN_CORRELATION_LENGTHS_PER_SIDE: f64 = 8.0;
-
-/// Largest number of samples drawn: `2^31`, whose two triangles each still have a 32-bit number.
-pub const MAX_SAMPLES: usize = 1 << 31;
-
-/// Why a surface cannot be drawn.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SynthesisError {
-    /// The grid is too coarse for the correlation length.
-    Unresolved {
-        /// `x` or `y`.
-        axis: char,
-        /// Lag along this axis at which the autocorrelation is 1/e, length units.
-        length: f64,
-        /// Spacing along this axis, length units.
-        spacing: f64,
-        /// Spacings in a correlation length.
-        per_spacing: f64,
-        /// Largest spacing that resolves it, length units.
-        largest_spacing: f64,
-    },
-    /// The grid is too coarse for the waves that hold the slopes.
-    UnresolvedWaves {
-        /// `x` or `y`.
-        axis: char,
-        /// Wavelength along this axis below which waves hold [`UNRESOLVED_SLOPES`] of the slope variance, length units.
-        wavelength: f64,
-        /// Spacing along this axis, length units.
-        spacing: f64,
-        /// Fewest spacings that a wavelength must span.
-        fewest: f64,
-        /// Largest spacing that resolves it, length units.
-        largest_spacing: f64,
-    },
-    /// The tile is too small for the correlation length.
-    TooSmallTile {
-        /// `x` or `y`.
-        axis: char,
-        /// Period of the tile along this axis, length units.
-        side: f64,
-        /// Extent along this axis of the autocorrelation's 1/e contour, length units.
-        length: f64,
-        /// Correlation lengths in the side.
-        per_length: f64,
-        /// Fewest samples that hold it at this spacing.
-        fewest_samples: f64,
-    },
-    /// More than [`MAX_SAMPLES`].
-    TooManySamples {
-        /// Columns.
-        nx: usize,
-        /// Rows.
-        ny: usize,
-    },
-    /// The system gives no more memory.
-    OutOfMemory {
-        /// Requested bytes.
-        bytes: usize,
-    },
-    /// The structure cannot be made.
-    Structure(#[from] StructureError),
-    /// The grid or the heights drawn make no surface.
-    HeightField(#[from] HeightFieldError),
-    /// No Gaussian surface turns into one of these heights and this spectrum.
-    Unreachable(Unreached),
-}
-
-impl fmt::Display for SynthesisError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.in_unit(LengthUnit::Arbitrary))
-    }
-}
-
-impl SynthesisError {
-    /// The sentence, with lengths in `unit`.
-    #[must_use]
-    pub fn in_unit(&self, unit: LengthUnit) -> String {
-        let length_unit = unit;
-        let unit = unit.suffix();
-        match self {
-            Self::Unresolved {
-                axis,
-                length,
-                spacing,
-                per_spacing,
-                largest_spacing,
-            } => format!(
-                "the correlation length along {axis} is {}{unit}, only {per_spacing:.2} spacings of {}{unit}: \
-                 take a spacing of at most {}{unit}, or insist",
-                short(*length),
-                short(*spacing),
-                short_below(*largest_spacing),
-            ),
-            Self::UnresolvedWaves {
-                axis,
-                wavelength,
-                spacing,
-                fewest,
-                largest_spacing,
-            } => format!(
-                "waves shorter than {}{unit} along {axis} hold {} % of the slope variance, and a spacing of {}{unit} resolves waves from {fewest} spacings on: \
-                 take a spacing of at most {}{unit}, or insist",
-                short(*wavelength),
-                100.0 * UNRESOLVED_SLOPES,
-                short(*spacing),
-                short_below(*largest_spacing),
-            ),
-            Self::TooSmallTile {
-                axis,
-                side,
-                length,
-                per_length,
-                fewest_samples,
-            } => format!(
-                "the tile is {}{unit} long along {axis}, only {per_length:.2} correlation lengths of {}{unit}: \
-                 take at least {fewest_samples} samples along {axis} at this spacing, or insist",
-                short(*side),
-                short(*length),
-            ),
-            Self::TooManySamples { nx, ny } => format!(
-                "{nx} x {ny} samples are more than the {MAX_SAMPLES} that one surface may have"
-            ),
-            Self::OutOfMemory { bytes } => {
-                format!("{bytes} bytes of memory were refused; take fewer samples")
-            }
-            Self::Structure(error) => error.in_unit(length_unit),
-            Self::HeightField(error) => error.to_string(),
-            Self::Unreachable(Unreached {
-                autocorrelation,
-                slope_variance: [x, y],
-            }) => format!(
-                "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {autocorrelation:.3} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y; take a distribution nearer to the Gaussian, or insist",
-                100.0 * x,
-                100.0 * y,
-            ),
-        }
-    }
-}
 
 /// A generator of random periodic surfaces, with its FFTs planned.
 ///
@@ -472,10 +332,9 @@ fn check_resolution(
             if !is_as_measured && length < fewest * spacing {
                 return Err(SynthesisError::Unresolved {
                     axis,
-                    length,
-                    spacing,
-                    per_spacing: length / spacing,
-                    largest_spacing: length / fewest,
+                    length: length.into(),
+                    spacing: spacing.into(),
+                    largest_spacing: Length::at_most(length / fewest),
                 });
             }
             let fewest_of_wave = SPACINGS_PER_WAVE * fewest;
@@ -486,19 +345,18 @@ fn check_resolution(
                 let wavelength = [wave_x, wave_y][i];
                 return Err(SynthesisError::UnresolvedWaves {
                     axis,
-                    wavelength,
-                    spacing,
+                    wavelength: wavelength.into(),
+                    spacing: spacing.into(),
                     fewest: fewest_of_wave,
-                    largest_spacing: wavelength / fewest_of_wave,
+                    largest_spacing: Length::at_most(wavelength / fewest_of_wave),
                 });
             }
             let (side, length) = (n as f64 * spacing, extents[i]);
             if side < MIN_CORRELATION_LENGTHS_PER_SIDE * length {
                 return Err(SynthesisError::TooSmallTile {
                     axis,
-                    side,
-                    length,
-                    per_length: side / length,
+                    side: side.into(),
+                    length: length.into(),
                     fewest_samples: (MIN_CORRELATION_LENGTHS_PER_SIDE * length / spacing).ceil(),
                 });
             }

@@ -50,8 +50,7 @@ use self::pyramids::PlannedPyramids;
 use self::random::Streams;
 use self::scratches::PlannedScratches;
 use self::segments::PlannedSegments;
-use asperity_surface::check_grid;
-use asperity_surface::{HeightField, HeightFieldError};
+use asperity_surface::{HeightField, HeightFieldError, Length, check_grid};
 
 /// A structure with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -245,9 +244,9 @@ impl StructureSynthesis {
         let (width, spacing) = (structure.width(), grid.coarser_spacing());
         if !insist && width < MIN_SPACINGS_PER_WIDTH * spacing {
             return Err(StructureError::Unresolved {
-                width,
-                spacing,
-                largest_spacing: width / MIN_SPACINGS_PER_WIDTH,
+                width: width.into(),
+                spacing: spacing.into(),
+                largest_spacing: Length::at_most(width / MIN_SPACINGS_PER_WIDTH),
             });
         }
         let planned = match &structure {

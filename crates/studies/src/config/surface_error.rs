@@ -141,7 +141,7 @@ fn names(spectra: &[SpectrumName]) -> String {
 
 /// Why a structure cannot be made, with the flag that draws it all the same.
 fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
-    let sentence = error.in_unit(unit);
+    let sentence = error.clone().with_unit(unit).to_string();
     match error {
         StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
         _ => sentence,

@@ -1,16 +1,17 @@
-//! Structure error: why a structured surface cannot be made.
+//! Structure error: reasons why a structured surface cannot be made.
 
 use std::fmt;
 
-use super::limits;
-use asperity_surface::{HeightFieldError, LengthUnit};
+use super::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MIN_SPACINGS_PER_WIDTH};
+use asperity_surface::{HeightFieldError, Length, LengthUnit};
 use asperity_surface::{short, short_below};
 
-/// Why a structured surface cannot be made.
+/// Reason why a structured surface cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StructureError {
     /// A parameter is out of its range.
+    #[error("the {name} of {structure} is {}; it must be {allowed}", short(*value))]
     BadParameter {
         /// Name of the structure.
         structure: &'static str,
@@ -22,42 +23,79 @@ pub enum StructureError {
         allowed: Allowed,
     },
     /// The grid is too coarse for the width of a feature.
+    #[error(
+        "a feature is {width} wide, less than {MIN_SPACINGS_PER_WIDTH} spacings of {spacing}: take a spacing of \
+         at most {largest_spacing}, or insist"
+    )]
     Unresolved {
-        /// Width of a feature, length units.
-        width: f64,
-        /// The larger spacing of the grid, length units.
-        spacing: f64,
-        /// Largest spacing that resolves it, length units.
-        largest_spacing: f64,
+        /// Width of a feature.
+        width: Length,
+        /// The larger spacing of the grid.
+        spacing: Length,
+        /// Largest spacing that resolves it.
+        largest_spacing: Length,
     },
     /// No whole number of periods is near the tile's side.
+    #[error(
+        "the tile is {side} long along {axis} and holds {:.2} periods of {period}; a whole number would change the \
+         period by more than {} %: take a side of {}{above}",
+        side.value / period.value,
+        100.0 * MAX_ADJUSTMENT,
+        below.map_or_else(String::new, |below| format!("{below} or "))
+    )]
     NoWholePeriods {
         /// `x` or `y`.
         axis: char,
-        /// Period along this axis, length units.
-        period: f64,
-        /// Side of the tile along this axis, length units.
-        side: f64,
-        /// Sides that hold whole numbers of periods, length units: the next below, unless that is zero, and above.
-        nearest: [f64; 2],
+        /// Period along this axis.
+        period: Length,
+        /// Side of the tile along this axis.
+        side: Length,
+        /// Next shorter side that holds a whole number of periods, if that is one or more.
+        below: Option<Length>,
+        /// Next longer side that holds a whole number of periods.
+        above: Length,
     },
     /// No periodic grooves are near the requested period and azimuth.
+    #[error(
+        "no grooves of period {period} in this direction repeat with the tile; the nearest that do, of period \
+         {nearest_period}, are off by more than {} %: take a larger tile",
+        100.0 * MAX_ADJUSTMENT
+    )]
     NoNearbyGrooves {
-        /// Requested period, length units.
-        period: f64,
-        /// Period of the nearest grooves that fit the tile, length units; infinite if that is no groove.
-        nearest_period: f64,
+        /// Requested period.
+        period: Length,
+        /// Period of the nearest grooves that fit the tile.
+        nearest_period: Length,
+    },
+    /// The tile is too small for any grooves near the requested period and azimuth.
+    #[error("grooves of period {period} do not fit the tile: take a larger tile")]
+    TooWideGrooves {
+        /// Requested period.
+        period: Length,
     },
     /// Grooves of random widths do not fit a tile obliquely.
+    #[error(
+        "grooves of random width and depth repeat with the tile only along its sides: take an azimuth of 0 or 90 \
+         degrees, or no randomness"
+    )]
     ObliqueRandomGrooves,
     /// Pyramids lie on a lattice or at random, with overlap.
+    #[error("the arrangement of pyramids is separate; it must be lattice or random")]
     NoSeparatePyramids,
-    /// More features than [`MAX_FEATURES`](crate::MAX_FEATURES).
+    /// More features than [`MAX_FEATURES`].
+    #[error(
+        "the surface would have {features:.3e} features; up to {MAX_FEATURES} are allowed: take a lower density, \
+         wider features or a smaller tile"
+    )]
     TooManyFeatures {
         /// Number of features.
         features: f64,
     },
     /// Features that must not overlap found no place.
+    #[error(
+        "only {placed} of {requested} features found a place without overlap: take a lower density or a smaller \
+         edge radius"
+    )]
     Crowded {
         /// Number of features that were placed.
         placed: usize,
@@ -65,7 +103,39 @@ pub enum StructureError {
         requested: usize,
     },
     /// The grid is invalid, or heights are not finite.
+    #[error(transparent)]
     HeightField(#[from] HeightFieldError),
+}
+
+impl StructureError {
+    /// The same error with its lengths in `unit`; numbers are not converted.
+    #[must_use]
+    pub fn with_unit(mut self, unit: LengthUnit) -> Self {
+        let lengths: Vec<&mut Length> = match &mut self {
+            Self::Unresolved {
+                width,
+                spacing,
+                largest_spacing,
+            } => vec![width, spacing, largest_spacing],
+            Self::NoWholePeriods {
+                period,
+                side,
+                below,
+                above,
+                ..
+            } => below.iter_mut().chain([period, side, above]).collect(),
+            Self::NoNearbyGrooves {
+                period,
+                nearest_period,
+            } => vec![period, nearest_period],
+            Self::TooWideGrooves { period } => vec![period],
+            _ => vec![],
+        };
+        for length in lengths {
+            length.unit = unit;
+        }
+        self
+    }
 }
 
 /// What a parameter may be, in the words that follow "must be".
@@ -110,95 +180,6 @@ impl fmt::Display for Allowed {
                 write!(f, "from {} to below {}", short(*least), short(*most))
             }
             Self::Up(most) => write!(f, "above 0, up to {}", short_below(*most)),
-        }
-    }
-}
-
-impl fmt::Display for StructureError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.in_unit(LengthUnit::Arbitrary))
-    }
-}
-
-impl StructureError {
-    /// The sentence, with lengths in `unit`.
-    #[must_use]
-    pub fn in_unit(&self, unit: LengthUnit) -> String {
-        let unit = unit.suffix();
-        match self {
-            Self::BadParameter {
-                structure,
-                name,
-                value,
-                allowed,
-            } => format!(
-                "the {name} of {structure} is {}; it must be {allowed}",
-                short(*value)
-            ),
-            Self::Unresolved {
-                width,
-                spacing,
-                largest_spacing,
-            } => format!(
-                "a feature is {}{unit} wide, less than {} spacings of {}{unit}: take a \
-                 spacing of at most {}{unit}, or insist",
-                short(*width),
-                limits::MIN_SPACINGS_PER_WIDTH,
-                short(*spacing),
-                short_below(*largest_spacing),
-            ),
-            Self::NoWholePeriods {
-                axis,
-                period,
-                side,
-                nearest: [below, above],
-            } => {
-                let sides = if *below > 0.0 {
-                    format!("{}{unit} or {}{unit}", short(*below), short(*above))
-                } else {
-                    format!("{}{unit}", short(*above))
-                };
-                format!(
-                    "the tile is {}{unit} long along {axis} and holds {:.2} periods of {}{unit}; \
-                     a whole number would change the period by more than {} %: take a side of {sides}",
-                    short(*side),
-                    side / period,
-                    short(*period),
-                    100.0 * limits::MAX_ADJUSTMENT
-                )
-            }
-            Self::NoNearbyGrooves {
-                period,
-                nearest_period,
-            } if nearest_period.is_finite() => format!(
-                "no grooves of period {}{unit} in this direction repeat with the tile; the nearest \
-                 that do, of period {}{unit}, are off by more than {} %: take a larger tile",
-                short(*period),
-                short(*nearest_period),
-                100.0 * limits::MAX_ADJUSTMENT
-            ),
-            Self::NoNearbyGrooves { period, .. } => {
-                let period = short(*period);
-                format!("grooves of period {period}{unit} do not fit the tile: take a larger tile")
-            }
-            Self::ObliqueRandomGrooves => {
-                "grooves of random width and depth repeat with the tile only along its sides: \
-                 take an azimuth of 0 or 90 degrees, or no randomness"
-                    .to_owned()
-            }
-            Self::NoSeparatePyramids => {
-                "the arrangement of pyramids is separate; it must be lattice or random".to_owned()
-            }
-            Self::TooManyFeatures { features } => format!(
-                "the surface would have {features:.3e} features; up to {} are allowed: take a lower \
-                 density, wider features or a smaller tile",
-                limits::MAX_FEATURES
-            ),
-            Self::Crowded { placed, requested } => format!(
-                "only {placed} of {requested} features found a place without overlap: take a lower \
-                 density or a smaller edge radius"
-            ),
-            Self::HeightField(error) => error.to_string(),
         }
     }
 }

@@ -121,10 +121,14 @@ impl Grooves {
             // Names the sides that fit
             super::places::whole_periods(['x', 'y'][i], lengths[i], width)?;
         }
-        if off > limits::MAX_ADJUSTMENT || whole == [0.0; 2] {
+        let period = width.into();
+        if whole == [0.0; 2] {
+            return Err(StructureError::TooWideGrooves { period });
+        }
+        if off > limits::MAX_ADJUSTMENT {
             return Err(StructureError::NoNearbyGrooves {
-                period: width,
-                nearest_period: found[0].hypot(found[1]).recip(),
+                period,
+                nearest_period: found[0].hypot(found[1]).recip().into(),
             });
         }
         let features = whole[0].abs().max(whole[1].abs());

@@ -88,12 +88,13 @@ pub(super) fn whole_periods(axis: char, side: f64, period: f64) -> Result<usize,
     let periods = side / period;
     let whole = periods.round().max(1.0);
     if (periods / whole - 1.0).abs() > limits::MAX_ADJUSTMENT {
-        let nearest = [periods.floor() * period, periods.ceil() * period];
+        let below = periods.floor() * period;
         return Err(StructureError::NoWholePeriods {
             axis,
-            period,
-            side,
-            nearest,
+            period: period.into(),
+            side: side.into(),
+            below: (below > 0.0).then_some(below.into()),
+            above: (periods.ceil() * period).into(),
         });
     }
     if whole > limits::MAX_FEATURES as f64 {

@@ -112,7 +112,7 @@ fn periods_that_do_not_fit_name_those_that_do() {
         ..GROOVES
     }));
     assert_eq!(
-        error.in_unit(LengthUnit::Micrometre),
+        error.with_unit(LengthUnit::Micrometre).to_string(),
         "the tile is 256 um long along y and holds 2.56 periods of 100 um; a whole number would change the period by \
          more than 10 %: take a side of 200 um or 300 um"
     );
