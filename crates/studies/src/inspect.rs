@@ -9,7 +9,8 @@ mod tests;
 use std::f64::consts::PI;
 
 use asperity_surface::{
-    AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, SpectralRing,
+    AxisAutocorrelation, HeightField, HeightFieldError, Histogram, LengthUnit, PowerSpectrum,
+    SpectralRing,
 };
 use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
@@ -27,7 +28,7 @@ pub enum InspectError {
     Flat,
     /// Its mean or plane cannot be removed.
     #[error(transparent)]
-    Form(#[from] FormError),
+    Form(#[from] HeightFieldError),
 }
 
 /// How the heights and slopes of one surface are distributed over waves, lags and values.

@@ -5,7 +5,7 @@ mod gaussian_filter;
 mod missing;
 mod resampling;
 
-pub use self::form::{Form, FormError};
+pub use self::form::Form;
 pub use self::gaussian_filter::{FilterError, GaussianFilter};
 pub use self::missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use self::resampling::{CoarseningError, RefinementError};

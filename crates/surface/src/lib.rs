@@ -20,8 +20,8 @@ mod slopes;
 mod spline;
 
 pub use editing::{
-    CoarseningError, FilterError, Form, FormError, GaussianFilter, MissingError, MissingPolicy,
-    RawHeightMap, RefinementError,
+    CoarseningError, FilterError, Form, GaussianFilter, MissingError, MissingPolicy, RawHeightMap,
+    RefinementError,
 };
 pub use height_field::{
     Border, HeightField, HeightFieldError, Length, LengthUnit, ProvenanceRecord, are_allowed,

@@ -31,13 +31,11 @@ mod recipe;
 mod spectra;
 mod structures;
 
-pub use drawing::field_synthesis::{FieldSynthesis, Resolution};
-pub use drawing::slope_mixture::{SlopeComponent, SlopeMixture};
-pub use drawing::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
-pub use drawing::unreached::Unreached;
 pub use drawing::{
-    MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
-    SynthesisError, UNRESOLVED_SLOPES,
+    FieldSynthesis, MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE,
+    MIN_SPACINGS_PER_CORRELATION_LENGTH, MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Resolution,
+    SlopeComponent, SlopeMixture, SplineSynthesis, Synthesis, SynthesisError, UNRESOLVED_SLOPES,
+    Unreached,
 };
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use realised::{

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::HeightField;
+use super::field::HeightField;
 
 /// Mean height, summed relative to the first height so that a common offset rounds but once.
 pub(crate) fn mean_height(field: &HeightField) -> f64 {

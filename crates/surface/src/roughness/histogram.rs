@@ -1,9 +1,11 @@
 //! Histogram: how the heights and slopes of a surface are distributed.
 
+mod bins;
 mod levels;
 
 use rayon::prelude::*;
 
+use self::bins::Bins;
 use self::levels::Levels;
 use crate::HeightField;
 use crate::height_field::mean_height;
@@ -61,7 +63,10 @@ impl Histogram {
             let values = row.iter().map(|h| h - mean);
             bins.count(values)
         });
-        Some(bins.histogram(&counts.reduce(|| bins.none(), added)))
+        Some(Self::of_counts(
+            &bins,
+            &counts.reduce(|| bins.none(), added),
+        ))
     }
 
     /// Those of the slopes of all facets along x and along y, in the same 121 bins about zero. These reach to the largest slope, or to six
@@ -88,11 +93,53 @@ impl Histogram {
         let of_axis = |axis: usize| {
             let of_levels = levels[axis].and_then(|levels| levels.bins(range));
             match of_levels {
-                None => bins.histogram(&slope_counts(field, axis, &bins)),
-                Some(of_levels) => bins.spread(&of_levels, &slope_counts(field, axis, &of_levels)),
+                None => Self::of_counts(&bins, &slope_counts(field, axis, &bins)),
+                Some(of_levels) => {
+                    let counts = slope_counts(field, axis, &of_levels);
+                    Self::spread(&bins, &of_levels, &counts)
+                }
             }
         };
         Some([of_axis(0), of_axis(1)])
+    }
+
+    /// The histogram of `counts` of finer bins, each of which counts as even.
+    fn spread(bins: &Bins, finer: &Bins, counts: &[u64]) -> Self {
+        let total = counts.iter().sum::<u64>() as f64;
+        let mut densities = vec![0.0; bins.count];
+        let mut inside = 0.0;
+        for (i, count) in counts[..finer.count].iter().enumerate() {
+            let from = (finer.lowest + i as f64 * finer.width - bins.lowest) / bins.width;
+            let to = from + finer.width / bins.width;
+            let first = from.max(0.0) as usize;
+            let reached = (to.ceil().max(0.0) as usize).saturating_sub(first);
+            let reached_bins = densities.iter_mut().enumerate();
+            for (bin, density) in reached_bins.skip(first).take(reached) {
+                let overlap = to.min(bin as f64 + 1.0) - from.max(bin as f64);
+                let part = *count as f64 * overlap.max(0.0) / (to - from) / total;
+                *density += part / bins.width;
+                inside += part;
+            }
+        }
+        Self {
+            lowest: bins.lowest,
+            width: bins.width,
+            densities,
+            outside: (1.0_f64 - inside).max(0.0),
+        }
+    }
+
+    /// The histogram of `counts` of `bins`.
+    fn of_counts(bins: &Bins, counts: &[u64]) -> Self {
+        let total = counts.iter().sum::<u64>() as f64;
+        let (inside, outside) = counts.split_at(bins.count);
+        let density = |count: &u64| *count as f64 / (total * bins.width);
+        Self {
+            lowest: bins.lowest,
+            width: bins.width,
+            densities: inside.iter().map(density).collect(),
+            outside: outside.iter().sum::<u64>() as f64 / total,
+        }
     }
 
     /// Middle of each bin, and its density.
@@ -121,80 +168,6 @@ fn slope_counts(field: &HeightField, axis: usize, bins: &Bins) -> Vec<u64> {
     let rows = (0..field.cells()[1]).into_par_iter();
     let counts = rows.map(|iy| bins.count(slopes_of_row(field, iy).map(|slope| slope[axis])));
     counts.reduce(|| bins.none(), added)
-}
-
-/// Equal bins over a range.
-struct Bins {
-    lowest: f64,
-    width: f64,
-    count: usize,
-}
-
-impl Bins {
-    /// `None` if the range is empty, or too narrow to be divided.
-    fn new([lowest, highest]: [f64; 2], count: usize) -> Option<Self> {
-        let width = (highest - lowest) / count as f64;
-        (width.is_normal() && width > 0.0).then_some(Self {
-            lowest,
-            width,
-            count,
-        })
-    }
-
-    /// Counts of no value: of each bin, and of what lies outside.
-    fn none(&self) -> Vec<u64> {
-        vec![0; self.count + 1]
-    }
-
-    /// Counts of `values`. The last bin holds its upper edge, and rounding there.
-    fn count(&self, values: impl Iterator<Item = f64>) -> Vec<u64> {
-        let mut counts = self.none();
-        for value in values {
-            let place = (value - self.lowest) / self.width;
-            let is_inside = place >= -1e-9 && place <= self.count as f64 + 1e-9;
-            let bin = (place.max(0.0) as usize).min(self.count - 1);
-            counts[if is_inside { bin } else { self.count }] += 1;
-        }
-        counts
-    }
-
-    /// The histogram of `counts` of finer bins, each of which counts as even.
-    fn spread(&self, finer: &Self, counts: &[u64]) -> Histogram {
-        let total = counts.iter().sum::<u64>() as f64;
-        let mut densities = vec![0.0; self.count];
-        let mut inside = 0.0;
-        for (i, count) in counts[..finer.count].iter().enumerate() {
-            let from = (finer.lowest + i as f64 * finer.width - self.lowest) / self.width;
-            let to = from + finer.width / self.width;
-            let first = from.max(0.0) as usize;
-            let reached = (to.ceil().max(0.0) as usize).saturating_sub(first);
-            let bins = densities.iter_mut().enumerate();
-            for (bin, density) in bins.skip(first).take(reached) {
-                let overlap = to.min(bin as f64 + 1.0) - from.max(bin as f64);
-                let part = *count as f64 * overlap.max(0.0) / (to - from) / total;
-                *density += part / self.width;
-                inside += part;
-            }
-        }
-        Histogram {
-            lowest: self.lowest,
-            width: self.width,
-            densities,
-            outside: (1.0_f64 - inside).max(0.0),
-        }
-    }
-
-    fn histogram(&self, counts: &[u64]) -> Histogram {
-        let total = counts.iter().sum::<u64>() as f64;
-        let (inside, outside) = counts.split_at(self.count);
-        let density = |count: &u64| *count as f64 / (total * self.width);
-        Histogram {
-            lowest: self.lowest,
-            width: self.width,
-            densities: inside.iter().map(density).collect(),
-            outside: outside.iter().sum::<u64>() as f64 / total,
-        }
-    }
 }
 
 fn added(mut sum: Vec<u64>, other: Vec<u64>) -> Vec<u64> {

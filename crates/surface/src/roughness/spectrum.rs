@@ -8,7 +8,7 @@ mod tests;
 use std::f64::consts::TAU;
 
 use super::window::multiply_by_hann;
-use crate::{Border, Form, FormError, HeightField};
+use crate::{Border, Form, HeightField, HeightFieldError};
 use asperity_numerics::power_plane;
 
 /// Power spectral density of one surface: its periodogram, two-sided, in angular wave vector.
@@ -57,8 +57,8 @@ impl PowerSpectrum {
     /// Measures a surface.
     ///
     /// # Errors
-    /// [`FormError`] if heights are so large that their sums overflow.
-    pub fn of(field: &HeightField) -> Result<Self, FormError> {
+    /// [`HeightFieldError`] if heights are so large that their sums overflow.
+    pub fn of(field: &HeightField) -> Result<Self, HeightFieldError> {
         let ([ny, nx], [dx, dy]) = (field.shape(), field.spacing());
         let form = Form::left_out_of_statistics(field.border());
         let mut heights = form.remove(field.clone())?.into_heights();

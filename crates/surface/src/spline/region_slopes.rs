@@ -1,8 +1,8 @@
 //! Slopes of a spline surface by region, by integrals over its patches.
 
-use super::SplineSurface;
 use super::patch::{Place, dot};
 use super::roughness::RULE;
+use super::surface::SplineSurface;
 use crate::slopes::{RegionSlopes, by_region};
 
 impl SplineSurface {

@@ -8,8 +8,8 @@ use std::f64::consts::SQRT_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::SplineSurface;
 use super::patch::{Place, dot};
+use super::surface::SplineSurface;
 
 /// Roughness parameters of a smooth surface, all of it and not at its samples alone.
 ///

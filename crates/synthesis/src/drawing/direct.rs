@@ -2,9 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
+use super::error::SynthesisError;
 use super::filter::wave_number;
+use super::memory::zeroed;
 use super::noise::Side;
-use super::{Synthesis, SynthesisError, zeroed};
+use super::synthesis::Synthesis;
 use asperity_surface::HeightField;
 
 /// `k` and `-k` together, which make one real wave `amplitude Re(z exp(i k.r))`, `<|z|^2> = 1`.

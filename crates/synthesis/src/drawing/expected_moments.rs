@@ -2,8 +2,8 @@
 
 use asperity_surface::SlopeMoments;
 
-use super::Synthesis;
 use super::splines::SplineSynthesis;
+use super::synthesis::Synthesis;
 
 impl Synthesis {
     /// Moments that [`HeightField::slope_moments`](asperity_surface::HeightField::slope_moments) of drawn surfaces has on average.

@@ -12,8 +12,10 @@ use std::sync::Arc;
 use self::structured::StructuredSynthesis;
 use self::student::StudentSynthesis;
 use self::transformed::TransformedSynthesis;
-use crate::drawing::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
-use crate::drawing::{MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis, SynthesisError};
+use super::error::SynthesisError;
+use super::limits::MIN_SPACINGS_PER_CORRELATION_LENGTH;
+use super::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
+use super::synthesis::Synthesis;
 use crate::{Provenance, SlopeMixture, SurfaceRecipe, Unreached};
 use asperity_surface::HeightField;
 

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::Synthesis;
 use super::noise::Side;
 use super::splines::SplineSynthesis;
+use super::synthesis::Synthesis;
 
 impl Synthesis {
     /// Covariance `[xx, xy, yy]` expected of the slopes of a facet, dimensionless.

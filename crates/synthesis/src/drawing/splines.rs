@@ -6,8 +6,9 @@
 //! at `k + 2 pi m / d`, with amplitude `[k / (k + 2 pi m / d)]^4`. A spline through samples has these images
 //! too, but takes the amplitude for them out of the wave itself, and so is less steep.
 
+use super::error::SynthesisError;
 use super::filter::Numbers;
-use super::{Synthesis, SynthesisError};
+use super::synthesis::Synthesis;
 use crate::{Psd, SurfaceRecipe};
 use asperity_surface::{Border, HeightField, SplineSurface};
 

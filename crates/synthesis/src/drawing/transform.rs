@@ -10,8 +10,11 @@
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
+use super::error::SynthesisError;
+use super::memory::reserved;
 use super::noise::Noise;
-use super::{Synthesis, SynthesisError, reserved, spectrum};
+use super::spectrum;
+use super::synthesis::Synthesis;
 use asperity_surface::are_allowed;
 
 /// Fewest columns in a group, in all and for each thread. A row's piece of a group is then 16 cache

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use asperity_numerics::ln_normal_cdf;
 use asperity_numerics::quadrature::normal_moments;
-use asperity_surface::{Form, FormError, HeightField};
+use asperity_surface::{Form, HeightField, HeightFieldError};
 
 /// Nodes per unit of the normal number, and the largest of them.
 const PER_UNIT: i32 = 8;
@@ -51,7 +51,7 @@ pub enum HeightTableError {
     },
     /// The plane of best fit cannot be removed.
     #[error(transparent)]
-    Form(#[from] FormError),
+    Form(#[from] HeightFieldError),
     /// All heights are equal.
     #[error("all heights are equal; a distribution needs some that differ")]
     NoSpread,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asperity_surface::ProvenanceRecord;
 use serde::{Deserialize, Serialize};
 
-use crate::SurfaceRecipe;
+use super::surface_recipe::SurfaceRecipe;
 
 /// How a surface was generated: the requested statistics and the random stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::Psd;
 use super::error::PsdError;
 use super::plane::{PlanePsd, place};
-use asperity_surface::{Border, FormError, HeightField, PowerSpectrum};
+use super::psd::Psd;
+use asperity_surface::{Border, HeightField, HeightFieldError, PowerSpectrum};
 
 /// Waves per side of the tile up to which each wave has a node of its own.
 const FIRST_NODES: usize = 8;
@@ -22,7 +22,7 @@ pub enum EstimateError {
     Psd(#[from] PsdError),
     /// The plane of best fit cannot be removed.
     #[error(transparent)]
-    Form(#[from] FormError),
+    Form(#[from] HeightFieldError),
 }
 
 impl Psd {

@@ -9,8 +9,8 @@ use super::axes::Axes;
 /// Gaussian autocorrelation `C = sigma^2 exp(-u^2 / tau_x^2 - v^2 / tau_y^2)`, where `(u, v)` are the
 /// coordinates of the lag in axes turned by `azimuth` from `(x, y)`.
 ///
-/// Made by [`Psd::gaussian`](super::Psd::gaussian) and
-/// [`Psd::anisotropic_gaussian`](super::Psd::anisotropic_gaussian), which check its parameters.
+/// Made by [`Psd::gaussian`](super::psd::Psd::gaussian) and
+/// [`Psd::anisotropic_gaussian`](super::psd::Psd::anisotropic_gaussian), which check its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct GaussianPsd {
@@ -24,7 +24,7 @@ pub struct GaussianPsd {
     pub azimuth: f64,
 }
 
-/// The methods of [`Psd`](super::Psd), where they are documented.
+/// The methods of [`Psd`](super::psd::Psd), where they are documented.
 impl GaussianPsd {
     pub(super) fn density(&self, kx: f64, ky: f64) -> f64 {
         self.prepared().at(kx, ky)
@@ -119,7 +119,7 @@ pub(crate) struct PreparedGaussian {
 }
 
 impl PreparedGaussian {
-    /// `W(kx, ky)`, as [`Psd::density`](super::Psd::density).
+    /// `W(kx, ky)`, as [`Psd::density`](super::psd::Psd::density).
     pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
         self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
     }

@@ -82,7 +82,7 @@ impl PlanePsd {
         Self { sampled, ..self }
     }
 
-    /// As [`super::Psd::mark`]: the mean square gradient of the table.
+    /// As [`super::psd::Psd::mark`]: the mean square gradient of the table.
     pub(super) fn mark(&self) -> u32 {
         let gradient = self.integral(|kx, ky| kx * kx + ky * ky);
         (gradient as f32).to_bits()

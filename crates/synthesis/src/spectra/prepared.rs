@@ -14,7 +14,7 @@ pub(crate) enum PreparedDensity {
 }
 
 impl PreparedDensity {
-    /// `W(kx, ky)`, as [`Psd::density`](super::Psd::density).
+    /// `W(kx, ky)`, as [`Psd::density`](super::psd::Psd::density).
     pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
         match self {
             Self::Gaussian(gaussian) => gaussian.at(kx, ky),

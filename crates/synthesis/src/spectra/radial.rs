@@ -13,7 +13,7 @@ use super::radial_table::RadialTable;
 use asperity_numerics::root;
 
 /// A spectrum `W = sigma^2 tau_x tau_y f(kappa)` with `kappa^2 = (tau_x k_u)^2 + (tau_y k_v)^2`, in axes turned by an azimuth, where
-/// the integral of `f` over the plane is 1. Made by [`Psd::matern`](super::Psd::matern) and its fellows, which check its parameters.
+/// the integral of `f` over the plane is 1. Made by [`Psd::matern`](super::psd::Psd::matern) and its fellows, which check its parameters.
 ///
 /// The autocorrelation is a function of `(u / tau_x)^2 + (v / tau_y)^2`, and 1/e where that is 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -114,7 +114,7 @@ impl RadialPsd {
         }
     }
 
-    /// As [`super::Psd::mark`]: the mean square of kappa.
+    /// As [`super::psd::Psd::mark`]: the mean square of kappa.
     pub(super) fn mark(&self) -> Option<u32> {
         match &self.profile {
             Profile::Table(_) => {

@@ -1,6 +1,6 @@
 //! Filling: replaces missing points by heights interpolated from around their gap.
 
-use super::MissingError;
+use super::error::MissingError;
 use super::laplace::GapEquations;
 use crate::{Border, HeightFieldError};
 

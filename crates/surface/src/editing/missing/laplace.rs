@@ -9,7 +9,7 @@
 
 use std::f64::consts::PI;
 
-use crate::MissingError;
+use super::error::MissingError;
 
 /// Error, relative to the first guess and in the energy norm, at which the solution has settled.
 const TOLERANCE: f64 = 1e-11;

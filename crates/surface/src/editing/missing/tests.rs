@@ -1,6 +1,7 @@
 //! Filling of gaps against heights that are known there.
 
 use super::*;
+use crate::Border;
 
 /// A map of `f` at its samples, without the points for which `gone` holds.
 fn map(
@@ -25,8 +26,8 @@ fn map(
 
 /// Largest distance from `f` once the map is filled.
 fn error(map: RawHeightMap, border: Border, f: impl Fn(f64, f64) -> f64) -> f64 {
-    let [dx, dy] = map.spacing;
     let filled = map.into_height_field(MissingPolicy::Fill, border).unwrap();
+    let [dx, dy] = filled.spacing();
     let mut worst = 0.0_f64;
     for iy in 0..filled.ny() {
         for ix in 0..filled.nx() {

@@ -3,7 +3,7 @@
 //! Bins that are no multiple of the step hold now more, now fewer levels: the histogram beats. A number that is known to one step is taken
 //! for spread evenly over that step, which keeps every bin in proportion.
 
-use super::Bins;
+use super::bins::Bins;
 
 /// Fewest levels of which a step can be told; a surface of few facets has few slopes.
 const MIN_LEVELS: usize = 16;

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::centred::centred;
-use crate::drawing::{Synthesis, SynthesisError};
+use crate::drawing::error::SynthesisError;
+use crate::drawing::synthesis::Synthesis;
 use crate::{StructureSynthesis, StructuredSurface};
 use asperity_surface::HeightField;
 

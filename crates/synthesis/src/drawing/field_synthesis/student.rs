@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use super::centred::centred;
 use super::curve::Curve;
+use crate::drawing::error::SynthesisError;
 use crate::drawing::noise::Stream;
-use crate::drawing::{Synthesis, SynthesisError};
+use crate::drawing::synthesis::Synthesis;
 use crate::recipe::FLOOR;
 use crate::{SlopeMixture, StudentSlopes};
 use asperity_numerics::ln_normal_cdf;
