@@ -3,7 +3,9 @@
 use asperity_simulate::{check_memory, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
-use asperity_synthesis::{DrawnRoughness, FieldSynthesis, Resolution, SurfaceRecipe, Unreached};
+use asperity_synthesis::{
+    DrawnRoughness, FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe,
+};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -75,7 +77,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         || &roughness,
         || {
             let table = realisation_table(&roughness);
-            let missed = missed_note(synthesis.unreached());
+            let missed = missed_note(synthesis.spectrum_mismatch());
             let notes: Vec<String> = source_notes.into_iter().chain(note).chain(missed).chain(few_lengths).collect();
             let note = note_lines(&notes);
             wrapped(&format!(
@@ -118,12 +120,12 @@ fn amplitude_note(recipe: &SurfaceRecipe, samples: [u64; 2], spacing: [f64; 2]) 
 }
 
 /// What heights of a distribution miss of the spectrum requested, if it is a half per cent of the slope variance or of the variance.
-fn missed_note(unreached: Unreached) -> Option<String> {
+fn missed_note(mismatch: SpectrumMismatch) -> Option<String> {
     const TOLD: f64 = 0.005;
-    let Unreached {
+    let SpectrumMismatch {
         autocorrelation,
         slope_variance: [x, y],
-    } = unreached;
+    } = mismatch;
     (autocorrelation.max(x.abs()).max(y.abs()) > TOLD).then(|| {
         format!(
             "no Gaussian surface turns into these heights with this spectrum: the autocorrelation differs by up to {autocorrelation:.4} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y",

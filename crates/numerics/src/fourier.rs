@@ -45,8 +45,8 @@ impl HalfPlane {
         self.columns.par_chunks_exact(self.shape[0])
     }
 
-    /// What `number` makes of the transform of a grid of numbers, at all wave vectors, shape `[ny, nx]`; the same of a number and of its
-    /// complex conjugate.
+    /// Values of `number` of the transform of a grid of numbers, at all wave vectors, shape `[ny, nx]`. `number` must give the same for a
+    /// number and its complex conjugate.
     fn whole(
         numbers: &[f64],
         shape: [usize; 2],

@@ -32,7 +32,7 @@ fn without_zeros(text: &str) -> &str {
     }
 }
 
-/// As [`short`], never above `value`: for the largest number that is allowed.
+/// Writes a number like [`short`], but never above `value`: for the largest number that is allowed.
 #[must_use]
 pub fn short_below(value: f64) -> String {
     let text = short(value);

@@ -43,7 +43,7 @@ pub struct Roughness {
     pub extent: [f64; 2],
     /// Unit of all lengths.
     pub unit: LengthUnit,
-    /// What lies beyond the border.
+    /// Border of the surface.
     pub border: Border,
     /// Mean height, which all other height parameters leave out.
     pub mean: f64,
@@ -73,20 +73,20 @@ pub struct Roughness {
     ///
     /// A periodic surface wraps around; otherwise each lag is averaged over the pairs it has.
     pub tau_x: Option<f64>,
-    /// As [`Roughness::tau_x`], along y.
+    /// Correlation length along y, in the convention of [`Roughness::tau_x`].
     pub tau_y: Option<f64>,
     /// Geometric mean of [`Roughness::tau_x`] and [`Roughness::tau_y`].
     pub tau: Option<f64>,
     /// Correlation length along x in the other convention, `exp(-r^2 / (2 l^2))`: `tau_x / sqrt 2`.
     pub l_x: Option<f64>,
-    /// As [`Roughness::l_x`], along y.
+    /// Correlation length along y, in the convention of [`Roughness::l_x`].
     pub l_y: Option<f64>,
     /// The `tau` along x of a Gaussian surface with these heights and slopes:
     /// `sqrt 2 sq / (root of the slope variance along x)`. `None` if no facet slopes along x, or all
     /// heights are equal. It is what geometric optics sees; if it is far from [`Roughness::tau_x`],
     /// the surface is no Gaussian one, or has fine structure of another scale.
     pub equivalent_tau_x: Option<f64>,
-    /// As [`Roughness::equivalent_tau_x`], along y.
+    /// Equivalent `tau` along y; see [`Roughness::equivalent_tau_x`].
     pub equivalent_tau_y: Option<f64>,
     /// The smoothness `s = tau / sigma` of an isotropic Gaussian surface with this root mean square
     /// gradient: `2 / sdq`. `None` if the gradient is zero.

@@ -34,8 +34,8 @@ mod structures;
 pub use drawing::{
     FieldSynthesis, MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE,
     MIN_SPACINGS_PER_CORRELATION_LENGTH, MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Resolution,
-    SlopeComponent, SlopeMixture, SplineSynthesis, Synthesis, SynthesisError, UNRESOLVED_SLOPES,
-    Unreached,
+    SlopeComponent, SlopeMixture, SpectrumMismatch, SplineSynthesis, Synthesis, SynthesisError,
+    UNRESOLVED_SLOPES,
 };
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use realised::{

@@ -1,4 +1,4 @@
-//! Realised statistics: what a drawn surface has, beside what was requested.
+//! Realised statistics: compares a drawn surface with what was requested.
 
 mod gradients;
 mod structure;
@@ -73,7 +73,7 @@ pub struct Realised {
 pub struct Compared {
     /// The requested value.
     pub requested: f64,
-    /// What this surface has; `None` if it cannot be measured on it.
+    /// Value of this surface; `None` if it cannot be measured on it.
     pub realised: Option<f64>,
     /// Standard deviation expected of the realised value between realisations, where it is known.
     pub expected_deviation: Option<f64>,

@@ -23,7 +23,7 @@ mod expected;
 mod grid;
 mod grooves;
 mod limits;
-mod places;
+mod positions;
 mod pyramids;
 mod random;
 mod scratches;
@@ -37,7 +37,7 @@ pub use self::error::{Allowed, StructureError};
 pub use self::expected::StructureStatistics;
 pub use self::grooves::{GrooveProfile, Grooves};
 pub use self::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MIN_SPACINGS_PER_WIDTH};
-pub use self::places::Arrangement;
+pub use self::positions::Arrangement;
 pub use self::pyramids::Pyramids;
 pub use self::scratches::Scratches;
 pub use self::segments::SphericalSegments;
@@ -116,7 +116,7 @@ impl Structure {
         }
     }
 
-    /// Whether its statistics do not depend on azimuth.
+    /// Returns `true` if its statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match self {
@@ -128,7 +128,7 @@ impl Structure {
         }
     }
 
-    /// Whether its statistics are the same on either side of the x axis, and so of the y axis.
+    /// Returns `true` if its statistics are the same on either side of the x axis, and so of the y axis.
     #[must_use]
     pub fn is_mirror_symmetric(&self) -> bool {
         let along_an_axis = |azimuth: f64| (2.0 * azimuth).sin().abs() < 1e-9;
@@ -142,7 +142,7 @@ impl Structure {
         }
     }
 
-    /// The same with all lengths converted.
+    /// Returns the structure with all lengths converted.
     #[must_use]
     pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         let mut converted = *self;
@@ -180,7 +180,7 @@ impl Structure {
     }
 }
 
-/// What a tile holds of each kind.
+/// Features of a tile, by kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Planned {
     Segments(PlannedSegments),
@@ -285,7 +285,7 @@ impl StructureSynthesis {
         self.grid.spacing
     }
 
-    /// Bytes that a program holds at the peak of a [`StructureSynthesis::draw`]: the heights, the features with their places in
+    /// Bytes that a program holds at the peak of a [`StructureSynthesis::draw`]: the heights, the features with their entries in
     /// buckets, and 8 MiB for the program itself.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
@@ -300,7 +300,7 @@ impl StructureSynthesis {
         ny * nx * size_of::<f64>() + features * BYTES_PER_FEATURE + (8 << 20)
     }
 
-    /// What is expected of its surfaces, as far as closed forms are known.
+    /// Statistics expected of its surfaces, as far as closed forms are known.
     #[must_use]
     pub fn expected(&self) -> StructureStatistics {
         match &self.planned {
@@ -334,7 +334,7 @@ impl StructureSynthesis {
         }
     }
 
-    /// Whether smooth cells follow its surfaces: whether it has no edges, and radii of curvature of at least four spacings.
+    /// Returns `true` if smooth cells follow its surfaces: it has no edges, and radii of curvature of at least four spacings.
     ///
     /// Others have edges that a spline would round by about a spacing and ripple beside; flat cells are meant for them.
     #[must_use]
@@ -353,7 +353,7 @@ impl StructureSynthesis {
     /// `seed` and `realisation` may be any numbers; every pair is its own surface.
     ///
     /// # Errors
-    /// [`StructureError::Crowded`] if separate features do not find a place.
+    /// [`StructureError::Crowded`] if separate features find no position.
     pub fn heights(&self, seed: u64, realisation: u64) -> Result<Vec<f64>, StructureError> {
         let (grid, streams) = (&self.grid, Streams::new(seed, realisation));
         let depths = match &self.planned {
@@ -376,7 +376,7 @@ impl StructureSynthesis {
     /// Draws one periodic surface, with heights about their mean.
     ///
     /// # Errors
-    /// As [`StructureSynthesis::heights`], and [`StructureError::HeightField`] if a height is too large.
+    /// Errors of [`StructureSynthesis::heights`], and [`StructureError::HeightField`] if a height is too large.
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, StructureError> {
         let mut heights = self.heights(seed, realisation)?;
         let [_, nx] = self.grid.shape;

@@ -33,9 +33,9 @@ const GAUSS: [f64; 4] = [
 /// Error allowed in an integral: the larger of both.
 #[derive(Clone, Copy, Debug)]
 pub struct AllowedError {
-    /// In the unit of the integral.
+    /// Error in the unit of the integral.
     pub absolute: f64,
-    /// As a fraction of the integral.
+    /// Fraction of the integral.
     pub relative: f64,
 }
 
@@ -50,7 +50,7 @@ impl AllowedError {
     }
 }
 
-/// When the subdivision of an integral ends.
+/// End of the subdivision of an integral: allowed error and number of pieces.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerance {
     /// Error allowed in the integral.
@@ -126,8 +126,8 @@ struct Piece {
     /// The interval between two breaks.
     lo: f64,
     width: f64,
-    /// Whether `x = lo + width u^2 (3 - 2 u)`, which turns square roots at both ends into analytic
-    /// functions of `u`, or `x = lo + width u`.
+    /// `true` for `x = lo + width u^2 (3 - 2 u)`, which turns square roots at both ends into analytic
+    /// functions of `u`; `false` for `x = lo + width u`.
     rooted: bool,
     /// The part of it that this piece covers, in `u`.
     u0: f64,

@@ -52,7 +52,7 @@ impl FromStr for Form {
 }
 
 impl Form {
-    /// What is removed before spectra and distributions of heights are measured: the mean where the border is periodic, elsewhere also
+    /// Form that is removed before spectra and distributions of heights are measured: the mean if the border is periodic, else also
     /// the tilt of the sample.
     #[must_use]
     pub const fn left_out_of_statistics(border: Border) -> Self {
@@ -202,7 +202,7 @@ mod tests {
         field.heights().iter().fold(0.0, |m, h| h.abs().max(m))
     }
 
-    /// What is left is the rounding of the heights themselves, half an ulp of the largest, and of
+    /// The remainder is the rounding of the heights themselves, half an ulp of the largest, and of
     /// the sums, of the same order.
     #[test]
     fn each_form_is_removed_to_rounding() {

@@ -20,7 +20,7 @@ const LINES: usize = 32;
 /// Reach of the weight in nesting indices; what lies beyond is below `1e-18` of the weight at zero.
 const REACH: f64 = 1.7;
 
-/// Why a filter cannot be applied to a surface.
+/// Reason why a filter cannot be applied to a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilterError {
@@ -90,7 +90,7 @@ impl GaussianFilter {
     /// The surface without its long waves: what an L-filter leaves, heights less those of [`GaussianFilter::long_waves`].
     ///
     /// # Errors
-    /// As of [`GaussianFilter::long_waves`].
+    /// Errors of [`GaussianFilter::long_waves`].
     pub fn short_waves(self, field: &HeightField) -> Result<HeightField, FilterError> {
         let mut heights = self.smoothed(field)?;
         heights
@@ -215,7 +215,7 @@ impl LineFilter {
         }
     }
 
-    /// What a line and its continuation have over one period.
+    /// Fills one period with a line and its continuation.
     fn extend(&self, line: &[f64], period: &mut [f64]) {
         let (own, beyond) = period.split_at_mut(line.len());
         own.copy_from_slice(line);

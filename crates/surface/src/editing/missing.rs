@@ -1,4 +1,4 @@
-//! Height maps as instruments deliver them: with points missing.
+//! Missing points: height maps as instruments deliver them, and how gaps are filled.
 
 mod error;
 mod fill;

@@ -1,4 +1,4 @@
-//! The same surface on a finer or a coarser grid.
+//! Resampling: a surface on a finer or a coarser grid.
 
 #[cfg(test)]
 mod tests;
@@ -13,7 +13,7 @@ use rustfft::num_complex::Complex;
 use crate::height_field::check_grid;
 use crate::{Border, HeightField, HeightFieldError};
 
-/// Why a surface cannot be refined.
+/// Reason why a surface cannot be refined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RefinementError {
@@ -34,7 +34,7 @@ pub enum RefinementError {
     HeightField(#[from] HeightFieldError),
 }
 
-/// Why a surface cannot be coarsened.
+/// Reason why a surface cannot be coarsened.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoarseningError {
@@ -49,7 +49,7 @@ pub enum CoarseningError {
         /// Cells along this axis.
         cells: usize,
     },
-    /// What is left makes no surface.
+    /// The remaining samples make no surface.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),
 }
@@ -66,7 +66,7 @@ const GROUP_OF_THREAD: usize = 16;
 const PAD: usize = 8;
 
 impl HeightField {
-    /// The same band-limited surface at half the spacing.
+    /// Returns the same band-limited surface at half the spacing.
     ///
     /// Between the samples lies the one sum of waves up to the Nyquist wave number that passes through
     /// all of them; of the wave at it, which samples cannot tell from its shifts, the cosine that is
@@ -228,7 +228,7 @@ struct HalfShift {
     factors: Vec<Complex<f64>>,
 }
 
-/// What one thread needs to apply a [`HalfShift`].
+/// Buffers that one thread needs to apply a [`HalfShift`].
 struct Room {
     spectrum: Vec<Complex<f64>>,
     scratch: Vec<Complex<f64>>,

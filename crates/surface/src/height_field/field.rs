@@ -76,31 +76,31 @@ impl HeightField {
         }
     }
 
-    /// The same surface in another unit of length; numbers are not converted.
+    /// Returns the surface in another unit of length; numbers are not converted.
     #[must_use]
     pub fn with_unit(mut self, unit: LengthUnit) -> Self {
         self.unit = unit;
         self
     }
 
-    /// The same surface with another border.
+    /// Returns the surface with another border.
     #[must_use]
     pub fn with_border(mut self, border: Border) -> Self {
         self.border = border;
         self
     }
 
-    /// The same surface with a record of how it was generated.
+    /// Returns the surface with a record of how it was drawn.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Option<Arc<dyn ProvenanceRecord>>) -> Self {
         self.provenance = provenance;
         self
     }
 
-    /// The same grid, unit, border and provenance with other heights.
+    /// Returns a surface of the same grid, unit, border and provenance with other heights.
     ///
     /// # Errors
-    /// As [`HeightField::new`].
+    /// Errors of [`HeightField::new`].
     pub fn with_heights(&self, heights: Vec<f64>) -> Result<Self, HeightFieldError> {
         Ok(Self::new(heights, self.shape, self.spacing)?
             .with_unit(self.unit)
@@ -120,7 +120,7 @@ impl HeightField {
         self.heights
     }
 
-    /// Whether all heights are equal.
+    /// Returns `true` if all heights are equal.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.heights.iter().all(|h| *h == self.heights[0])
@@ -156,13 +156,13 @@ impl HeightField {
         self.unit
     }
 
-    /// What lies beyond the border.
+    /// Border of the surface.
     #[must_use]
     pub const fn border(&self) -> Border {
         self.border
     }
 
-    /// How the surface was generated, if it was.
+    /// Record of how the surface was drawn, if it has one.
     #[must_use]
     pub fn provenance(&self) -> Option<&Arc<dyn ProvenanceRecord>> {
         self.provenance.as_ref()

@@ -49,7 +49,7 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// That of the heights of all samples about their mean, from the lowest to the highest, in 100 bins; `None` if all are equal.
+    /// Histogram of the heights of all samples about their mean, from the lowest to the highest, in 100 bins; `None` if all are equal.
     #[must_use]
     pub fn of_heights(field: &HeightField) -> Option<Self> {
         let mean = mean_height(field);
@@ -69,10 +69,10 @@ impl Histogram {
         ))
     }
 
-    /// Those of the slopes of all facets along x and along y, in the same 121 bins about zero. These reach to the largest slope, or to six
+    /// Histograms of the slopes of all facets along x and along y, in the same 121 bins about zero. These reach to the largest slope, or to six
     /// times the root mean square of the larger pair, whichever is less; `None` if all slopes are zero.
     ///
-    /// Where heights are whole multiples of a step, so that slopes are, too, each slope counts as spread evenly over the step that it is known to.
+    /// If heights, and so slopes, are whole multiples of a step, each slope counts as spread evenly over one step.
     #[must_use]
     pub fn of_slopes(field: &HeightField) -> Option<[Self; 2]> {
         let [_, cy] = field.cells();

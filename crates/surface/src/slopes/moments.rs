@@ -7,8 +7,8 @@ use crate::{HeightField, SplineSurface};
 
 /// Moments of slopes, dimensionless: of one surface as means over its tile, or as expected of an ensemble.
 ///
-/// How far the moments of a surface are from those expected tells much of how far the light that it scatters is from that of the
-/// ensemble.
+/// The deviation of a surface from its expected moments is correlated with the deviation of its scattered light from that of
+/// the ensemble.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlopeMoments {
     /// Means of `sx sx`, `sx sy` and `sy sy`, of the slopes `sx` and `sy` along x and y.
@@ -18,7 +18,7 @@ pub struct SlopeMoments {
 }
 
 impl SlopeMoments {
-    /// Those expected of slopes that are normal with mean zero and covariance `[xx, xy, yy]`.
+    /// Moments expected of slopes that are normal with mean zero and covariance `[xx, xy, yy]`.
     ///
     /// # Examples
     /// ```

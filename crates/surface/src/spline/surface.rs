@@ -84,14 +84,14 @@ impl SplineSurface {
         }
     }
 
-    /// The same surface in another unit of length; numbers are not converted.
+    /// Returns the surface in another unit of length; numbers are not converted.
     #[must_use]
     pub fn with_unit(mut self, unit: LengthUnit) -> Self {
         self.unit = unit;
         self
     }
 
-    /// The same surface with a record of how it was generated.
+    /// Returns the surface with a record of how it was drawn.
     #[must_use]
     pub fn with_provenance(mut self, provenance: Option<Arc<dyn ProvenanceRecord>>) -> Self {
         self.provenance = provenance;
@@ -144,13 +144,13 @@ impl SplineSurface {
         self.unit
     }
 
-    /// What lies beyond the border.
+    /// Border of the surface.
     #[must_use]
     pub const fn border(&self) -> Border {
         self.border
     }
 
-    /// How the surface was generated, if it was.
+    /// Record of how the surface was drawn, if it has one.
     #[must_use]
     pub const fn provenance(&self) -> Option<&Arc<dyn ProvenanceRecord>> {
         self.provenance.as_ref()

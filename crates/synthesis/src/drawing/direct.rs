@@ -1,4 +1,4 @@
-//! The clear algorithm, by summation: slow, and there to test the quick one.
+//! Direct synthesis: sums all waves. It is slow, and tests the fast one.
 
 use std::f64::consts::SQRT_2;
 
@@ -13,7 +13,7 @@ use asperity_surface::HeightField;
 struct Wave {
     k: [f64; 2],
     amplitude: f64,
-    /// Whether `k` and `-k` are the same on the grid; the wave is then `amplitude Re(z) cos(k.r)`.
+    /// `true` if `k` and `-k` are the same on the grid; the wave is then `amplitude Re(z) cos(k.r)`.
     alone: bool,
 }
 
@@ -24,7 +24,7 @@ impl Synthesis {
     /// The heights are the sum of all waves that the grid holds, none taken as empty.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Errors of [`Synthesis::draw`].
     pub fn draw_directly(
         &self,
         seed: u64,

@@ -2,7 +2,7 @@
 
 use asperity_surface::{HeightFieldError, Length, LengthUnit};
 
-use super::unreached::Unreached;
+use super::spectrum_mismatch::SpectrumMismatch;
 use crate::StructureError;
 
 /// Fraction of the slope variance that waves may hold that the grid does not resolve.
@@ -94,11 +94,11 @@ pub enum SynthesisError {
         100.0 * .0.slope_variance[0],
         100.0 * .0.slope_variance[1]
     )]
-    Unreachable(Unreached),
+    Unreachable(SpectrumMismatch),
 }
 
 impl SynthesisError {
-    /// The same error with its lengths in `unit`; numbers are not converted.
+    /// Returns the error with its lengths in `unit`; numbers are not converted.
     #[must_use]
     pub fn with_unit(mut self, unit: LengthUnit) -> Self {
         let lengths = match &mut self {

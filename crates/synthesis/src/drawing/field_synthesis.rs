@@ -16,15 +16,15 @@ use super::error::SynthesisError;
 use super::limits::MIN_SPACINGS_PER_CORRELATION_LENGTH;
 use super::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use super::synthesis::Synthesis;
-use crate::{Provenance, SlopeMixture, SurfaceRecipe, Unreached};
+use crate::{Provenance, SlopeMixture, SpectrumMismatch, SurfaceRecipe};
 use asperity_surface::HeightField;
 
-/// How finely a grid has to resolve the surfaces drawn on it.
+/// Resolution that a grid must have for the surfaces drawn on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
     /// For facets: as [`Synthesis`] requires.
     Facets,
-    /// For a spline through the heights: as [`SplineSynthesis`](crate::SplineSynthesis) requires.
+    /// For a spline through the heights: like [`SplineSynthesis`](crate::SplineSynthesis) requires.
     Splines,
     /// Not at all, and the tile need not hold them either.
     Any,
@@ -62,7 +62,7 @@ pub struct FieldSynthesis {
     drawer: Drawer,
 }
 
-/// What draws the surfaces of a recipe.
+/// Generator of the surfaces of a recipe, by kind.
 #[derive(Clone, Debug)]
 enum Drawer {
     Gaussian(Box<Synthesis>),
@@ -77,7 +77,7 @@ impl FieldSynthesis {
     /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units per sample.
     ///
     /// # Errors
-    /// As [`Synthesis::new`], for the correlation lengths of the recipe; [`SynthesisError::Unreachable`] if transformed heights cannot
+    /// Errors of [`Synthesis::new`], for the correlation lengths of the recipe; [`SynthesisError::Unreachable`] if transformed heights cannot
     /// have the spectrum.
     pub fn new(
         recipe: SurfaceRecipe,
@@ -107,7 +107,7 @@ impl FieldSynthesis {
         Ok(Self { recipe, drawer })
     }
 
-    /// What the surfaces are drawn by.
+    /// Recipe of the surfaces.
     #[must_use]
     pub const fn recipe(&self) -> &SurfaceRecipe {
         &self.recipe
@@ -157,14 +157,14 @@ impl FieldSynthesis {
         }
     }
 
-    /// What is missed of the spectrum requested: above rounding where heights are transformed and no Gaussian surface has the spectrum that
+    /// Deviation from the spectrum requested: above rounding if heights are transformed and no Gaussian surface has the spectrum that
     /// they would need.
     #[must_use]
-    pub fn unreached(&self) -> Unreached {
+    pub fn spectrum_mismatch(&self) -> SpectrumMismatch {
         match &self.drawer {
-            Drawer::Transformed(transformed) => transformed.unreached(),
+            Drawer::Transformed(transformed) => transformed.spectrum_mismatch(),
             Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => {
-                Unreached::default()
+                SpectrumMismatch::default()
             }
         }
     }
@@ -188,7 +188,7 @@ impl FieldSynthesis {
     /// Draws one periodic surface: heights of mean zero, shape `[ny, nx]`, in the unit of the recipe, provenance recorded.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Errors of [`Synthesis::draw`].
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         self.draw_into(seed, realisation, Vec::new())
     }
@@ -197,7 +197,7 @@ impl FieldSynthesis {
     /// not matter.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Errors of [`Synthesis::draw`].
     pub fn draw_into(
         &self,
         seed: u64,

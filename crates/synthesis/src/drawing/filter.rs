@@ -12,7 +12,7 @@ use crate::spectra::PreparedDensity;
 /// of what one height is rounded to.
 const NEGLIGIBLE: f64 = 1e-34;
 
-/// What the numbers that are drawn mean.
+/// Meaning of the numbers that are drawn.
 #[derive(Clone, Copy)]
 pub(super) enum Numbers {
     /// Heights at the grid points.
@@ -84,7 +84,7 @@ impl Filter {
         filter
     }
 
-    /// The same grid with these amplitudes of all waves of the half spectrum, columns of `ny` numbers.
+    /// Returns the filter with these amplitudes of all waves of the half spectrum, columns of `ny` numbers.
     pub(super) fn with_amplitudes(self, amplitudes: Vec<f64>) -> Self {
         let [ny, nx] = self.shape;
         debug_assert_eq!(amplitudes.len(), ny * (nx / 2 + 1));

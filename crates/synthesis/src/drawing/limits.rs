@@ -23,7 +23,7 @@ const SPACINGS_PER_WAVE: f64 = 2.0;
 /// 22 % from one realisation to the next.
 pub const MIN_CORRELATION_LENGTHS_PER_SIDE: f64 = 8.0;
 
-/// How much wider than that of a measured surface a spacing may be, which people write with few digits.
+/// Tolerance of a spacing that repeats that of a measured surface, since people write few digits.
 const SPACING_TOLERANCE: f64 = 1e-3;
 
 /// Refuses what the grid cannot resolve, with `fewest` spacings per correlation length, or hold.

@@ -11,7 +11,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// What the numbers are for, which sets them apart from any others that the same seed yields.
+/// Purpose of the numbers, which sets them apart from any others of the same seed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Stream {
     /// Heights of a surface.
@@ -46,7 +46,7 @@ pub(super) struct Noise {
     key: [u8; 32],
 }
 
-/// On which side of `ky = 0` the waves of a stream lie.
+/// Side of `ky = 0` on which the waves of a stream lie.
 #[derive(Clone, Copy)]
 pub(super) enum Side {
     /// `ky = 0, dk, 2 dk, ...`

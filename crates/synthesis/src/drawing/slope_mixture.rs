@@ -1,13 +1,13 @@
-//! Slope mixture: slopes that are Gaussian with a covariance that differs from place to place.
+//! Slope mixture: slopes that are Gaussian with a covariance that differs from position to position.
 
 use asperity_numerics::quadrature::gauss_rule;
 
-/// How much steeper or flatter than others places are, and the fraction of them that is.
+/// Component of a slope mixture: relative slope variance of some positions, and their fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeComponent {
-    /// Fraction of places, over all components 1.
+    /// Fraction of positions, over all components 1.
     pub weight: f64,
-    /// What the covariance of [`SlopeMixture::covariance`] is multiplied by there.
+    /// Factor of [`SlopeMixture::covariance`] there.
     pub factor: f64,
 }
 

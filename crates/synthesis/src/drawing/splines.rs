@@ -50,7 +50,7 @@ impl SplineSynthesis {
     /// per cell. `insist`: draw even what the grid cannot resolve or hold.
     ///
     /// # Errors
-    /// As [`Synthesis::new`], but a correlation length need only span
+    /// Errors of [`Synthesis::new`], but a correlation length need only span
     /// [`MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH`] spacings.
     pub fn new(
         psd: Psd,
@@ -74,7 +74,7 @@ impl SplineSynthesis {
         self.waves.psd()
     }
 
-    /// The same as what surfaces are drawn by.
+    /// Recipe of the surfaces.
     #[must_use]
     pub const fn recipe(&self) -> &SurfaceRecipe {
         self.waves.recipe()
@@ -116,7 +116,7 @@ impl SplineSynthesis {
     /// matter.
     ///
     /// # Errors
-    /// As [`SplineSynthesis::draw`].
+    /// Errors of [`SplineSynthesis::draw`].
     pub fn draw_into(
         &self,
         seed: u64,

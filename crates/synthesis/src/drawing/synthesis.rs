@@ -95,7 +95,7 @@ impl Synthesis {
         Self::of_heights(psd, shape, spacing, fewest)
     }
 
-    /// As [`Synthesis::new`]. `fewest`: spacings that a correlation length must span; if none, nothing is refused.
+    /// Plans surfaces like [`Synthesis::new`]. `fewest`: spacings that a correlation length must span; if none, nothing is refused.
     pub(crate) fn of_heights(
         psd: Psd,
         shape: [usize; 2],
@@ -141,7 +141,7 @@ impl Synthesis {
         &self.psd
     }
 
-    /// The same as what surfaces are drawn by.
+    /// Recipe of the surfaces.
     #[must_use]
     pub const fn recipe(&self) -> &SurfaceRecipe {
         &self.recipe
@@ -209,7 +209,7 @@ impl Synthesis {
     /// may dominate the time.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Errors of [`Synthesis::draw`].
     pub fn draw_into(
         &self,
         seed: u64,
@@ -250,7 +250,7 @@ impl Synthesis {
         powers
     }
 
-    /// The same grid with waves of these powers, as [`Synthesis::powers`].
+    /// Returns the generator with waves of these powers, laid out like [`Synthesis::powers`].
     pub(crate) fn with_powers(mut self, powers: &[f64]) -> Self {
         let [ny, nx] = self.shape;
         let column = |ix: usize| (0..ny).map(move |iy| powers[iy * nx + ix].sqrt());
@@ -260,7 +260,7 @@ impl Synthesis {
         self
     }
 
-    /// The same with random numbers of another stream, so that both are independent for one seed.
+    /// Returns the generator with random numbers of another stream, so that both are independent for one seed.
     pub(crate) fn of_stream(mut self, stream: Stream) -> Self {
         self.stream = stream;
         self

@@ -1,4 +1,4 @@
-//! Erosion error: why a surface cannot be eroded.
+//! Erosion error: reasons why a surface cannot be eroded.
 
 use asperity_surface::HeightFieldError;
 use asperity_surface::{short, short_below};
@@ -9,7 +9,7 @@ pub const MAX_ETCH_SPACINGS: f64 = 64.0;
 /// Most steps of slipping.
 pub const MAX_SLIP_STEPS: u32 = 100_000;
 
-/// Why a surface cannot be eroded.
+/// Reason why a surface cannot be eroded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ErosionError {

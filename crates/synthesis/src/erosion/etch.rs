@@ -19,7 +19,7 @@ use asperity_surface::HeightField;
 /// Isotropic etching.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Etch {
-    /// How much is removed along the normal of the surface, length units, above 0.
+    /// Depth that is removed along the normal of the surface, length units, above 0.
     pub depth: f64,
 }
 

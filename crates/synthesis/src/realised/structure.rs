@@ -17,7 +17,7 @@ pub struct RealisedStructure {
     pub coverage: Option<Expectation>,
     /// Mean of the squared gradient over both axes together, of the facets.
     pub mean_square_slope: Expectation,
-    /// Whether features meet the plane at right angles, as hemispheres do: the mean square slope of the continuous surface is infinite.
+    /// `true` if features meet the plane at right angles, as hemispheres do: the mean square slope of the continuous surface is infinite.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub has_vertical_edges: bool,
     /// Period of grooves, length units.
@@ -34,9 +34,9 @@ pub struct RealisedStructure {
 /// One number, as expected and as realised.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Expectation {
-    /// What is expected of the continuous surface, on average over realisations; `None` if it is not known in closed form.
+    /// Value expected of the continuous surface, on average over realisations; `None` if it is not known in closed form.
     pub expected: Option<f64>,
-    /// What this surface has.
+    /// Value of this surface.
     pub realised: f64,
 }
 
@@ -89,7 +89,7 @@ impl RealisedStructure {
     }
 }
 
-/// Whether the bases of pyramids on a lattice share their sides.
+/// Returns `true` if the bases of pyramids on a lattice share their sides.
 fn touches(structure: &Structure, synthesis: &StructureSynthesis) -> bool {
     match structure {
         Structure::Pyramids(pyramids) | Structure::Inverted(pyramids) => {

@@ -21,14 +21,14 @@ pub struct HeightTable {
     kurtosis: f64,
 }
 
-/// Why a table is not a valid distribution.
+/// Reason why a table is not a valid distribution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeightTableError {
     /// Fewer than two heights.
     #[error("{rows} heights; a distribution needs at least 2")]
     TooFew {
-        /// How many there are.
+        /// Number found.
         rows: usize,
     },
     /// A column does not ascend.

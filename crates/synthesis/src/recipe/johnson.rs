@@ -32,7 +32,7 @@ pub struct Johnson {
     delta: f64,
 }
 
-/// Why no distribution of Johnson's system has the requested moments.
+/// Reason why no distribution of Johnson's system has the requested moments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JohnsonError {
@@ -45,7 +45,7 @@ pub enum JohnsonError {
         skewness: f64,
         /// The kurtosis.
         kurtosis: f64,
-        /// What the kurtosis must exceed.
+        /// Limit that the kurtosis must exceed.
         least: f64,
     },
     /// The distribution is too close to one of two heights, or its tails are too long.

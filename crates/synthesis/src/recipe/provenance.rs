@@ -1,4 +1,4 @@
-//! Provenance: how a surface was drawn.
+//! Provenance: recipe and random stream by which a surface was drawn.
 
 use std::any::Any;
 use std::sync::Arc;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::surface_recipe::SurfaceRecipe;
 
-/// How a surface was generated: the requested statistics and the random stream.
+/// Recipe and random stream by which a surface was drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// What it was drawn by.
+    /// Recipe it was drawn by.
     #[serde(rename = "psd")]
     pub recipe: SurfaceRecipe,
     /// The seed.

@@ -39,7 +39,7 @@ impl MeasuredStructure {
     /// Draws two surfaces of `synthesis` and measures them.
     ///
     /// # Errors
-    /// As [`StructureSynthesis::draw`].
+    /// Errors of [`StructureSynthesis::draw`].
     pub fn of(synthesis: &StructureSynthesis) -> Result<Self, StructureError> {
         let (mut variance, mut slopes) = (0.0, [0.0; 3]);
         for realisation in 0..MEASURED {
@@ -80,7 +80,7 @@ impl StructuredSurface {
     /// The surfaces that `synthesis` draws, with heights of the power spectral density `roughness` added.
     ///
     /// # Errors
-    /// As [`StructureSynthesis::draw`].
+    /// Errors of [`StructureSynthesis::draw`].
     pub fn new(
         synthesis: &StructureSynthesis,
         roughness: Option<Psd>,

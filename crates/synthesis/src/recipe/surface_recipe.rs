@@ -1,4 +1,4 @@
-//! Surface recipe: what random surfaces are drawn by, except grid, seed and number.
+//! Surface recipe: description of random surfaces, without grid, seed and number.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use super::structured::StructuredSurface;
 use super::student::StudentSlopes;
 use crate::Psd;
 
-/// What random surfaces are drawn by, except grid, seed and number.
+/// Description by which random surfaces are drawn, without grid, seed and number.
 ///
 /// [`FieldSynthesis`](crate::FieldSynthesis) draws any; [`Synthesis`](crate::Synthesis) and
 /// [`SplineSynthesis`](crate::SplineSynthesis) draw Gaussian ones.
@@ -63,7 +63,7 @@ impl From<StructuredSurface> for SurfaceRecipe {
 impl SurfaceRecipe {
     /// The power spectral density, if heights and slopes are Gaussian; `None` of all other surfaces.
     ///
-    /// What holds for Gaussian slopes alone (models, control variates, analytic results) takes this.
+    /// Models, control variates and analytic results that hold for Gaussian slopes alone take this.
     #[must_use]
     pub const fn gaussian(&self) -> Option<&Psd> {
         match self {
@@ -90,7 +90,7 @@ impl SurfaceRecipe {
         }
     }
 
-    /// What has the correlation lengths, axes and symmetries of the surfaces.
+    /// Returns the part that decides correlation lengths, axes and symmetries.
     fn underlying(&self) -> Underlying<'_> {
         match self {
             Self::Gaussian(psd) => Underlying::Spectrum(psd),
@@ -129,7 +129,7 @@ impl SurfaceRecipe {
         }
     }
 
-    /// As [`Psd::anisotropy`]; `None` of structured surfaces, whose directions no ratio tells.
+    /// Anisotropy of [`Psd::anisotropy`]; `None` of structured surfaces, whose directions no ratio describes.
     #[must_use]
     pub fn anisotropy(&self) -> Option<[f64; 2]> {
         match self.underlying() {
@@ -138,7 +138,7 @@ impl SurfaceRecipe {
         }
     }
 
-    /// Whether the statistics do not depend on azimuth.
+    /// Returns `true` if the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match self.underlying() {
@@ -147,7 +147,7 @@ impl SurfaceRecipe {
         }
     }
 
-    /// Whether the statistics are the same on either side of the x axis, and so of the y axis.
+    /// Returns `true` if the statistics are the same on either side of the x axis, and so of the y axis.
     #[must_use]
     pub fn is_mirror_symmetric(&self) -> bool {
         match self.underlying() {
@@ -198,7 +198,7 @@ impl SurfaceRecipe {
         curvature.is_finite().then_some(curvature)
     }
 
-    /// Whether all numbers are in range, for what was read from a file.
+    /// Returns `true` if all numbers are in range, for what was read from a file.
     #[must_use]
     pub fn is_valid(&self) -> bool {
         match self {
@@ -209,7 +209,7 @@ impl SurfaceRecipe {
         }
     }
 
-    /// The same with all lengths converted.
+    /// Returns the recipe with all lengths converted.
     #[must_use]
     pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         match self {
@@ -221,7 +221,7 @@ impl SurfaceRecipe {
     }
 }
 
-/// What has the correlation lengths, axes and symmetries of surfaces.
+/// Part of a recipe that decides correlation lengths, axes and symmetries.
 enum Underlying<'a> {
     Spectrum(&'a Psd),
     Structure(&'a StructuredSurface),

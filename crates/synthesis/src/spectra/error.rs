@@ -1,6 +1,6 @@
-//! Why a power spectral density is refused.
+//! Spectrum error: reasons why a power spectral density is refused.
 
-/// Why a power spectral density is refused.
+/// Reason why a power spectral density is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PsdError {
@@ -11,7 +11,7 @@ pub enum PsdError {
         name: &'static str,
         /// The offending value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A spectrum of infinite slope variance.
@@ -55,14 +55,14 @@ pub(super) fn positive(name: &'static str, value: f64) -> Result<(), PsdError> {
     }
 }
 
-/// Why a table of a power spectral density is refused.
+/// Reason why a table of a power spectral density is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PsdTableError {
     /// Fewer than two nodes along an axis.
     #[error("{rows} wave numbers along an axis; at least 2 are needed")]
     TooFew {
-        /// How many there are.
+        /// Number found.
         rows: usize,
     },
     /// Wave numbers do not ascend, or are not positive where they must be.
@@ -76,9 +76,9 @@ pub enum PsdTableError {
     /// The densities are not one per grid point.
     #[error("{found} densities where wave numbers make {expected}; there must be one per pair")]
     WrongCount {
-        /// How many there are.
+        /// Number found.
         found: usize,
-        /// How many there should be.
+        /// Number expected.
         expected: usize,
     },
     /// A density is negative or not finite.

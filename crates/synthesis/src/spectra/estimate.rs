@@ -13,7 +13,7 @@ const FIRST_NODES: usize = 8;
 /// Ratio of the wave numbers of neighbouring nodes beyond.
 const RATIO: f64 = 1.1;
 
-/// Why the power spectral density of a surface cannot be estimated.
+/// Reason why the power spectral density of a surface cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EstimateError {

@@ -124,7 +124,7 @@ impl PreparedGaussian {
         self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
     }
 
-    /// Whether `W` is a function of `kx` times a function of `ky`.
+    /// Returns `true` if `W` is a function of `kx` times a function of `ky`.
     pub(crate) fn is_separable(&self) -> bool {
         self.xy == 0.0
     }

@@ -76,13 +76,13 @@ impl PlanePsd {
         Ok(psd)
     }
 
-    /// The same, measured on a grid of this spacing along x and y.
+    /// Returns the spectrum as one measured on a grid of this spacing along x and y.
     pub(super) fn sampled_at(self, spacing: [f64; 2]) -> Self {
         let sampled = Some(spacing);
         Self { sampled, ..self }
     }
 
-    /// As [`super::psd::Psd::mark`]: the mean square gradient of the table.
+    /// Mark of [`Psd::mark`](super::psd::Psd): the mean square gradient of the table.
     pub(super) fn mark(&self) -> u32 {
         let gradient = self.integral(|kx, ky| kx * kx + ky * ky);
         (gradient as f32).to_bits()
@@ -109,7 +109,7 @@ impl PlanePsd {
         check_densities(&self.density)
     }
 
-    /// Whether the grid is the half plane that stands for both.
+    /// `true` if the grid is the half plane that stands for both.
     fn is_half(&self) -> bool {
         self.ky[0] >= 0.0
     }
@@ -216,7 +216,7 @@ impl PlanePsd {
         [[1.0, 0.0], [0.0, 1.0]].map(|axis| self.projection(axis).wavelength_holding(fraction))
     }
 
-    /// As [`RadialPsd::correlation_area`](super::radial::RadialPsd).
+    /// Correlation area; see [`Psd::correlation_area`](super::psd::Psd::correlation_area).
     pub(super) fn correlation_area(&self) -> f64 {
         let square = self.integral(|kx, ky| self.symmetric(kx, ky));
         2.0 * TAU * TAU * square / (self.total * self.total)

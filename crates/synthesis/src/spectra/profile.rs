@@ -10,7 +10,7 @@ use super::radial_table::RadialTable;
 use asperity_numerics::quadrature::gauss_legendre;
 use asperity_numerics::root;
 
-/// How a power spectral density falls with the wave number `kappa`, which is `k` in units of one over the correlation length.
+/// Decay of a power spectral density with the wave number `kappa`, which is `k` in units of one over the correlation length.
 ///
 /// The density is not normalised; [`Profile::moment`] is the measure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ impl Profile {
         }
     }
 
-    /// The same over all wave numbers.
+    /// Moment over all wave numbers.
     pub(crate) fn total(&self, power: i32) -> f64 {
         self.moment(power, f64::INFINITY)
     }
@@ -153,7 +153,7 @@ impl Profile {
         root(below, low, 1.2 * low)
     }
 
-    /// The same with wave numbers multiplied by `factor`.
+    /// Returns the profile with wave numbers multiplied by `factor`.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::Matern(matern) => Self::Matern(matern.scaled(factor)),
@@ -162,7 +162,7 @@ impl Profile {
         }
     }
 
-    /// Whether its numbers are in range.
+    /// Returns `true` if its numbers are in range.
     pub(crate) fn is_valid(&self) -> bool {
         match self {
             Self::Matern(matern) => matern.is_valid(),

@@ -148,7 +148,7 @@ impl Psd {
         Self::Sum(SumPsd::new(self, other))
     }
 
-    /// The same with another root mean square height.
+    /// Returns the spectrum with another root mean square height.
     ///
     /// # Errors
     /// [`PsdError::BadParameter`] unless it is positive and finite.
@@ -162,8 +162,8 @@ impl Psd {
         })
     }
 
-    /// The same stretched along a second axis, so that the correlation length along it is `tau_y`, and turned: `azimuth` in radians
-    /// from +x to the first axis. Of a table over the plane, or of a sum, it is the same.
+    /// Returns the spectrum stretched along a second axis, so that the correlation length along it is `tau_y`, and turned: `azimuth` in radians
+    /// from +x to the first axis. Tables over the plane and sums stay as they are.
     ///
     /// # Errors
     /// [`PsdError::BadParameter`] unless the length is positive and finite and the azimuth finite.
@@ -258,7 +258,7 @@ impl Psd {
         self.axes().anisotropy()
     }
 
-    /// Whether the statistics do not depend on azimuth.
+    /// Returns `true` if the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match self {
@@ -288,7 +288,7 @@ impl Psd {
         }
     }
 
-    /// Whether the statistics are the same on either side of the x axis, and so of the y axis.
+    /// Returns `true` if the statistics are the same on either side of the x axis, and so of the y axis.
     #[must_use]
     pub fn is_mirror_symmetric(&self) -> bool {
         match self {
@@ -352,7 +352,7 @@ impl Psd {
         }
     }
 
-    /// The same with all lengths converted.
+    /// Returns the spectrum with all lengths converted.
     pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         match self {
             Self::Gaussian(gaussian) => Self::Gaussian(gaussian.converted(convert)),
@@ -362,7 +362,7 @@ impl Psd {
         }
     }
 
-    /// Whether all numbers are in range, for what was read from a file.
+    /// Returns `true` if all numbers are in range, for what was read from a file.
     pub(crate) fn is_valid(&self) -> bool {
         match self {
             Self::Gaussian(gaussian) => {
@@ -456,7 +456,7 @@ impl SumPsd {
         })
     }
 
-    /// As [`Psd::mark`], of the first part that has one.
+    /// Mark of [`Psd::mark`], of the first part that has one.
     fn mark(&self) -> Option<u32> {
         self.parts.iter().find_map(Psd::mark)
     }

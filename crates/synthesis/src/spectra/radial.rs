@@ -23,7 +23,7 @@ pub struct RadialPsd {
     /// 1/e correlation lengths and their axes.
     #[serde(flatten)]
     axes: Axes,
-    /// How the density falls.
+    /// Profile by which the density falls.
     profile: Profile,
 }
 
@@ -106,7 +106,7 @@ impl RadialPsd {
         &self.axes
     }
 
-    /// The same along other axes.
+    /// Returns the spectrum along other axes.
     pub(super) fn with_axes(&self, axes: Axes) -> Self {
         Self {
             axes,
@@ -114,7 +114,7 @@ impl RadialPsd {
         }
     }
 
-    /// As [`super::psd::Psd::mark`]: the mean square of kappa.
+    /// Mark of [`Psd::mark`](super::psd::Psd): the mean square of kappa.
     pub(super) fn mark(&self) -> Option<u32> {
         match &self.profile {
             Profile::Table(_) => {

@@ -17,15 +17,15 @@ pub(super) trait Footprint {
 pub(super) struct Entry {
     /// Number of the feature.
     pub(super) feature: usize,
-    /// What is added to a point of the tile to reach the feature at its own place, length units.
+    /// Offset that is added to a point of the tile to reach the feature at its own position, length units.
     pub(super) shift: [f64; 2],
 }
 
-/// Features by place on a periodic tile.
+/// Features by position on a periodic tile.
 pub(super) struct Buckets {
     lengths: [f64; 2],
     counts: [usize; 2],
-    /// Where the entries of each bucket begin, in rows; one more at the end.
+    /// Start of the entries of each bucket, in rows; one more at the end.
     starts: Vec<usize>,
     entries: Vec<Entry>,
 }
@@ -97,7 +97,7 @@ impl Buckets {
         j * self.counts[0] + i
     }
 
-    /// The bucket on the tile, and the place of the tile on which `index` lies.
+    /// The bucket on the tile, and the position of the tile on which `index` lies.
     fn wrapped(&self, index: [i64; 2]) -> ([usize; 2], [f64; 2]) {
         let count = |i: usize| self.counts[i] as i64;
         (

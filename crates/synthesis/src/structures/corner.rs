@@ -5,7 +5,7 @@
 /// A radius of zero leaves the corner sharp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
-    /// Where the arc begins and ends.
+    /// Start and end of the arc.
     pub(super) from: f64,
     pub(super) to: f64,
     /// Centre `[x, z]` of the circle.
@@ -86,7 +86,7 @@ impl VGroove {
         unit.half_width / (unit.bottom.to + unit.half_width - unit.rim.from)
     }
 
-    /// How far from the centre line it reaches.
+    /// Distance from the centre line that it reaches.
     pub(super) fn reach(&self) -> f64 {
         self.rim.to
     }

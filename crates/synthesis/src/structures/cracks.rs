@@ -76,7 +76,7 @@ impl PlannedCracks {
     pub(super) fn depths(&self, grid: &Grid, streams: &Streams) -> Vec<f64> {
         let lengths = grid.lengths();
         let nuclei: Vec<Nucleus> = (0..self.nuclei)
-            .map(|i| Nucleus(streams.of(i).place(lengths)))
+            .map(|i| Nucleus(streams.of(i).position(lengths)))
             .collect();
         let groove = self.cracks.groove();
         let tessellation = Tessellation::new(lengths, nuclei);
@@ -211,15 +211,17 @@ mod tests {
     fn distance_to_the_edge_is_that_of_brute_force() {
         for (number, lengths) in [(1, [3.0, 2.0]), (2, [1.0, 4.0]), (40, [5.0, 7.0])] {
             let streams = Streams::new(3, number as u64);
-            let places: Vec<[f64; 2]> = (0..number).map(|i| streams.of(i).place(lengths)).collect();
-            let nuclei = places.iter().map(|p| Nucleus(*p)).collect();
+            let positions: Vec<[f64; 2]> = (0..number)
+                .map(|i| streams.of(i).position(lengths))
+                .collect();
+            let nuclei = positions.iter().map(|p| Nucleus(*p)).collect();
             let tessellation = Tessellation::new(lengths, nuclei);
             let reach = 0.4;
             let mut compared = 0;
             for i in 0..500 {
-                let p = streams.of(number + i).place(lengths);
+                let p = streams.of(number + i).position(lengths);
                 let found = tessellation.distance_to_edge(p, reach, &mut Vec::new());
-                let images: Vec<[f64; 2]> = places
+                let images: Vec<[f64; 2]> = positions
                     .iter()
                     .flat_map(|q| {
                         (-2..=2).flat_map(move |i| {

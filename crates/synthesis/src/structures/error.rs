@@ -19,7 +19,7 @@ pub enum StructureError {
         name: &'static str,
         /// The offending value.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: Allowed,
     },
     /// The grid is too coarse for the width of a feature.
@@ -91,7 +91,7 @@ pub enum StructureError {
         /// Number of features.
         features: f64,
     },
-    /// Features that must not overlap found no place.
+    /// Features that must not overlap found no position.
     #[error(
         "only {placed} of {requested} features found a place without overlap: take a lower density or a smaller \
          edge radius"
@@ -108,7 +108,7 @@ pub enum StructureError {
 }
 
 impl StructureError {
-    /// The same error with its lengths in `unit`; numbers are not converted.
+    /// Returns the error with its lengths in `unit`; numbers are not converted.
     #[must_use]
     pub fn with_unit(mut self, unit: LengthUnit) -> Self {
         let lengths: Vec<&mut Length> = match &mut self {
@@ -138,7 +138,7 @@ impl StructureError {
     }
 }
 
-/// What a parameter may be, in the words that follow "must be".
+/// Allowed values of a parameter, in the words that follow "must be".
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Allowed {
@@ -155,7 +155,7 @@ pub enum Allowed {
 }
 
 impl Allowed {
-    /// Whether `value` is allowed.
+    /// Returns `true` if `value` is allowed.
     pub(super) fn contains(self, value: f64) -> bool {
         value.is_finite()
             && match self {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What is expected of a structured surface, on average over its realisations; `None` where there is no closed form.
+/// Statistics expected of a structured surface, on average over its realisations; `None` where there is no closed form.
 ///
 /// They are those of the continuous surface, without roughness on top.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

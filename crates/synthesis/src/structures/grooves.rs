@@ -119,7 +119,7 @@ impl Grooves {
             .find(|i| wanted[1 - i].abs() * width < 1e-9);
         if let Some(i) = along_a_side {
             // Names the sides that fit
-            super::places::whole_periods(['x', 'y'][i], lengths[i], width)?;
+            super::positions::whole_periods(['x', 'y'][i], lengths[i], width)?;
         }
         let period = width.into();
         if whole == [0.0; 2] {
@@ -223,9 +223,9 @@ impl PlannedGrooves {
         grid.heights(|(), [x, y]| {
             // Phase in periods
             let phase = fx * (x / lx) + fy * (y / ly);
-            let place = phase.rem_euclid(number as f64) * period;
-            let next = grooves.partition_point(|groove| groove.start <= place);
-            grooves[next.max(1) - 1].height(place)
+            let position = phase.rem_euclid(number as f64) * period;
+            let next = grooves.partition_point(|groove| groove.start <= position);
+            grooves[next.max(1) - 1].height(position)
         })
     }
 
@@ -291,7 +291,7 @@ struct Groove {
 /// Straight flanks of a groove; a sine has none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Flanks {
-    /// Where the bottom lies.
+    /// Position of the bottom.
     middle: f64,
     /// Slopes before and after the bottom.
     slopes: [f64; 2],

@@ -16,7 +16,7 @@ use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
 use super::limits;
-use super::places::{Arrangement, Lattice};
+use super::positions::{Arrangement, Lattice};
 use super::random::Streams;
 use super::stamps::{Layout, Stamp, greatest_depths, random_coverage};
 

@@ -15,7 +15,7 @@ pub(super) struct Streams {
 }
 
 impl Streams {
-    /// Those of a realisation of a seed. The key of the generator, ChaCha8, is the seed (8 bytes, little endian), the
+    /// Streams of a realisation of a seed. The key of the generator, ChaCha8, is the seed (8 bytes, little endian), the
     /// realisation (8 bytes, little endian) and a fixed text; its stream number is that of the feature.
     pub(super) fn new(seed: u64, realisation: u64) -> Self {
         let mut key = [0; 32];
@@ -25,7 +25,7 @@ impl Streams {
         Self { key }
     }
 
-    /// Those of one feature.
+    /// Stream of one feature.
     pub(super) fn of(&self, feature: usize) -> Stream {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(feature as u64);
@@ -48,8 +48,8 @@ impl Stream {
         1.0 + spread * (2.0 * self.uniform() - 1.0)
     }
 
-    /// A place on the tile with sides `lengths`.
-    pub(super) fn place(&mut self, lengths: [f64; 2]) -> [f64; 2] {
+    /// A position on the tile with sides `lengths`.
+    pub(super) fn position(&mut self, lengths: [f64; 2]) -> [f64; 2] {
         lengths.map(|length| length * self.uniform())
     }
 

@@ -1,4 +1,4 @@
-//! Scratches: many straight V grooves of random place, direction, length and depth, as on brushed metal.
+//! Scratches: many straight V grooves of random position, direction, length and depth, as on brushed metal.
 //!
 //! Each runs along a straight line and ends in half cones. Where scratches cross, the deeper one counts. All flanks
 //! have the same angle, whatever the sizes.
@@ -101,7 +101,7 @@ impl PlannedScratches {
                 let scale = stream.about_one(scratches.randomness);
                 let length = scratches.length * stream.about_one(scratches.randomness);
                 let direction = scratches.azimuth + scratches.spread * stream.normal();
-                let [x, y] = stream.place(grid.lengths());
+                let [x, y] = stream.position(grid.lengths());
                 let (sin, cos) = direction.sin_cos();
                 let groove = VGroove::new(
                     scale * scratches.depth,

@@ -17,7 +17,7 @@ use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
 use super::limits;
-use super::places::{Arrangement, Lattice};
+use super::positions::{Arrangement, Lattice};
 use super::random::Streams;
 use super::stamps::{Layout, Stamp, greatest_depths, random_coverage};
 
@@ -35,7 +35,7 @@ pub struct SphericalSegments {
     pub edge_radius: f64,
     /// Sizes, depth and width alike, are uniform within `1 ± randomness`: from 0 to below 1.
     pub randomness: f64,
-    /// Where they lie.
+    /// Arrangement of the segments.
     pub arrangement: Arrangement,
 }
 
@@ -65,7 +65,7 @@ impl SphericalSegments {
         let mean_area = 0.25 * PI * self.width.powi(2) * (1.0 + self.randomness.powi(2) / 3.0);
         let number = self.density * grid.area() / mean_area;
         let layout = Layout::new(self.arrangement, grid.area(), number, |area| {
-            // A hexagonal lattice of pitch p has one place per p^2 sqrt(3) / 2
+            // A hexagonal lattice of pitch p has one position per p^2 sqrt(3) / 2
             Lattice::hexagonal(grid.lengths(), (area * 2.0 / 3_f64.sqrt()).sqrt())
         })?;
         Ok(PlannedSegments {
@@ -101,7 +101,7 @@ impl PlannedSegments {
         Ok(greatest_depths(grid, segments.width, &stamps))
     }
 
-    /// Whether no two of them overlap.
+    /// Returns `true` if no two of them overlap.
     fn are_separate(&self, grid: &Grid) -> bool {
         match &self.layout {
             Layout::Random(_) => false,
@@ -179,9 +179,9 @@ struct Profile {
     centre: f64,
     /// Radius of curvature of the edge.
     edge_radius: f64,
-    /// Where the sphere ends and the torus begins.
+    /// Radius at which the sphere ends and the torus begins.
     rim: f64,
-    /// Where the torus ends and the plane begins.
+    /// Radius at which the torus ends and the plane begins.
     reach: f64,
 }
 

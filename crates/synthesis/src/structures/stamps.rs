@@ -4,7 +4,7 @@ use super::buckets::{Buckets, Footprint};
 use super::error::StructureError;
 use super::grid::Grid;
 use super::limits;
-use super::places::{Arrangement, Lattice, separate};
+use super::positions::{Arrangement, Lattice, separate};
 use super::random::Streams;
 
 /// A shape that is pressed into a plane; no part of it reaches above the plane.
@@ -26,7 +26,7 @@ pub(super) fn greatest_depths(grid: &Grid, size: f64, stamps: &[impl Stamp]) -> 
     })
 }
 
-/// How compact shapes are laid out on a tile.
+/// Layout of compact shapes on a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Layout {
     /// On a lattice.
@@ -94,8 +94,8 @@ impl Layout {
                 let mut stream = streams.of(i);
                 let scale = stream.about_one(randomness);
                 let centre = match self {
-                    Self::Lattice(lattice) => lattice.place(lengths, i),
-                    Self::Random(_) => stream.place(lengths),
+                    Self::Lattice(lattice) => lattice.position(lengths, i),
+                    Self::Random(_) => stream.position(lengths),
                     Self::Separate(_) => [0.0; 2],
                 };
                 Placed { centre, scale }
@@ -103,8 +103,8 @@ impl Layout {
             .collect();
         if let Self::Separate(_) = self {
             let radii: Vec<f64> = shapes.iter().map(|shape| radius(shape.scale)).collect();
-            let places = separate(streams, lengths, &radii)?;
-            for (shape, centre) in shapes.iter_mut().zip(places) {
+            let positions = separate(streams, lengths, &radii)?;
+            for (shape, centre) in shapes.iter_mut().zip(positions) {
                 shape.centre = centre;
             }
         }
@@ -168,7 +168,7 @@ mod tests {
                 .map(|i| {
                     let mut stream = Streams::new(8, number as u64).of(i);
                     Strip {
-                        centre: stream.place(lengths),
+                        centre: stream.position(lengths),
                         along: [size * stream.normal(), size * stream.normal()],
                         radius: size * stream.uniform(),
                     }

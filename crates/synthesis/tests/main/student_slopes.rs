@@ -15,7 +15,7 @@ fn recipe(amplitude_ratio: f64) -> StudentSlopes {
 /// Fractions of facets whose gradient exceeds multiples of alpha, over tiles of 16 amplitude lengths a side: each holds some
 /// `256 / pi` independent amplitudes. Their scatter between tiles gives the standard error. Facets of four spacings per correlation
 /// length have 3 % less slope variance than the surface, so alpha is lower by 1.5 %: the exact factor is `sqrt((1 - exp(-1/16)) 16)`.
-/// What remains is the gradient of the amplitude, below 0.01 at a ratio of 8, where its mean square is already taken out.
+/// The remainder is the gradient of the amplitude, below 0.01 at a ratio of 8, where its mean square is already taken out.
 #[test]
 fn gradients_have_the_distribution_of_ggx() {
     let student = recipe(8.0);
@@ -59,7 +59,7 @@ fn gradients_have_the_distribution_of_ggx() {
     }
 }
 
-/// What is measured of a surface: the same fractions for grooves along any azimuth.
+/// Measured fractions are equal for grooves along any azimuth.
 #[test]
 fn the_measured_distribution_does_not_depend_on_the_azimuth_of_grooves() {
     for azimuth in [0.0, 0.5, 2.2] {

@@ -195,7 +195,7 @@ fn same_seed_same_surface_other_realisation_another() {
     assert_ne!(surface, synthesis.draw(0, 1).unwrap());
 }
 
-/// What the memory held before, or how much it is, does not matter.
+/// Neither the earlier content of the memory nor its size matters.
 #[test]
 fn surface_is_the_same_in_reused_memory() {
     for (shape, tau) in [([40, 44], 1.0), ([41, 43], 4.0), ([9, 2], 0.5)] {
@@ -231,7 +231,7 @@ fn heights_too_small_or_too_large_for_a_number_are_zero_or_refused() {
     ));
 }
 
-/// The same waves on a finer grid over the same tile: heights agree where both grids have a sample,
+/// A finer grid over the same tile has the same waves: heights agree where both grids have a sample,
 /// but for the power beyond the coarse grid's Nyquist wave number, `exp(-pi^2 / 4 (tau / dx)^2)` of
 /// its peak, here `exp(-62)`, or `1e-13` in height; rounding adds as much.
 #[test]

@@ -52,11 +52,11 @@ fn heights_have_the_moments_and_the_autocorrelation_requested() {
         let synthesis =
             FieldSynthesis::new(recipe.into(), [128; 2], [1.0; 2], Resolution::Facets).unwrap();
         println!(
-            "{skewness} {kurtosis}: unreached {:.2e}",
-            synthesis.unreached().autocorrelation
+            "{skewness} {kurtosis}: mismatch {:.2e}",
+            synthesis.spectrum_mismatch().autocorrelation
         );
         assert!(
-            synthesis.unreached().autocorrelation < 0.002,
+            synthesis.spectrum_mismatch().autocorrelation < 0.002,
             "{skewness} {kurtosis}"
         );
         let e = |lag: f64| (-lag * lag / 16.0).exp();
@@ -75,7 +75,7 @@ fn heights_have_the_moments_and_the_autocorrelation_requested() {
                 "  {i}: {mean:.4} +- {error:.4}, expected {:.4}",
                 expected[i]
             );
-            let allowed = 4.0 * error + bias[i] + synthesis.unreached().autocorrelation;
+            let allowed = 4.0 * error + bias[i] + synthesis.spectrum_mismatch().autocorrelation;
             assert!(
                 (mean - expected[i]).abs() < allowed,
                 "{skewness} {kurtosis} {i}"
@@ -115,9 +115,15 @@ fn what_no_gaussian_surface_gives_is_refused_and_told() {
     let draw = |resolution| FieldSynthesis::new(recipe.clone(), [256; 2], [1.0; 2], resolution);
     assert!(matches!(
         draw(Resolution::Facets),
-        Err(SynthesisError::Unreachable(unreached)) if unreached.autocorrelation > 0.01
+        Err(SynthesisError::Unreachable(mismatch)) if mismatch.autocorrelation > 0.01
     ));
-    assert!(draw(Resolution::Any).unwrap().unreached().autocorrelation > 0.01);
+    assert!(
+        draw(Resolution::Any)
+            .unwrap()
+            .spectrum_mismatch()
+            .autocorrelation
+            > 0.01
+    );
 }
 
 /// Bounded heights of kurtosis 1.9: waves that would need negative powers raise the slopes. What the plan says of one spacing is what surfaces have:
@@ -128,7 +134,7 @@ fn slopes_that_miss_the_spectrum_are_told() {
     let recipe: SurfaceRecipe = TransformedHeights::new(psd, 0.0, 1.9).unwrap().into();
     let synthesis =
         FieldSynthesis::new(recipe.clone(), [512; 2], [1.0; 2], Resolution::Facets).unwrap();
-    let told = synthesis.unreached().slope_variance;
+    let told = synthesis.spectrum_mismatch().slope_variance;
     assert!(
         told.iter().all(|off| (0.01..0.05).contains(off)),
         "{told:?}"

@@ -1,4 +1,4 @@
-//! Height maps as instruments deliver them: with points missing.
+//! Raw height map: heights as instruments deliver them: with points missing.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use super::fill::fill;
 use crate::height_field::check_grid;
 use crate::{Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord};
 
-/// What to do with points that have no height.
+/// Treatment of points that have no height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissingPolicy {
     /// Refuse the map.
@@ -44,11 +44,11 @@ pub struct RawHeightMap {
     spacing_is_known: bool,
     /// Unit of heights and spacings.
     pub unit: LengthUnit,
-    /// What lies beyond the border, if the source says.
+    /// Border, if the source states it.
     pub border: Option<Border>,
-    /// How the surface was generated, if the source says.
+    /// Record of how the surface was drawn, if the source has one.
     pub provenance: Option<Arc<dyn ProvenanceRecord>>,
-    /// What a reader of results should know about how the source was read, one sentence each.
+    /// Notes for readers of results on how the source was read, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl RawHeightMap {
         })
     }
 
-    /// The same map, with a spacing that is assumed because the source states none.
+    /// Returns the map with a spacing that is assumed because the source states none.
     #[must_use]
     pub fn with_assumed_spacing(self) -> Self {
         Self {
@@ -100,13 +100,13 @@ impl RawHeightMap {
         }
     }
 
-    /// Whether the source states the spacing.
+    /// Returns `true` if the source states the spacing.
     #[must_use]
     pub const fn spacing_is_known(&self) -> bool {
         self.spacing_is_known
     }
 
-    /// The same heights at the spacing `[dx, dy]`. How the surface was generated is forgotten if that is another one.
+    /// Returns the heights at the spacing `[dx, dy]`. The provenance is dropped if the spacing changes.
     ///
     /// # Errors
     /// [`HeightFieldError::BadSpacing`] unless both are positive and finite.
@@ -132,7 +132,7 @@ impl RawHeightMap {
         self.shape
     }
 
-    /// The same map with its lengths in `unit`; each number is rounded once.
+    /// Returns the map with its lengths in `unit`; each number is rounded once.
     ///
     /// # Errors
     /// [`HeightFieldError::NoUnit`] if this unit or the other is arbitrary, and
@@ -157,10 +157,10 @@ impl RawHeightMap {
         })
     }
 
-    /// The same map with its rows in reverse order: the last one becomes row 0, at y = 0.
+    /// Returns the map with its rows in reverse order: the last one becomes row 0, at y = 0.
     ///
-    /// The surface is a mirror image of the original. How it was generated is forgotten, since drawing it
-    /// again would give the original.
+    /// The surface is a mirror image of the original. The provenance is dropped, since drawing the
+    /// surface again would give the original.
     #[must_use]
     pub fn flipped(mut self) -> Self {
         let [ny, nx] = self.shape;

@@ -65,7 +65,7 @@ impl Levels {
     }
 }
 
-/// What parts gaps within groups from gaps between them: the middle of the widest interval of the logarithms of those above `finest`.
+/// Limit between gaps within groups and gaps between them: the middle of the widest interval of the logarithms of those above `finest`.
 fn between_groups(values: &[f64], finest: f64) -> Option<f64> {
     let mut gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     gaps.retain(|gap| *gap > finest);

@@ -58,7 +58,7 @@ impl MaterialRatioCurve {
         self.crossing(height, self.heights.partition_point(|h| *h >= height))
     }
 
-    /// Where the curve crosses `height` between the samples before and at `after`.
+    /// Position at which the curve crosses `height` between the samples before and at `after`.
     fn crossing(&self, height: f64, after: usize) -> f64 {
         if after == 0 {
             return 0.0;

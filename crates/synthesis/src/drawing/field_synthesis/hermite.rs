@@ -5,7 +5,7 @@ use asperity_numerics::quadrature::normal_nodes;
 /// Terms of a series.
 const TERMS: usize = 32;
 
-/// For a function `g` of mean zero and variance one, the correlation of `g(z)` at two places where that of the normal numbers `z` is
+/// For a function `g` of mean zero and variance one, the correlation of `g(z)` at two positions where that of the normal numbers `z` is
 /// `rho`: `sum_n c_n^2 rho^n`, where `c_n` are the coefficients of `g` in normalised Hermite polynomials.
 ///
 /// # Source

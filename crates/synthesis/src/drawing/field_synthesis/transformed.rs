@@ -7,7 +7,7 @@ use super::curve::Curve;
 use super::hermite::HermiteSeries;
 use crate::drawing::error::SynthesisError;
 use crate::drawing::synthesis::Synthesis;
-use crate::{SlopeMixture, TransformedHeights, Unreached};
+use crate::{SlopeMixture, SpectrumMismatch, TransformedHeights};
 use asperity_numerics::quadrature::normal_nodes;
 use asperity_numerics::transform_plane;
 use asperity_surface::HeightField;
@@ -22,7 +22,7 @@ pub(super) struct TransformedSynthesis {
     waves: Synthesis,
     /// The height by the normal number.
     height: Curve,
-    unreached: Unreached,
+    mismatch: SpectrumMismatch,
 }
 
 impl TransformedSynthesis {
@@ -60,18 +60,18 @@ impl TransformedSynthesis {
             let reached = 1.0 - series.correlation(reached[i]);
             reached / (1.0 - requested[i]) - 1.0
         };
-        let unreached = Unreached {
+        let mismatch = SpectrumMismatch {
             autocorrelation: differences.reduce(|| 0.0, f64::max),
             slope_variance: [fall(1), fall(shape[1])],
         };
-        if fewest.is_some() && unreached.is_refused() {
-            return Err(SynthesisError::Unreachable(unreached));
+        if fewest.is_some() && mismatch.is_refused() {
+            return Err(SynthesisError::Unreachable(mismatch));
         }
         let sigma = psd.sigma();
         Ok(Self {
             waves: waves.with_powers(&powers),
             height: Curve::of(|z| sigma * function(z)),
-            unreached,
+            mismatch,
         })
     }
 
@@ -79,8 +79,8 @@ impl TransformedSynthesis {
         &self.waves
     }
 
-    pub(super) const fn unreached(&self) -> Unreached {
-        self.unreached
+    pub(super) const fn spectrum_mismatch(&self) -> SpectrumMismatch {
+        self.mismatch
     }
 
     /// For a given number the slopes are those of the waves, times the derivative of the height.

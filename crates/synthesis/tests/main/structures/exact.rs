@@ -1,4 +1,4 @@
-//! What holds of every surface, whatever its seed.
+//! Exact properties of structures, for any seed.
 
 use asperity_synthesis::{
     Arrangement, GrooveProfile, Grooves, Pyramids, SphericalSegments, Structure, StructureSynthesis,

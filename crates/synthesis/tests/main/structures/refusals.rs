@@ -1,4 +1,4 @@
-//! What is refused, and how it is said.
+//! Refusals of structures, and their sentences.
 
 use asperity_surface::LengthUnit;
 use asperity_synthesis::{

@@ -1,4 +1,4 @@
-//! Places of features: on a lattice, at random, or at random without overlap.
+//! Positions of features: on a lattice, at random, or at random without overlap.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::error::StructureError;
 use super::limits;
 use super::random::Streams;
 
-/// How places of features are chosen.
+/// Arrangement of features.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Arrangement {
@@ -24,7 +24,7 @@ pub enum Arrangement {
 pub(super) struct Lattice {
     columns: usize,
     rows: usize,
-    /// Whether odd rows are displaced by half a column.
+    /// `true` if odd rows are displaced by half a column.
     staggered: bool,
 }
 
@@ -47,7 +47,7 @@ impl Lattice {
         })
     }
 
-    /// Number of places.
+    /// Number of positions.
     pub(super) const fn len(&self) -> usize {
         self.columns * self.rows
     }
@@ -70,8 +70,8 @@ impl Lattice {
         }
     }
 
-    /// Place `i`; the first lies at the origin.
-    pub(super) fn place(&self, lengths: [f64; 2], i: usize) -> [f64; 2] {
+    /// Position `i`; the first lies at the origin.
+    pub(super) fn position(&self, lengths: [f64; 2], i: usize) -> [f64; 2] {
         let [x, y] = self.pitches(lengths);
         let (column, row) = (i % self.columns, i / self.columns);
         let displaced = if self.staggered && row % 2 == 1 {
@@ -103,7 +103,7 @@ pub(super) fn whole_periods(axis: char, side: f64, period: f64) -> Result<usize,
     Ok(whole as usize)
 }
 
-/// Most places tried for one feature that must not overlap others.
+/// Most positions tried for one feature that must not overlap others.
 const MAX_TRIALS: usize = 20_000;
 
 /// Places of discs of the given `radii` that do not overlap, one after the other in their order.
@@ -122,11 +122,11 @@ pub(super) fn separate(
     let square = |p: [f64; 2]| {
         [0, 1].map(|i| ((p[i] / lengths[i] * counts[i] as f64) as usize).min(counts[i] - 1))
     };
-    let mut places: Vec<[f64; 2]> = Vec::with_capacity(radii.len());
+    let mut positions: Vec<[f64; 2]> = Vec::with_capacity(radii.len());
     for (i, radius) in radii.iter().enumerate() {
         // Beyond the streams that sizes are drawn from
         let mut stream = streams.of(radii.len() + i);
-        let is_free = |p: [f64; 2], places: &[[f64; 2]], squares: &[Vec<usize>]| {
+        let is_free = |p: [f64; 2], positions: &[[f64; 2]], squares: &[Vec<usize>]| {
             let [column, row] = square(p);
             let near = |centre: usize, count: usize| {
                 let around = [centre + count - 1, centre, centre + 1];
@@ -135,7 +135,7 @@ pub(super) fn separate(
             near(row, counts[1]).iter().all(|row| {
                 near(column, counts[0]).iter().all(|column| {
                     squares[row * counts[0] + column].iter().all(|&other| {
-                        let q = places[other];
+                        let q = positions[other];
                         let [x, y] = [0, 1].map(|i| {
                             let d = (p[i] - q[i]).abs();
                             d.min(lengths[i] - d)
@@ -147,16 +147,16 @@ pub(super) fn separate(
         };
         // An image of its own must not overlap it either
         let fits = 2.0 * radius <= lengths[0].min(lengths[1]);
-        let place = (0..MAX_TRIALS)
-            .map(|_| stream.place(lengths))
-            .find(|p| fits && is_free(*p, &places, &squares))
+        let position = (0..MAX_TRIALS)
+            .map(|_| stream.position(lengths))
+            .find(|p| fits && is_free(*p, &positions, &squares))
             .ok_or(StructureError::Crowded {
                 placed: i,
                 requested: radii.len(),
             })?;
-        let [column, row] = square(place);
+        let [column, row] = square(position);
         squares[row * counts[0] + column].push(i);
-        places.push(place);
+        positions.push(position);
     }
-    Ok(places)
+    Ok(positions)
 }
