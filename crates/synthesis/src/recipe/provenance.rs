@@ -40,3 +40,26 @@ impl ProvenanceRecord for Provenance {
         (other as &dyn Any).downcast_ref() == Some(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Psd;
+
+    fn drawn(sigma: f64, tau_x: f64, tau_y: f64) -> Provenance {
+        let psd = Psd::anisotropic_gaussian(sigma, tau_x, tau_y, 0.5).unwrap();
+        Provenance {
+            recipe: psd.into(),
+            seed: 3,
+            realisation: 1,
+        }
+    }
+
+    #[test]
+    fn lengths_of_a_record_are_converted_and_its_stream_stays() {
+        let record = drawn(0.25, 8.0, 16.0).converted(&|length| 1e3 * length);
+        let expected = drawn(250.0, 8e3, 16e3);
+        assert_eq!(Provenance::of(Some(&record)), Some(&expected));
+        assert!(expected.equals(record.as_ref()) && !drawn(1.0, 8e3, 16e3).equals(record.as_ref()));
+    }
+}

@@ -1,9 +1,11 @@
 //! Refinement against the Fourier interpolant, and coarsening.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::*;
 use crate::LengthUnit;
+use crate::height_field::RecordedLength;
 use asperity_synthesis::{Psd, Synthesis};
 
 const BORDERS: [Border; 2] = [Border::Periodic, Border::Mirrored];
@@ -147,13 +149,15 @@ fn a_refined_surface_is_that_drawn_on_the_finer_grid() {
     let draw = |shape, spacing| {
         let synthesis = Synthesis::new(psd.clone(), shape, spacing, false).unwrap();
         let heights = synthesis.draw(4, 2).unwrap().into_heights();
-        HeightField::new(heights, shape, spacing).unwrap()
+        let field = HeightField::new(heights, shape, spacing).unwrap();
+        field.with_provenance(Some(Arc::new(RecordedLength(1.0))))
     };
     let refined = draw([65, 70], [1.0, 1.0]).refined().unwrap();
     let finer = draw([130, 140], [0.5, 0.5]);
     for (found, expected) in refined.heights().iter().zip(finer.heights()) {
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
     }
+    assert!(refined.provenance() == finer.provenance());
 }
 
 #[test]
