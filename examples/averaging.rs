@@ -17,7 +17,7 @@ use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
 use asperity_simulate::{
     Case, Effort, Estimator, Light, Outcome, Settings, Silent, SurfaceSource, simulate,
 };
-use asperity_surface::{Psd, SplineSynthesis};
+use asperity_synthesis::{Psd, SplineSynthesis};
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
 

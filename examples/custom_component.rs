@@ -11,7 +11,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, ComponentFilter, Side, TallyResult, TallySpec};
 
 static REEMERGED: ComponentFilter = ComponentFilter {

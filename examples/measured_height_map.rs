@@ -9,7 +9,8 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use asperity_io::{read_height_map, write_array};
-use asperity_surface::{Border, Form, LengthUnit, MissingPolicy, Psd, Roughness, Synthesis};
+use asperity_surface::{Border, Form, LengthUnit, MissingPolicy, Roughness};
+use asperity_synthesis::{Psd, Synthesis};
 
 /// Writes 256 x 256 heights in micrometres, with a tilt and a gap.
 fn measure(path: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {

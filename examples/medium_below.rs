@@ -12,7 +12,7 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_simulate::{
     BottomSurface, Case, Effort, LayerBelow, Light, Settings, Silent, SurfaceSource, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {

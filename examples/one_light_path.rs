@@ -11,7 +11,7 @@
 
 use asperity_optics::{Incidence, Material, polar_angle};
 use asperity_simulate::point_stream;
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathSettings,
     Surface,

@@ -12,7 +12,7 @@
 use asperity_analysis::{SlopeCovariance, closed_form, in_plane_flux};
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult};
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -12,7 +12,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{Psd, SplineSynthesis, Synthesis};
+use asperity_synthesis::{Psd, SplineSynthesis, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyValues};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, PathStream,

@@ -14,9 +14,10 @@ use std::path::Path;
 use asperity_io::{read_height_map, write_bytes};
 use asperity_plot::{Relief, Reliefs};
 use asperity_studies::VerifyConfig;
-use asperity_surface::{
-    Border, Erosion, Etch, FieldSynthesis, HeightField, HeightTable, MissingPolicy, Psd,
-    RadialTable, Resolution, Slip, SurfaceRecipe, TransformedHeights,
+use asperity_surface::{Border, HeightField, MissingPolicy};
+use asperity_synthesis::{
+    Erosion, Etch, FieldSynthesis, HeightTable, Psd, RadialTable, Resolution, Slip, SurfaceRecipe,
+    TransformedHeights,
 };
 
 /// Samples a side.

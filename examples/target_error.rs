@@ -13,7 +13,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
     Case, Effort, Light, Quantity, Settings, Silent, SurfaceSource, Target, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult};
 
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {

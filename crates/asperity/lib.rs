@@ -27,6 +27,7 @@ pub use asperity_results as results;
 pub use asperity_simulate as simulation;
 pub use asperity_studies as studies;
 pub use asperity_surface as surface;
+pub use asperity_synthesis as synthesis;
 pub use asperity_tally as tally;
 pub use asperity_tracer as tracer;
 
@@ -40,5 +41,6 @@ pub use asperity_simulate::{
 };
 pub use asperity_studies::settings::{Command, Document};
 pub use asperity_studies::{Findings, Study};
-pub use asperity_surface::{Border, HeightField, LengthUnit, Psd, Roughness, Synthesis};
+pub use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
+pub use asperity_synthesis::{Psd, Synthesis};
 pub use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};

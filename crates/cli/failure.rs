@@ -7,7 +7,8 @@ use std::process::ExitCode;
 use asperity_simulate::SimulateError;
 use asperity_studies::StudyError;
 use asperity_studies::settings::Document;
-use asperity_surface::{LengthUnit, RefinementError, StructureError, SynthesisError};
+use asperity_surface::{LengthUnit, RefinementError};
+use asperity_synthesis::{StructureError, SynthesisError};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -50,7 +51,7 @@ impl Failure {
                 | SynthesisError::TooSmallTile { .. }
                 | SynthesisError::Structure(StructureError::Unresolved { .. })
                 | SynthesisError::Unreachable(_)),
-            ) => Self::Usage(format!("{} with --insist", error.in_unit(unit))),
+            ) => Self::Usage(format!("{} with --insist", error.with_unit(unit))),
             SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement => {
                 Self::Usage(format!("--refine: {error}"))
             }

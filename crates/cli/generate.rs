@@ -4,7 +4,7 @@ use asperity_studies::settings::Document;
 use asperity_studies::{
     GeneratePlan, check_height_map_ending, realisation_table, wrapped, write_surface,
 };
-use asperity_surface::Roughness;
+use asperity_synthesis::DrawnRoughness;
 
 use crate::common::{Common, Results};
 use crate::end::End;
@@ -23,7 +23,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let field = plan.draw().map_err(refused)?;
     common.say(|| format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
     let note = write_surface(&path, &field).map_err(|error| refused(error.into()))?;
-    let roughness = Roughness::of(&field);
+    let roughness = DrawnRoughness::of(&field);
     let text = || {
         let table = realisation_table(&roughness);
         let notes = note_lines(note.iter().chain(&plan.notes));

@@ -10,7 +10,8 @@ use asperity_simulate::{
     Case, ControlVariateMean, Estimator, Light, Outcome, Settings, Silent, SurfaceSource, simulate,
 };
 use asperity_studies::{Count, RunConfig, VerifyConfig};
-use asperity_surface::{Border, Psd, Synthesis};
+use asperity_surface::Border;
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
 

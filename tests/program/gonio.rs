@@ -372,8 +372,8 @@ fn a_bare_medium_is_even_across_the_plane_of_incidence() {
 #[test]
 fn bumps_are_as_many_and_as_high_as_the_example_says() {
     let tau = 0.0354 * 512.0;
-    let psd = asperity_surface::Psd::gaussian(1.0, tau).unwrap();
-    let synthesis = asperity_surface::Synthesis::new(psd, [512, 512], [1.0, 1.0], false).unwrap();
+    let psd = asperity_synthesis::Psd::gaussian(1.0, tau).unwrap();
+    let synthesis = asperity_synthesis::Synthesis::new(psd, [512, 512], [1.0, 1.0], false).unwrap();
     let expected = 512.0 * 6.0_f64.sqrt() / (2.0 * std::f64::consts::PI * tau);
     assert!((expected - 11.0).abs() < 0.05, "{expected}");
     let surfaces: Vec<[f64; 2]> = (0..6)

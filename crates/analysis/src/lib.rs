@@ -3,7 +3,6 @@
 //! The models do not depend on the ray tracer, so every comparison is between independent results.
 //!
 //! # Modules, from the bottom up
-//! - `numerics`: quadrature, special functions and hashing.
 //! - `microfacet`: Gaussian slopes and tables of slopes, the distribution of facet normals, half vectors, sampling.
 //! - `models`: one scattering model per file, and the registry of their names.
 //! - `integrals`: models integrated over bins, hemispheres and all slopes.
@@ -47,7 +46,6 @@ mod integrals;
 mod layer;
 mod microfacet;
 mod models;
-mod numerics;
 
 pub use compare::comparison::{BinComparison, Comparison, Grouping, TotalVariation, compare};
 pub use compare::input::{ComparisonError, Expected, RayCount};
@@ -89,4 +87,3 @@ pub use models::smith_slopes::SmithSlopes;
 pub use models::v_cavity::{VCavity, v_cavity_g1};
 pub use models::xu_sun::{XuSun, xu_sun_visibility};
 pub use models::xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
-pub use numerics::hash::fnv1a;

@@ -180,7 +180,8 @@ fn read_up_to(reader: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usiz
 /// # Examples
 /// ```
 /// use asperity_io::{read_height_map, write_height_map};
-/// use asperity_surface::{Border, MissingPolicy, Psd, Synthesis};
+/// use asperity_surface::{Border, MissingPolicy};
+/// use asperity_synthesis::{Psd, Synthesis};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("surface.npy");

@@ -9,12 +9,14 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use asperity_io::{
     ReadError, WriteError, check_output_file, check_output_folder, create_output_folder,
     read_height_map, write_atomically, write_bytes, write_height_map,
 };
-use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Provenance, Psd};
+use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
+use asperity_synthesis::{Provenance, Psd};
 
 /// Not square, unequal spacings, no symmetry: a transposition or flip shows.
 fn field() -> HeightField {
@@ -32,13 +34,13 @@ fn field() -> HeightField {
 }
 
 fn generated() -> HeightField {
-    field().with_provenance(Some(Provenance {
+    field().with_provenance(Some(Arc::new(Provenance {
         recipe: Psd::anisotropic_gaussian(0.1, 1.0 / 3.0, 2.5, 0.7)
             .unwrap()
             .into(),
         seed: u64::MAX,
         realisation: 12,
-    }))
+    })))
 }
 
 fn round_trip(name: &str, field: &HeightField) -> HeightField {

@@ -4,7 +4,8 @@ use asperity_simulate::{BottomSurface, Silent, smooth_shape};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
-use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
+use asperity_surface::{Border, HeightField, SplineSurface};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,

@@ -19,7 +19,7 @@ use asperity_io::ResultFolder;
 use asperity_optics::{Incidence, Material};
 use asperity_results::{Header, ResultSet};
 use asperity_simulate::{Case, Effort, Light, Settings, Silent, SimulateError, SurfaceSource};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use serde_json::Value;
 
 /// Light at `theta` degrees on surfaces of 32 x 32 samples.

@@ -6,8 +6,8 @@
 use std::hint::black_box;
 use std::sync::OnceLock;
 
-use asperity_analysis::fnv1a;
-use asperity_surface::{Psd, Synthesis, SynthesisError};
+use asperity_numerics::fnv1a;
+use asperity_synthesis::{Psd, Synthesis, SynthesisError};
 
 /// Arguments per function.
 const ARGUMENTS: u32 = 256;

@@ -39,7 +39,7 @@ pub type ResultSet<'a> = Container<'a, CaseResult>;
 /// use asperity_optics::{Incidence, Material};
 /// use asperity_results::{Header, ResultSet};
 /// use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource};
-/// use asperity_surface::{Psd, Synthesis};
+/// use asperity_synthesis::{Psd, Synthesis};
 ///
 /// let surfaces = Synthesis::new(Psd::gaussian(1.0, 8.0)?, [64, 64], [1.0, 1.0], false)?;
 /// let light = Light::from_above(Incidence::from_degrees(30.0, 0.0)?);

@@ -1,7 +1,8 @@
 //! Why a simulation fails.
 
 use asperity_analysis::{ModelError, SlopeError};
-use asperity_surface::{CoarseningError, RefinementError, SynthesisError};
+use asperity_surface::{CoarseningError, RefinementError};
+use asperity_synthesis::SynthesisError;
 use asperity_tracer::{BuildError, MAX_TILES, MAX_TILES_AT_45_DEGREES, TracedLayerError};
 
 /// Why a simulation fails.

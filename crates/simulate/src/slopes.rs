@@ -1,7 +1,7 @@
 //! Slopes of random surfaces as models take them.
 
 use asperity_analysis::{SlopeCovariance, SlopeError};
-use asperity_surface::SurfaceRecipe;
+use asperity_synthesis::SurfaceRecipe;
 
 /// Covariance of the slopes of the continuous surface; if they are Gaussian, it determines their distribution.
 ///

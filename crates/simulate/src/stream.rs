@@ -1,6 +1,6 @@
 //! Random numbers of points and pictures.
 
-use asperity_analysis::fnv1a;
+use asperity_numerics::fnv1a;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

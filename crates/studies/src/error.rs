@@ -4,7 +4,8 @@ use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError
 use asperity_render::{LightsError, RenderError, ViewError};
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
-use asperity_surface::{ErosionError, HeightFieldError, LengthUnit};
+use asperity_surface::{HeightFieldError, LengthUnit};
+use asperity_synthesis::ErosionError;
 use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;

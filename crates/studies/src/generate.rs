@@ -1,7 +1,8 @@
 //! Generate: one random rough surface.
 
 use asperity_simulate::{SimulateError, check_memory, short};
-use asperity_surface::{FieldSynthesis, HeightField, Resolution, SurfaceRecipe, Unreached};
+use asperity_surface::HeightField;
+use asperity_synthesis::{FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe};
 use serde::Deserialize;
 
 use crate::config::SurfaceConfig;
@@ -67,7 +68,7 @@ impl GeneratePlan {
         let synthesis = FieldSynthesis::new(recipe, shape, spacing, resolution);
         let synthesis = synthesis.map_err(SimulateError::from)?;
         check_memory("this surface", synthesis.peak_bytes())?;
-        notes.extend(spectrum_note(synthesis.unreached()));
+        notes.extend(spectrum_note(synthesis.spectrum_mismatch()));
         notes.extend(few_lengths);
         Ok(Self {
             config,
@@ -120,12 +121,12 @@ fn amplitude_note(recipe: &SurfaceRecipe, samples: [u64; 2], spacing: [f64; 2]) 
 
 /// Note on the part of the requested spectrum that heights of a distribution miss, from half a per cent of the slope variance or of the
 /// variance on.
-fn spectrum_note(unreached: Unreached) -> Option<String> {
+fn spectrum_note(mismatch: SpectrumMismatch) -> Option<String> {
     const TOLD: f64 = 0.005;
-    let Unreached {
+    let SpectrumMismatch {
         autocorrelation,
         slope_variance: [x, y],
-    } = unreached;
+    } = mismatch;
     (autocorrelation.max(x.abs()).max(y.abs()) > TOLD).then(|| {
         format!(
             "no Gaussian surface turns into these heights with this spectrum: the autocorrelation differs by up to {autocorrelation:.4} of the variance, and the slope variance by {:+.1} % along x and {:+.1} % along y",

@@ -11,9 +11,10 @@ mod tests;
 use std::f64::consts::PI;
 
 use asperity_surface::{
-    AxisAutocorrelation, FormError, HeightField, Histogram, LengthUnit, PowerSpectrum, Psd,
-    SpectralRing, SurfaceRecipe,
+    AxisAutocorrelation, HeightField, HeightFieldError, Histogram, LengthUnit, PowerSpectrum,
+    SpectralRing,
 };
+use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
 pub use self::config::{ErosionConfig, InspectConfig, InspectLight, Inspection};
 pub use self::files::{inspect_report, texture_files};
@@ -31,7 +32,7 @@ pub enum InspectError {
     Flat,
     /// Its mean or plane cannot be removed.
     #[error(transparent)]
-    Form(#[from] FormError),
+    Form(#[from] HeightFieldError),
 }
 
 /// How the heights and slopes of one surface are distributed over waves, lags and values.
@@ -71,7 +72,7 @@ impl Texture {
         let slopes = Histogram::of_slopes(field).ok_or(InspectError::Flat)?;
         let spectrum = PowerSpectrum::of(field)?;
         let correlation = AxisAutocorrelation::of(field);
-        let recipe = field.provenance().map(|provenance| &provenance.recipe);
+        let recipe = Provenance::of(field.provenance()).map(|provenance| &provenance.recipe);
         let requested = recipe.and_then(|recipe| recipe.gaussian());
         let row = |ring: SpectralRing| SpectrumRow {
             ring,

@@ -1,7 +1,8 @@
 //! Lengths of a surface that are compared with the wavelength: of random surfaces from their spectrum, of given ones
 //! from heights or triangles.
 
-use asperity_surface::{Border, HeightField, LengthUnit, Roughness, SurfaceRecipe};
+use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 
 /// Height, correlation length and curvature of a surface.
@@ -130,7 +131,7 @@ impl Mean {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
 
     use super::*;
 

@@ -10,7 +10,8 @@ use std::fmt;
 
 use asperity_optics::Incidence;
 use asperity_simulate::short;
-use asperity_surface::{LengthUnit, SurfaceRecipe};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::SurfaceRecipe;
 use serde::Serialize;
 
 use crate::surface_lengths::SurfaceLengths;

@@ -32,8 +32,9 @@ fn without_zeros(text: &str) -> &str {
     }
 }
 
-/// As [`short`], never above `value`: for the largest number that is allowed.
-pub(crate) fn short_below(value: f64) -> String {
+/// Writes a number like [`short`], but never above `value`: for the largest number that is allowed.
+#[must_use]
+pub fn short_below(value: f64) -> String {
     let text = short(value);
     match text.parse::<f64>() {
         Ok(shown) if shown > value => {

@@ -1,11 +1,13 @@
 //! Roughness of any surface, generated or measured.
 
 mod correlation;
-mod gradients;
+mod histogram;
+mod iso25178;
 mod slopes;
-mod structure;
+mod spectrum;
+mod window;
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::SQRT_2;
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,12 +15,14 @@ use serde::Serialize;
 use self::correlation::one_over_e_lag;
 pub(crate) use self::correlation::{Axis, axis_autocorrelation};
 use self::slopes::slope_moments;
-use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
+use crate::height_field::mean_height;
+use crate::{Border, HeightField, LengthUnit};
 
 pub use self::correlation::AxisAutocorrelation;
-pub use self::gradients::{Gradients, SteeperThan};
+pub use self::histogram::Histogram;
+pub use self::iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use self::slopes::{SteepestFacet, Triangle};
-pub use self::structure::{Expectation, RealisedStructure};
+pub use self::spectrum::{PowerSpectrum, SpectralRing};
 
 /// Parameters of a surface's roughness.
 ///
@@ -39,7 +43,7 @@ pub struct Roughness {
     pub extent: [f64; 2],
     /// Unit of all lengths.
     pub unit: LengthUnit,
-    /// What lies beyond the border.
+    /// Border of the surface.
     pub border: Border,
     /// Mean height, which all other height parameters leave out.
     pub mean: f64,
@@ -69,72 +73,26 @@ pub struct Roughness {
     ///
     /// A periodic surface wraps around; otherwise each lag is averaged over the pairs it has.
     pub tau_x: Option<f64>,
-    /// As [`Roughness::tau_x`], along y.
+    /// Correlation length along y, in the convention of [`Roughness::tau_x`].
     pub tau_y: Option<f64>,
     /// Geometric mean of [`Roughness::tau_x`] and [`Roughness::tau_y`].
     pub tau: Option<f64>,
     /// Correlation length along x in the other convention, `exp(-r^2 / (2 l^2))`: `tau_x / sqrt 2`.
     pub l_x: Option<f64>,
-    /// As [`Roughness::l_x`], along y.
+    /// Correlation length along y, in the convention of [`Roughness::l_x`].
     pub l_y: Option<f64>,
     /// The `tau` along x of a Gaussian surface with these heights and slopes:
     /// `sqrt 2 sq / (root of the slope variance along x)`. `None` if no facet slopes along x, or all
     /// heights are equal. It is what geometric optics sees; if it is far from [`Roughness::tau_x`],
     /// the surface is no Gaussian one, or has fine structure of another scale.
     pub equivalent_tau_x: Option<f64>,
-    /// As [`Roughness::equivalent_tau_x`], along y.
+    /// Equivalent `tau` along y; see [`Roughness::equivalent_tau_x`].
     pub equivalent_tau_y: Option<f64>,
     /// The smoothness `s = tau / sigma` of an isotropic Gaussian surface with this root mean square
     /// gradient: `2 / sdq`. `None` if the gradient is zero.
     pub equivalent_smoothness: Option<f64>,
     /// The steepest facet, the first of equals.
     pub steepest: SteepestFacet,
-    /// Requested and realised statistics, if the surface carries its provenance.
-    pub realised: Option<Realised>,
-    /// The same of a structured surface, if it carries its provenance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub realised_structure: Option<RealisedStructure>,
-}
-
-/// Requested and realised statistics of a generated surface.
-///
-/// They differ because a tile holds finitely many correlation areas and a realisation is never
-/// rescaled.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Realised {
-    /// Root mean square height.
-    pub sigma: Compared,
-    /// Variance of the heights.
-    pub variance: Compared,
-    /// Lag along x at which the autocorrelation is 1/e.
-    pub tau_x: Compared,
-    /// Lag along y at which the autocorrelation is 1/e.
-    pub tau_y: Compared,
-    /// Variance of the mesh's slopes along x. Requested is what the mesh should have at its spacing,
-    /// `2 (C(0) - C(dx)) / dx^2`, which is below that of the continuous surface.
-    pub slope_variance_x: Compared,
-    /// Variance of the mesh's slopes along y; as [`Realised::slope_variance_x`].
-    pub slope_variance_y: Compared,
-    /// Skewness of the heights, where that was requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub skewness: Option<Compared>,
-    /// Kurtosis of the heights, where that was requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub kurtosis: Option<Compared>,
-    /// Distribution of the slopes, where that is what was requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub gradients: Option<Gradients>,
-}
-
-/// One number, requested and realised.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Compared {
-    /// The requested value.
-    pub requested: f64,
-    /// What this surface has; `None` if it cannot be measured on it.
-    pub realised: Option<f64>,
-    /// Standard deviation expected of the realised value between realisations, where it is known.
-    pub expected_deviation: Option<f64>,
 }
 
 impl Roughness {
@@ -167,7 +125,7 @@ impl Roughness {
             (sq > 0.0 && slope_variance > 0.0).then(|| SQRT_2 * sq / slope_variance.sqrt())
         };
 
-        let mut roughness = Self {
+        Self {
             shape: field.shape(),
             spacing: field.spacing(),
             extent: field.extent(),
@@ -193,81 +151,7 @@ impl Roughness {
             equivalent_tau_y: equivalent_tau(slopes.variance[1]),
             equivalent_smoothness: (sdq > 0.0).then(|| 2.0 / sdq),
             steepest: slopes.steepest,
-            realised: None,
-            realised_structure: None,
-        };
-        roughness.realised = Realised::of(field, &roughness);
-        roughness.realised_structure =
-            RealisedStructure::of(field, roughness.sz, roughness.sdq.powi(2));
-        roughness
-    }
-}
-
-impl Realised {
-    /// Compares `roughness` with the provenance of `field`; `None` without one.
-    ///
-    /// The mean over an area `A` of the square of a Gaussian field with autocorrelation `C` has
-    /// variance `2 / A` times the integral of `C^2`. For heights that is `sigma^4 pi tau_x tau_y / A`.
-    /// For slopes along an axis, whose autocorrelation is the second derivative of `C`, it is 3/4 of
-    /// that relative to the square of their variance, whatever the azimuth. Of other spectra that of heights is an integral of `W^2`,
-    /// and that of slopes is not known.
-    fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
-        let recipe = &field.provenance()?.recipe;
-        if recipe.structured().is_some() {
-            // It has statistics of its own
-            return None;
         }
-        let sigma = recipe.sigma();
-        let [length_x, length_y] = recipe.axis_correlation_lengths();
-        let [extent_x, extent_y] = field.extent();
-        let [dx, dy] = field.spacing();
-        let deviation = match recipe.gaussian() {
-            Some(Psd::Gaussian(_)) => {
-                let [tau_x, tau_y] = recipe.correlation_lengths();
-                Some((PI * (tau_x / extent_x) * (tau_y / extent_y)).sqrt())
-            }
-            Some(psd) => {
-                let area = psd.correlation_area();
-                area.map(|area| (area / (extent_x * extent_y)).sqrt())
-            }
-            None => None,
-        };
-        let compared = |requested: f64, realised: Option<f64>, relative: Option<f64>| Compared {
-            requested,
-            realised,
-            expected_deviation: relative.map(|r| r * requested),
-        };
-        let is_closed = matches!(recipe.gaussian(), Some(Psd::Gaussian(_)));
-        let slopes = |axis: usize, lag: f64, length: f64| {
-            let requested = match is_closed {
-                true => -2.0 * sigma * sigma * (-(lag / length).powi(2)).exp_m1() / (lag * lag),
-                false => recipe.mesh_slope_variance(axis, lag),
-            };
-            let relative = deviation.filter(|_| is_closed);
-            compared(
-                requested,
-                Some(roughness.slope_variance[axis]),
-                relative.map(|relative| 0.75_f64.sqrt() * relative),
-            )
-        };
-        Some(Self {
-            sigma: compared(sigma, Some(roughness.sq), deviation.map(|d| d / 2.0)),
-            variance: compared(sigma * sigma, Some(roughness.sq * roughness.sq), deviation),
-            tau_x: compared(length_x, roughness.tau_x, None),
-            tau_y: compared(length_y, roughness.tau_y, None),
-            slope_variance_x: slopes(0, dx, length_x),
-            slope_variance_y: slopes(1, dy, length_y),
-            skewness: recipe
-                .heights()
-                .map(|law| compared(law.skewness(), roughness.ssk, None)),
-            kurtosis: recipe
-                .heights()
-                .map(|law| compared(law.kurtosis(), roughness.sku, None)),
-            gradients: match recipe {
-                SurfaceRecipe::StudentSlopes(student) => Some(Gradients::of(field, student)),
-                _ => None,
-            },
-        })
     }
 }
 
@@ -329,15 +213,4 @@ fn height_moments(field: &HeightField) -> HeightMoments {
         skewness: s3 / n / (variance * variance.sqrt()),
         kurtosis: s4 / n / (variance * variance),
     }
-}
-
-/// Mean height, summed relative to the first height so that a common offset rounds but once.
-pub(crate) fn mean_height(field: &HeightField) -> f64 {
-    let origin = field.heights()[0];
-    let rows: Vec<f64> = field
-        .heights()
-        .par_chunks_exact(field.nx())
-        .map(|row| row.iter().map(|h| h - origin).sum())
-        .collect();
-    origin + rows.iter().sum::<f64>() / field.heights().len() as f64
 }

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,

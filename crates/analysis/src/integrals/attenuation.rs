@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::microfacet::beckmann::{Beckmann, Masking, facing_fraction_at};
 use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
-use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Fraction of all points that face the light and, by Smith, are not shadowed: `(1 - erfc(a) / 2) / (1 + Lambda)`.
 ///

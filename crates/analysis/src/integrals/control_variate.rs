@@ -14,7 +14,7 @@ use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::{ModelError, valid_interface};
-use crate::numerics::quadrature::AllowedError;
+use asperity_numerics::quadrature::AllowedError;
 
 /// Fractions above this are set to one. There a visible ray, as nearly all are, cancels its control variate
 /// exactly and need not be tallied at all, which saves more than the last bit of variance.

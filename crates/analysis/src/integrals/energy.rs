@@ -17,7 +17,8 @@ use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
-use crate::numerics::quadrature::{AllowedError, Breaks, Pieces, integrate, quadratic_roots};
+use asperity_numerics::quadratic_roots;
+use asperity_numerics::quadrature::{AllowedError, Breaks, Pieces, integrate};
 
 /// Flux fractions that a model sends into the two hemispheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -13,7 +13,7 @@ use crate::integrals::flux::{bin_fluxes_of, in_plane_fluxes};
 use crate::integrals::tabulated::TabulatedTally;
 use crate::microfacet::lambda_map::MapSize;
 use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
-use crate::numerics::hash::fnv1a;
+use asperity_numerics::fnv1a;
 
 /// Number of rays of a random walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,7 +25,7 @@ use crate::microfacet::half_vector::outgoing_direction;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
-use crate::numerics::quadrature::{AllowedError, Breaks, Pieces, integrate};
+use asperity_numerics::quadrature::{AllowedError, Breaks, Pieces, integrate};
 
 /// Facet slopes in units of their deviation times the root of two whose images bound the first subdivisions; the slope density
 /// falls as `exp(-t^2)`.

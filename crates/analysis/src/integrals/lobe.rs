@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 
 use crate::microfacet::slopes::SlopeCovariance;
-use crate::numerics::quadrature::Breaks;
+use asperity_numerics::quadrature::Breaks;
 
 /// `E` above which there is no light: `exp(-80) = 2e-35` outweighs the product of the largest density of slopes
 /// and the largest `chi`, below 1e20.

@@ -7,7 +7,7 @@ use asperity_tally::Side;
 
 use super::FlatLayer;
 use super::faces::Inside;
-use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Error allowed in the flux into one range of directions.
 const OUTER: Tolerance = Tolerance {

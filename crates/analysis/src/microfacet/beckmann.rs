@@ -16,7 +16,7 @@ use crate::microfacet::facet_normals::FacetNormals;
 use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::{normals, visible_normals};
-use crate::numerics::special::beta_of_one_plus;
+use asperity_numerics::beta_of_one_plus;
 
 /// The distribution of facet normals of a surface with Gaussian slopes.
 ///

@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
-use crate::numerics::quadrature::quadratic_roots;
+use asperity_numerics::quadratic_roots;
 
 /// Curves on which a BSDF has a kink, besides those where refraction ends and total reflection sets in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -13,6 +13,7 @@
 
 use std::io::{Read, Seek, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use ::exr::block::reader::ChunksReader;
 use ::exr::compression::Compression;
@@ -21,7 +22,8 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::f16;
-use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, SurfaceRecipe, check_grid};
+use asperity_surface::{HeightField, RawHeightMap, check_grid};
+use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
 use crate::encoding::{encode_exr, single};
 use crate::error::{ReadError, WriteError};
@@ -106,7 +108,9 @@ fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeig
     if let Some(border) = words(path, &header, "border")? {
         map.border = Some(border.parse().map_err(ReadError::surface(path))?);
     }
-    map.provenance = provenance(path, &header)?;
+    if let Some(provenance) = provenance(path, &header)? {
+        map.provenance = Some(Arc::new(provenance));
+    }
     Ok(map)
 }
 
@@ -346,7 +350,7 @@ fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)>
         recipe,
         seed,
         realisation,
-    }) = field.provenance()
+    }) = Provenance::of(field.provenance())
     {
         match recipe {
             SurfaceRecipe::Gaussian(Psd::Gaussian(gaussian)) => attributes.extend([

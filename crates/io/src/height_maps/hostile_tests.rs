@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use asperity_surface::{Border, HeightField, LengthUnit, Provenance, Psd, RawHeightMap};
+use asperity_surface::{Border, HeightField, LengthUnit, RawHeightMap};
+use asperity_synthesis::{Provenance, Psd};
 
 use super::{read_from, write_to};
 use crate::damage_tests::{assert_sentence, damaged};
@@ -33,11 +34,11 @@ fn field() -> HeightField {
         .unwrap()
         .with_unit(LengthUnit::Metre)
         .with_border(Border::Open)
-        .with_provenance(Some(Provenance {
+        .with_provenance(Some(Arc::new(Provenance {
             recipe: Psd::gaussian(0.5, 2.0).unwrap().into(),
             seed: 7,
             realisation: 3,
-        }))
+        })))
 }
 
 fn path(format: HeightMapFormat) -> PathBuf {

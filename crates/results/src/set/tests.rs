@@ -14,7 +14,7 @@ use asperity_simulate::{
     Case, Effort, Estimator, Light, Outcome, Settings, Silent, SimulateError, Simulation,
     StoppedBy, SurfaceSource, SurfaceStore,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 
 use super::*;
 

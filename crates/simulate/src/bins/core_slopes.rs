@@ -3,7 +3,8 @@
 //! The root mean square of slopes says little of the peak where a few facets are much steeper than all others, as on most measured
 //! surfaces. The core of a distribution is the Gaussian that has as many facets near the mean plane.
 
-use asperity_surface::{Border, SurfaceRecipe};
+use asperity_surface::Border;
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{Geometry, Shape};
 
 use crate::input::surface_source::SurfaceSource;
@@ -19,7 +20,7 @@ const CORE: f64 = 0.02;
 /// # Examples
 /// ```
 /// use asperity_simulate::CoreSlopes;
-/// use asperity_surface::Psd;
+/// use asperity_synthesis::Psd;
 ///
 /// // sigma = 1, tau = 10: a slope variance of 2 / 10^2 along each axis
 /// let slopes = CoreSlopes::of_recipe(&Psd::gaussian(1.0, 10.0)?.into());
@@ -180,7 +181,8 @@ fn first_to_reach(pairs: &mut [[f64; 2]], part: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Border, HeightField, Psd, Synthesis};
+    use asperity_surface::{Border, HeightField};
+    use asperity_synthesis::{Psd, Synthesis};
     use asperity_tracer::Surface;
 
     use super::*;

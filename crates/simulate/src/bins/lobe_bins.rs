@@ -106,7 +106,7 @@ fn phi_edges(lobes: [Option<Lobe>; 2], phi_deg: f64, coarse: &HemisphereGrid) ->
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
     use asperity_tally::Mirror;
 
     use super::*;

@@ -428,7 +428,7 @@ pub(super) fn tallies(source: &SurfaceSource, settings: &Settings) -> u64 {
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
     use asperity_tracer::HalfSpace;
 
     use super::*;

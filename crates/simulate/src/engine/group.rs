@@ -142,7 +142,7 @@ impl Group {
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
 
     use super::*;
     use crate::input::case::Light;

@@ -34,7 +34,7 @@ use crate::store::SurfaceStore;
 /// ```
 /// use asperity_optics::{Incidence, Material};
 /// use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
-/// use asperity_surface::{Psd, Synthesis};
+/// use asperity_synthesis::{Psd, Synthesis};
 /// use asperity_tally::{Component, Side, TallyResult};
 ///
 /// let psd = Psd::gaussian(2.0, 8.0)?; // sigma, tau

@@ -123,7 +123,7 @@ pub(crate) struct ChosenSpacing {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::Psd;
+    use asperity_synthesis::Psd;
 
     use super::*;
     use crate::engine::pilot::tests::figures;

@@ -481,7 +481,7 @@ impl SurfaceGroup<'_> {
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
     use asperity_tracer::{Branching, HalfSpace, PathSettings, Sampling};
 
     use super::*;

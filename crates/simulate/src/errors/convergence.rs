@@ -113,7 +113,8 @@ impl Convergence {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Border, Psd, Synthesis};
+    use asperity_surface::Border;
+    use asperity_synthesis::{Psd, Synthesis};
 
     use super::*;
 

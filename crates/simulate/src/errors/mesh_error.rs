@@ -1,7 +1,8 @@
 //! Mesh error: what the spacing of a mesh does to results, by quadrature or by meshes of several spacings.
 
 use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
-use asperity_surface::{Border, Synthesis};
+use asperity_surface::Border;
+use asperity_synthesis::Synthesis;
 use asperity_tally::{ByEntry, ControlVariate, TallySpec, TallyValues, UnshadowedFluxes};
 use asperity_tracer::Shape;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Described shape: what is known of a given surface without its points, and a hash that tells these apart.
 
-use asperity_analysis::fnv1a;
+use asperity_numerics::fnv1a;
 use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_tracer::{Geometry, MeshSurface, Shape, Triangles};
 use serde::{Deserialize, Serialize};

@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use asperity_surface::{
-    FieldSynthesis, HeightField, Resolution, SlopeMoments, SplineSurface, SplineSynthesis,
-    SurfaceRecipe, Synthesis, SynthesisError,
+use asperity_surface::{HeightField, SlopeMoments, SplineSurface};
+use asperity_synthesis::{
+    FieldSynthesis, Resolution, SplineSynthesis, SurfaceRecipe, Synthesis, SynthesisError,
 };
 
 use asperity_tracer::Shape;

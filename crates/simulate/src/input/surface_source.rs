@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use asperity_surface::{HeightField, SplineSurface, SurfaceRecipe};
+use asperity_surface::{HeightField, SplineSurface};
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{MeshSurface, Shape};
 use serde::{Deserialize, Serialize};
 
@@ -57,8 +58,8 @@ impl From<SavedSource> for SurfaceSource {
 }
 
 impl SurfaceSource {
-    /// Random surfaces of a [`Synthesis`](asperity_surface::Synthesis), of flat cells, or of a
-    /// [`SplineSynthesis`](asperity_surface::SplineSynthesis), of smooth ones.
+    /// Random surfaces of a [`Synthesis`](asperity_synthesis::Synthesis), of flat cells, or of a
+    /// [`SplineSynthesis`](asperity_synthesis::SplineSynthesis), of smooth ones.
     #[must_use]
     pub fn random(surfaces: impl Into<RandomSurfaces>) -> Self {
         Self::Random(Box::new(surfaces.into()))

@@ -3,7 +3,7 @@
 
 use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
-use asperity_surface::SurfaceRecipe;
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Polarimetry, TallyResult, TallySpec, TallyStatistics, TallyValues};
 
 use crate::error::SimulateError;

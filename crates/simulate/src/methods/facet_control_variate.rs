@@ -90,7 +90,7 @@ fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::{Psd, Synthesis};
+    use asperity_synthesis::{Psd, Synthesis};
 
     use asperity_tally::{TallyResult, TallySpec};
     use asperity_tracer::HalfSpace;

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use asperity_analysis::{ModelError, SlopeMixture, control_variate};
 use asperity_optics::{Incidence, Material};
-use asperity_surface::SurfaceRecipe;
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{
     ControlVariate, Mirror, RayErrors, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };

@@ -12,7 +12,8 @@
 //! Sci. 27 (1981) 322, for regression; A. Avramidis, J. Wilson, A splitting scheme for control variates, Oper. Res. Lett. 14 (1993)
 //! 187, for coefficients from other samples.
 
-use asperity_surface::{SlopeMoments, SurfaceRecipe};
+use asperity_surface::SlopeMoments;
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Entry, TallySpec, TallyValues};
 
 use crate::input::case::Light;

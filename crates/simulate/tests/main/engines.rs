@@ -8,7 +8,7 @@ use asperity_simulate::{
     BottomSurface, Case, Effort, Estimator, LayerBelow, Light, Quantity, Regions, Settings, Shape,
     Silent, Simulation, SurfaceSource,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BatchTracer, BatchedRays, BuildError, CpuEngine, Engine, Illumination,

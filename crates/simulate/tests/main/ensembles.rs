@@ -7,7 +7,7 @@ use asperity_simulate::{
     Case, Cells, ErrorSource, Estimator, Light, Outcome, Quantity, RandomSurfaces, Regions,
     Settings, Shape, Silent, SimulateError, Simulation, SurfaceSource, simulate,
 };
-use asperity_surface::{Psd, SplineSynthesis, Synthesis};
+use asperity_synthesis::{Psd, SplineSynthesis, Synthesis};
 use asperity_tally::{Component, Side, TallyResult};
 
 use crate::resuming::{Keeper, numbers, resume};

@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::{Case, Effort, Estimator, Outcome, Settings};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{
     Component, HemisphereGrid, Measure, Mirror, Polarimetry, TallyResult, TallySpec,
 };

@@ -4,7 +4,8 @@ use asperity_optics::{Incidence, Material, from_spherical, reflect};
 use asperity_simulate::{
     Case, CaseBins, Effort, Estimator, Light, Lobe, Outcome, Settings, Shape, SurfaceSource,
 };
-use asperity_surface::{Border, HeightField, Psd, Synthesis};
+use asperity_surface::{Border, HeightField};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Estimate, HemisphereGrid, Mirror, Side, TallyResult};
 
 use crate::support::{Rough, glass, run};

@@ -4,7 +4,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
     Case, Effort, Estimator, Light, Outcome, Settings, Silent, SurfaceSource, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::HalfSpace;
 

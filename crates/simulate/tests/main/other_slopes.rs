@@ -5,7 +5,7 @@ use asperity_simulate::{
     Case, Cells, ControlVariateMean, Estimator, Light, RandomSurfaces, Settings, Silent,
     SimulateError, SurfaceSource, simulate,
 };
-use asperity_surface::{
+use asperity_synthesis::{
     GrooveProfile, Grooves, Psd, Structure, StructureSynthesis, StructuredSurface, StudentSlopes,
     SurfaceRecipe, TransformedHeights,
 };

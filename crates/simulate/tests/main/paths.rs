@@ -5,7 +5,8 @@ use asperity_simulate::{
     Case, Effort, Estimator, Light, Outcome, PathChoice, Quantity, Settings, SurfaceSource,
     TriedPaths, simulate,
 };
-use asperity_surface::{LengthUnit, Psd, Synthesis};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{Branching, PathSettings};
 
 use crate::after::OncePlanned;

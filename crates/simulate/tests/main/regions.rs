@@ -5,7 +5,8 @@ use asperity_simulate::{
     Case, Effort, ErrorSource, Estimator, Light, Outcome, Regions, Settings, Silent, Simulation,
     Stage, SurfaceSource, simulate,
 };
-use asperity_surface::{Border, HeightField, Psd, Synthesis};
+use asperity_surface::{Border, HeightField};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult};
 
 use crate::resuming::{Keeper, numbers, resume};

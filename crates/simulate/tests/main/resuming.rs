@@ -8,7 +8,7 @@ use asperity_simulate::{
     Case, Effort, Estimator, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent,
     SimulateError, Simulation, Stage, SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::TallyResult;
 use asperity_tracer::{Branching, PathSettings};
 

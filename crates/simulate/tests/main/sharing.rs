@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{Case, Effort, Light, Observer, Settings, Silent, SurfaceSource, simulate};
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 
 /// Counts drawings.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_simulate::{Case, Cells, Estimator, Outcome, Quantity, RandomSurfaces, Settings};
-use asperity_surface::Psd;
+use asperity_synthesis::Psd;
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 use crate::support::{effort, glass, lit, run, target};

@@ -5,7 +5,7 @@ use asperity_simulate::{
     Case, Deadline, Effort, Light, Outcome, Quantity, RandomSurfaces, Settings, Silent,
     SurfaceSource, Target, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::HalfSpace;
 
 /// Isotropic random surfaces with a Gaussian autocorrelation.

@@ -94,7 +94,8 @@ fn fraction(of: u64, all: u64) -> Estimate {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Border, Psd, Synthesis};
+    use asperity_surface::Border;
+    use asperity_synthesis::{Psd, Synthesis};
 
     use super::*;
 

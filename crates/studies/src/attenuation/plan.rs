@@ -8,7 +8,8 @@ use asperity_results::Header;
 use asperity_simulate::{
     Cells, RandomSurfaces, SimulateError, check_memory, short, smooth_traced_bytes, traced_bytes,
 };
-use asperity_surface::{Border, Psd};
+use asperity_surface::Border;
+use asperity_synthesis::Psd;
 use asperity_tracer::AcceleratorKind;
 use serde_json::json;
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use asperity_analysis::ModelError;
 use asperity_optics::{Layer, Material};
 use asperity_simulate::{Case, Estimator};
-use asperity_surface::SurfaceRecipe;
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace, Polarisation};
 

@@ -6,7 +6,7 @@ use asperity_optics::{
     PhaseFunctionError,
 };
 use asperity_simulate::{TargetError, short};
-use asperity_surface::PsdError;
+use asperity_synthesis::PsdError;
 use asperity_tally::SpecError;
 use asperity_tracer::PathSettingsError;
 

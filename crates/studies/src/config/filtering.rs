@@ -1,7 +1,7 @@
 //! Filters and form removal of a given surface, in the order of ISO 25178-3.
 
 use asperity_simulate::short;
-use asperity_surface::{FilterError, FormError, GaussianFilter, HeightField, LengthUnit};
+use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
@@ -38,7 +38,7 @@ pub enum FilteringError {
     },
     /// The form cannot be removed.
     #[error(transparent)]
-    Form(#[from] FormError),
+    Form(#[from] HeightFieldError),
 }
 
 /// The unit of the lengths in a message, if they have one.

@@ -93,7 +93,7 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_simulate::{CoreSlopes, Light};
-    use asperity_surface::Psd;
+    use asperity_synthesis::Psd;
 
     use super::*;
     use crate::config::VerifyConfig;

@@ -1,6 +1,6 @@
 //! Structures of `[surface]`: pits, caps, grooves, scratches, cracks and pyramids.
 
-use asperity_surface::{
+use asperity_synthesis::{
     Arrangement, Cracks, GrooveProfile, Grooves, Pyramids, Scratches, SphericalSegments, Structure,
 };
 use serde::{Deserialize, Serialize};

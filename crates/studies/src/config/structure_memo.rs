@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_surface::{MeasuredStructure, StructureError, StructureSynthesis};
+use asperity_synthesis::{MeasuredStructure, StructureError, StructureSynthesis};
 
 /// What was measured last, shared by all copies.
 #[derive(Clone, Debug, Default)]

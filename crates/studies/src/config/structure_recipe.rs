@@ -1,7 +1,7 @@
 //! `[surface]`: what surfaces with a structure are drawn by.
 
 use asperity_simulate::check_memory;
-use asperity_surface::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
+use asperity_synthesis::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
 
 use super::surface::{SlopesName, SurfaceConfig};
 use super::surface_choices::SpectrumName;

@@ -1,7 +1,8 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
 use asperity_simulate::Cells;
-use asperity_surface::{LengthUnit, Psd, UNRESOLVED_SLOPES};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{Psd, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
 use super::structure_memo::StructureMemo;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_surface::{HeightTable, Psd};
+use asperity_synthesis::{HeightTable, Psd};
 use serde::{Deserialize, Serialize};
 
 /// A power spectral density by its name.

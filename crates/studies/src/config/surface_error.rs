@@ -1,7 +1,8 @@
 //! Surface error: why no surfaces are drawn from a `[surface]` configuration.
 
 use asperity_simulate::{SimulateError, short};
-use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{JohnsonError, PsdError, StructureError};
 
 use super::surface_choices::SpectrumName;
 
@@ -140,7 +141,7 @@ fn names(spectra: &[SpectrumName]) -> String {
 
 /// Why a structure cannot be made, with the flag that draws it all the same.
 fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
-    let sentence = error.in_unit(unit);
+    let sentence = error.clone().with_unit(unit).to_string();
     match error {
         StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
         _ => sentence,

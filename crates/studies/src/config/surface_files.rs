@@ -4,11 +4,11 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
-use asperity_analysis::fnv1a;
 use asperity_io::{NumberTable, ReadError, read_number_table};
-use asperity_surface::{
-    EstimateError, HeightTable, HeightTableError, LengthUnit, MissingError, Psd, PsdError,
-    RadialTable,
+use asperity_numerics::fnv1a;
+use asperity_surface::{LengthUnit, MissingError};
+use asperity_synthesis::{
+    EstimateError, HeightTable, HeightTableError, Psd, PsdError, RadialTable,
 };
 use serde::Serialize;
 

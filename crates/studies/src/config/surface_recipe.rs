@@ -1,6 +1,6 @@
 //! `[surface]`: what random surfaces are drawn by.
 
-use asperity_surface::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
+use asperity_synthesis::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
 use super::surface::{MAX_SMOOTHNESS, SlopesName, SurfaceConfig};
 use super::surface_choices::{SpectrumChoice, SpectrumName};

@@ -5,7 +5,7 @@ use asperity_simulate::{
     Case, Cells, Effort, Estimator, RandomSurfaces, Settings, SimulateError, SurfaceSource,
     check_memory, check_results, short, traced_bytes,
 };
-use asperity_surface::SurfaceRecipe;
+use asperity_synthesis::SurfaceRecipe;
 use std::collections::BTreeSet;
 use std::fmt::Display;
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use asperity_simulate::{Cells, Shape, SimulateError, smooth_shape};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
+use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
@@ -202,7 +203,7 @@ impl GivenSurface {
                 "border": field.border(),
                 "points_filled": self.filled,
                 "form_removed": form.to_string(),
-                "generated": field.provenance(),
+                "generated": Provenance::of(field.provenance()),
             }),
             GivenShape::Mesh(mesh) => {
                 let repairs = mesh.repairs();

@@ -2,6 +2,7 @@
 
 use asperity_simulate::{Cells, Shape, corners_hash, heights_hash};
 use asperity_surface::{Form, HeightField, LengthUnit};
+use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
@@ -62,7 +63,7 @@ fn description(surface: &GivenSurface, form: Form) -> Value {
                 json!({
                     "points_filled": surface.filled,
                     "form_removed": form.to_string(),
-                    "generated": field.provenance(),
+                    "generated": Provenance::of(field.provenance()),
                 })
             });
             field_description(field, &surface.name, reading)

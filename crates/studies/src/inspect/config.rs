@@ -2,7 +2,8 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::{Observer, short};
-use asperity_surface::{Erosion, Etch, HeightField, Slip};
+use asperity_surface::HeightField;
+use asperity_synthesis::{Erosion, Etch, Slip};
 use serde::Deserialize;
 
 use super::statistics::Statistics;

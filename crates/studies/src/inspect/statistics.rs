@@ -2,7 +2,8 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::Cells;
-use asperity_surface::{HeightField, Iso25178, Roughness, SplineRoughness, SplineSurface};
+use asperity_surface::{HeightField, Iso25178, SplineRoughness, SplineSurface};
+use asperity_synthesis::DrawnRoughness;
 use serde::Serialize;
 
 use crate::attenuation::ShadowShares;
@@ -15,7 +16,7 @@ use crate::report::roughness::{realisation_table, roughness_table, smooth_table}
 pub struct Statistics {
     /// Of samples and facets.
     #[serde(flatten)]
-    pub facets: Roughness,
+    pub facets: DrawnRoughness,
     /// Of ISO 25178-2.
     #[serde(flatten)]
     pub areal: Iso25178,
@@ -38,7 +39,7 @@ impl Statistics {
     ) -> Result<Self, StudyError> {
         let smooth = || SplineRoughness::of(&SplineSurface::through(field));
         Ok(Self {
-            facets: Roughness::of(field),
+            facets: DrawnRoughness::of(field),
             areal: Iso25178::of(field),
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
@@ -49,8 +50,8 @@ impl Statistics {
     /// Tables for people.
     #[must_use]
     pub fn text(&self) -> String {
-        let facets = &self.facets;
-        let (table, realisation) = (roughness_table(facets), realisation_table(facets));
+        let facets = &self.facets.roughness;
+        let (table, realisation) = (roughness_table(facets), realisation_table(&self.facets));
         let areal = areal_table(&self.areal, facets.unit);
         let cells = match &self.smooth {
             None => FLAT_CELLS.to_owned(),

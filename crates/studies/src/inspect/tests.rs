@@ -1,5 +1,6 @@
 use asperity_io::{ResultFolder, read_text};
-use asperity_surface::{Psd, Roughness, Synthesis};
+use asperity_surface::Roughness;
+use asperity_synthesis::{Psd, Synthesis};
 use serde_json::Value;
 
 use super::*;
@@ -123,11 +124,11 @@ fn the_density_of_ggx_is_in_the_table_where_it_was_requested() {
         texture.slopes_table().write(&path).unwrap();
         read_text(&path).unwrap()
     };
-    let student = asperity_surface::StudentSlopes::new(Psd::gaussian(0.5, 4.0).unwrap(), 2.0);
+    let student = asperity_synthesis::StudentSlopes::new(Psd::gaussian(0.5, 4.0).unwrap(), 2.0);
     let recipe = student.unwrap().into();
-    let resolution = asperity_surface::Resolution::Any;
+    let resolution = asperity_synthesis::Resolution::Any;
     let synthesis =
-        asperity_surface::FieldSynthesis::new(recipe, [64, 64], [1.0, 1.0], resolution).unwrap();
+        asperity_synthesis::FieldSynthesis::new(recipe, [64, 64], [1.0, 1.0], resolution).unwrap();
     let text = table(&synthesis.draw(1, 0).unwrap());
     // 1 / (2 alpha) at zero, with alpha = 2 sigma / tau
     let middle = column(&text, "ggx_x")[60];

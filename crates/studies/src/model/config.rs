@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use asperity_analysis::{SlopeCovariance, SlopeDistribution};
 use asperity_optics::Incidence;
-use asperity_surface::Psd;
+use asperity_synthesis::Psd;
 use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
 use serde::Deserialize;
 

@@ -1,10 +1,8 @@
 //! Roughness parameters of a surface as text.
 
 use asperity_simulate::short;
-use asperity_surface::{
-    Compared, Gradients, LengthUnit, Roughness, SplineRoughness, SteeperThan, SteepestFacet,
-    Triangle,
-};
+use asperity_surface::{LengthUnit, Roughness, SplineRoughness, SteepestFacet, Triangle};
+use asperity_synthesis::{Compared, DrawnRoughness, Gradients, SteeperThan};
 
 use super::structure::structure_table;
 use crate::output::{Column, Table};
@@ -206,12 +204,13 @@ struct Statistic<'a> {
 
 /// Requested statistics next to those of this realisation; empty for a surface that was not generated.
 #[must_use]
-pub fn realisation_table(r: &Roughness) -> String {
+pub fn realisation_table(drawn: &DrawnRoughness) -> String {
     type Row<'a> = Statistic<'a>;
-    if let Some(structure) = &r.realised_structure {
+    let r = &drawn.roughness;
+    if let Some(structure) = &drawn.realised_structure {
         return structure_table(structure, r.unit);
     }
-    let Some(realised) = &r.realised else {
+    let Some(realised) = &drawn.realised else {
         return String::new();
     };
     let length = |name: &str| match r.unit {

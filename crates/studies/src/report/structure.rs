@@ -1,7 +1,8 @@
 //! Statistics of a structured surface as text.
 
 use asperity_simulate::short;
-use asperity_surface::{Expectation, LengthUnit, RealisedStructure};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{Expectation, RealisedStructure};
 
 use crate::output::{Column, Table};
 

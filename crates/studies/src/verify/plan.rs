@@ -4,7 +4,8 @@ use asperity_simulate::{
     Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SimulateError,
     SurfaceSource, check_memory,
 };
-use asperity_surface::{FieldSynthesis, LengthUnit, SurfaceRecipe};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{FieldSynthesis, SurfaceRecipe};
 
 use crate::config::error::ConfigError;
 use crate::config::{RunConfig, SurfaceConfig, VerifyConfig};

@@ -1,7 +1,7 @@
 //! Random surfaces whose slopes are not Gaussian, against models with their root mean square slopes and with all of their slopes.
 
 use asperity_simulate::{RandomSurfaces, Silent, simulate};
-use asperity_surface::{Psd, StudentSlopes};
+use asperity_synthesis::{Psd, StudentSlopes};
 use asperity_tally::Component;
 
 use super::*;

@@ -5,9 +5,9 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::HeightFieldError;
+use super::error::HeightFieldError;
 
-/// What lies beyond the border of a height field.
+/// Continuation of a height field beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Border {

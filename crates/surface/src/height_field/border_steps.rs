@@ -1,6 +1,6 @@
 //! Steps of heights from the last samples to the first, as a periodic border has them.
 
-use super::HeightField;
+use super::field::HeightField;
 
 impl HeightField {
     /// Root mean square step of the heights from the last sample to the first, over that between neighbours, along x

@@ -34,9 +34,9 @@ pub(crate) enum Axis {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisAutocorrelation {
-    /// At lags of 0, 1, ... `nx / 2` samples along x, length units squared. The first is the mean square height.
+    /// Autocorrelation at lags of 0, 1, ... `nx / 2` samples along x, length units squared. The first is the mean square height.
     pub along_x: Vec<f64>,
-    /// The same along y, up to `ny / 2`.
+    /// Autocorrelation along y, up to lags of `ny / 2`.
     pub along_y: Vec<f64>,
 }
 
@@ -172,7 +172,7 @@ pub(crate) fn one_over_e_lag(correlation: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The same by its definition; the FFT rounds at `1e-16` of the value at lag zero.
+    /// Autocorrelation by its definition; the FFT rounds at `1e-16` of the value at lag zero.
     fn directly(field: &HeightField, mean: f64, axis: Axis) -> Vec<f64> {
         let (nx, ny) = (field.nx(), field.ny());
         let periodic = field.border() == Border::Periodic;

@@ -27,7 +27,7 @@ pub struct SteepestFacet {
     pub triangle: Triangle,
     /// Tangent of the angle between the facet and the mean plane, 0 or above.
     pub slope: f64,
-    /// The same angle in degrees, 0 to 90.
+    /// Angle between the facet and the mean plane in degrees, 0 to 90.
     pub angle_degrees: f64,
 }
 

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::SplineSurface;
+use super::surface::SplineSurface;
 
 /// Rounding of a Bezier point and of [`SplineSurface::height`], relative to the largest coefficient.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;

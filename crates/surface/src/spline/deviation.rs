@@ -9,8 +9,8 @@
 
 use rayon::prelude::*;
 
-use super::SplineSurface;
 use super::bounds::bezier;
+use super::surface::SplineSurface;
 
 /// Rounding of heights and of their second differences, relative to the largest coefficient.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;

@@ -1,6 +1,6 @@
 //! Mean height of a spline surface.
 
-use super::SplineSurface;
+use super::surface::SplineSurface;
 
 /// Integrals over a cell of the four B-splines that it depends on.
 const WEIGHTS: [f64; 4] = [1.0 / 24.0, 11.0 / 24.0, 11.0 / 24.0, 1.0 / 24.0];

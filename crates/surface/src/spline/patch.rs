@@ -1,6 +1,6 @@
 //! Heights and gradients at any place.
 
-use super::SplineSurface;
+use super::surface::SplineSurface;
 
 impl SplineSurface {
     /// Height at `(x, y)`, length units.

@@ -1,9 +1,9 @@
 //! Slopes of a spline surface by region, by integrals over its patches.
 
-use super::SplineSurface;
 use super::patch::{Place, dot};
 use super::roughness::RULE;
-use crate::region_slopes::{RegionSlopes, by_region};
+use super::surface::SplineSurface;
+use crate::slopes::{RegionSlopes, by_region};
 
 impl SplineSurface {
     /// Slopes in each of `[columns, rows]` regions, row by row, exact but for rounding where edges of regions are edges of cells. A

@@ -8,8 +8,8 @@ use std::f64::consts::SQRT_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::SplineSurface;
 use super::patch::{Place, dot};
+use super::surface::SplineSurface;
 
 /// Roughness parameters of a smooth surface, all of it and not at its samples alone.
 ///
@@ -99,7 +99,7 @@ fn mean_over_tile(surface: &SplineSurface, of: impl Fn([f64; 3]) -> [f64; 3] + S
     [0, 1, 2].map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / (cx as f64 * cy as f64))
 }
 
-/// The same, as a sum over the cells of a row.
+/// Sum over the cells of a row.
 fn sum_of_row(surface: &SplineSurface, iy: usize, of: &impl Fn([f64; 3]) -> [f64; 3]) -> [f64; 3] {
     let ([cx, _], stride, [dx, dy]) = (surface.cells(), surface.stride(), surface.spacing());
     let rows = &surface.coefficients()[iy * stride..];

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::SplineSurface;
 use super::patch::{Place, dot};
+use super::surface::SplineSurface;
 use crate::height_field::check_grid;
 use crate::{Border, HeightField, HeightFieldError};
 

@@ -7,9 +7,4 @@
 )]
 
 mod roughness;
-mod slope_mixture;
 mod spline;
-mod structures;
-mod student_slopes;
-mod synthesis;
-mod transformed_heights;

@@ -93,7 +93,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use asperity_optics::Incidence;
-    use asperity_surface::{HeightField, Psd, SplineSurface, Synthesis};
+    use asperity_surface::{HeightField, SplineSurface};
+    use asperity_synthesis::{Psd, Synthesis};
     use glam::DVec2;
 
     use super::*;

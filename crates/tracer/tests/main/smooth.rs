@@ -1,6 +1,7 @@
 //! Smooth cells: every accelerator against brute force, and brute force against heights sampled along rays.
 
-use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
+use asperity_surface::{Border, HeightField, SplineSurface};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Escape, Geometry, HalfSpace, Hit,
     Instructions, Nearby, Outlook, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface, TileRay,

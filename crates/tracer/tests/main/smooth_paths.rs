@@ -2,7 +2,8 @@
 //! engine against the reference.
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
-use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
+use asperity_surface::{Border, HeightField, SplineSurface};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BottomShape, Branching, BuildAccelerator, Geometry, HalfSpace,

@@ -1,7 +1,7 @@
 //! Light on structured surfaces: V grooves against geometry, and the energy budget of every structure.
 
 use asperity_optics::Material;
-use asperity_surface::{
+use asperity_synthesis::{
     Arrangement, Cracks, GrooveProfile, Grooves, Pyramids, Scratches, SphericalSegments, Structure,
     StructureSynthesis,
 };

@@ -1,7 +1,8 @@
 //! Whether points see the sky: rays and horizons against each other, against brute force, and on surfaces
 //! whose shadows are known.
 
-use asperity_surface::{Border, HeightField, Psd, Synthesis, Triangle};
+use asperity_surface::{Border, HeightField, Triangle};
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, Facet, Geometry, Horizon, HorizonError, Horizons, Surface,
     Triangles, Visibility, VisibilityRay, trace_visibility,

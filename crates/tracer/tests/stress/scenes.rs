@@ -1,6 +1,7 @@
 //! Surfaces that are hard on rays.
 
-use asperity_surface::{Border, HeightField, Psd, Synthesis};
+use asperity_surface::{Border, HeightField};
+use asperity_synthesis::{Psd, Synthesis};
 
 use crate::stressed::Stressed;
 

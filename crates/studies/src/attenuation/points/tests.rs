@@ -1,7 +1,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use asperity_optics::Incidence;
-use asperity_surface::{HeightField, Psd, Synthesis};
+use asperity_surface::HeightField;
+use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, Facet, Geometry, Horizons, Surface, Visibility,
     trace_visibility,

@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use asperity_io::read_height_map;
-use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Psd};
+use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
+use asperity_synthesis::Psd;
 
 use super::SurfaceFileError;
 

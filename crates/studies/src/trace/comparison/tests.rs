@@ -2,7 +2,8 @@
 
 use asperity_results::ResultSet;
 use asperity_simulate::{Cells, RandomSurfaces, Silent};
-use asperity_surface::{LengthUnit, Psd, RegionSlopes};
+use asperity_surface::{LengthUnit, RegionSlopes};
+use asperity_synthesis::Psd;
 
 use super::*;
 use crate::given::GivenSurface;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use asperity_surface::{
-    Border, HeightField, MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Psd, SplineSurface,
-    SplineSynthesis, Synthesis, SynthesisError,
+use asperity_surface::{Border, HeightField, Length, SplineSurface};
+use asperity_synthesis::{
+    MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Psd, SplineSynthesis, Synthesis, SynthesisError,
 };
 
 use super::{BORDERS, jumble};
@@ -183,7 +183,7 @@ fn splines_need_fewer_spacings_per_correlation_length_than_facets() {
         coarse,
         SynthesisError::Unresolved {
             axis: 'y',
-            largest_spacing: 1.0,
+            largest_spacing: Length { value: 1.0, .. },
             ..
         }
     ));

@@ -269,7 +269,7 @@ impl Extremes {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Psd, SplineSynthesis};
+    use asperity_synthesis::{Psd, SplineSynthesis};
 
     use super::*;
 

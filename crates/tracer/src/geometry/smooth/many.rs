@@ -161,7 +161,8 @@ fn polynomial(polynomials: &[[f64; BLOCK]; 7], k: usize) -> [f64; 7] {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Psd, SplineSurface, Synthesis};
+    use asperity_surface::SplineSurface;
+    use asperity_synthesis::{Psd, Synthesis};
     use glam::DVec3;
 
     use super::*;

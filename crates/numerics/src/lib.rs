@@ -1,0 +1,14 @@
+//! Numerics: quadrature, roots, special functions, Fourier transforms of grids, and hashing. It knows nothing of optics or surfaces.
+
+mod columns;
+mod fourier;
+mod hash;
+pub mod quadrature;
+mod roots;
+mod special;
+
+pub use columns::columns;
+pub use fourier::{HalfPlane, power_plane, transform_plane};
+pub use hash::fnv1a;
+pub use roots::{quadratic_roots, root};
+pub use special::{beta_of_one_plus, exponential_integral, ln_normal_cdf};

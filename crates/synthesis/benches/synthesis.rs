@@ -1,0 +1,126 @@
+//! Time of a draw on one thread, and of the FFTs alone.
+//!
+//! `cargo bench -p asperity-surface` prints medians in milliseconds and their ratios. The bare FFTs
+//! are those of the whole inverse real FFT, of columns and of rows, on arrays that are there already
+//! and in the order that each wants; where most waves are empty, a draw needs fewer of them. `fresh` is
+//! [`Synthesis::draw`], whose memory the system provides and clears page by page; `in place` is
+//! [`Synthesis::draw_into`] in the memory of the last surface.
+#![allow(clippy::print_stdout, reason = "a bench is read by eye")]
+
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_synthesis::{Psd, Synthesis};
+use realfft::{ComplexToReal, RealFftPlanner};
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
+
+const SIZES: [usize; 4] = [512, 1024, 2048, 4096];
+const TAUS: [f64; 2] = [4.0, 16.0];
+
+/// Samples timed in all for each figure, and the fewest repeats.
+const SAMPLES: usize = 1 << 26;
+const FEWEST_REPEATS: usize = 7;
+
+fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| {
+        println!("   N  tau     fresh  in place  bare FFTs   fresh/bare  in place/bare");
+        for n in SIZES {
+            for tau in TAUS {
+                let synthesis = Synthesis::new(Psd::gaussian(1.0, tau)?, [n, n], [1.0; 2], false)?;
+                let [fresh, in_place, bare] = medians(&synthesis, n)?;
+                println!(
+                    "{n:4}  {tau:3}  {fresh:8.2}  {in_place:8.2}  {bare:9.2}   {:10.2}  {:13.2}",
+                    fresh / bare,
+                    in_place / bare
+                );
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Medians of interleaved repeats of a draw, of a draw in place, and of the bare FFTs, milliseconds.
+fn medians(
+    synthesis: &Synthesis,
+    n: usize,
+) -> Result<[f64; 3], Box<dyn std::error::Error + Send + Sync>> {
+    let mut ffts = BareFfts::new(n);
+    let mut times = [const { Vec::new() }; 3];
+    let mut last = synthesis.draw(1, 0)?;
+    for realisation in 0..FEWEST_REPEATS.max(SAMPLES / (n * n)) as u64 {
+        let start = Instant::now();
+        drop(black_box(synthesis.draw(1, realisation)?));
+        times[0].push(milliseconds_since(start));
+
+        let room = last.into_heights();
+        let start = Instant::now();
+        last = synthesis.draw_into(1, realisation, room)?;
+        times[1].push(milliseconds_since(start));
+
+        ffts.fill();
+        let start = Instant::now();
+        ffts.process()?;
+        times[2].push(milliseconds_since(start));
+    }
+    Ok(times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    }))
+}
+
+fn milliseconds_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// The FFTs from a half spectrum to `n` by `n` heights.
+struct BareFfts {
+    n: usize,
+    along_y: Arc<dyn Fft<f64>>,
+    along_x: Arc<dyn ComplexToReal<f64>>,
+    spectrum: Vec<Complex<f64>>,
+    heights: Vec<f64>,
+    scratch_y: Vec<Complex<f64>>,
+    scratch_x: Vec<Complex<f64>>,
+}
+
+impl BareFfts {
+    fn new(n: usize) -> Self {
+        let along_y = FftPlanner::new().plan_fft_inverse(n);
+        let along_x = RealFftPlanner::new().plan_fft_inverse(n);
+        Self {
+            n,
+            spectrum: vec![Complex::default(); n * (n / 2 + 1)],
+            heights: vec![0.0; n * n],
+            scratch_y: vec![Complex::default(); along_y.get_inplace_scratch_len()],
+            scratch_x: along_x.make_scratch_vec(),
+            along_y,
+            along_x,
+        }
+    }
+
+    /// Sets all waves alike.
+    fn fill(&mut self) {
+        self.spectrum.fill(Complex { re: 1.0, im: 0.5 });
+    }
+
+    /// Transforms every column of the half spectrum, then every row into heights. The numbers mean
+    /// nothing, since the columns are not turned into rows in between.
+    fn process(&mut self) -> Result<(), realfft::FftError> {
+        for column in self.spectrum.chunks_exact_mut(self.n) {
+            self.along_y
+                .process_with_scratch(column, &mut self.scratch_y);
+        }
+        let rows = self.spectrum.chunks_exact_mut(self.n / 2 + 1);
+        for (half, row) in rows.zip(self.heights.chunks_exact_mut(self.n)) {
+            half[0].im = 0.0;
+            half[self.n / 2].im = 0.0;
+            self.along_x
+                .process_with_scratch(half, row, &mut self.scratch_x)?;
+        }
+        black_box(&mut self.heights);
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! Draws structured surfaces: a structure plus Gaussian roughness.
+
+use rayon::prelude::*;
+
+use super::centred::centred;
+use crate::drawing::error::SynthesisError;
+use crate::drawing::synthesis::Synthesis;
+use crate::{StructureSynthesis, StructuredSurface};
+use asperity_surface::HeightField;
+
+/// A generator of structured surfaces.
+#[derive(Clone, Debug)]
+pub(super) struct StructuredSynthesis {
+    structure: StructureSynthesis,
+    roughness: Option<Synthesis>,
+}
+
+impl StructuredSynthesis {
+    /// `fewest`: spacings that a correlation length of the roughness must span; if none, nothing that the grid cannot resolve is
+    /// refused.
+    pub(super) fn new(
+        surface: &StructuredSurface,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
+        let insist = fewest.is_none();
+        let structure = StructureSynthesis::new(*surface.structure(), shape, spacing, insist)?;
+        let roughness = surface
+            .roughness()
+            .map(|psd| Synthesis::of_heights(psd.clone(), shape, spacing, fewest));
+        Ok(Self {
+            structure,
+            roughness: roughness.transpose()?,
+        })
+    }
+
+    pub(super) const fn structure(&self) -> &StructureSynthesis {
+        &self.structure
+    }
+
+    pub(super) fn peak_bytes(&self) -> usize {
+        let [ny, nx] = self.structure.shape();
+        let roughness = self.roughness.as_ref().map_or(0, Synthesis::peak_bytes);
+        self.structure.peak_bytes() + roughness.max(ny * nx * size_of::<f64>())
+    }
+
+    pub(super) fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+        let (shape, spacing) = (self.structure.shape(), self.structure.spacing());
+        let mut heights = self.structure.heights(seed, realisation)?;
+        let [_, nx] = shape;
+        if let Some(roughness) = &self.roughness {
+            let added = roughness.draw(seed, realisation)?;
+            heights
+                .par_chunks_mut(nx)
+                .zip(added.heights().par_chunks(nx))
+                .for_each(|(heights, added)| {
+                    for (h, more) in heights.iter_mut().zip(added) {
+                        *h += more;
+                    }
+                });
+        }
+        Ok(HeightField::new(centred(heights, nx), shape, spacing)?)
+    }
+}
