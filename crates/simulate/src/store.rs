@@ -6,13 +6,11 @@
 //! Surfaces and blocks are reduced in the order of their number, so that a resumed run gives the bytes of one that
 //! was not ended. A store must keep runs of other cases and settings apart.
 
-use asperity_surface::SlopeMoments;
 use asperity_tally::TallySpec;
 use serde::{Deserialize, Serialize};
 
 use crate::errors::refinement::MeshShifts;
-use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
-use crate::output::work::Used;
+use crate::output::surface_tallies::{CaseOnSurface, SurfaceTallies};
 
 /// Keeps finished parts of a run; called from any thread.
 pub trait SurfaceStore: Sync {
@@ -61,18 +59,8 @@ pub enum Stage {
 pub struct SavedSurface(SurfaceTallies);
 
 impl SavedSurface {
-    pub(crate) fn new(
-        cases: &[CaseOnSurface],
-        slopes: Option<SlopeMoments>,
-        seconds: Seconds,
-        used: Used,
-    ) -> Self {
-        Self(SurfaceTallies {
-            cases: cases.to_vec(),
-            slopes,
-            seconds,
-            used,
-        })
+    pub(crate) const fn new(tallies: SurfaceTallies) -> Self {
+        Self(tallies)
     }
 
     /// The tallies, if they are by the spec of each case.

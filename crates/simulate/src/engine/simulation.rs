@@ -7,8 +7,7 @@ use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
-use super::group::Group;
-use super::ready_group::ReadyGroup;
+use super::prepare::group::Group;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::limits::check_results;
@@ -94,7 +93,7 @@ impl Simulation {
     ) -> Result<Self, SimulateError> {
         let groups = Group::of_cases(cases, settings, is_complete)?.into_iter();
         let prepared = groups.enumerate().map(|(i, group)| match i {
-            ..GROUPS_AT_ONCE => group.prepared(settings),
+            ..GROUPS_AT_ONCE => group.prepared(),
             _ => Ok(group),
         });
         Ok(Self {
@@ -136,7 +135,7 @@ impl Simulation {
     #[must_use]
     pub fn rays(&self) -> u64 {
         let groups = self.groups.iter();
-        groups.map(|group| group.rays(&self.settings)).sum()
+        groups.map(Group::rays).sum()
     }
 
     /// Runs the cases, and holds the outcomes of all.
@@ -182,10 +181,10 @@ impl Simulation {
             let part: Vec<Group> = groups.by_ref().take(GROUPS_AT_ONCE).collect();
             let held = part.iter().map(Group::len).fold(held, usize::max);
             let ready = Self::plan(part, &settings, self.cases, context)?;
-            let surfaces = ready.iter().map(|group| group.surfaces()).max();
+            let surfaces = ready.iter().map(|group| group.plan.surfaces).max();
             let surfaces = surfaces.unwrap_or(0);
             check_results(&self.largest_spec, surfaces, held, settings.refine)?;
-            observer.begin("tracing", ready.iter().map(|group| group.rays()).sum());
+            observer.begin("tracing", ready.iter().map(Group::rays).sum());
             for group in ready {
                 if has_outcome && observer.stop_between().is_some() {
                     break;
@@ -218,19 +217,18 @@ impl Simulation {
         settings: &Settings,
         all_cases: usize,
         context: Context<'_>,
-    ) -> Result<Vec<Box<dyn ReadyGroup>>, SimulateError> {
+    ) -> Result<Vec<Group>, SimulateError> {
         let observer = context.observer;
-        let groups = groups.into_iter();
-        let groups = groups.map(|group| group.build(settings, context));
-        let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
+        let built = groups.into_iter().map(|group| group.build(context));
+        let mut groups = built.collect::<Result<Vec<_>, _>>()?.concat();
         if settings.target().is_some() {
-            observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());
+            observer.begin("planning", groups.iter().map(Group::pilot_rays).sum());
             for group in &mut groups {
-                group.plan(all_cases, context)?;
+                group.make_plan(all_cases, context)?;
             }
             observer.end();
         }
-        for line in groups.iter().flat_map(|group| group.explanations()) {
+        for line in groups.iter().flat_map(Group::explanations) {
             observer.explain(&line);
         }
         Ok(groups)

@@ -5,7 +5,7 @@ use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
-use super::chosen_paths::WayOfPaths;
+use super::chosen_paths::PathStrategy;
 use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
@@ -24,8 +24,8 @@ pub(crate) struct SurfaceTallies {
 /// What one surface did with the light of one case, block of rays by block of rays.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CaseOnSurface {
-    /// How paths were followed.
-    pub(crate) way: WayOfPaths,
+    #[serde(rename = "way")]
+    pub(crate) strategy: PathStrategy,
     /// Flux fractions; a batch is a block of rays.
     pub(crate) tally: TallyStatistics,
     /// What differs between its meshes, where it has several.
@@ -35,9 +35,9 @@ pub(crate) struct CaseOnSurface {
 
 impl CaseOnSurface {
     /// No blocks yet, for a surface that is traced on `meshes` meshes.
-    pub(crate) fn new(way: WayOfPaths, spec: TallySpec, meshes: usize) -> Self {
+    pub(crate) fn new(strategy: PathStrategy, spec: TallySpec, meshes: usize) -> Self {
         Self {
-            way,
+            strategy,
             tally: TallyStatistics::new(spec),
             shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
             work: Work::default(),

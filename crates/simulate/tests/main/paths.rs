@@ -96,7 +96,7 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
         let best = best.unwrap();
         assert!(best.relative_cost < 0.9, "{best:?}");
-        let paths = PathSettings::default().with(best.way.branching, best.way.roulette);
+        let paths = PathSettings::default().with(best.strategy.branching, best.strategy.roulette);
         assert_eq!(traced_on(&chosen), paths);
         let line = chosen.stopping.line(LengthUnit::Arbitrary).unwrap();
         assert!(line.contains("of the cost x variance of split, roulette 0.01, from above, plain"));
@@ -119,17 +119,19 @@ fn starts_and_estimators_are_tried_too() {
         let all = tried(&outcome);
         println!("{:?}", outcome.stopping.line(LengthUnit::Arbitrary));
         assert_eq!(all.len(), count);
-        let others = all.iter().filter(|one| one.way.starts != all[0].way.starts);
+        let others = all
+            .iter()
+            .filter(|one| one.strategy.starts != all[0].strategy.starts);
         assert!(others.count() > 0);
         let plain = all
             .iter()
-            .filter(|one| one.way.estimator == Estimator::Plain);
+            .filter(|one| one.strategy.estimator == Estimator::Plain);
         assert_eq!(plain.count(), count - 5);
         let least = all
             .iter()
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
-        let way = least.unwrap().way;
-        assert_eq!(outcome.stopping.paths.as_ref().unwrap().way, way);
+        let way = least.unwrap().strategy;
+        assert_eq!(outcome.stopping.paths.as_ref().unwrap().strategy, way);
         assert_eq!(outcome.work.estimator, way.estimator);
         assert_eq!(outcome.work.starts, way.starts);
     }
@@ -147,7 +149,7 @@ fn totals_keep_both_branches_and_a_low_threshold() {
         );
         let picked = tried(&outcome)
             .iter()
-            .find(|one| one.way.branching == Branching::Pick);
+            .find(|one| one.strategy.branching == Branching::Pick);
         assert!(picked.unwrap().relative_cost > 2.0);
         assert_eq!(traced_on(&outcome), PathSettings::default());
     }

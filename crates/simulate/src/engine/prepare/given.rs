@@ -1,26 +1,20 @@
-//! Cases on given surfaces: what is refused, and how those on one surface are prepared.
+//! Given surfaces: refuses cases that cannot be simulated on them.
 
 use std::mem::discriminant;
-use std::sync::Arc;
-use std::time::Instant;
 
 use asperity_surface::{Border, RefinementError};
 use asperity_tracer::{BottomSurface, Shape};
 
-use super::built_surface::{BuiltSurface, Meshes};
-use super::context::Context;
-use super::given_run::{GivenCase, GivenRun};
-use super::traced_case::NumberedCase;
+use super::case_run::CaseRun;
 use crate::error::SimulateError;
 use crate::input::estimator::Estimator;
-use crate::input::limits::{check_shape, check_shape_memory};
+use crate::input::limits::check_shape_memory;
 use crate::input::settings::Settings;
-use crate::methods::method::Method;
 
-/// Refuses what no run on given surfaces does.
+/// Refuses cases and settings that given surfaces do not allow.
 pub(crate) fn check(
     shapes: &[Shape],
-    cases: &[NumberedCase],
+    cases: &[CaseRun],
     settings: &Settings,
 ) -> Result<(), SimulateError> {
     let mut layers = cases.iter().filter_map(|one| one.case.layer);
@@ -74,50 +68,4 @@ fn check_estimator(
         Shape::TriangleMesh { .. } if is_controlled => SimulateError::MeshControl,
         _ => return Ok(()),
     })
-}
-
-impl GivenRun {
-    /// Builds the accelerators of the surface, and finds how each case is estimated on each mesh.
-    pub(crate) fn new(
-        shape: Shape,
-        cases: Vec<NumberedCase>,
-        settings: Settings,
-        context: Context<'_>,
-    ) -> Result<Self, SimulateError> {
-        context.observer.begin("building", 1);
-        let clock = Instant::now();
-        let meshes = Meshes::new(shape, settings.refine)?;
-        let built = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
-        let prepare = |NumberedCase { number, case }| {
-            let method = |mesh| {
-                check_shape(mesh, case.light.incidence)?;
-                // No control variate foresees the light of curved cells and of triangle meshes.
-                let method = match mesh {
-                    Shape::HeightField { top, .. } => Method::of_surface(top, &case, &settings)?,
-                    _ => Method::plain(&settings),
-                };
-                Ok(Arc::new(method))
-            };
-            let methods = built
-                .shapes()
-                .map(method)
-                .collect::<Result<_, SimulateError>>()?;
-            Ok(GivenCase {
-                number,
-                case,
-                methods,
-                tried: Vec::new(),
-                rays: settings.effort.total_rays(),
-            })
-        };
-        let cases = cases.into_iter().map(prepare);
-        let cases = cases.collect::<Result<Vec<_>, SimulateError>>()?;
-        context.observer.end();
-        Ok(Self {
-            built,
-            build_seconds: clock.elapsed().as_secs_f64() / cases.len().max(1) as f64,
-            cases,
-            settings,
-        })
-    }
 }

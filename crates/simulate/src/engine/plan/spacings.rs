@@ -126,7 +126,7 @@ mod tests {
     use asperity_surface::Psd;
 
     use super::*;
-    use crate::engine::pilot::tests::figures;
+    use crate::engine::plan::pilot::tests::figures;
     use crate::input::target::Quantity;
 
     /// Surfaces of 96 cells, so many to a correlation length, s = 8.

@@ -7,7 +7,7 @@
 
 use super::pilot::{Figures, cost_of_all};
 use crate::input::target::{Target, ratio};
-use crate::output::chosen_paths::{TriedPaths, WayOfPaths};
+use crate::output::chosen_paths::{PathStrategy, TriedPaths};
 
 /// What a trial may cost, of the run that it is to shorten.
 const MOST_OF_RUN: f64 = 0.08;
@@ -60,12 +60,12 @@ pub(crate) fn best(costs: &[f64]) -> usize {
 }
 
 /// What is reported of ways with these costs: nothing of one alone.
-pub(crate) fn report(ways: &[WayOfPaths], costs: &[f64]) -> Vec<TriedPaths> {
+pub(crate) fn report(ways: &[PathStrategy], costs: &[f64]) -> Vec<TriedPaths> {
     if ways.len() == 1 {
         return Vec::new();
     }
-    let of_way = |(way, cost): (&WayOfPaths, &f64)| TriedPaths {
-        way: *way,
+    let of_way = |(way, cost): (&PathStrategy, &f64)| TriedPaths {
+        strategy: *way,
         relative_cost: ratio(*cost, costs[0]),
     };
     ways.iter().zip(costs).map(of_way).collect()
@@ -74,7 +74,7 @@ pub(crate) fn report(ways: &[WayOfPaths], costs: &[f64]) -> Vec<TriedPaths> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::pilot::tests::figures;
+    use crate::engine::plan::pilot::tests::figures;
     use crate::input::settings::Settings;
     use crate::input::target::Quantity;
     use crate::methods::method::Method;
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(best(&costs(&[way(1.0, 1.0, 1.0); 3])), 0);
         let none = costs(&[way(0.0, 0.0, 1.0); 2]);
         assert_eq!((best(&none), &none[..]), (0, &[0.0, 0.0][..]));
-        let paths = [WayOfPaths::of(&Method::plain(&Settings::default())); 2];
+        let paths = [PathStrategy::of(&Method::plain(&Settings::default())); 2];
         assert_eq!(report(&paths, &none)[1].relative_cost, 0.0);
         assert_eq!(report(&paths, &[2.0, 1.0])[1].relative_cost, 0.5);
         assert_eq!(report(&paths[..1], &[2.0]), []);

@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
     use crate::methods::method::Method;
-    use crate::output::chosen_paths::WayOfPaths;
+    use crate::output::chosen_paths::PathStrategy;
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
@@ -227,7 +227,7 @@ mod tests {
             checks: AtomicU64::new(0),
             advanced: AtomicU64::new(0),
         };
-        let way = WayOfPaths::of(&Method::plain(&settings));
+        let way = PathStrategy::of(&Method::plain(&settings));
         let mut found = CaseOnSurface::new(way, settings.tally, 1);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {

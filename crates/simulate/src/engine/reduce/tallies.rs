@@ -68,14 +68,6 @@ impl CaseTallies {
         all
     }
 
-    /// The tallies of the case on the only surface there is.
-    pub(crate) fn of_one(case: CaseOnSurface, seconds: Seconds, used: Used) -> Self {
-        let mut tallies = Self::new(*case.tally.means().spec(), used);
-        tallies.add(case, true);
-        tallies.seconds = seconds;
-        tallies
-    }
-
     fn add(&mut self, case: CaseOnSurface, is_only: bool) {
         let CaseOnSurface {
             tally,

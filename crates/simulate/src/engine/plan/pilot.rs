@@ -13,8 +13,8 @@
 use asperity_tally::{Entry, TallyValues};
 use asperity_tracer::Work;
 
-use super::surfaces::SurfacePlan;
-use super::tallies::CaseTallies;
+use crate::engine::reduce::tallies::CaseTallies;
+use crate::engine::trace::stage_run::{PILOT_BLOCKS, SurfacePlan};
 use crate::errors::convergence::Convergence;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
@@ -25,10 +25,16 @@ use crate::output::stopping::PilotFigures;
 pub(crate) const FIRST: u64 = 1 << 40;
 
 /// Surfaces of the pilot run: their variance is known to a third.
-pub(crate) const SURFACES: u64 = 16;
+pub(crate) const PLAN: SurfacePlan = SurfacePlan {
+    surfaces: 16,
+    rays: 16 << 11,
+};
 
-/// Rays of all of them.
-pub(crate) const RAYS: u64 = SURFACES << 11;
+/// Rays of the pilot run on one surface, in blocks of 64 strata along a side.
+pub(crate) const PLAN_ON_ONE: SurfacePlan = SurfacePlan {
+    surfaces: 1,
+    rays: PILOT_BLOCKS * 64 * 64,
+};
 
 /// Nanoseconds that a cell takes to be drawn and built into the pyramid: processor time of one thread on
 /// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which were
