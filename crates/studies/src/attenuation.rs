@@ -38,10 +38,11 @@
 //! # Given surfaces
 //! [`ShadowShares`] counts lit, averted and hidden points of one height map, for `inspect --theta`.
 //!
-//! # Two methods
-//! Rays: one visibility ray per point and direction ([`asperity_tracer::trace_visibility`]). Horizons: the
-//! steepest rise along an azimuth answers for all its polar angles ([`asperity_tracer::Horizons`]), and for all
-//! sigma, to which it is proportional. The mirrored rays have no azimuth in common and are always rays.
+//! # Visibility
+//! Of flat cells the horizon of a point, the steepest rise along an azimuth, answers for all its polar angles
+//! ([`asperity_tracer::Horizons`]), and for all sigma, to which it is proportional. One visibility ray per point and direction
+//! ([`asperity_tracer::trace_visibility`]) gives the same answers: tests compare them. Mirrored rays have no azimuth in common and are
+//! always visibility rays.
 //!
 //! # Smooth cells
 //! Points are at the same places of the mean plane, two in each cell, with the height and normal of the smooth surface there, and so
@@ -79,8 +80,7 @@ use crate::config::error::ConfigError;
 use crate::report::flux_support::patches;
 
 pub use config::{
-    AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun,
-    AttenuationSurface, VisibilityMethod,
+    AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun, AttenuationSurface,
 };
 pub use demarcation::Demarcation;
 pub use files::{attenuation_report, attenuation_summary};
@@ -159,8 +159,8 @@ pub struct AttenuationWork {
     pub points: u64,
     /// Samples of a surface over which `paper_g2` is.
     pub samples: u64,
-    /// Rays or horizons.
-    pub method: VisibilityMethod,
+    /// Visibility method: `rays` or `horizons`.
+    pub method: &'static str,
     /// Visibility rays lost to numerical failure; they count as blocked.
     pub lost: u64,
     /// Seconds from beginning to end.
@@ -285,7 +285,7 @@ impl AttenuationPlan {
                 realisations: found_surfaces().count() as u64,
                 points: first.points,
                 samples: first.samples,
-                method: self.method,
+                method: self.method(),
                 lost: lost.map(|counts| counts.lost).sum(),
                 seconds: 0.0,
                 threads: rayon::current_num_threads(),

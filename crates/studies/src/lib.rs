@@ -25,8 +25,8 @@ mod verify;
 pub use attenuation::{
     AttenuationConfig, AttenuationDirections, AttenuationError, AttenuationOutcome,
     AttenuationOutput, AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface,
-    AttenuationWork, Demarcation, ShadowShares, SurveyedSurface, VisibilityMethod, VisibilityRow,
-    attenuation, attenuation_report, attenuation_summary, attenuation_table,
+    AttenuationWork, Demarcation, ShadowShares, SurveyedSurface, VisibilityRow, attenuation,
+    attenuation_report, attenuation_summary, attenuation_table,
 };
 pub use border::{ASSUMED_BORDER, border_notes};
 pub use comparison::error::CompareError;

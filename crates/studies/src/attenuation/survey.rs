@@ -14,12 +14,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
-use super::config::VisibilityMethod;
 use super::counts::Counts;
 use super::demarcation::Rises;
 use super::ground::{Ground, Point};
 use super::heights::{self, BINS};
-use super::plan::AttenuationPlan;
+use super::plan::{AttenuationPlan, RoughSurfaces};
 use super::points::{chunks, points, samples};
 use super::skyline::{Skyline, cotangent, least_rise};
 
@@ -47,38 +46,30 @@ impl SurveyedSurface {
             if observer.stop().is_some() {
                 return Ok(None);
             }
-            let drawn = surfaces.drawn.draw_into(run.seed, index, Vec::new());
-            let shape = drawn.map_err(SimulateError::from)?;
-            let shape = with_border(shape, plan.config.surface.border);
+            let shape = surfaces.shape(plan, index)?;
             // Light too grazing would cross too many tiles: it is refused before horizons are computed.
             plan.directions()
                 .try_for_each(|direction| check_shape(&shape, *direction))?;
             // Horizons scale with height, so that those of the first surface serve all.
-            if let (0, true, Shape::HeightField { top, .. }) =
-                (number, plan.needs_horizons(), &shape)
-            {
+            if let (0, Shape::HeightField { top, .. }) = (number, &shape) {
                 let least = least_rise(plan);
                 skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
                 rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
-            let survey = Survey {
-                seed: run.seed,
-                index,
-                lights: &plan.lights,
-                views: &plan.views,
-                mirror: run.mirror,
-                sigma: run.heights.then_some(surfaces.sigma),
-                azimuths: &plan.azimuths,
-                skylines: match plan.method {
-                    VisibilityMethod::Horizons => &skylines,
-                    _ => &[],
-                },
-                steeper: surfaces.sigma / plan.surfaces[0].sigma,
-            };
+            let survey = Survey::of(plan, surfaces, index, &skylines);
             counts.push(survey.count(&shape)?);
             observer.advance(1);
         }
         Ok(Some(Self { counts, rises }))
+    }
+}
+
+impl RoughSurfaces {
+    /// The surface of realisation `index`.
+    pub(super) fn shape(&self, plan: &AttenuationPlan, index: u64) -> Result<Shape, SimulateError> {
+        let run = &plan.config.run;
+        let shape = self.drawn.draw_into(run.seed, index, Vec::new())?;
+        Ok(with_border(shape, plan.config.surface.border))
     }
 }
 
@@ -118,7 +109,28 @@ pub(super) struct Survey<'a> {
     pub(super) steeper: f64,
 }
 
-impl Survey<'_> {
+impl<'a> Survey<'a> {
+    /// The counts that a plan needs of a surface.
+    pub(super) fn of(
+        plan: &'a AttenuationPlan,
+        surfaces: &RoughSurfaces,
+        index: u64,
+        skylines: &'a [Skyline],
+    ) -> Self {
+        let run = &plan.config.run;
+        Self {
+            seed: run.seed,
+            index,
+            lights: &plan.lights,
+            views: &plan.views,
+            mirror: run.mirror,
+            sigma: run.heights.then_some(surfaces.sigma),
+            azimuths: &plan.azimuths,
+            skylines,
+            steeper: surfaces.sigma / plan.surfaces[0].sigma,
+        }
+    }
+
     /// Counts over all points of a height map, in the order of the chunks, whatever thread had which.
     ///
     /// # Panics
