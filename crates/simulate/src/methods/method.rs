@@ -46,6 +46,15 @@ const MOST_WEIGHT_VARIANCE: f64 = 0.25;
 /// The probability of tracing into the shadow is at least `2^-HALVINGS`.
 const HALVINGS: i32 = 6;
 
+pub(crate) const UNPOLARISED_LIGHT: &str =
+    "knows unpolarised incident light alone; with --stokes take auto or plain";
+
+pub(crate) const SPECULAR_FACETS: &str =
+    "knows facets that reflect as mirrors or refract; these are Lambertian, so take auto or plain";
+
+const KNOWN_SLOPES: &str =
+    "needs the distribution of slopes, which is not known for these surfaces; take auto or plain";
+
 impl Method {
     /// Rays from above, and nothing else, on paths that no pilot run has chosen.
     pub(crate) const fn plain(settings: &Settings) -> Self {
@@ -125,13 +134,13 @@ impl Method {
             return Ok(Self::plain(settings));
         }
         if case.material.is_diffuse() {
-            return Self::of_diffuse(settings);
+            return Self::uncontrolled(settings, SPECULAR_FACETS);
         }
         if case.light.is_polarised() {
-            return Self::of_polarised(settings);
+            return Self::uncontrolled(settings, UNPOLARISED_LIGHT);
         }
         let Some(slopes) = known_slopes else {
-            return Self::of_unknown_slopes(settings);
+            return Self::uncontrolled(settings, KNOWN_SLOPES);
         };
         let incidence = case.light.incidence;
         match control_variate(slopes, case.material, incidence, &settings.spec_of(case)) {
@@ -150,27 +159,14 @@ impl Method {
         }
     }
 
-    /// The method for polarised light, whose single scattering no control variate knows.
-    pub(crate) fn of_polarised(settings: &Settings) -> Result<Self, SimulateError> {
+    /// The method where there is no control variate, since it `needs` something that the case does not have.
+    pub(crate) const fn uncontrolled(
+        settings: &Settings,
+        needs: &'static str,
+    ) -> Result<Self, SimulateError> {
         match settings.estimator {
             Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::PolarisedControl),
-        }
-    }
-
-    /// The method for facets that reflect diffusely: control variates are of mirrors and refraction.
-    pub(crate) const fn of_diffuse(settings: &Settings) -> Result<Self, SimulateError> {
-        match settings.estimator {
-            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::DiffuseControl),
-        }
-    }
-
-    /// The method for random surfaces whose distribution of slopes is not known.
-    fn of_unknown_slopes(settings: &Settings) -> Result<Self, SimulateError> {
-        match settings.estimator {
-            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::SlopesControl),
+            Estimator::Controlled => Err(SimulateError::NoControlVariate { needs }),
         }
     }
 

@@ -130,10 +130,10 @@ fn starts_and_estimators_are_tried_too() {
         let least = all
             .iter()
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
-        let way = least.unwrap().strategy;
-        assert_eq!(outcome.stopping.paths.as_ref().unwrap().strategy, way);
-        assert_eq!(outcome.work.estimator, way.estimator);
-        assert_eq!(outcome.work.starts, way.starts);
+        let strategy = least.unwrap().strategy;
+        assert_eq!(outcome.stopping.paths.as_ref().unwrap().strategy, strategy);
+        assert_eq!(outcome.work.estimator, strategy.estimator);
+        assert_eq!(outcome.work.starts, strategy.starts);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::path_trial::{best, cost_times_variance, is_worth, report, without_blind};
+use super::path_trial::{best, cost_times_variance, is_worth, report, without_hitless};
 use super::pilot::{self, Figures, cost_of_ray_ns};
 use crate::engine::context::Context;
 use crate::engine::prepare::case_run::CaseRun;
@@ -101,7 +101,7 @@ impl Group {
             let costs = costs
                 .map(|((_, tallies), error)| error.powi(2) * cost_of_ray_ns(&tallies.work))
                 .collect();
-            return without_blind(costs, errors.into_iter());
+            return without_hitless(costs, errors.into_iter());
         }
         let figures = tried.iter().flat_map(|(_, one)| self.figures_of(one, None));
         cost_times_variance(&figures.collect::<Vec<Figures>>(), target, most)

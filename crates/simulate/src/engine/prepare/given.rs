@@ -11,6 +11,13 @@ use crate::input::estimator::Estimator;
 use crate::input::limits::check_shape_memory;
 use crate::input::settings::Settings;
 
+const ONE_AZIMUTH: &str =
+    "of one surface needs light from one azimuth; with a random azimuth take auto or plain";
+
+const FLAT_CELLS: &str = "of one surface is a sum over flat facets; these cells are smooth, so take auto or plain, or flat cells";
+
+const HEIGHT_FIELD: &str = "is for height fields; this is a triangle mesh, so take auto or plain";
+
 /// Refuses cases and settings that given surfaces do not allow.
 pub(crate) fn check(
     shapes: &[Shape],
@@ -58,14 +65,15 @@ fn check_estimator(
     settings: &Settings,
 ) -> Result<(), SimulateError> {
     let is_controlled = settings.estimator == Estimator::Controlled;
+    let uncontrolled = |needs| SimulateError::NoControlVariate { needs };
     Err(match shape {
         Shape::HeightField { .. } if settings.refine && shape.border() == Border::Open => {
             RefinementError::Open.into()
         }
-        Shape::HeightField { .. } if is_controlled && any_azimuth => SimulateError::AzimuthControl,
+        Shape::HeightField { .. } if is_controlled && any_azimuth => uncontrolled(ONE_AZIMUTH),
         Shape::Smooth { .. } if settings.refine => SimulateError::SmoothRefinement,
-        Shape::Smooth { .. } if is_controlled => SimulateError::SmoothControl,
-        Shape::TriangleMesh { .. } if is_controlled => SimulateError::MeshControl,
+        Shape::Smooth { .. } if is_controlled => uncontrolled(FLAT_CELLS),
+        Shape::TriangleMesh { .. } if is_controlled => uncontrolled(HEIGHT_FIELD),
         _ => return Ok(()),
     })
 }

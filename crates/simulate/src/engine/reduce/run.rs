@@ -11,7 +11,7 @@ use crate::engine::trace::rounds::Rounds;
 use crate::error::SimulateError;
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::target::Quantity;
-use crate::methods::slope_control::{Observed, SlopeControl, SlopeControls};
+use crate::methods::control_variates::slopes::{ControlMoments, Observed, SlopeControlVariate};
 use crate::output::chosen_paths::ChosenPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
@@ -125,10 +125,10 @@ impl Group {
 
     /// The control variate of a traced case by the slopes of its surfaces, if it lowers the error of the target, or of the bins
     /// without a target.
-    fn slope_control(&self, run: &CaseRun, tallies: &CaseTallies) -> Option<SlopeControl> {
+    fn slope_control(&self, run: &CaseRun, tallies: &CaseTallies) -> Option<SlopeControlVariate> {
         let surfaces = self.random()?;
         let folded = run.method().mirror.is_some();
-        let controls = SlopeControls::of(&run.case.light, surfaces.recipe(), folded);
+        let moments = ControlMoments::of(&run.case.light, surfaces.recipe(), folded);
         let of = self.target().map_or(Quantity::Bins, |target| target.of());
         let observed = Observed {
             tallies: &tallies.surfaces,
@@ -136,7 +136,7 @@ impl Group {
             expected_slopes: surfaces.expected_slope_moments()?,
         };
         let spec = self.settings.spec_of(&run.case);
-        SlopeControl::fit(observed, controls, &of.entries(&spec))
+        SlopeControlVariate::fit(observed, moments, &of.entries(&spec))
     }
 
     /// The end of a case whose `error` lies within the target: that, unless the mesh adds too much to it.

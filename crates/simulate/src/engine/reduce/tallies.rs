@@ -5,7 +5,7 @@ use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 
 use crate::errors::refinement::MeshShifts;
-use crate::methods::slope_control::SlopeControl;
+use crate::methods::control_variates::slopes::SlopeControlVariate;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -94,7 +94,7 @@ impl CaseTallies {
     }
 
     /// Takes from the fluxes of each surface what its slopes explain.
-    pub(crate) fn adjust(&mut self, control: &SlopeControl) {
+    pub(crate) fn adjust(&mut self, control: &SlopeControlVariate) {
         let pairs = self.surfaces.iter_mut().zip(&self.slopes);
         for (number, (tally, slopes)) in pairs.enumerate() {
             *tally = control.adjusted(number, tally, slopes);
@@ -102,7 +102,7 @@ impl CaseTallies {
     }
 
     /// Statistics of the tallies of surfaces, less what their slopes explain.
-    pub(crate) fn adjusted_statistics(&self, control: &SlopeControl) -> TallyStatistics {
+    pub(crate) fn adjusted_statistics(&self, control: &SlopeControlVariate) -> TallyStatistics {
         let mut statistics = TallyStatistics::new(*self.ray_squares.spec());
         let pairs = self.surfaces.iter().zip(&self.slopes);
         for (number, (tally, slopes)) in pairs.enumerate() {

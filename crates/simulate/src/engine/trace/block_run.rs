@@ -227,8 +227,8 @@ mod tests {
             checks: AtomicU64::new(0),
             advanced: AtomicU64::new(0),
         };
-        let way = PathStrategy::of(&Method::plain(&settings));
-        let mut found = CaseOnSurface::new(way, settings.tally, 1);
+        let strategy = PathStrategy::of(&Method::plain(&settings));
+        let mut found = CaseOnSurface::new(strategy, settings.tally, 1);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
             found.push(&group.blocks, group.work);
