@@ -75,9 +75,9 @@ pub(crate) struct State<C> {
     /// Header of the journal; `None` in memory alone.
     header: Option<Header>,
     journal: Option<Journal>,
-    /// Where the journal of an earlier run ends; 0 to begin a new one.
+    /// End of the journal of an earlier run; 0 to begin a new one.
     end: u64,
-    /// Whether anything came that is not in the file of results.
+    /// `true` if anything came that is not in the file of results.
     pub(crate) is_changed: bool,
     /// When the journal is to be written next, if there is a clock that goes so far.
     due: Option<Instant>,
@@ -192,7 +192,7 @@ impl<C: Stored> State<C> {
         }
     }
 
-    /// What is written in the place of a given surface.
+    /// Description that is written in the place of a given surface.
     pub(crate) fn described_as(&self, source: &SurfaceSource) -> Option<&SurfaceSource> {
         let mut known = self.described.iter();
         known.find_map(|(live, described)| (live == source).then_some(described))

@@ -46,7 +46,7 @@ pub enum SimulateError {
     /// The surface does not fit into memory.
     #[error("{what} needs {needed:.1} GiB of memory; {available:.1} GiB are available")]
     NotEnoughMemory {
-        /// What needs it.
+        /// Part that needs it.
         what: &'static str,
         /// GiB needed.
         needed: f64,
@@ -75,12 +75,12 @@ pub enum SimulateError {
         "several given surfaces must all be flat cells, all smooth cells or all triangle meshes"
     )]
     MixedCells,
-    /// What is for one given surface, where there are several.
+    /// A setting for one given surface, where there are several.
     #[error(
         "{what} is for one given surface; several take the plain estimator and a number of rays"
     )]
     OnlyOfOne {
-        /// What was requested.
+        /// Setting that was requested.
         what: &'static str,
     },
     /// A surface of which a result file has kept no points.

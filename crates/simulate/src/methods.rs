@@ -1,4 +1,4 @@
-//! How a case is estimated: where its paths start, and the control variate that is subtracted.
+//! Methods: estimate a case by its path starts and a control variate.
 
 pub(crate) mod analytic;
 pub(crate) mod control_variates;

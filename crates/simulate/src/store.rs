@@ -14,13 +14,13 @@ use crate::output::surface_tallies::{CaseOnSurface, SurfaceTallies};
 
 /// Keeps finished parts of a run; called from any thread.
 pub trait SurfaceStore: Sync {
-    /// What was saved last under `key`; `None` if nothing was.
+    /// Returns the tallies that were saved last under `key`; `None` if there are none.
     fn load(&self, key: SurfaceKey) -> Option<SavedSurface>;
 
     /// Saves what was found on a surface, in place of what was saved under `key` before.
     fn save(&self, key: SurfaceKey, surface: SavedSurface);
 
-    /// Whether a surface whose rays are not all traced yet should be saved by now. Asked often.
+    /// Returns `true` if a surface whose rays are not all traced yet should be saved by now. Asked often.
     fn is_due(&self) -> bool {
         true
     }
@@ -31,19 +31,19 @@ pub trait SurfaceStore: Sync {
 pub struct SurfaceKey {
     /// Number of the first traced case of those that share the surface, among the cases of the run.
     pub case: usize,
-    /// What it belongs to.
+    /// Stage.
     pub stage: Stage,
     /// Number of the surface, or of the round of rays on a given one.
     pub number: u64,
 }
 
-/// What a part of a run belongs to.
+/// Stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
     /// Surfaces of the pilot run, from which the effort is planned.
     Pilot,
-    /// The same surfaces, on whose light other paths are tried.
+    /// Surfaces of the pilot run, on which other paths are tried.
     PathTrial,
     /// The surfaces of the pilot run at twice their spacing.
     CoarsePilot,
@@ -53,7 +53,7 @@ pub enum Stage {
     Regions,
 }
 
-/// What one surface did with the light of every case that shares it, perhaps of the first blocks of rays alone.
+/// Tallies of one surface for every case that shares it, perhaps of the first blocks of rays alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct SavedSurface(SurfaceTallies);

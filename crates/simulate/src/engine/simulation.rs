@@ -76,16 +76,16 @@ impl Simulation {
     /// Checks cases, and prepares their control variates. No rays are traced yet.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
         Self::of_missing(cases, settings, |_| false)
     }
 
-    /// The same without the cases of the numbers that are complete. Those that are left keep their numbers, and are estimated as if all
+    /// Prepares the cases without those whose numbers are complete. The others keep their numbers, and are estimated as if all
     /// were there.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn of_missing(
         cases: &[Case],
         settings: &Settings,
@@ -108,13 +108,13 @@ impl Simulation {
         })
     }
 
-    /// The same on another engine, which gives the same bytes.
+    /// The simulation on another engine, which gives the same bytes.
     #[must_use]
     pub fn on(self, engine: Arc<dyn Engine>) -> Self {
         Self { engine, ..self }
     }
 
-    /// The same cases, by the same estimators, with another effort and seed.
+    /// The simulation of the same cases, by the same estimators, with another effort and seed.
     #[must_use]
     pub fn repeated(&self, effort: Effort, seed: u64) -> Self {
         let settings = Settings {
@@ -141,7 +141,7 @@ impl Simulation {
     /// Runs the cases, and holds the outcomes of all.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
         let mut outcomes = Vec::new();
         let held = self.groups.iter().map(Group::len).sum();
@@ -160,7 +160,7 @@ impl Simulation {
     /// `held`: number of cases whose surfaces the caller keeps in memory, zero if it keeps moments alone.
     ///
     /// # Errors
-    /// As [`simulate`], and the first error of `sink`, which ends the run.
+    /// Same as [`simulate`], and the first error of `sink`, which ends the run.
     pub fn resume<E: From<SimulateError>>(
         self,
         store: Option<&dyn SurfaceStore>,

@@ -9,7 +9,7 @@ use asperity_tally::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Why a target is refused.
+/// Error of an invalid target.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TargetError {
@@ -81,7 +81,7 @@ impl Quantity {
         matches!(self, Self::Reflected | Self::Transmitted | Self::Absorbed)
     }
 
-    /// What errors are divided by, given the sum of squares of the fluxes.
+    /// Norm by which errors are divided, given the sum of squares of the fluxes.
     #[must_use]
     pub fn norm(self, square: f64) -> f64 {
         if self.is_total() { 1.0 } else { square.sqrt() }

@@ -1,4 +1,4 @@
-//! How a case is estimated: where its paths start, how they branch, what is subtracted from them, and whether bins are folded.
+//! Method: estimates a case by path starts, branching, a control variate, and folding of bins.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,7 +16,7 @@ use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
 use crate::input::settings::{Effort, Settings};
 
-/// Where paths start, how they branch and end, and what is done with the tallies that they give.
+/// Method of a case: path starts, branching, control variate, and folding of bins.
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
@@ -26,14 +26,14 @@ pub(crate) struct Method {
     pub(crate) mirror: Option<Mirror>,
 }
 
-/// Where the mean of a control variate comes from.
+/// Source of the mean of a control variate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ControlVariateMean {
     /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,
     /// of unshadowed single scattering.
     GaussianSlopes,
-    /// The same over a mixture of Gaussian slopes.
+    /// The integral over a mixture of Gaussian slopes.
     SlopeMixture,
     /// The sum over the facets of the one surface that is traced: it removes noise of rays alone.
     FacetsOfSurface,
@@ -92,7 +92,7 @@ impl Method {
         found
     }
 
-    /// The same on other paths.
+    /// The method on other paths.
     pub(crate) fn on(&self, paths: PathSettings) -> Self {
         Self {
             paths,
@@ -223,7 +223,7 @@ impl Method {
             .map(|(control_variate, _)| control_variate)
     }
 
-    /// Where its mean comes from.
+    /// Source of the mean of the control variate.
     pub(crate) fn control_variate_mean(&self) -> Option<ControlVariateMean> {
         self.control_variate.as_ref().map(|(_, mean)| *mean)
     }
@@ -286,7 +286,7 @@ fn symmetry(light: &Light, recipe: &SurfaceRecipe, spec: &TallySpec) -> Option<M
         .flatten()
 }
 
-/// What a control variate is expected to bring to rays from above.
+/// Gain by a control variate that is expected for rays from above.
 ///
 /// A ray hits one facet and passes `lambda` others in its shadow, on average. The light that leaves the first
 /// is not masked with probability `v`. If what is subtracted has the weight `b`, and shadows are traced

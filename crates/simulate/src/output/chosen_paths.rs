@@ -25,9 +25,9 @@ pub struct PathStrategy {
     pub branching: Branching,
     /// Flux below which Russian roulette decides.
     pub roulette: f64,
-    /// Where paths start.
+    /// Starts of paths.
     pub starts: Starts,
-    /// Whether a control variate is subtracted.
+    /// Estimator: plain, or with a control variate.
     pub estimator: Estimator,
 }
 

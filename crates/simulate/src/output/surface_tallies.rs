@@ -1,4 +1,4 @@
-//! What one surface did with the light of the cases that share it.
+//! Tallies of one surface for the cases that share it.
 
 use asperity_surface::SlopeMoments;
 use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
@@ -9,7 +9,7 @@ use super::chosen_paths::PathStrategy;
 use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
-/// What one surface did with the light of every case that shares it.
+/// Tallies of one surface for every case that shares it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SurfaceTallies {
     /// By case.
@@ -21,14 +21,14 @@ pub(crate) struct SurfaceTallies {
     pub(crate) used: Used,
 }
 
-/// What one surface did with the light of one case, block of rays by block of rays.
+/// Tallies of one surface for one case, block of rays by block of rays.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CaseOnSurface {
     #[serde(rename = "way")]
     pub(crate) strategy: PathStrategy,
     /// Flux fractions; a batch is a block of rays.
     pub(crate) tally: TallyStatistics,
-    /// What differs between its meshes, where it has several.
+    /// Differences between its meshes, where it has several.
     pub(crate) shifts: Option<MeshShifts>,
     pub(crate) work: Work,
 }

@@ -53,7 +53,7 @@ fn random() -> Case {
     Rough::smooth(1.0, 4.0, 32).case(glass(), 60.0)
 }
 
-/// The same light on one such surface.
+/// The light on one such surface.
 fn given() -> Case {
     let synthesis = Synthesis::new(psd(), [32; 2], [1.0; 2], false).unwrap();
     let surface = SurfaceSource::height_field(synthesis.draw(1, 0).unwrap());
@@ -83,7 +83,7 @@ fn numbers(outcome: &Outcome) -> String {
     format!("{plan:?} {pilot:?} {work:?} {:?}", outcome.statistics)
 }
 
-/// What was chosen takes the same surfaces and rays when it is named, and gives the same bytes.
+/// Chosen paths take the same surfaces and rays when they are named, and give the same bytes.
 #[test]
 fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
     for case in [random(), given()] {
@@ -109,7 +109,7 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
     }
 }
 
-/// Where the estimator is free, the other start of paths and plain rays are tried beside the control variate, the latter on all paths;
+/// If the estimator is free, the other start of paths and plain rays are tried beside the control variate, the latter on all paths;
 /// where it is named, the other start alone.
 #[test]
 fn starts_and_estimators_are_tried_too() {

@@ -26,7 +26,7 @@ impl Keeper {
         self.0.lock().unwrap().retain(|key, _| is_kept(key));
     }
 
-    /// How many parts it keeps.
+    /// Number of parts that it keeps.
     pub(crate) fn len(&self) -> usize {
         self.0.lock().unwrap().len()
     }

@@ -28,9 +28,9 @@ pub struct AttenuationSurface {
     /// Unit of lengths.
     #[serde(default)]
     pub unit: LengthUnit,
-    /// What lies between the heights of the grid: flat cells unless others are named.
+    /// Cells between the heights of the grid: flat unless others are named.
     pub cells: CellsChoice,
-    /// What lies beyond the border: periodic or open.
+    /// Border: periodic or open.
     pub border: Border,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
@@ -78,13 +78,13 @@ pub struct AttenuationOutput {
 pub struct AttenuationConfig {
     /// The random surfaces.
     pub surface: AttenuationSurface,
-    /// Where the light comes from.
+    /// Directions towards the light.
     pub light: AttenuationDirections,
-    /// Where the surface is seen from; from straight above unless given.
+    /// Directions towards the eye; straight above unless given.
     pub view: AttenuationDirections,
-    /// How much is measured.
+    /// Amount of measurements.
     pub run: AttenuationRun,
-    /// What is drawn.
+    /// Figures.
     pub output: AttenuationOutput,
 }
 

@@ -40,12 +40,12 @@ pub(super) struct RoughSurfaces {
     pub(super) sigma: f64,
     /// Slopes of the continuous surface.
     pub(super) slopes: SlopeCovariance,
-    /// What draws them.
+    /// Recipe that draws them.
     pub(super) drawn: RandomSurfaces,
 }
 
 impl AttenuationPlan {
-    /// What the results of this configuration are kept under: all settings but those of the figures.
+    /// Header of the results: all settings but those of the figures.
     #[must_use]
     pub fn header(&self) -> Header {
         let config = &self.config;

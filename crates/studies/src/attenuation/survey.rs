@@ -27,7 +27,7 @@ use super::skyline::{Skyline, cotangent, least_rise};
 pub struct SurveyedSurface {
     /// One per sigma.
     pub(super) counts: Vec<Counts>,
-    /// Where shadow begins on the surface of the first sigma, if that was requested.
+    /// Rises at which shadow begins on the surface of the first sigma, if requested.
     pub(super) rises: Option<Rises>,
 }
 
@@ -88,7 +88,7 @@ fn with_border(shape: Shape, border: Border) -> Shape {
     }
 }
 
-/// What is counted on a surface; nothing by default.
+/// Survey: the counts that are requested of a surface; none by default.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Survey<'a> {
     /// Seed of the points, and number of the surface that they are on.
@@ -97,15 +97,15 @@ pub(super) struct Survey<'a> {
     pub(super) lights: &'a [Incidence],
     /// Without any, no samples are counted.
     pub(super) views: &'a [Incidence],
-    /// Whether mirrored rays are followed.
+    /// `true` if mirrored rays are followed.
     pub(super) mirror: bool,
     /// Root mean square height, if points are counted by height.
     pub(super) sigma: Option<f64>,
-    /// Those of lights and views, radians.
+    /// Azimuths of lights and views, radians.
     pub(super) azimuths: &'a [f64],
     /// Horizons along each azimuth; none where points see by rays.
     pub(super) skylines: &'a [Skyline],
-    /// How many times steeper this surface is than that of the skylines.
+    /// Steepness of this surface over that of the skylines.
     pub(super) steeper: f64,
 }
 
@@ -169,7 +169,7 @@ struct Site<'a, G: Ground> {
     lost: AtomicU64,
 }
 
-/// Whether a point faces a direction, and whether it sees it.
+/// Visibility of a direction from a point.
 #[derive(Clone, Copy)]
 struct Mark {
     facing: bool,
@@ -281,7 +281,7 @@ impl<G: Ground> Site<'_, G> {
         marks.map(|(facing, free)| Mark { facing, free }).collect()
     }
 
-    /// How many of the lit points send the mirrored ray away.
+    /// Number of lit points whose mirrored ray escapes.
     fn mirrored(&self, light: &Incidence, points: &[Point<G::Facet>], lit: &[Mark]) -> u64 {
         let wi = light.wi();
         let rays = points.iter().zip(lit).map(|(point, lit)| {

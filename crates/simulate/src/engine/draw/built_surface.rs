@@ -43,7 +43,7 @@ impl Meshes {
         Self(meshes)
     }
 
-    /// The same over those of a bottom. A coarser mesh is left out if either has none.
+    /// The meshes over those of a bottom. A coarser mesh is left out if either has none.
     pub(crate) fn over(self, bottoms: Option<Self>) -> Self {
         let Some(Self(bottoms)) = bottoms else {
             return self;

@@ -9,7 +9,7 @@ use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
 
-/// Where all surfaces of a run come from, planned once.
+/// Source of all surfaces of a run, planned once.
 pub(crate) enum Drawer<'a> {
     /// A recipe; facets are refined or not.
     Random(&'a RandomSurfaces, bool),

@@ -95,7 +95,7 @@ impl Draft {
         }
     }
 
-    /// What the mesh adds to the result.
+    /// Mesh errors of the result.
     fn mesh_errors(&self, settings: &Settings) -> MeshErrors {
         let refinement = self.refinement();
         let spec = settings.spec_of(&self.run.case);
@@ -132,7 +132,7 @@ impl Draft {
         }
     }
 
-    /// What the meshes of several spacings showed, if there were several.
+    /// Refinement by meshes of several spacings, if there were several.
     fn refinement(&self) -> Option<Refinement> {
         let shifts = &self.tallies.shifts;
         let surface = Some(&self.run.case.surface).filter(|_| !shifts.is_empty())?;

@@ -20,7 +20,7 @@ pub(crate) struct CaseTallies {
     pub(crate) ray_squares: TallyValues,
     /// Statistics over ray blocks, where there is only one surface, or an analytic result.
     pub(crate) blocks_of_one: Option<TallyStatistics>,
-    /// What differs between the meshes of each surface, where it has several.
+    /// Differences between the meshes of each surface, where it has several.
     pub(crate) shifts: Vec<MeshShifts>,
     pub(crate) work: Work,
     pub(crate) seconds: Seconds,

@@ -1,4 +1,4 @@
-//! How the blocks of one surface are traced: in groups, and these in parts, side by side.
+//! Block run: traces the blocks of one surface in groups, and these in parts, side by side.
 
 use asperity_tally::{ControlVariate, Mirror, Tallies, TallySpec, TallyValues};
 use asperity_tracer::{BatchTracer, Illumination, PathStream, Work};
@@ -25,7 +25,7 @@ const PARTS_PER_THREAD: usize = 32;
 /// Blocks of a run that is to stop: from fewer there is no error.
 const MIN_BLOCKS: u64 = 2;
 
-/// What a group of blocks of rays found.
+/// Tallies of a group of blocks of rays.
 pub(crate) struct FinishedGroup {
     /// Number of the first block.
     pub(crate) first: u64,

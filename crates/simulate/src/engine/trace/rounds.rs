@@ -31,7 +31,7 @@ pub(crate) const MAX_RAYS: f64 = 1e15;
 struct PlannedBatches {
     /// Traced first; their error then decides how many are needed in all.
     first: u64,
-    /// As a pilot run expects.
+    /// Number expected by a pilot run.
     all: u64,
 }
 

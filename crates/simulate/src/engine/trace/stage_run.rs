@@ -49,7 +49,7 @@ const FIRST_BOTTOM: u64 = 1 << 50;
 /// Number of the surface whose random streams the rays of the first region have: beyond those of pilot runs.
 const FIRST_REGION: u64 = 1 << 41;
 
-/// How many surfaces are planned, and rays on all of them.
+/// Number of surfaces, and of rays on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SurfacePlan {
     pub(crate) surfaces: u64,
@@ -82,7 +82,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// Where light falls on the surface of a number.
+    /// Windows of the surface of a number on which light falls.
     fn windows(self, number: u64) -> Vec<Window> {
         match self {
             Self::Built(built, Some(regions)) => regions.windows(number, built.border()),
@@ -132,7 +132,7 @@ struct Part {
 struct Numbered {
     surface: u64,
     found: Result<SurfaceTallies, SimulateError>,
-    /// Whether it has had all of its rays.
+    /// `true` if it has had all of its rays.
     complete: bool,
 }
 
@@ -140,7 +140,7 @@ struct Numbered {
 struct Turns {
     next: AtomicU64,
     end: u64,
-    /// Whether one was begun that no earlier run has finished.
+    /// `true` if one was begun that no earlier run has finished.
     has_begun: AtomicBool,
 }
 
@@ -150,7 +150,7 @@ impl Turns {
         (surface < self.end).then_some(surface)
     }
 
-    /// Whether no further surface is begun. One is even if there is no time for it, so that repeated runs come to an end.
+    /// Returns `true` if no further surface is begun. One is even if there is no time for it, so that repeated runs come to an end.
     fn are_over(&self, observer: &dyn Observer) -> bool {
         match observer.stop() {
             Some(StoppedBy::Interrupt) => true,

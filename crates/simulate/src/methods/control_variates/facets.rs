@@ -20,7 +20,7 @@ const ENDLESS_SURFACE: &str = "needs a surface that continues beyond its border;
 impl Method {
     /// The method for light on one given surface of flat cells.
     ///
-    /// Where the choice is free, a control variate is taken if it promises to pay and the sum over all facets
+    /// If the choice is free, a control variate is taken if it promises to pay and the sum over all facets
     /// costs less than the rays do.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ mod tests {
 
     use super::*;
 
-    /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
+    /// A black surface absorbs the weights of all facets that face the light: of each half of
     /// a cell `max(0, wi . m) / (cos theta_m cos theta_i) = max(0, 1 - slope . wi / cos theta_i)`, over the
     /// number of facets. In a mirrored tile each stands for its four images. No scale of the sum shows
     /// in results, since the budget of each tally is closed.
