@@ -6,19 +6,17 @@
 //! Surfaces and blocks are reduced in the order of their number, so that a resumed run gives the bytes of one that
 //! was not ended. A store must keep runs of other cases and settings apart.
 
-use asperity_tally::TallySpec;
 use serde::{Deserialize, Serialize};
 
-use crate::errors::refinement::MeshShifts;
-use crate::output::surface_tallies::{CaseOnSurface, SurfaceTallies};
+use crate::output::surface_tallies::SurfaceTallies;
 
 /// Keeps finished parts of a run; called from any thread.
 pub trait SurfaceStore: Sync {
     /// Returns the tallies that were saved last under `key`; `None` if there are none.
-    fn load(&self, key: SurfaceKey) -> Option<SavedSurface>;
+    fn load(&self, key: SurfaceKey) -> Option<SurfaceTallies>;
 
     /// Saves what was found on a surface, in place of what was saved under `key` before.
-    fn save(&self, key: SurfaceKey, surface: SavedSurface);
+    fn save(&self, key: SurfaceKey, surface: SurfaceTallies);
 
     /// Returns `true` if a surface whose rays are not all traced yet should be saved by now. Asked often.
     fn is_due(&self) -> bool {
@@ -51,26 +49,4 @@ pub enum Stage {
     Result,
     /// Regions of a given surface.
     Regions,
-}
-
-/// Tallies of one surface for every case that shares it, perhaps of the first blocks of rays alone.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct SavedSurface(SurfaceTallies);
-
-impl SavedSurface {
-    pub(crate) const fn new(tallies: SurfaceTallies) -> Self {
-        Self(tallies)
-    }
-
-    /// The tallies, if they are by the spec of each case.
-    pub(crate) fn restore(self, specs: &[TallySpec]) -> Option<SurfaceTallies> {
-        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
-            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
-            [case.tally.spec(), of_shifts] == [spec; 2]
-        };
-        let cases = &self.0.cases;
-        let fits = cases.len() == specs.len() && cases.iter().zip(specs).all(is_by);
-        fits.then_some(self.0)
-    }
 }

@@ -9,9 +9,9 @@ use super::chosen_paths::PathStrategy;
 use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
-/// Tallies of one surface for every case that shares it.
+/// Tallies of one surface for every case that shares it, perhaps of the first blocks of rays alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct SurfaceTallies {
+pub struct SurfaceTallies {
     /// By case.
     pub(crate) cases: Vec<CaseOnSurface>,
     /// Moments of its slopes, of a random surface.
@@ -19,6 +19,17 @@ pub(crate) struct SurfaceTallies {
     #[serde(rename = "machine")]
     pub(crate) seconds: Seconds,
     pub(crate) used: Used,
+}
+
+impl SurfaceTallies {
+    /// Returns `true` if the tallies are by the spec of each case.
+    pub(crate) fn are_by(&self, specs: &[TallySpec]) -> bool {
+        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
+            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
+            [case.tally.spec(), of_shifts] == [spec; 2]
+        };
+        self.cases.len() == specs.len() && self.cases.iter().zip(specs).all(is_by)
+    }
 }
 
 /// Tallies of one surface for one case, block of rays by block of rays.

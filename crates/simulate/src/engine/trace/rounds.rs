@@ -26,32 +26,6 @@ pub(crate) const RAY_MARGIN: f64 = 1.2;
 /// Most rays of a run with a target on one surface.
 pub(crate) const MAX_RAYS: f64 = 1e15;
 
-/// Number of batches that a run begins with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct PlannedBatches {
-    /// Traced first; their error then decides how many are needed in all.
-    first: u64,
-    /// Number expected by a pilot run.
-    all: u64,
-}
-
-impl PlannedBatches {
-    /// All of them at once.
-    const fn at_once(all: u64) -> Self {
-        Self { first: all, all }
-    }
-
-    /// Half of them first, if that is enough to tell an error and leaves something to decide.
-    fn in_halves(all: u64) -> Self {
-        let half = all.div_ceil(2).max(FEWEST_FIRST);
-        if half < all - all / 8 {
-            Self { first: half, all }
-        } else {
-            Self::at_once(all)
-        }
-    }
-}
-
 /// End of the rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rounds {
@@ -91,11 +65,11 @@ impl Group {
         context: Context<'_>,
     ) -> Result<(Vec<CaseTallies>, Rounds), SimulateError> {
         let mut batches = Batches::new(self, all_cases);
-        let planned = match self.target() {
-            Some(_) if !self.has_ray_blocks() => PlannedBatches::in_halves(batches.all),
-            _ => PlannedBatches::at_once(batches.all),
-        };
-        let (mut count, mut added) = (planned.first, 0);
+        // Half of the surfaces first, if that is enough to tell an error and leaves something to decide.
+        let all = batches.all;
+        let half = all.div_ceil(2).max(FEWEST_FIRST);
+        let decides = self.target().is_some() && !self.has_ray_blocks() && half < all - all / 8;
+        let (mut count, mut added) = (if decides { half } else { all }, 0);
         let stopped_by = loop {
             if self.cases.is_empty() {
                 break StoppedBy::Plan;
@@ -113,7 +87,7 @@ impl Group {
             if added == MAX_ROUNDS || needed <= count {
                 break StoppedBy::Plan;
             }
-            if needed > planned.all {
+            if needed > all {
                 added += 1;
             }
             count = needed;

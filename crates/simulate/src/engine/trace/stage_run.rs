@@ -29,7 +29,7 @@ use crate::input::settings::Settings;
 use crate::observer::Observer;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
-use crate::store::{SavedSurface, Stage, SurfaceKey};
+use crate::store::{Stage, SurfaceKey};
 
 /// Memory that surfaces traced side by side may take.
 const MEMORY_BUDGET: u64 = 4 << 30;
@@ -378,7 +378,8 @@ impl StageRun<'_> {
 
     /// Saved tallies of all cases.
     fn load(&self, key: SurfaceKey, context: Context<'_>) -> Option<SurfaceTallies> {
-        context.store?.load(key)?.restore(&self.specs())
+        let saved = context.store?.load(key)?;
+        saved.are_by(&self.specs()).then_some(saved)
     }
 
     /// `true` if a surface has had all of its rays, on the paths that are planned.
@@ -514,7 +515,7 @@ impl StageRun<'_> {
 
 fn save(key: SurfaceKey, found: &SurfaceTallies, context: Context<'_>) {
     if let Some(store) = context.store {
-        store.save(key, SavedSurface::new(found.clone()));
+        store.save(key, found.clone());
     }
 }
 
