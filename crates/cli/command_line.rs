@@ -128,7 +128,6 @@ fn argument(setting: &Setting, command: Command) -> Arg {
     };
     let argument = Arg::new(flag.clone())
         .long(flag)
-        .aliases(setting.aliases.iter().copied())
         .help(summary(setting, command))
         .help_heading(heading(setting))
         .action(action);

@@ -105,7 +105,7 @@ fn explicit_surfaces_are_lit_as_theory_has_it_within_its_bias() {
 /// is 0.12 % lower, which moves fractions by less than 0.001. On smooth cells too light sees the area of the mean plane.
 #[test]
 fn smooth_cells_are_lit_as_fine_facets_are() {
-    let run = "attenuation --tau 1 --size 64 --sigma 0.4,1 --theta 45,75 --phi 33 --view-theta 60 --view-phi 150 --realisations 12 --method rays";
+    let run = "attenuation --tau 1 --size 64 --sigma 0.4,1 --theta 45,75 --phi 33 --view-theta 60 --view-phi 150 --realisations 12";
     let smooth = outcome(&format!("{run} --spacing 0.25 --cells smooth"));
     let flat = outcome(&format!(
         "{} --spacing 0.05",
@@ -266,41 +266,29 @@ fn mirrored_rays_are_masked_as_smith_has_it_within_its_bias() {
     }
 }
 
+/// Horizons of the first sigma serve all: on surfaces twice as high the light is as if it were steeper.
 #[test]
-fn both_methods_agree() {
+fn a_surface_among_others_is_lit_as_it_is_alone() {
     let directions = "--theta 20,60,85 --phi 30 --view-theta 0,50 --view-phi 200 --heights";
-    let command = format!("{SMALL} {directions}");
-    let [rays, horizons] =
-        ["rays", "horizons"].map(|method| outcome(&format!("{command} --method {method}")));
-    assert_eq!(rays["rows"], horizons["rows"]);
-    assert_eq!(rays["visibility"], horizons["visibility"]);
-    assert_eq!(rays["rows"].as_array().unwrap().len(), 6);
-    assert_eq!(horizons["work"]["method"], "horizons");
-    // Horizons of the first sigma serve all: on surfaces twice as high the light is as if it were steeper.
+    let alone = outcome(&format!("{SMALL} {directions}"));
     let several = outcome(&format!(
-        "{SMALLEST} --sigma 0.75,1.5 --realisations 3 {directions} --method horizons"
+        "{SMALLEST} --sigma 0.75,1.5 --realisations 3 {directions}"
     ));
-    assert_eq!(rows(&several)[6..], rows(&rays)[..]);
-    // On an open patch too.
-    let [rays, horizons] = ["rays", "horizons"]
-        .map(|method| outcome(&format!("{command} --border open --method {method}")));
-    assert_eq!(rays["rows"], horizons["rows"]);
+    assert_eq!(rows(&several)[6..], rows(&alone)[..]);
 }
 
 #[test]
 fn the_eye_at_the_light_sees_what_is_lit() {
     let command = format!("{SMALL} --theta 70 --phi 25 --view-theta 70,40");
-    for method in ["rays", "horizons"] {
-        let same = outcome(&format!("{command} --view-phi 25 --method {method}"));
-        let row = &rows(&same)[0];
-        assert_eq!(row["g2"], row["g1"]);
-        assert_eq!(row["g1_view"], row["g1"]);
-        assert_eq!(row["local_mask"], row["local_shadow"]);
-        // Smith's bistatic forms know nothing of that.
-        assert!(number(row, "smith_correlated_g2") < mean(row, "g2"));
-        let opposite = outcome(&format!("{command} --view-phi 205 --method {method}"));
-        assert!(mean(&rows(&opposite)[0], "g2") < mean(row, "g2"));
-    }
+    let same = outcome(&format!("{command} --view-phi 25"));
+    let row = &rows(&same)[0];
+    assert_eq!(row["g2"], row["g1"]);
+    assert_eq!(row["g1_view"], row["g1"]);
+    assert_eq!(row["local_mask"], row["local_shadow"]);
+    // Smith's bistatic forms know nothing of that.
+    assert!(number(row, "smith_correlated_g2") < mean(row, "g2"));
+    let opposite = outcome(&format!("{command} --view-phi 205"));
+    assert!(mean(&rows(&opposite)[0], "g2") < mean(row, "g2"));
 }
 
 #[test]

@@ -163,7 +163,6 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("--sigma -1", "sigma"),
         ("--tau 0", "tau"),
         ("--realisations 0", "1 or more"),
-        ("--method best", "rays or horizons"),
         ("--border mirrored", "periodic or open"),
         ("--border open --size 40,2 --insist", "none inside"),
         ("--length 12.8 --size 256", "--size"),

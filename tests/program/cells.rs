@@ -255,12 +255,8 @@ fn what_smooth_cells_cannot_do_is_refused() {
             "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
         ),
         (
-            "attenuation --method horizons -o out",
-            "horizons, and --demarcation which needs them, are for flat cells",
-        ),
-        (
             "attenuation --demarcation -o out",
-            "horizons, and --demarcation which needs them, are for flat cells",
+            "--demarcation needs horizons, which are those of flat cells",
         ),
         ("attenuation --tau 0.1 -o out", "2.00 spacings"),
         (

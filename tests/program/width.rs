@@ -82,7 +82,7 @@ fn tables_of_random_surfaces_fit() {
         "converge --tau 4 --size 32 --smoothness 3 --reference-rays 1e3 --reference-surfaces 4 --rays 256 --surfaces 2,4 --repeats 2 --no-plots -o c1",
         "attenuation --sigma 0.1,0.5 --tau 0.5 --size 256 --spacing 0.05 --theta 42,85 --realisations 2 --heights --demarcation --no-plots",
         "attenuation --sigma 0.5 --theta 0,42 --view-theta 60 --view-phi 90 --realisations 2 --border open --no-plots",
-        "attenuation --sigma 0.5 --theta 42 --cells smooth --method rays --realisations 2 --no-plots",
+        "attenuation --sigma 0.5 --theta 42 --cells smooth --realisations 2 --no-plots",
         "model smith --smoothness 3",
         "model xu-sun --smoothness 3 --bins 6x6 -o b.csv",
         "model heitz --smoothness 3 --bins 6x6 --rays 1e3 -o h.csv",

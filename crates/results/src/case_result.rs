@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 /// A result that a [`ResultSet`](crate::ResultSet) stores: a [`CaseResult`], or, of a study that traces no tally, its own.
 pub trait Stored: Clone + Serialize + DeserializeOwned {
-    /// Whether a time limit or an interrupt ended it before its planned effort was spent; the next run continues it.
+    /// Returns `true` if a time limit or an interrupt ended it before its planned effort was spent; the next run continues it.
     fn is_cut_short(&self) -> bool {
         false
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
-use asperity_simulate::{SavedSurface, SurfaceKey};
+use asperity_simulate::{SurfaceKey, SurfaceTallies};
 use serde_json::{Value, json};
 
 use crate::case_result::Stored;
@@ -33,7 +33,7 @@ pub(crate) enum Complete {
 /// Contents of a result file or a journal.
 pub(crate) struct Found<C> {
     pub(crate) cases: BTreeMap<usize, C>,
-    pub(crate) parts: BTreeMap<SurfaceKey, SavedSurface>,
+    pub(crate) parts: BTreeMap<SurfaceKey, SurfaceTallies>,
     pub(crate) count: usize,
     pub(crate) seconds: f64,
     /// Offset in bytes at which the journal can be extended; 0 to begin a new one.
@@ -161,7 +161,7 @@ impl<C: Stored> Found<C> {
         }
         if reader.has(PARTS) {
             let bytes = reader.bytes(PARTS)?;
-            let parts: Vec<(SurfaceKey, SavedSurface)> =
+            let parts: Vec<(SurfaceKey, SurfaceTallies)> =
                 ciborium::from_reader(bytes.as_slice()).map_err(|error| error.to_string())?;
             self.parts.extend(parts);
         }

@@ -15,7 +15,7 @@ use crate::pack::{Array, Packed};
 /// Name of the member with what depends on the machine.
 const MACHINE: &str = "machine.json";
 
-/// Whether what depends on the machine is written.
+/// Members that depend on the machine: written or left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Machines {
     /// It is.

@@ -32,7 +32,7 @@ pub(crate) struct Packed {
     pub(crate) json: Value,
     /// By name: that of the value and the path within it.
     pub(crate) arrays: BTreeMap<String, Array>,
-    /// What depends on the machine, by the same names.
+    /// Members that depend on the machine, by the same names.
     pub(crate) machine: Map<String, Value>,
     /// The first value that no form of JSON stands for.
     lost: Option<String>,

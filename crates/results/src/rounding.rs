@@ -30,7 +30,7 @@ const FUNCTIONS: [fn(f64) -> f64; 14] = [
     |x| (-20.0 * x).exp(),
 ];
 
-/// The same of two arguments.
+/// A function of two arguments.
 const OF_TWO: [fn(f64, f64) -> f64; 3] = [f64::atan2, f64::powf, f64::hypot];
 
 /// Samples of the surface that is drawn along y and x: of several prime factors, small.

@@ -194,7 +194,7 @@ impl<'a, C: Stored> Container<'a, C> {
         self.cases.len()
     }
 
-    /// Whether there are no cases.
+    /// Returns `true` if there are no cases.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.cases.is_empty()
@@ -224,7 +224,7 @@ impl<'a, C: Stored> Container<'a, C> {
         })
     }
 
-    /// Whether a case is there and needs no further run.
+    /// Returns `true` if a case is there and needs no further run.
     #[must_use]
     pub fn is_complete(&self, number: usize) -> bool {
         self.case(number).is_some_and(|case| !case.is_cut_short())

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity_io::{Journal, ResultFolder};
-use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceSource, SurfaceStore};
+use asperity_simulate::{SurfaceKey, SurfaceSource, SurfaceStore, SurfaceTallies};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -41,7 +41,7 @@ pub(crate) enum Record<C, P> {
 }
 
 /// A record that was read.
-pub(crate) type ReadRecord<C> = Record<Box<C>, Box<SavedSurface>>;
+pub(crate) type ReadRecord<C> = Record<Box<C>, Box<SurfaceTallies>>;
 
 /// Bytes of records per write.
 const BYTES_AT_ONCE: usize = 4 << 20;
@@ -49,7 +49,7 @@ const BYTES_AT_ONCE: usize = 4 << 20;
 /// A finished part.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {
-    Held(Box<SavedSurface>),
+    Held(Box<SurfaceTallies>),
     /// In the journal: the offset of its record.
     Journal(u64),
 }
@@ -75,9 +75,9 @@ pub(crate) struct State<C> {
     /// Header of the journal; `None` in memory alone.
     header: Option<Header>,
     journal: Option<Journal>,
-    /// Where the journal of an earlier run ends; 0 to begin a new one.
+    /// End of the journal of an earlier run; 0 to begin a new one.
     end: u64,
-    /// Whether anything came that is not in the file of results.
+    /// `true` if anything came that is not in the file of results.
     pub(crate) is_changed: bool,
     /// When the journal is to be written next, if there is a clock that goes so far.
     due: Option<Instant>,
@@ -146,13 +146,13 @@ impl<'a, C: Stored> PartStore<'a, C> {
 }
 
 impl<C: Stored + Send + Sync> SurfaceStore for PartStore<'_, C> {
-    fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
+    fn load(&self, key: SurfaceKey) -> Option<SurfaceTallies> {
         let mut state = self.state();
         let part = state.parts.get(&self.key(key)).cloned()?;
         state.part(&part)
     }
 
-    fn save(&self, key: SurfaceKey, surface: SavedSurface) {
+    fn save(&self, key: SurfaceKey, surface: SurfaceTallies) {
         let key = self.key(key);
         let mut state = self.state();
         state.is_changed = true;
@@ -170,7 +170,7 @@ impl<C: Stored + Send + Sync> SurfaceStore for PartStore<'_, C> {
 
 impl<C: Stored> State<C> {
     /// A part as it was saved; `None` if the journal cannot be read any more.
-    pub(crate) fn part(&mut self, part: &Part) -> Option<SavedSurface> {
+    pub(crate) fn part(&mut self, part: &Part) -> Option<SurfaceTallies> {
         match part {
             Part::Held(surface) => Some((**surface).clone()),
             Part::Journal(begin) => {
@@ -192,7 +192,7 @@ impl<C: Stored> State<C> {
         }
     }
 
-    /// What is written in the place of a given surface.
+    /// Description that is written in the place of a given surface.
     pub(crate) fn described_as(&self, source: &SurfaceSource) -> Option<&SurfaceSource> {
         let mut known = self.described.iter();
         known.find_map(|(live, described)| (live == source).then_some(described))

@@ -1,11 +1,11 @@
-//! Why a simulation fails.
+//! Errors of a simulation.
 
 use asperity_analysis::{ModelError, SlopeError};
 use asperity_surface::{CoarseningError, RefinementError};
 use asperity_synthesis::SynthesisError;
 use asperity_tracer::{BuildError, MAX_TILES, MAX_TILES_AT_45_DEGREES, TracedLayerError};
 
-/// Why a simulation fails.
+/// Error of a simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulateError {
@@ -47,48 +47,19 @@ pub enum SimulateError {
     /// The surface does not fit into memory.
     #[error("{what} needs {needed:.1} GiB of memory; {available:.1} GiB are available")]
     NotEnoughMemory {
-        /// What needs it.
+        /// Part that needs it.
         what: &'static str,
         /// GiB needed.
         needed: f64,
         /// GiB available.
         available: f64,
     },
-    /// A control variate for light on an open patch.
-    #[error(
-        "the controlled estimator needs a surface that continues beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
-    )]
-    OpenControl,
-    /// A control variate for light of random azimuth on one surface.
-    #[error(
-        "the controlled estimator of one surface needs light from one azimuth; with a random azimuth take auto or plain"
-    )]
-    AzimuthControl,
-    /// A control variate for polarised light.
-    #[error(
-        "the controlled estimator knows unpolarised incident light alone; with --stokes take auto or plain"
-    )]
-    PolarisedControl,
-    /// A control variate for facets that reflect diffusely.
-    #[error(
-        "the controlled estimator knows facets that reflect as mirrors or refract; these are Lambertian, so take auto or plain"
-    )]
-    DiffuseControl,
-    /// A control variate for random surfaces whose slopes are not Gaussian.
-    #[error(
-        "the controlled estimator needs the distribution of slopes, which is not known for these surfaces; take auto or plain"
-    )]
-    SlopesControl,
-    /// A control variate for light on a triangle mesh.
-    #[error(
-        "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
-    )]
-    MeshControl,
-    /// A control variate for light on one surface of smooth cells.
-    #[error(
-        "the controlled estimator of one surface is a sum over flat facets; these cells are smooth, so take auto or plain, or flat cells"
-    )]
-    SmoothControl,
+    /// A control variate that is insisted on where there is none.
+    #[error("the controlled estimator {needs}")]
+    NoControlVariate {
+        /// The condition that is not met, and what to take instead.
+        needs: &'static str,
+    },
     /// A given surface of smooth cells that is to be refined.
     #[error(
         "a spline through given heights is the surface itself, which no finer mesh changes; refine flat cells"
@@ -105,12 +76,12 @@ pub enum SimulateError {
         "several given surfaces must all be flat cells, all smooth cells or all triangle meshes"
     )]
     MixedCells,
-    /// What is for one given surface, where there are several.
+    /// A setting for one given surface, where there are several.
     #[error(
         "{what} is for one given surface; several take the plain estimator and a number of rays"
     )]
     OnlyOfOne {
-        /// What was requested.
+        /// Setting that was requested.
         what: &'static str,
     },
     /// A surface of which a result file has kept no points.
@@ -149,7 +120,7 @@ pub enum SimulateError {
 }
 
 impl SimulateError {
-    /// Whether other input would help: a value is out of range, or two exclude each other. Otherwise this
+    /// Returns `true` if other input would help: a value is out of range, or two exclude each other. Otherwise this
     /// machine or this moment is at fault.
     #[must_use]
     pub const fn is_usage(&self) -> bool {
@@ -164,13 +135,7 @@ impl SimulateError {
             Self::Refinement(error) => matches!(error, RefinementError::Open),
             Self::Model(_)
             | Self::Layer(_)
-            | Self::OpenControl
-            | Self::AzimuthControl
-            | Self::PolarisedControl
-            | Self::DiffuseControl
-            | Self::SlopesControl
-            | Self::MeshControl
-            | Self::SmoothControl
+            | Self::NoControlVariate { .. }
             | Self::SmoothRefinement
             | Self::SmoothMesh
             | Self::NoSurface

@@ -1,4 +1,4 @@
-//! What is simulated, and how: the input of a run.
+//! Input of a run: cases and settings.
 
 pub(crate) mod case;
 pub(crate) mod case_words;

@@ -1,7 +1,6 @@
-//! How a case is estimated: where its paths start, and the control variate that is subtracted.
+//! Methods: estimate a case by its path starts and a control variate.
 
 pub(crate) mod analytic;
-pub(crate) mod facet_control_variate;
+pub(crate) mod control_variates;
 mod known_slopes;
 pub(crate) mod method;
-pub(crate) mod slope_control;

@@ -14,17 +14,17 @@ pub trait Observer: Sync {
     fn end(&self);
     /// Text to show with the progress, until it is replaced.
     fn note(&self, _text: &str) {}
-    /// What is about to be traced and why, in one line.
+    /// Explains what is about to be traced and why, in one line.
     fn explain(&self, _text: &str) {}
     /// The stage is now expected to take `total` steps.
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
     fn surface_drawn(&self, _number: u64) {}
-    /// Why no further cases should begin, if so, although those that have begun go on. Asked between groups of cases that share surfaces.
+    /// Returns the reason why no further cases should begin, if so, although those that have begun go on. Asked between groups of cases that share surfaces.
     fn stop_between(&self) -> Option<StoppedBy> {
         None
     }
-    /// Why the run should end with what is there, if it should; once it should, it stays so.
+    /// Returns the reason why the run should end with the results so far, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
     }
@@ -44,7 +44,7 @@ impl Observer for Silent {
 pub struct Deadline<'a> {
     observer: &'a dyn Observer,
     end: Option<Instant>,
-    /// Whether no further cases begin after it, even without any result.
+    /// `true` if no further cases begin after it, even without any result.
     ends_between: bool,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Deadline<'a> {
         }
     }
 
-    /// The same, after which no further cases begin.
+    /// The deadline after which no further cases begin.
     #[must_use]
     pub const fn between_cases(self) -> Self {
         Self {

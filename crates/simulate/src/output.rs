@@ -1,4 +1,4 @@
-//! What a run returns: tallies with errors, the work done, and how the run ended.
+//! Output of a run: tallies with errors, the work done, and the end of the run.
 
 pub(crate) mod chosen_paths;
 pub(crate) mod outcome;

@@ -6,23 +6,19 @@
 //! Surfaces and blocks are reduced in the order of their number, so that a resumed run gives the bytes of one that
 //! was not ended. A store must keep runs of other cases and settings apart.
 
-use asperity_surface::SlopeMoments;
-use asperity_tally::TallySpec;
 use serde::{Deserialize, Serialize};
 
-use crate::errors::refinement::MeshShifts;
-use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
-use crate::output::work::Used;
+use crate::output::surface_tallies::SurfaceTallies;
 
 /// Keeps finished parts of a run; called from any thread.
 pub trait SurfaceStore: Sync {
-    /// What was saved last under `key`; `None` if nothing was.
-    fn load(&self, key: SurfaceKey) -> Option<SavedSurface>;
+    /// Returns the tallies that were saved last under `key`; `None` if there are none.
+    fn load(&self, key: SurfaceKey) -> Option<SurfaceTallies>;
 
     /// Saves what was found on a surface, in place of what was saved under `key` before.
-    fn save(&self, key: SurfaceKey, surface: SavedSurface);
+    fn save(&self, key: SurfaceKey, surface: SurfaceTallies);
 
-    /// Whether a surface whose rays are not all traced yet should be saved by now. Asked often.
+    /// Returns `true` if a surface whose rays are not all traced yet should be saved by now. Asked often.
     fn is_due(&self) -> bool {
         true
     }
@@ -33,19 +29,19 @@ pub trait SurfaceStore: Sync {
 pub struct SurfaceKey {
     /// Number of the first traced case of those that share the surface, among the cases of the run.
     pub case: usize,
-    /// What it belongs to.
+    /// Stage.
     pub stage: Stage,
     /// Number of the surface, or of the round of rays on a given one.
     pub number: u64,
 }
 
-/// What a part of a run belongs to.
+/// Stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
     /// Surfaces of the pilot run, from which the effort is planned.
     Pilot,
-    /// The same surfaces, on whose light other paths are tried.
+    /// Surfaces of the pilot run, on which other paths are tried.
     PathTrial,
     /// The surfaces of the pilot run at twice their spacing.
     CoarsePilot,
@@ -53,36 +49,4 @@ pub enum Stage {
     Result,
     /// Regions of a given surface.
     Regions,
-}
-
-/// What one surface did with the light of every case that shares it, perhaps of the first blocks of rays alone.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct SavedSurface(SurfaceTallies);
-
-impl SavedSurface {
-    pub(crate) fn new(
-        cases: &[CaseOnSurface],
-        slopes: Option<SlopeMoments>,
-        seconds: Seconds,
-        used: Used,
-    ) -> Self {
-        Self(SurfaceTallies {
-            cases: cases.to_vec(),
-            slopes,
-            seconds,
-            used,
-        })
-    }
-
-    /// The tallies, if they are by the spec of each case.
-    pub(crate) fn restore(self, specs: &[TallySpec]) -> Option<SurfaceTallies> {
-        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
-            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
-            [case.tally.spec(), of_shifts] == [spec; 2]
-        };
-        let cases = &self.0.cases;
-        let fits = cases.len() == specs.len() && cases.iter().zip(specs).all(is_by);
-        fits.then_some(self.0)
-    }
 }

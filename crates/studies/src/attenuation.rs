@@ -24,7 +24,7 @@
 //! - The *visibility* of a height is the fraction of the points there that face the light and are lit.
 //!
 //! # Points and samples
-//! Where the edge of a shadow falls across a facet, the side away from the light is lit, and there the sample is
+//! If the edge of a shadow falls across a facet, the side away from the light is lit, and there the sample is
 //! that stands for it. So a lit point has a lit sample behind it, and each shadow is shorter
 //! by half a spacing in the mean if samples are counted; its other end is a ridge, a corner of the mesh in
 //! both. Therefore `paper_g2` under a vertical view is above `lit`, by a difference of first
@@ -38,10 +38,11 @@
 //! # Given surfaces
 //! [`ShadowShares`] counts lit, averted and hidden points of one height map, for `inspect --theta`.
 //!
-//! # Two methods
-//! Rays: one visibility ray per point and direction ([`asperity_tracer::trace_visibility`]). Horizons: the
-//! steepest rise along an azimuth answers for all its polar angles ([`asperity_tracer::Horizons`]), and for all
-//! sigma, to which it is proportional. The mirrored rays have no azimuth in common and are always rays.
+//! # Visibility
+//! Of flat cells the horizon of a point, the steepest rise along an azimuth, answers for all its polar angles
+//! ([`asperity_tracer::Horizons`]), and for all sigma, to which it is proportional. One visibility ray per point and direction
+//! ([`asperity_tracer::trace_visibility`]) gives the same answers: tests compare them. Mirrored rays have no azimuth in common and are
+//! always visibility rays.
 //!
 //! # Smooth cells
 //! Points are at the same places of the mean plane, two in each cell, with the height and normal of the smooth surface there, and so
@@ -80,8 +81,7 @@ use crate::error::StudyError;
 use crate::report::flux_support::patches;
 
 pub use config::{
-    AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun,
-    AttenuationSurface, VisibilityMethod,
+    AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun, AttenuationSurface,
 };
 pub use demarcation::Demarcation;
 pub use given::ShadowShares;
@@ -93,7 +93,7 @@ use counts::Counts;
 use demarcation::Rises;
 use estimate::ratio;
 
-/// What was measured for one sigma, light and view.
+/// Fractions for one sigma, light and view.
 #[derive(Clone, Debug)]
 pub struct AttenuationRow {
     /// Root mean square height, length units.
@@ -108,7 +108,7 @@ pub struct AttenuationRow {
     pub lit: Estimate,
     /// Fraction of the points facing the light that are lit.
     pub g1: Estimate,
-    /// The same weighted by projected areas, `wi.m / m.z`: what Smith's G1 stands for exactly.
+    /// `g1` weighted by projected areas, `wi.m / m.z`, which Smith's G1 is exactly.
     pub g1_projected: Estimate,
     /// Projected area of all lit points over that of the mean plane: one, if none is lost or seen twice.
     pub lit_projected: Estimate,
@@ -131,7 +131,7 @@ pub struct AttenuationRow {
     pub mirror_g2: Option<Estimate>,
 }
 
-/// What was done, and how long it took.
+/// Work, and its time.
 #[derive(Clone, Debug, Serialize)]
 pub struct AttenuationWork {
     /// Surfaces of each sigma.
@@ -140,8 +140,8 @@ pub struct AttenuationWork {
     pub points: u64,
     /// Samples of a surface over which `paper_g2` is.
     pub samples: u64,
-    /// Rays or horizons.
-    pub method: VisibilityMethod,
+    /// Visibility method: `rays` or `horizons`.
+    pub method: &'static str,
     /// Visibility rays lost to numerical failure; they count as blocked.
     pub lost: u64,
     /// Seconds from beginning to end.
@@ -150,19 +150,19 @@ pub struct AttenuationWork {
     pub threads: usize,
 }
 
-/// What an attenuation run found.
+/// Outcome of an attenuation run.
 pub struct AttenuationOutcome<'a> {
-    /// What was planned.
+    /// Plan.
     pub plan: &'a AttenuationPlan,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
-    /// Where shadow begins, one per sigma; empty if that was not requested.
+    /// Angles at which shadow begins, one per sigma; empty if not requested.
     pub demarcation: Vec<Demarcation>,
     /// Visibility by sigma, light and height; empty if that was not requested.
     pub visibility: Vec<VisibilityRow>,
-    /// What was done.
+    /// Work.
     pub work: AttenuationWork,
-    /// What ended the run before all surfaces were measured.
+    /// Cause of an end before all surfaces were measured.
     pub stopped_by: Option<StoppedBy>,
 }
 
@@ -181,7 +181,7 @@ impl AttenuationOutcome<'_> {
         patches.min(self.work.points as f64) * self.work.realisations as f64
     }
 
-    /// What a reader should not miss.
+    /// Warnings for the reader.
     fn warnings(&self) -> Vec<String> {
         let work = &self.work;
         let lost = (work.lost > 0).then(|| {
@@ -226,7 +226,7 @@ pub fn attenuation<'a>(
 }
 
 impl AttenuationPlan {
-    /// What the surfaces that were found say together.
+    /// Outcome of the surfaces that were found.
     ///
     /// # Errors
     /// [`SimulateError::Interrupted`] if there are none.
@@ -266,7 +266,7 @@ impl AttenuationPlan {
                 realisations: found_surfaces().count() as u64,
                 points: first.points,
                 samples: first.samples,
-                method: self.method,
+                method: self.method(),
                 lost: lost.map(|counts| counts.lost).sum(),
                 seconds: 0.0,
                 threads: rayon::current_num_threads(),
@@ -304,7 +304,7 @@ impl AttenuationPlan {
         }
     }
 
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction: the worse of the two
+    /// Deficit of the slope variance of the mesh below that of the continuous surface, as a fraction: the worse of the two
     /// axes. 0 for smooth cells.
     fn mesh_slope_deficit(&self) -> f64 {
         let drawn = &self.surfaces[0].drawn;

@@ -66,13 +66,13 @@ pub use study::ConvergeStudy;
 
 use case::{SETUP_SECONDS, StoredRun};
 
-/// What a convergence run found.
+/// Outcome of a convergence run.
 pub struct ConvergeOutcome<'a> {
     /// The configuration that was run.
     pub config: &'a ConvergeConfig,
     /// Its cases, methods and runs.
     pub plan: &'a ConvergePlan,
-    /// What was found in each run.
+    /// Findings of each run.
     pub found: &'a ResultSet<'a>,
     /// The cases of which all runs are there.
     pub cases: Vec<ConvergedCase<'a>>,
@@ -81,7 +81,7 @@ pub struct ConvergeOutcome<'a> {
 }
 
 impl ConvergeOutcome<'_> {
-    /// Whether there were several cases to measure.
+    /// Returns `true` if there were several cases to measure.
     fn several(&self) -> bool {
         self.plan.cases.len() > 1
     }
@@ -127,7 +127,7 @@ pub fn converge<'a>(
     Ok(judged)
 }
 
-/// What a measurement says of the results of its plan. Cases that lack a run are left out.
+/// Outcome of a measurement by the results of its plan. Cases that lack a run are left out.
 ///
 /// # Errors
 /// [`StudyError`] if no light reaches the bins that are compared.

@@ -30,7 +30,7 @@ mod verify;
 pub use attenuation::{
     AttenuationConfig, AttenuationDirections, AttenuationOutcome, AttenuationOutput,
     AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationWork,
-    Demarcation, ShadowShares, SurveyedSurface, VisibilityMethod, VisibilityRow, attenuation,
+    Demarcation, ShadowShares, SurveyedSurface, VisibilityRow, attenuation,
 };
 
 pub use comparison::judgement::Judgement;

@@ -17,7 +17,7 @@ use crate::header::Header;
 use crate::store::Pace;
 
 impl<'a> ResultSet<'a> {
-    /// As [`open`](Self::open), for a study that can be extended by cases: results are matched to `cases` by name, and those of another run
+    /// Opens results like [`open`](Self::open), for a study that can be extended by cases: results are matched to `cases` by name, and those of another run
     /// are always refused.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl<'a> ResultSet<'a> {
     /// time limit or an interrupt ends are those so far; the next run continues it. If an interrupt comes before anything is finished, nothing is added.
     ///
     /// # Errors
-    /// As [`simulate`](asperity_simulate::simulate).
+    /// Same as [`simulate`](asperity_simulate::simulate).
     pub fn run_missing(
         &mut self,
         first: usize,
@@ -99,10 +99,10 @@ impl<'a> ResultSet<'a> {
         self.run_and_keep(simulation, first..first + cases.len(), observer, held, keep)
     }
 
-    /// As [`run_missing`](Self::run_missing), but keeps moments alone, and the findings that a study derives from the tallies of surfaces.
+    /// Runs missing cases like [`run_missing`](Self::run_missing), but keeps moments alone, and the findings that a study derives from the tallies of surfaces.
     ///
     /// # Errors
-    /// As [`simulate`](asperity_simulate::simulate), and the first error of `derive`.
+    /// Same as [`simulate`](asperity_simulate::simulate), and the first error of `derive`.
     pub fn run_missing_moments<E: From<SimulateError>>(
         &mut self,
         cases: &[Case],

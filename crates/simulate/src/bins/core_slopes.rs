@@ -31,13 +31,13 @@ const CORE: f64 = 0.02;
 pub struct CoreSlopes([f64; 3]);
 
 impl CoreSlopes {
-    /// Those of random surfaces.
+    /// Core slopes of random surfaces.
     #[must_use]
     pub fn of_recipe(recipe: &SurfaceRecipe) -> Self {
         Self(recipe.slope_covariance())
     }
 
-    /// Those of the upward facets of a given surface, of which at most a million are counted.
+    /// Core slopes of the upward facets of a given surface, of which at most a million are counted.
     #[must_use]
     pub fn of_shape(shape: &Shape) -> Self {
         match shape {
@@ -47,7 +47,7 @@ impl CoreSlopes {
         }
     }
 
-    /// Those of a surface source, of several given surfaces the mean; `None` of a surface that is only described.
+    /// Core slopes of a surface source, of several given surfaces the mean; `None` of a surface that is only described.
     #[must_use]
     pub fn of_source(source: &SurfaceSource) -> Option<Self> {
         match source {
@@ -85,7 +85,7 @@ impl CoreSlopes {
         (aa - explained).max(0.0).sqrt()
     }
 
-    /// Those of the upward facets of a surface.
+    /// Slopes of the upward facets of a surface.
     fn of_facets<G: Geometry>(surface: &G) -> Self {
         let facets = surface.facet_count();
         let step = facets.div_ceil(MOST_FACETS).max(1);

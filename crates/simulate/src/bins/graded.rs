@@ -6,7 +6,7 @@ const RATIO: f64 = 1.3;
 /// Edges are multiples of this, degrees.
 const STEP: f64 = 1e-6;
 
-/// Where bins are to be narrow, and how wide they are there and elsewhere; degrees.
+/// Place where bins are narrow, and their widths there and elsewhere; degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grading {
     /// The angle in the middle of the narrowest bin.

@@ -20,7 +20,7 @@ const HALF_MAXIMUM: f64 = 1.177_410_022_515_474_7;
 /// Half width below which a lobe is that of a mirror, degrees: no bins resolve it.
 const MIN_HALF_WIDTH_DEG: f64 = 0.002;
 
-/// How far the mean over a bin may lie below the peak of a lobe, as a part of it, before the bin counts as wider than the lobe.
+/// Largest shortfall of the mean over a bin below the peak of a lobe, as a fraction of the peak, before the bin counts as wider than the lobe.
 pub const MAX_SHORTFALL: f64 = 0.04;
 
 /// The lobe of light that is scattered once.
@@ -32,7 +32,7 @@ pub struct Lobe {
     pub theta_deg: f64,
     /// Azimuth of its middle, degrees.
     pub phi_deg: f64,
-    /// How far from its middle a Gaussian lobe falls to half, degrees of arc: along the polar angle, and across.
+    /// Half widths at half maximum of a Gaussian lobe, degrees of arc: along the polar angle, and across.
     pub half_width_deg: [f64; 2],
 }
 
@@ -106,7 +106,7 @@ impl Lobe {
         along.min(across)
     }
 
-    /// Whether it is as narrow as that of a mirror, which no bins resolve.
+    /// Returns `true` if it is as narrow as that of a mirror, which no bins resolve.
     #[must_use]
     pub fn is_mirror_like(&self) -> bool {
         self.narrowest_deg() <= MIN_HALF_WIDTH_DEG
@@ -127,7 +127,7 @@ impl Lobe {
         [theta, phi * sin_theta]
     }
 
-    /// How far the mean over the bin that holds its middle lies below its peak, as a part of it.
+    /// Shortfall of the mean over the bin that holds its middle below its peak, as a fraction of the peak.
     ///
     /// To second order, a bin of width `w` anywhere about the peak of a Gaussian of deviation `d` misses `w^2 / (12 d^2)` on average: half of
     /// that if the peak is in its middle, and twice as much at its edge.
@@ -141,7 +141,7 @@ impl Lobe {
         parts.sum::<f64>().min(1.0)
     }
 
-    /// Whether bins of a grid tell its peak.
+    /// Returns `true` if bins of a grid tell its peak.
     #[must_use]
     pub fn is_resolved(&self, grid: &HemisphereGrid) -> bool {
         self.shortfall(grid) <= MAX_SHORTFALL

@@ -7,8 +7,7 @@ use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
-use super::group::Group;
-use super::ready_group::ReadyGroup;
+use super::prepare::group::Group;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::limits::check_results;
@@ -77,16 +76,16 @@ impl Simulation {
     /// Checks cases, and prepares their control variates. No rays are traced yet.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
         Self::of_missing(cases, settings, |_| false)
     }
 
-    /// The same without the cases of the numbers that are complete. Those that are left keep their numbers, and are estimated as if all
+    /// Prepares the cases without those whose numbers are complete. The others keep their numbers, and are estimated as if all
     /// were there.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn of_missing(
         cases: &[Case],
         settings: &Settings,
@@ -94,7 +93,7 @@ impl Simulation {
     ) -> Result<Self, SimulateError> {
         let groups = Group::of_cases(cases, settings, is_complete)?.into_iter();
         let prepared = groups.enumerate().map(|(i, group)| match i {
-            ..GROUPS_AT_ONCE => group.prepared(settings),
+            ..GROUPS_AT_ONCE => group.prepared(),
             _ => Ok(group),
         });
         Ok(Self {
@@ -109,13 +108,13 @@ impl Simulation {
         })
     }
 
-    /// The same on another engine, which gives the same bytes.
+    /// The simulation on another engine, which gives the same bytes.
     #[must_use]
     pub fn on(self, engine: Arc<dyn Engine>) -> Self {
         Self { engine, ..self }
     }
 
-    /// The same cases, by the same estimators, with another effort and seed.
+    /// The simulation of the same cases, by the same estimators, with another effort and seed.
     #[must_use]
     pub fn repeated(&self, effort: Effort, seed: u64) -> Self {
         let settings = Settings {
@@ -136,13 +135,13 @@ impl Simulation {
     #[must_use]
     pub fn rays(&self) -> u64 {
         let groups = self.groups.iter();
-        groups.map(|group| group.rays(&self.settings)).sum()
+        groups.map(Group::rays).sum()
     }
 
     /// Runs the cases, and holds the outcomes of all.
     ///
     /// # Errors
-    /// As [`simulate`].
+    /// Same as [`simulate`].
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
         let mut outcomes = Vec::new();
         let held = self.groups.iter().map(Group::len).sum();
@@ -161,7 +160,7 @@ impl Simulation {
     /// `held`: number of cases whose surfaces the caller keeps in memory, zero if it keeps moments alone.
     ///
     /// # Errors
-    /// As [`simulate`], and the first error of `sink`, which ends the run.
+    /// Same as [`simulate`], and the first error of `sink`, which ends the run.
     pub fn resume<E: From<SimulateError>>(
         self,
         store: Option<&dyn SurfaceStore>,
@@ -182,10 +181,10 @@ impl Simulation {
             let part: Vec<Group> = groups.by_ref().take(GROUPS_AT_ONCE).collect();
             let held = part.iter().map(Group::len).fold(held, usize::max);
             let ready = Self::plan(part, &settings, self.cases, context)?;
-            let surfaces = ready.iter().map(|group| group.surfaces()).max();
+            let surfaces = ready.iter().map(|group| group.plan.surfaces).max();
             let surfaces = surfaces.unwrap_or(0);
             check_results(&self.largest_spec, surfaces, held, settings.refine)?;
-            observer.begin("tracing", ready.iter().map(|group| group.rays()).sum());
+            observer.begin("tracing", ready.iter().map(Group::rays).sum());
             for group in ready {
                 if has_outcome && observer.stop_between().is_some() {
                     break;
@@ -218,19 +217,18 @@ impl Simulation {
         settings: &Settings,
         all_cases: usize,
         context: Context<'_>,
-    ) -> Result<Vec<Box<dyn ReadyGroup>>, SimulateError> {
+    ) -> Result<Vec<Group>, SimulateError> {
         let observer = context.observer;
-        let groups = groups.into_iter();
-        let groups = groups.map(|group| group.build(settings, context));
-        let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
+        let built = groups.into_iter().map(|group| group.build(context));
+        let mut groups = built.collect::<Result<Vec<_>, _>>()?.concat();
         if settings.target().is_some() {
-            observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());
+            observer.begin("planning", groups.iter().map(Group::pilot_rays).sum());
             for group in &mut groups {
-                group.plan(all_cases, context)?;
+                group.make_plan(all_cases, context)?;
             }
             observer.end();
         }
-        for line in groups.iter().flat_map(|group| group.explanations()) {
+        for line in groups.iter().flat_map(Group::explanations) {
             observer.explain(&line);
         }
         Ok(groups)

@@ -20,17 +20,17 @@ pub struct Errors {
     pub rays: Option<f64>,
     /// Standard error by the differences between surfaces.
     pub surfaces: Option<f64>,
-    /// What the mesh adds to the result: a shift with its sign.
+    /// Shift of the result by the mesh, with its sign.
     pub mesh: Option<f64>,
     /// Standard error of that, where it was measured.
     pub mesh_se: Option<f64>,
-    /// What the mesh would have added without the control variate: a shift with its sign.
+    /// Shift by the mesh that the control variate removed, with its sign.
     pub mesh_removed: Option<f64>,
     /// Root of the sum of the squares of rays, surfaces and mesh, as far as they are known.
     pub total: Option<f64>,
 }
 
-/// How each error was estimated, a sentence each.
+/// Explanation of the estimate of each error, a sentence each.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Explanation {
     rays: String,
@@ -84,14 +84,14 @@ const BY_SURFACES: &str = "standard error by the scatter of the surfaces, less w
 const TOTAL: &str =
     "root of the sum of the squares of rays, surfaces and mesh, without those that are null";
 
-/// How rays became a result.
+/// Method and number of the rays of a result.
 #[derive(Clone, Copy)]
 pub(crate) struct TracedRays<'a> {
     pub(crate) method: &'a Method,
     pub(crate) count: u64,
 }
 
-/// What the scatter of batches says of surfaces, and how it is said.
+/// Errors by surfaces, with their explanation.
 struct SurfaceErrors {
     /// Squares of the errors by surfaces with their rays, where there were several.
     squares: Option<TallyValues>,
@@ -228,19 +228,19 @@ impl ErrorBudget {
         }
     }
 
-    /// What meshes of several spacings showed, if there were several.
+    /// Refinement by meshes of several spacings, if there were several.
     #[must_use]
     pub fn refinement(&self) -> Option<&Refinement> {
         self.kept.as_ref()?.mesh.refinement.as_ref()
     }
 
-    /// What a reader should be warned of about the mesh error that several spacings showed.
+    /// Warning about the mesh error by meshes of several spacings.
     #[must_use]
     pub fn mesh_warning(&self) -> Option<&'static str> {
         self.refinement()?.convergence().warning()
     }
 
-    /// How the errors by the mesh were estimated, or why not.
+    /// Explanation of the estimate of mesh errors, or why there is none.
     #[must_use]
     pub fn mesh_explanation(&self) -> &str {
         &self.explanation.mesh
@@ -329,7 +329,7 @@ fn totals(spec: &TallySpec) -> [(&'static str, Option<Entry>); 5] {
     ]
 }
 
-/// What meshes of several spacings showed of the totals.
+/// Totals by meshes of several spacings.
 fn refinement_json(refinement: &Refinement, spec: &TallySpec) -> Value {
     let spacing = |factor: f64| refinement.given.map(|d| factor * d);
     let mut out = Map::new();

@@ -11,7 +11,7 @@ use crate::input::random_surfaces::RandomSurfaces;
 /// Gaussian surface, `sqrt(12) d / (s tau)`, at `s tau / d = 16`.
 const LARGEST_TURN: f64 = 3.464_101_615_137_754_6 / 16.0;
 
-/// How the error of a mesh falls with its spacing.
+/// Convergence of the mesh error with the spacing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Convergence {
@@ -74,7 +74,7 @@ impl Convergence {
         }
     }
 
-    /// The same of a mesh with `scale` times the spacing of the finer one.
+    /// Fraction of the difference that is left in a mesh of `scale` times the spacing of the finer one.
     pub(crate) fn remaining_at(self, scale: f64) -> f64 {
         self.remaining()
             * match self {
@@ -100,7 +100,7 @@ impl Convergence {
         }
     }
 
-    /// What a reader should be warned of.
+    /// Warning for the reader.
     pub(crate) const fn warning(self) -> Option<&'static str> {
         match self {
             Self::Unresolved => Some(

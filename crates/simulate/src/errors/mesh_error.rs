@@ -16,7 +16,7 @@ use crate::slopes::slopes;
 /// Said of a mesh error that was not requested.
 const NOT_REQUESTED: &str = "not estimated: --refine traces a finer mesh";
 
-/// Why the mesh error of a surface is not known.
+/// Reasons why the mesh error of a surface is unknown.
 const OPEN: &str = "not estimated: a surface with an open border cannot be refined";
 const TRIANGLES: &str = "none: the triangles given are the surface";
 const SMOOTH: &str = "none: the spline through the heights given is the surface";
@@ -44,16 +44,16 @@ const LEAST_SLOPE_VARIANCE: f64 = 1e-12;
 /// The error of a mesh, by the entries of a tally.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MeshErrors {
-    /// What the mesh adds, where that is known.
+    /// Shift by the mesh, where it is known.
     pub(crate) remaining: ByEntry<Option<f64>>,
-    /// What it would add without the control variate.
+    /// Shift by the mesh without the control variate.
     pub(crate) removed: Option<TallyValues>,
-    /// How both were estimated, or why not.
+    /// Explanation of both.
     pub(crate) explanation: MeshExplanation,
     pub(crate) refinement: Option<Refinement>,
 }
 
-/// How the errors of a mesh were estimated, or why not: a sentence each.
+/// Explanation of the estimates of mesh errors, or why there are none: a sentence each.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct MeshExplanation {
     pub(crate) remaining: String,
@@ -197,12 +197,12 @@ fn measured(refinement: &Refinement) -> ByEntry<Option<f64>> {
     })
 }
 
-/// How that is said.
+/// Explanation of a measured mesh error.
 fn by_refinement(refinement: &Refinement) -> String {
     format!("{SIGN}; {}", refinement.convergence().words())
 }
 
-/// What the slopes of facets do to light that is scattered once.
+/// First-order shift of single scattering by the slopes of facets.
 struct FirstOrder<'a> {
     case: &'a Case,
     synthesis: &'a Synthesis,
@@ -247,7 +247,7 @@ impl FirstOrder<'_> {
         }
     }
 
-    /// What completing the tallies of a control variate has removed.
+    /// Shift removed by completing the tallies of a control variate.
     fn removed(
         &self,
         refined: bool,
@@ -264,7 +264,7 @@ impl FirstOrder<'_> {
         Ok(control_variate.removed(&fluxes))
     }
 
-    /// What the mesh adds to the plain estimate, where light of the first order reaches.
+    /// Shift of the plain estimate by the mesh, where light of the first order reaches.
     fn shift(&self) -> Result<ByEntry<Option<f64>>, String> {
         let variance = self.synthesis.psd().slope_variance();
         if variance.into_iter().fold(0.0, f64::max) < LEAST_SLOPE_VARIANCE {
@@ -311,7 +311,7 @@ impl FirstOrder<'_> {
         Ok(SlopeCovariance::new(xx, yy, xy)?)
     }
 
-    /// What is said where the light comes from any azimuth.
+    /// Addition to the explanation for light of any azimuth.
     const fn over_azimuth(&self) -> &'static str {
         if self.case.light.random_azimuth {
             ", whose variance is averaged over azimuth: that facets correlate slopes along x and y is of second order then"
@@ -321,7 +321,7 @@ impl FirstOrder<'_> {
     }
 }
 
-/// The same surfaces at half the spacing; `None` if that has too many samples.
+/// The surfaces at half the spacing; `None` if that has too many samples.
 fn finer(synthesis: &Synthesis) -> Option<Synthesis> {
     let shape = synthesis.shape().map(|n| 2 * n);
     let spacing = synthesis.spacing().map(|d| d / 2.0);

@@ -43,7 +43,7 @@ impl MeshShifts {
         }
     }
 
-    /// What is kept of the light.
+    /// Tally spec.
     pub(crate) const fn spec(&self) -> &TallySpec {
         self.given_less_finer.spec()
     }
@@ -60,7 +60,7 @@ impl MeshShifts {
     }
 }
 
-/// What meshes of several spacings showed.
+/// Differences between meshes of several spacings.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Refinement {
     /// Spacing of the given mesh, length units along x and y.
@@ -98,12 +98,12 @@ impl Refinement {
         Some(Self::new(given, convergence, shifts))
     }
 
-    /// What is kept of the light.
+    /// Tally spec.
     pub(crate) const fn spec(&self) -> &TallySpec {
         self.shifts.spec()
     }
 
-    /// Whether there was a mesh of twice the given spacing.
+    /// Returns `true` if there was a mesh of twice the given spacing.
     #[must_use]
     pub const fn has_coarser(&self) -> bool {
         self.shifts.coarser_less_given.is_some()
@@ -115,7 +115,7 @@ impl Refinement {
         self.shifts.given_less_finer.at(entry)
     }
 
-    /// What is left of the mesh error in the finer mesh: a third of that for facets of second order, a fifteenth for smooth
+    /// Mesh error that is left in the finer mesh: a third of the shift for facets of second order, a fifteenth for smooth
     /// cells, and all of it for facets too large to show an order.
     #[must_use]
     pub fn remaining(&self, entry: Entry) -> Estimate {
@@ -127,7 +127,7 @@ impl Refinement {
         }
     }
 
-    /// How the error falls with the spacing.
+    /// Convergence of the error with the spacing.
     pub(crate) const fn convergence(&self) -> Convergence {
         self.convergence
     }
@@ -142,7 +142,7 @@ impl Refinement {
     /// The order with which an entry converges.
     ///
     /// # Errors
-    /// Why none is seen.
+    /// The reason why no order is seen.
     pub fn order(&self, entry: Entry) -> Result<f64, String> {
         let Some(coarser) = self.coarser_shift(entry) else {
             return Err("there is no coarser mesh, of twice the spacing".into());
@@ -168,7 +168,7 @@ impl Refinement {
     /// Richardson's value for a spacing of zero.
     ///
     /// # Errors
-    /// Why it is not to be trusted.
+    /// The reason why it is not to be trusted.
     pub fn extrapolated(&self, entry: Entry) -> Result<Estimate, String> {
         if self.convergence != Convergence::Second {
             return Err("the value is that of facets of second order".into());

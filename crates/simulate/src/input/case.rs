@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::coordinates::Coordinates;
 use super::surface_source::SurfaceSource;
 
-/// What is simulated: a surface, what it is made of, what lies below it, and the light.
+/// Case: a surface, its material, the layer below it, and the light.
 ///
 /// # Examples
 /// ```
@@ -27,7 +27,7 @@ use super::surface_source::SurfaceSource;
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// Where the surface comes from.
+    /// Source of the surface.
     pub surface: SurfaceSource,
     /// The material of the interface.
     pub material: Material,
@@ -37,7 +37,7 @@ pub struct Case {
     pub light: Light,
     /// Bins of its own, as around narrow lobes; `None` for the bins that all cases have by the settings.
     pub bins: Option<CaseBins>,
-    /// What else tells it from others.
+    /// Further coordinates that distinguish it from others.
     pub at: Coordinates,
 }
 
@@ -57,7 +57,7 @@ pub struct Light {
     pub incidence: Incidence,
     /// The half space that it comes from.
     pub from: HalfSpace,
-    /// Whether each ray comes from a random azimuth. What leaves is turned back to the azimuth of `incidence`.
+    /// `true` if each ray comes from a random azimuth. Light that leaves is turned back to the azimuth of `incidence`.
     pub random_azimuth: bool,
     /// Q, U and V over I, in the axes of its ray; zeros for unpolarised light. Only tracked polarisation obeys it.
     pub stokes: [f64; 3],
@@ -75,7 +75,7 @@ impl Light {
         }
     }
 
-    /// Whether it is polarised.
+    /// Returns `true` if it is polarised.
     #[must_use]
     pub fn is_polarised(&self) -> bool {
         self.stokes != [0.0; 3]

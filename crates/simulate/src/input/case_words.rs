@@ -28,13 +28,13 @@ pub enum CaseGroup {
 /// One quantity of a case, and the words for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasePart {
-    /// What it describes.
+    /// Part of the case that it describes.
     pub group: CaseGroup,
     /// Name of the quantity.
     pub name: String,
     /// Value as text.
     pub value: String,
-    /// Whether the value needs no name before it, as in `mirror`.
+    /// `true` if the value needs no name before it, as in `mirror`.
     pub is_bare: bool,
 }
 
@@ -68,7 +68,7 @@ impl CasePart {
 /// A column that describes cases, and its value for one of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaseColumn {
-    /// What it describes.
+    /// Part of the case that it describes.
     pub group: CaseGroup,
     /// Header.
     pub name: String,
@@ -127,7 +127,7 @@ impl MaterialWords {
     }
 }
 
-/// What a layer ends on, in words.
+/// Bottom of a layer in words.
 #[must_use]
 pub fn bottom_text(bottom: Bottom) -> String {
     match bottom {
@@ -177,7 +177,7 @@ impl Case {
         self.layer.map(|below| below.layer)
     }
 
-    /// What an anisotropic surface has in addition to the smoothness along its first axis: that along the second, and the angle from +x
+    /// Anisotropy beside the smoothness along the first axis: the smoothness along the second axis, and the angle from +x
     /// to the first, degrees.
     #[must_use]
     pub fn anisotropy(&self) -> Option<[f64; 2]> {
@@ -297,14 +297,14 @@ impl Case {
         parts.collect::<Vec<_>>().join("_")
     }
 
-    /// The same with the azimuth of the light, as in `s3_n1.4_theta30_phi0`.
+    /// The folder's name with the azimuth of the light, as in `s3_n1.4_theta30_phi0`.
     #[must_use]
     pub fn direction_name(&self) -> String {
         let phi = short(self.light.incidence.phi_deg());
         format!("{}_phi{phi}", self.folder())
     }
 
-    /// What the light falls on, quantity by quantity.
+    /// Surface, material and layer, quantity by quantity.
     #[must_use]
     pub fn setting_parts(&self) -> Vec<CasePart> {
         use CaseGroup::{Layer, Material, Other, Surface};
@@ -458,7 +458,7 @@ impl Case {
         columns
     }
 
-    /// What the light falls on, as summary.json holds it.
+    /// Surface, material and layer, as members of summary.json.
     #[must_use]
     pub fn setting_json(&self) -> Value {
         let mut out = Map::new();

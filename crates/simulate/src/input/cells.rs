@@ -5,7 +5,7 @@ use std::fmt;
 use asperity_tracer::Shape;
 use serde::{Deserialize, Serialize};
 
-/// What the cells of a grid of heights are.
+/// Cells of a grid of heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Cells {
@@ -16,7 +16,7 @@ pub enum Cells {
 }
 
 impl Cells {
-    /// Those of a shape; `None` for a triangle mesh.
+    /// Cells of a shape; `None` for a triangle mesh.
     pub(crate) const fn of(shape: &Shape) -> Option<Self> {
         match shape {
             Shape::HeightField { .. } => Some(Self::Flat),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::text::short;
 
-/// What tells a case from others beside its material, layer and light.
+/// Coordinates that distinguish a case from others, beside its material, layer and light.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Coordinates {
     /// `tau / sigma` of random surfaces, by the first principal axis.

@@ -1,4 +1,4 @@
-//! Described shape: what is known of a given surface without its points, and a hash that tells these apart.
+//! Described shape: a given surface without its points, and a hash that distinguishes them.
 
 use asperity_numerics::fnv1a;
 use asperity_surface::{Border, HeightField, SplineSurface};
@@ -10,7 +10,7 @@ use super::cells::Cells;
 /// A given surface, and the bottom below it where that has a shape of its own, without their points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DescribedShape {
-    /// What lies between heights; `None` for a triangle mesh.
+    /// Cells between heights; `None` for a triangle mesh.
     pub cells: Option<Cells>,
     /// The surface.
     pub top: DescribedSurface,
@@ -25,9 +25,9 @@ pub struct DescribedSurface {
     pub size: Option<[usize; 2]>,
     /// Length units per sample along x and y; `None` for a triangle mesh.
     pub spacing: Option<[f64; 2]>,
-    /// What lies beyond its border.
+    /// Border.
     pub border: Border,
-    /// Whether it has no relief.
+    /// `true` if it has no relief.
     pub is_level: bool,
     /// Hash of its heights, spline coefficients or corners.
     pub points: String,

@@ -12,7 +12,7 @@ pub enum Estimator {
     /// The one expected to need the least time.
     #[default]
     Auto,
-    /// What rays from above do, and nothing else.
+    /// Rays from above, without a control variate.
     Plain,
     /// Unshadowed single scattering, whose mean is known, is subtracted ray by ray and added as a mean:
     /// only shadow, masking and multiple scattering are left to sampling.

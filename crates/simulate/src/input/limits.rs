@@ -1,4 +1,4 @@
-//! What fits into memory, and what light can be followed: checked before the work begins.
+//! Limits: checks memory and grazing light before the work begins.
 
 use std::f64::consts::FRAC_PI_4;
 

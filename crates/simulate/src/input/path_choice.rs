@@ -6,9 +6,9 @@ use asperity_tracer::{Branching, PathSettings, PathSettingsError, Polarisation};
 /// Roulette thresholds that a pilot run tries, after the default.
 const THRESHOLDS: [f64; 2] = [0.1, 0.3];
 
-/// How paths branch and end, as far as that is named.
+/// Path choice: branching and roulette threshold, as far as they are named.
 ///
-/// Where an error is to be reached, a pilot run chooses the rest: what brings the error of the target quantity
+/// With a target error, a pilot run chooses the rest, which brings the error of the target quantity
 /// down at the least cost. Otherwise the rest is as in [`PathSettings::default`], which serves totals: both branches,
 /// with a low roulette threshold.
 ///
@@ -31,7 +31,7 @@ pub struct PathChoice {
 }
 
 impl PathChoice {
-    /// What is named of branching and roulette threshold; `None` leaves the choice free. `max_order`: as of
+    /// Choice by branching and roulette threshold; `None` leaves either free. `max_order`: as of
     /// [`PathSettings::new`].
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl PathChoice {
         })
     }
 
-    /// The same with another treatment of polarisation.
+    /// The choice with another treatment of polarisation.
     #[must_use]
     pub const fn with_polarisation(self, polarisation: Polarisation) -> Self {
         Self {

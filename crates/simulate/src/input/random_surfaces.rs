@@ -27,7 +27,7 @@ pub struct RandomSurfaces {
     planned: Arc<OnceLock<Planned>>,
 }
 
-/// What draws random surfaces.
+/// Drawer of random surfaces.
 #[derive(Debug)]
 pub(crate) enum Planned {
     /// Gaussian heights on a grid, two triangles per cell.
@@ -69,7 +69,7 @@ impl RandomSurfaces {
     /// Plans surfaces of `recipe`, such as a power spectral density; the other parameters are those of [`Synthesis::new`].
     ///
     /// # Errors
-    /// As [`Synthesis::new`], [`SplineSynthesis::new`] or [`FieldSynthesis::new`].
+    /// Same as [`Synthesis::new`], [`SplineSynthesis::new`] or [`FieldSynthesis::new`].
     pub fn new(
         cells: Cells,
         recipe: impl Into<SurfaceRecipe>,
@@ -88,7 +88,7 @@ impl RandomSurfaces {
         })
     }
 
-    /// What draws them, planned now if it was not. What the grid does not resolve was refused before they were written to a file.
+    /// The drawer, planned now if it was not. Surfaces that the grid does not resolve were refused before they were written to a file.
     pub(crate) fn planned(&self) -> Result<&Planned, SynthesisError> {
         if let Some(planned) = self.planned.get() {
             return Ok(planned);
@@ -106,13 +106,13 @@ impl RandomSurfaces {
         }
     }
 
-    /// What their cells are.
+    /// Kind of their cells.
     #[must_use]
     pub const fn cells(&self) -> Cells {
         self.cells
     }
 
-    /// What they are drawn by.
+    /// Recipe that draws them.
     #[must_use]
     pub const fn recipe(&self) -> &SurfaceRecipe {
         &self.recipe
@@ -140,7 +140,7 @@ impl RandomSurfaces {
         }
     }
 
-    /// The same surfaces of the same tile with about `scale` times the spacing, as whole cells allow; `None` if the grid
+    /// The surfaces of the same tile with about `scale` times the spacing, as whole cells allow; `None` if the grid
     /// cannot be. `insist`: even if it resolves them no more.
     #[must_use]
     pub(crate) fn respaced(&self, scale: f64, insist: bool) -> Option<Self> {
@@ -151,7 +151,7 @@ impl RandomSurfaces {
         Self::new(self.cells, self.recipe.clone(), cells, spacing, insist).ok()
     }
 
-    /// The same surfaces of the same tile with exactly `scale` times the spacing, which must divide it.
+    /// The surfaces of the same tile with exactly `scale` times the spacing, which must divide it.
     pub(crate) fn scaled(&self, scale: f64) -> Result<Self, SynthesisError> {
         let shape = self.shape.map(|n| (n as f64 / scale) as usize);
         let spacing = self.spacing.map(|d| d * scale);
@@ -161,7 +161,7 @@ impl RandomSurfaces {
     /// The surface of a seed and number, drawn in the memory given.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Same as [`Synthesis::draw`].
     pub fn draw_into(
         &self,
         seed: u64,
@@ -203,7 +203,7 @@ impl RandomSurfaces {
     /// Slopes of equal areas of one surface as light meets it: of its facets, or of places of its smooth cells.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Same as [`Synthesis::draw`].
     pub fn slope_samples(
         &self,
         seed: u64,
@@ -228,7 +228,7 @@ impl RandomSurfaces {
     /// most 512 samples per side.
     ///
     /// # Errors
-    /// As [`Synthesis::draw`].
+    /// Same as [`Synthesis::draw`].
     pub fn heights(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         match self.planned()? {
             Planned::Flat(synthesis) => synthesis.draw(seed, realisation),

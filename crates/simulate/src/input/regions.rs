@@ -29,7 +29,7 @@ impl Regions {
         self.columns as u64 * self.rows as u64
     }
 
-    /// Where a region is in the period: once, or, in a mirrored tile, as often as the tile.
+    /// Windows of a region in the period: one, or, in a mirrored tile, as many as the tile has images.
     pub(crate) fn windows(self, number: u64, border: Border) -> Vec<Window> {
         let [columns, rows] = [self.columns, self.rows].map(u64::from);
         let along = |place: u64, count: u64| -> Vec<[f64; 2]> {

@@ -12,7 +12,7 @@ use super::path_choice::PathChoice;
 use super::regions::Regions;
 use super::target::Target;
 
-/// How cases are simulated: what is recorded, how paths are followed, and how much is traced.
+/// Settings of all cases: tally, paths, and effort.
 ///
 /// # Examples
 /// ```
@@ -27,19 +27,19 @@ use super::target::Target;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// What is recorded of the light that leaves.
+    /// Tally spec of the light that leaves.
     pub tally: TallySpec,
-    /// How paths branch and end.
+    /// Branching and roulette of paths.
     pub paths: PathChoice,
-    /// How hits are found.
+    /// Accelerator that finds hits.
     pub accelerator: AcceleratorKind,
-    /// How paths become results.
+    /// Estimator.
     pub estimator: Estimator,
-    /// How rays are spread over the mean plane and over azimuth.
+    /// Sampling of the mean plane and of azimuth.
     pub sampling: Sampling,
-    /// Whether bins on either side of the plane of incidence are averaged where the statistics of random surfaces are symmetric about it.
+    /// `true` if bins on either side of the plane of incidence are averaged where the statistics of random surfaces are symmetric about it.
     pub fold: bool,
-    /// Whether every surface is also traced at half its spacing, whose results are then reported, and at
+    /// `true` if every surface is also traced at half its spacing, whose results are then reported, and at
     /// twice its spacing, if its number of cells is even. The differences are the error of the mesh.
     pub refine: bool,
     /// Regions of each given surface that are lit on their own. [`Outcome::surfaces`](crate::Outcome::surfaces) then has a tally
@@ -50,12 +50,12 @@ pub struct Settings {
     pub seed: u64,
     /// Scatterings inside a layer after which a path is truncated.
     pub max_scatterings: u32,
-    /// How much is traced.
+    /// Effort.
     pub effort: Effort,
-    /// Whether each case plans what a target error takes for itself, as if it were the only one. Cases of equal surfaces otherwise
+    /// `true` if each case plans what a target error takes for itself, as if it were the only one. Cases of equal surfaces otherwise
     /// share the effort of the most demanding one, and their surfaces.
     pub plan_alone: bool,
-    /// Whether the error of the mesh is estimated by quadrature where a case of random surfaces is not
+    /// `true` if the error of the mesh is estimated by quadrature where a case of random surfaces is not
     /// refined. It takes up to a second per case.
     pub mesh_quadrature: bool,
 }
@@ -82,7 +82,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What is recorded of the light of a case: the same of all cases, in bins of its own if it has any.
+    /// Tally spec of a case: that of the settings, with the bins of the case if it has any.
     #[must_use]
     pub fn spec_of(&self, case: &Case) -> TallySpec {
         match case.bins {
@@ -107,7 +107,7 @@ impl Settings {
     }
 }
 
-/// How much is traced for each case.
+/// Effort of each case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// A number of rays.
@@ -117,7 +117,7 @@ pub enum Effort {
         /// Surfaces drawn. A given surface is one.
         surfaces: u64,
     },
-    /// As many rays and surfaces as an error takes.
+    /// Rays and surfaces until an error is reached.
     TargetError(Target),
 }
 

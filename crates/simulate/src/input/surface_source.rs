@@ -1,4 +1,4 @@
-//! Where the surface of a case comes from.
+//! Source of the surface of a case.
 
 use std::borrow::Cow;
 
@@ -13,7 +13,7 @@ use super::limits::{check_memory, smooth_bytes};
 use super::random_surfaces::RandomSurfaces;
 use crate::error::SimulateError;
 
-/// Where the surface of a case comes from.
+/// Source of the surface of a case.
 ///
 /// Cases whose sources are equal share their surfaces: each surface is drawn, or prepared, once.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +77,7 @@ impl SurfaceSource {
         Self::Given(vec![Shape::triangle_mesh(mesh)])
     }
 
-    /// What random surfaces are drawn by; `None` for a given surface.
+    /// Recipe of random surfaces; `None` for a given surface.
     #[must_use]
     pub const fn recipe(&self) -> Option<&SurfaceRecipe> {
         match self {
@@ -95,7 +95,7 @@ impl SurfaceSource {
         }
     }
 
-    /// What lies between heights; `None` for triangle meshes.
+    /// Cells between heights; `None` for triangle meshes.
     #[must_use]
     pub fn cells(&self) -> Option<Cells> {
         match self {
@@ -105,7 +105,7 @@ impl SurfaceSource {
         }
     }
 
-    /// Whether surfaces are given and have no relief at all.
+    /// Returns `true` if surfaces are given and have no relief at all.
     #[must_use]
     pub fn is_level(&self) -> bool {
         match self {

@@ -9,7 +9,7 @@ use asperity_tally::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Why a target is refused.
+/// Error of an invalid target.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TargetError {
@@ -19,22 +19,12 @@ pub enum TargetError {
     /// A quantity without an error to reach.
     #[error("of = {0} names the quantity of a target error, but no target error is given")]
     NoError(Quantity),
-    /// The material transmits nothing.
-    #[error(
-        "nothing is transmitted by a conductor or a mirror, so it cannot be the quantity of a target"
-    )]
-    NothingTransmitted,
-    /// Nothing leaves below the layer.
-    #[error("nothing leaves below this medium, so it cannot be the quantity of a target")]
-    NothingBelow,
-    /// The material absorbs nothing.
-    #[error(
-        "nothing is absorbed by a dielectric or a mirror, so it cannot be the quantity of a target"
-    )]
-    NothingAbsorbed,
-    /// The side of the quantity is not recorded.
-    #[error("the side {0} is not recorded, so it cannot be the quantity of a target")]
-    NotRecorded(Quantity),
+    /// A quantity that the case does not have.
+    #[error("{reason}, so it cannot be the quantity of a target")]
+    NoSuchFlux {
+        /// Reason.
+        reason: &'static str,
+    },
 }
 
 /// The quantity of a target error.
@@ -91,7 +81,7 @@ impl Quantity {
         matches!(self, Self::Reflected | Self::Transmitted | Self::Absorbed)
     }
 
-    /// What errors are divided by, given the sum of squares of the fluxes.
+    /// Norm by which errors are divided, given the sum of squares of the fluxes.
     #[must_use]
     pub fn norm(self, square: f64) -> f64 {
         if self.is_total() { 1.0 } else { square.sqrt() }
@@ -128,24 +118,25 @@ impl Quantity {
         material: Material,
         layer: Option<&Layer>,
     ) -> Result<(), TargetError> {
-        match (self, material) {
+        let reason = match (self, material) {
             (Self::Transmitted, _) if material.transmitting_index().is_none() => {
-                Err(TargetError::NothingTransmitted)
+                "nothing is transmitted by a conductor or a mirror"
             }
             (Self::Transmitted, _) if layer.is_some_and(|layer| !layer.transmits()) => {
-                Err(TargetError::NothingBelow)
+                "nothing leaves below this medium"
             }
             (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) if layer.is_none() => {
-                Err(TargetError::NothingAbsorbed)
+                "nothing is absorbed by a dielectric or a mirror"
             }
             (Self::Reflected, _) if !spec.records(Side::Reflected) => {
-                Err(TargetError::NotRecorded(self))
+                "the side reflected is not recorded"
             }
             (Self::Transmitted, _) if !spec.records(Side::Transmitted) => {
-                Err(TargetError::NotRecorded(self))
+                "the side transmitted is not recorded"
             }
-            _ => Ok(()),
-        }
+            _ => return Ok(()),
+        };
+        Err(TargetError::NoSuchFlux { reason })
     }
 }
 

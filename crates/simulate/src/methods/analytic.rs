@@ -18,7 +18,7 @@ pub(crate) struct AnalyticResult {
     /// Whose control variate it is.
     pub(crate) method: Method,
     pub(crate) statistics: TallyStatistics,
-    /// What no sum of fluxes differs by.
+    /// Largest deviation of any sum of fluxes.
     pub(crate) bound: f64,
     /// The error of the quantity whose error is to reach the target, at most.
     pub(crate) error: f64,

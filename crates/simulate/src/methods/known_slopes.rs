@@ -9,7 +9,7 @@ impl RandomSurfaces {
     /// The distribution of the slopes of the continuous surface at a point; `None` where it is not known.
     ///
     /// # Errors
-    /// As [`slopes`].
+    /// Same as [`slopes`].
     pub fn slope_mixture(&self) -> Result<Option<SlopeMixture>, SlopeError> {
         let recipe = self.recipe();
         let Some(synthesis) = self.other_heights() else {

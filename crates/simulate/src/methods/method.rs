@@ -1,4 +1,4 @@
-//! How a case is estimated: where its paths start, how they branch, what is subtracted from them, and whether bins are folded.
+//! Method: estimates a case by path starts, branching, a control variate, and folding of bins.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,7 +16,7 @@ use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
 use crate::input::settings::{Effort, Settings};
 
-/// Where paths start, how they branch and end, and what is done with the tallies that they give.
+/// Method of a case: path starts, branching, control variate, and folding of bins.
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
@@ -26,14 +26,14 @@ pub(crate) struct Method {
     pub(crate) mirror: Option<Mirror>,
 }
 
-/// Where the mean of a control variate comes from.
+/// Source of the mean of a control variate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ControlVariateMean {
     /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,
     /// of unshadowed single scattering.
     GaussianSlopes,
-    /// The same over a mixture of Gaussian slopes.
+    /// The integral over a mixture of Gaussian slopes.
     SlopeMixture,
     /// The sum over the facets of the one surface that is traced: it removes noise of rays alone.
     FacetsOfSurface,
@@ -45,6 +45,15 @@ const MOST_WEIGHT_VARIANCE: f64 = 0.25;
 
 /// The probability of tracing into the shadow is at least `2^-HALVINGS`.
 const HALVINGS: i32 = 6;
+
+pub(crate) const UNPOLARISED_LIGHT: &str =
+    "knows unpolarised incident light alone; with --stokes take auto or plain";
+
+pub(crate) const SPECULAR_FACETS: &str =
+    "knows facets that reflect as mirrors or refract; these are Lambertian, so take auto or plain";
+
+const KNOWN_SLOPES: &str =
+    "needs the distribution of slopes, which is not known for these surfaces; take auto or plain";
 
 impl Method {
     /// Rays from above, and nothing else, on paths that no pilot run has chosen.
@@ -83,7 +92,7 @@ impl Method {
         found
     }
 
-    /// The same on other paths.
+    /// The method on other paths.
     pub(crate) fn on(&self, paths: PathSettings) -> Self {
         Self {
             paths,
@@ -125,13 +134,13 @@ impl Method {
             return Ok(Self::plain(settings));
         }
         if case.material.is_diffuse() {
-            return Self::of_diffuse(settings);
+            return Self::uncontrolled(settings, SPECULAR_FACETS);
         }
         if case.light.is_polarised() {
-            return Self::of_polarised(settings);
+            return Self::uncontrolled(settings, UNPOLARISED_LIGHT);
         }
         let Some(slopes) = known_slopes else {
-            return Self::of_unknown_slopes(settings);
+            return Self::uncontrolled(settings, KNOWN_SLOPES);
         };
         let incidence = case.light.incidence;
         match control_variate(slopes, case.material, incidence, &settings.spec_of(case)) {
@@ -150,27 +159,14 @@ impl Method {
         }
     }
 
-    /// The method for polarised light, whose single scattering no control variate knows.
-    pub(crate) fn of_polarised(settings: &Settings) -> Result<Self, SimulateError> {
+    /// The method where there is no control variate, since it `needs` something that the case does not have.
+    pub(crate) const fn uncontrolled(
+        settings: &Settings,
+        needs: &'static str,
+    ) -> Result<Self, SimulateError> {
         match settings.estimator {
             Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::PolarisedControl),
-        }
-    }
-
-    /// The method for facets that reflect diffusely: control variates are of mirrors and refraction.
-    pub(crate) const fn of_diffuse(settings: &Settings) -> Result<Self, SimulateError> {
-        match settings.estimator {
-            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::DiffuseControl),
-        }
-    }
-
-    /// The method for random surfaces whose distribution of slopes is not known.
-    fn of_unknown_slopes(settings: &Settings) -> Result<Self, SimulateError> {
-        match settings.estimator {
-            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
-            Estimator::Controlled => Err(SimulateError::SlopesControl),
+            Estimator::Controlled => Err(SimulateError::NoControlVariate { needs }),
         }
     }
 
@@ -227,7 +223,7 @@ impl Method {
             .map(|(control_variate, _)| control_variate)
     }
 
-    /// Where its mean comes from.
+    /// Source of the mean of the control variate.
     pub(crate) fn control_variate_mean(&self) -> Option<ControlVariateMean> {
         self.control_variate.as_ref().map(|(_, mean)| *mean)
     }
@@ -290,7 +286,7 @@ fn symmetry(light: &Light, recipe: &SurfaceRecipe, spec: &TallySpec) -> Option<M
         .flatten()
 }
 
-/// What a control variate is expected to bring to rays from above.
+/// Gain by a control variate that is expected for rays from above.
 ///
 /// A ray hits one facet and passes `lambda` others in its shadow, on average. The light that leaves the first
 /// is not masked with probability `v`. If what is subtracted has the weight `b`, and shadows are traced

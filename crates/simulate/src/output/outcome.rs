@@ -10,7 +10,7 @@ use super::work::SummaryWork;
 use crate::errors::budget::ErrorBudget;
 use crate::input::case::Case;
 
-/// What was found of one case.
+/// Outcome of one case.
 ///
 /// It is written and read as a whole. What depends on the machine and the moment is in [`SummaryWork::machine`] alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -21,7 +21,7 @@ pub struct Outcome {
     pub case: Case,
     /// Flux fractions with their standard errors, by the tally of the settings.
     pub statistics: TallyStatistics,
-    /// What the standard errors come from.
+    /// Source of the standard errors.
     pub errors_from: ErrorSource,
     /// Flux fractions of each surface, or of each region of a given one, with which models are compared; empty
     /// [without details](Self::without_details).
@@ -29,11 +29,11 @@ pub struct Outcome {
     pub surfaces: Vec<TallyValues>,
     /// The errors of the fluxes by where they come from; none of them [without details](Self::without_details).
     pub errors: ErrorBudget,
-    /// What no sum of fluxes differs by, if no rays were traced.
+    /// Largest deviation of any sum of fluxes, if no rays were traced.
     pub deviation_bound: Option<f64>,
-    /// What was done, and how long it took.
+    /// Work, and its time.
     pub work: SummaryWork,
-    /// How the run came to its end.
+    /// End of the run.
     pub stopping: Stopping,
     /// The seed of surfaces and rays.
     pub seed: u64,
@@ -95,7 +95,7 @@ impl Outcome {
     }
 }
 
-/// What standard errors come from.
+/// Source of standard errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorSource {

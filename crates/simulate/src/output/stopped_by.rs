@@ -1,8 +1,8 @@
-//! What ended a run.
+//! Cause of the end of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// What ended a run.
+/// Cause of the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StoppedBy {

@@ -1,4 +1,4 @@
-//! How a run came to its end.
+//! Stopping: the end of a run.
 
 use asperity_surface::LengthUnit;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use crate::output::chosen_paths::ChosenPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::text::{error_in_short, short};
 
-/// What a pilot run found, for the requested quantity; variances and differences are divided by the
+/// Figures of a pilot run for the requested quantity; variances and differences are divided by the
 /// norm of the fluxes, as the error is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PilotFigures {
@@ -25,12 +25,12 @@ pub struct PilotFigures {
     pub cost_of_surface_ns: f64,
     /// Counted cost of a ray.
     pub cost_of_ray_ns: f64,
-    /// How much the quantity changes at twice the spacing, with twice what noise leaves open; `None` if
+    /// Change of the quantity at twice the spacing, plus twice its noise; `None` if
     /// it could not be found out.
     pub mesh_difference: Option<f64>,
 }
 
-/// How a run came to its end, and what had been planned.
+/// End of a run, and its plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stopping {
     /// The target error.
@@ -39,9 +39,9 @@ pub struct Stopping {
     pub of: Option<Quantity>,
     /// The error reached: with a target, or `None` where there is none.
     pub error: Option<f64>,
-    /// What the mesh adds to it, as far as the pilot run could tell.
+    /// Error added by the mesh, as estimated by the pilot run.
     pub mesh_error: Option<f64>,
-    /// What the pilot run found.
+    /// Figures of the pilot run.
     pub pilot: Option<PilotFigures>,
     /// The paths that are followed: with a target.
     pub paths: Option<ChosenPaths>,
@@ -55,15 +55,15 @@ pub struct Stopping {
     pub spacing: Option<[f64; 2]>,
     /// Times that surfaces (or rays) were added.
     pub rounds: u32,
-    /// What ended the run.
+    /// Cause of the end.
     pub stopped_by: StoppedBy,
-    /// What a reader should not miss.
+    /// Warnings for the reader.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
 impl Stopping {
-    /// Whether the run was ended before all that was planned.
+    /// Returns `true` if the run was ended before all that was planned.
     #[must_use]
     pub const fn is_cut_short(&self) -> bool {
         matches!(self.stopped_by, StoppedBy::Time | StoppedBy::Interrupt)
@@ -96,7 +96,7 @@ impl Stopping {
         self
     }
 
-    /// What the pilot run found of the mesh error, if it did, of these cells.
+    /// Mesh error by the pilot run in words, if it is known, of these cells.
     pub(crate) fn mesh_by_pilot_run(&self, cells: Cells) -> Option<String> {
         let (of, error) = (self.of?, error_in_short(self.mesh_error?));
         let order = match cells {

@@ -1,17 +1,17 @@
-//! What one surface did with the light of the cases that share it.
+//! Tallies of one surface for the cases that share it.
 
 use asperity_surface::SlopeMoments;
 use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
-use super::chosen_paths::WayOfPaths;
+use super::chosen_paths::PathStrategy;
 use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
-/// What one surface did with the light of every case that shares it.
+/// Tallies of one surface for every case that shares it, perhaps of the first blocks of rays alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct SurfaceTallies {
+pub struct SurfaceTallies {
     /// By case.
     pub(crate) cases: Vec<CaseOnSurface>,
     /// Moments of its slopes, of a random surface.
@@ -21,23 +21,34 @@ pub(crate) struct SurfaceTallies {
     pub(crate) used: Used,
 }
 
-/// What one surface did with the light of one case, block of rays by block of rays.
+impl SurfaceTallies {
+    /// Returns `true` if the tallies are by the spec of each case.
+    pub(crate) fn are_by(&self, specs: &[TallySpec]) -> bool {
+        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
+            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
+            [case.tally.spec(), of_shifts] == [spec; 2]
+        };
+        self.cases.len() == specs.len() && self.cases.iter().zip(specs).all(is_by)
+    }
+}
+
+/// Tallies of one surface for one case, block of rays by block of rays.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CaseOnSurface {
-    /// How paths were followed.
-    pub(crate) way: WayOfPaths,
+    #[serde(rename = "way")]
+    pub(crate) strategy: PathStrategy,
     /// Flux fractions; a batch is a block of rays.
     pub(crate) tally: TallyStatistics,
-    /// What differs between its meshes, where it has several.
+    /// Differences between its meshes, where it has several.
     pub(crate) shifts: Option<MeshShifts>,
     pub(crate) work: Work,
 }
 
 impl CaseOnSurface {
     /// No blocks yet, for a surface that is traced on `meshes` meshes.
-    pub(crate) fn new(way: WayOfPaths, spec: TallySpec, meshes: usize) -> Self {
+    pub(crate) fn new(strategy: PathStrategy, spec: TallySpec, meshes: usize) -> Self {
         Self {
-            way,
+            strategy,
             tally: TallyStatistics::new(spec),
             shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
             work: Work::default(),

@@ -1,4 +1,4 @@
-//! What a run did, and how long it took.
+//! Work of a run, and its time.
 
 use asperity_tracer::{AcceleratorKind, Branching, PreparedSurface, Sampling, Starts, Work};
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::input::estimator::Estimator;
 use crate::methods::method::{ControlVariateMean, Method};
 
-/// What was done, and how long it took.
+/// Work, and its time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SummaryWork {
     /// Surfaces.
@@ -17,7 +17,7 @@ pub struct SummaryWork {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
-    /// Those of them skipped by bounds on slopes and heights ahead, not by the steepest facets of the whole surface.
+    /// Segments of these that bounds on slopes and heights ahead skipped, not the steepest facets of the whole surface.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_recorded: u64,
@@ -31,27 +31,27 @@ pub struct SummaryWork {
     pub accelerator: AcceleratorKind,
     /// Estimator used.
     pub estimator: Estimator,
-    /// Where the mean of its control variate comes from; `None` without one.
+    /// Source of the mean of its control variate; `None` without one.
     pub control_variate: Option<ControlVariateMean>,
     /// Variance of the target quantity, or of the bins, that a further control variate by the slopes of each surface has left; `None`
     /// without one.
     pub slope_control: Option<f64>,
-    /// Whether bins on either side of the plane of incidence are averaged.
+    /// `true` if bins on either side of the plane of incidence are averaged.
     pub folded: bool,
     /// Which branches its paths follow.
     pub branching: Branching,
     /// Flux below which Russian roulette decides.
     pub roulette: f64,
-    /// Where its paths start.
+    /// Starts of its paths.
     pub starts: Starts,
-    /// How they are spread.
+    /// Sampling of the starts.
     pub sampling: Sampling,
-    /// What depends on the machine and the moment.
+    /// Work that depends on the machine and the moment.
     #[serde(default)]
     pub machine: MachineWork,
 }
 
-/// What of the work depends on the machine and the moment, which comparisons of results leave out.
+/// Work that depends on the machine and the moment, which comparisons of results leave out.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MachineWork {
     /// Instructions with which the accelerator searches, where there is a choice.

@@ -58,7 +58,7 @@ fn folded_bins_are_averages_and_all_else_stays() {
     }
 }
 
-/// What the mirror maps onto one another differs by chance alone: fluxes, and elements of Mueller matrices with their signs.
+/// Mirrored entries differ by chance alone: fluxes, and elements of Mueller matrices with their signs.
 #[test]
 fn light_is_mirrored_about_the_plane_of_incidence() {
     let mut settings = settings(400, 2_000_000);

@@ -1,4 +1,4 @@
-//! What meshes of several spacings show.
+//! Meshes of several spacings.
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{

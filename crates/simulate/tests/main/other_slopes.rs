@@ -108,7 +108,10 @@ fn structured_surfaces_have_no_control_variate() {
         &settings(Estimator::Controlled, 4, 4000),
         &Silent,
     );
-    assert!(matches!(refused, Err(SimulateError::SlopesControl)));
+    assert!(matches!(
+        refused,
+        Err(SimulateError::NoControlVariate { .. })
+    ));
     let free = run(case, &settings(Estimator::Auto, 4, 4000));
     assert_eq!(free.work.control_variate, None);
 }

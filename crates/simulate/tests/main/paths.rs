@@ -54,7 +54,7 @@ fn random() -> Case {
     Rough::smooth(1.0, 4.0, 32).case(glass(), 60.0)
 }
 
-/// The same light on one such surface.
+/// The light on one such surface.
 fn given() -> Case {
     let synthesis = Synthesis::new(psd(), [32; 2], [1.0; 2], false).unwrap();
     let surface = SurfaceSource::height_field(synthesis.draw(1, 0).unwrap());
@@ -84,7 +84,7 @@ fn numbers(outcome: &Outcome) -> String {
     format!("{plan:?} {pilot:?} {work:?} {:?}", outcome.statistics)
 }
 
-/// What was chosen takes the same surfaces and rays when it is named, and gives the same bytes.
+/// Chosen paths take the same surfaces and rays when they are named, and give the same bytes.
 #[test]
 fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
     for case in [random(), given()] {
@@ -97,7 +97,7 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
         let best = best.unwrap();
         assert!(best.relative_cost < 0.9, "{best:?}");
-        let paths = PathSettings::default().with(best.way.branching, best.way.roulette);
+        let paths = PathSettings::default().with(best.strategy.branching, best.strategy.roulette);
         assert_eq!(traced_on(&chosen), paths);
         let line = chosen.stopping.line(LengthUnit::Arbitrary).unwrap();
         assert!(line.contains("of the cost x variance of split, roulette 0.01, from above, plain"));
@@ -110,7 +110,7 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
     }
 }
 
-/// Where the estimator is free, the other start of paths and plain rays are tried beside the control variate, the latter on all paths;
+/// If the estimator is free, the other start of paths and plain rays are tried beside the control variate, the latter on all paths;
 /// where it is named, the other start alone.
 #[test]
 fn starts_and_estimators_are_tried_too() {
@@ -120,19 +120,21 @@ fn starts_and_estimators_are_tried_too() {
         let all = tried(&outcome);
         println!("{:?}", outcome.stopping.line(LengthUnit::Arbitrary));
         assert_eq!(all.len(), count);
-        let others = all.iter().filter(|one| one.way.starts != all[0].way.starts);
+        let others = all
+            .iter()
+            .filter(|one| one.strategy.starts != all[0].strategy.starts);
         assert!(others.count() > 0);
         let plain = all
             .iter()
-            .filter(|one| one.way.estimator == Estimator::Plain);
+            .filter(|one| one.strategy.estimator == Estimator::Plain);
         assert_eq!(plain.count(), count - 5);
         let least = all
             .iter()
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
-        let way = least.unwrap().way;
-        assert_eq!(outcome.stopping.paths.as_ref().unwrap().way, way);
-        assert_eq!(outcome.work.estimator, way.estimator);
-        assert_eq!(outcome.work.starts, way.starts);
+        let strategy = least.unwrap().strategy;
+        assert_eq!(outcome.stopping.paths.as_ref().unwrap().strategy, strategy);
+        assert_eq!(outcome.work.estimator, strategy.estimator);
+        assert_eq!(outcome.work.starts, strategy.starts);
     }
 }
 
@@ -148,7 +150,7 @@ fn totals_keep_both_branches_and_a_low_threshold() {
         );
         let picked = tried(&outcome)
             .iter()
-            .find(|one| one.way.branching == Branching::Pick);
+            .find(|one| one.strategy.branching == Branching::Pick);
         assert!(picked.unwrap().relative_cost > 2.0);
         assert_eq!(traced_on(&outcome), PathSettings::default());
     }

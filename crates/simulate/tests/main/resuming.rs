@@ -5,8 +5,8 @@ use std::sync::Mutex;
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, Effort, Estimator, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent,
-    SimulateError, Simulation, Stage, SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
+    Case, Effort, Estimator, Light, Observer, Outcome, Quantity, Settings, Silent, SimulateError,
+    Simulation, Stage, SurfaceKey, SurfaceSource, SurfaceStore, SurfaceTallies, Target, simulate,
 };
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::TallyResult;
@@ -26,18 +26,18 @@ impl Keeper {
         self.0.lock().unwrap().retain(|key, _| is_kept(key));
     }
 
-    /// How many parts it keeps.
+    /// Number of parts that it keeps.
     pub(crate) fn len(&self) -> usize {
         self.0.lock().unwrap().len()
     }
 }
 
 impl SurfaceStore for Keeper {
-    fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
+    fn load(&self, key: SurfaceKey) -> Option<SurfaceTallies> {
         let text = self.0.lock().unwrap().get(&key).cloned()?;
         Some(serde_json::from_str(&text).unwrap())
     }
-    fn save(&self, key: SurfaceKey, surface: SavedSurface) {
+    fn save(&self, key: SurfaceKey, surface: SurfaceTallies) {
         let text = serde_json::to_string(&surface).unwrap();
         self.0.lock().unwrap().insert(key, text);
     }

@@ -35,7 +35,7 @@ fn smooth_cells_at_four_per_correlation_length_have_the_reflectance_of_fine_mesh
     assert!(off(Cells::Flat) > 8.0);
 }
 
-/// Where light of the first order is all but everything, the control variate must be that of these surfaces.
+/// If light of the first order is all but everything, the control variate must be that of these surfaces.
 #[test]
 fn controlled_and_plain_means_agree_on_smooth_cells() {
     for (smoothness, theta) in [(6.0, 30.0), (3.0, 0.0), (2.0, 60.0)] {

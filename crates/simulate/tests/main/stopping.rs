@@ -173,7 +173,7 @@ fn nine_cases(material: Material) -> Vec<Case> {
     [2.0, 4.0, 8.0].into_iter().flat_map(of_surface).collect()
 }
 
-/// How near the totals of a traced case come to the bound about the analytic result: the excess over noise, over
+/// Distance of the totals of a traced case from the analytic result: the excess over noise, over
 /// the bound.
 fn nearness(known: &Outcome, traced: &Outcome) -> f64 {
     let bound = known.deviation_bound.unwrap();
@@ -201,7 +201,7 @@ fn nearness(known: &Outcome, traced: &Outcome) -> f64 {
     closest
 }
 
-/// What surfaces do lies within the bound about what is known without them, in all totals.
+/// Traced totals lie within the bound about the analytic result.
 #[test]
 fn no_traced_total_deviates_by_more_than_the_bound() {
     let mut closest = 0.0_f64;

@@ -18,7 +18,7 @@ pub(crate) struct Rough {
 }
 
 impl Rough {
-    /// Those of a smoothness `tau / sigma`.
+    /// Surfaces of a smoothness `tau / sigma`.
     pub(crate) fn smooth(smoothness: f64, tau: f64, size: usize) -> Self {
         Self {
             sigma: tau / smoothness,
@@ -32,7 +32,7 @@ impl Rough {
         self.case_on([self.size; 2], [1.0; 2], material, theta)
     }
 
-    /// The same on another grid.
+    /// The surfaces on another grid.
     pub(crate) fn case_on(
         self,
         [ny, nx]: [usize; 2],

@@ -1,7 +1,5 @@
 //! The configuration of an attenuation run: what `asperity attenuation` reads from a file.
 
-use std::fmt;
-
 use asperity_surface::{Border, LengthUnit};
 use serde::{Deserialize, Serialize};
 
@@ -30,9 +28,9 @@ pub struct AttenuationSurface {
     /// Unit of lengths.
     #[serde(default)]
     pub unit: LengthUnit,
-    /// What lies between the heights of the grid: flat cells unless others are named.
+    /// Cells between the heights of the grid: flat unless others are named.
     pub cells: CellsChoice,
-    /// What lies beyond the border: periodic or open.
+    /// Border: periodic or open.
     pub border: Border,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
@@ -47,29 +45,6 @@ pub struct AttenuationDirections {
     pub phi: Number,
 }
 
-/// How the visibility of the sky from a point is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum VisibilityMethod {
-    /// The quicker one.
-    #[default]
-    Auto,
-    /// A ray for each point and direction.
-    Rays,
-    /// A horizon for each point and azimuth.
-    Horizons,
-}
-
-impl fmt::Display for VisibilityMethod {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::Rays => "rays",
-            Self::Horizons => "horizons",
-        })
-    }
-}
-
 /// `[run]`: how much is measured, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AttenuationRun {
@@ -77,8 +52,6 @@ pub struct AttenuationRun {
     pub realisations: Count,
     /// Seed of the surfaces and of the points on them.
     pub seed: u64,
-    /// How the visibility of the sky from a point is computed.
-    pub method: VisibilityMethod,
     /// Follow the mirrored ray of each lit point as well: `mirror_g2`.
     pub mirror: bool,
     /// Measure the visibility by height.
@@ -105,13 +78,13 @@ pub struct AttenuationOutput {
 pub struct AttenuationConfig {
     /// The random surfaces.
     pub surface: AttenuationSurface,
-    /// Where the light comes from.
+    /// Directions towards the light.
     pub light: AttenuationDirections,
-    /// Where the surface is seen from; from straight above unless given.
+    /// Directions towards the eye; straight above unless given.
     pub view: AttenuationDirections,
-    /// How much is measured.
+    /// Amount of measurements.
     pub run: AttenuationRun,
-    /// What is drawn.
+    /// Figures.
     pub output: AttenuationOutput,
 }
 

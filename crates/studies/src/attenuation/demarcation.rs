@@ -85,7 +85,7 @@ pub struct Demarcation {
     pub paper: Option<f64>,
 }
 
-/// What the 2019 paper says in Secs. 5.1 and 5.2 of surfaces with tau = 0.5: sigma and degrees.
+/// Angles of the 2019 paper, Secs. 5.1 and 5.2, for surfaces with tau = 0.5: sigma and degrees.
 const PAPER: [(f64, f64); 3] = [(0.1, 85.8), (0.5, 21.4), (0.9, 15.6)];
 
 impl Demarcation {

@@ -13,7 +13,7 @@ use asperity_synthesis::Psd;
 use asperity_tracer::AcceleratorKind;
 use serde_json::json;
 
-use super::config::{AttenuationConfig, AttenuationDirections, VisibilityMethod};
+use super::config::{AttenuationConfig, AttenuationDirections};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
 use crate::error::StudyError;
@@ -29,8 +29,6 @@ pub struct AttenuationPlan {
     /// Azimuths along which horizons are needed, radians: that of the lights, and that of the views where
     /// it is another and one of them is not from straight above.
     pub(super) azimuths: Vec<f64>,
-    /// Either rays or horizons.
-    pub(super) method: VisibilityMethod,
     /// Numbers of the sigma at which models are drawn.
     pub(super) models_at: Vec<usize>,
     /// Numbers of the lights that are drawn over sigma.
@@ -43,12 +41,12 @@ pub(super) struct RoughSurfaces {
     pub(super) sigma: f64,
     /// Slopes of the continuous surface.
     pub(super) slopes: SlopeCovariance,
-    /// What draws them.
+    /// Recipe that draws them.
     pub(super) drawn: RandomSurfaces,
 }
 
 impl AttenuationPlan {
-    /// What the results of this configuration are kept under: all settings but those of the figures.
+    /// Header of the results: all settings but those of the figures.
     #[must_use]
     pub(super) fn identity(&self) -> Header {
         let config = &self.config;
@@ -61,9 +59,12 @@ impl AttenuationPlan {
         Header::new("attenuation", config.run.seed, document)
     }
 
-    /// Whether horizons are found at all.
-    pub(super) fn needs_horizons(&self) -> bool {
-        self.method == VisibilityMethod::Horizons || self.config.run.demarcation
+    /// Visibility method: a horizon per point and azimuth of flat cells, a visibility ray per point and direction of smooth ones.
+    pub(super) fn method(&self) -> &'static str {
+        match self.surfaces[0].drawn.cells() {
+            Cells::Flat => "horizons",
+            Cells::Smooth => "rays",
+        }
     }
 
     /// Directions of the light, then of the view.
@@ -75,15 +76,17 @@ impl AttenuationPlan {
     fn check_size(&self) -> Result<(), StudyError> {
         let run = &self.config.run;
         let drawn = &self.surfaces[0].drawn;
-        let horizons = usize::from(self.needs_horizons()) * self.azimuths.len();
         // Two facets and a sample per cell; a horizon takes 16 bytes, and the demarcation sorts two copies of
         // the halves of those of facets.
         let sorted = usize::from(run.demarcation);
         let [ny, nx] = drawn.shape();
         let cells = nx.saturating_mul(ny);
-        let traced = match drawn.cells() {
-            Cells::Flat => traced_bytes([ny, nx], AcceleratorKind::Auto),
-            Cells::Smooth => smooth_traced_bytes([ny, nx], AcceleratorKind::Auto),
+        let (traced, horizons) = match drawn.cells() {
+            Cells::Flat => (
+                traced_bytes([ny, nx], AcceleratorKind::Auto),
+                self.azimuths.len(),
+            ),
+            Cells::Smooth => (smooth_traced_bytes([ny, nx], AcceleratorKind::Auto), 0),
         };
         let bytes = traced.saturating_add(cells.saturating_mul((48 + 8) * horizons + 32 * sorted));
         check_memory("measuring one surface", bytes.max(drawn.peak_bytes()))?;
@@ -133,24 +136,11 @@ impl AttenuationConfig {
         let mut azimuths = vec![lights[0].phi()];
         azimuths.extend(views.iter().filter(is_slanted).map(|view| view.phi()));
         azimuths.dedup();
-        let rays = surfaces.len() * lights.iter().chain(&views).filter(is_slanted).count();
-        let needs_horizons = run.method == VisibilityMethod::Horizons || run.demarcation;
-        if cells == Cells::Smooth && needs_horizons {
+        if cells == Cells::Smooth && run.demarcation {
             return Err(contradiction(
-                "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays",
+                "--demarcation needs horizons, which are those of flat cells",
             ));
         }
-        let method = match run.method {
-            _ if cells == Cells::Smooth => VisibilityMethod::Rays,
-            // Horizons where they are needed in any case, or where many directions share their azimuths.
-            VisibilityMethod::Auto
-                if run.demarcation || rays >= RAYS_WORTH_A_HORIZON * azimuths.len() =>
-            {
-                VisibilityMethod::Horizons
-            }
-            VisibilityMethod::Auto => VisibilityMethod::Rays,
-            named => named,
-        };
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
         let models_at = self.output.models_at_sigma.as_ref();
         let over_sigma_at = self.output.over_sigma_at_theta.as_ref();
@@ -162,7 +152,6 @@ impl AttenuationConfig {
             lights,
             views,
             azimuths,
-            method,
         };
         plan.check_size()?;
         Ok(plan)
@@ -186,9 +175,6 @@ impl AttenuationConfig {
         Ok([ny?, nx?])
     }
 }
-
-/// Visibility rays that take as long as one horizon: measured at s = 1 and up to 80 degrees.
-const RAYS_WORTH_A_HORIZON: usize = 8;
 
 /// Most samples along a side that are told from one another.
 const MAX_SAMPLES: f64 = 1e9;

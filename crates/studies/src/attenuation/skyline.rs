@@ -4,7 +4,6 @@ use asperity_optics::Incidence;
 use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
-use super::config::VisibilityMethod;
 use super::ground::Point;
 use super::plan::{AttenuationPlan, contradiction};
 use super::points::{chunks, points, samples};
@@ -14,7 +13,7 @@ use crate::error::StudyError;
 pub(super) struct Skyline {
     /// One per point.
     pub(super) points: Vec<Vec<Horizon>>,
-    /// One per sample; none where visibility is found by rays.
+    /// One per sample.
     pub(super) samples: Vec<Vec<Horizon>>,
 }
 
@@ -26,14 +25,13 @@ impl Skyline {
         index: u64,
         least: f64,
     ) -> Result<Vec<Self>, StudyError> {
-        let are_needed = plan.method == VisibilityMethod::Horizons;
         let along = |&azimuth: &f64| {
             let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
                 let points = points(surface, plan.config.run.seed, index, chunk).map(of);
-                let samples = samples(surface, azimuth, chunk).filter(|_| are_needed);
-                (points.collect(), samples.map(of).collect())
+                let samples = samples(surface, azimuth, chunk).map(of);
+                (points.collect(), samples.collect())
             });
             let (points, samples) = found.unzip();
             Ok(Self { points, samples })

@@ -13,12 +13,11 @@ use asperity_tracer::{
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::config::VisibilityMethod;
 use super::counts::Counts;
 use super::demarcation::Rises;
 use super::ground::{Ground, Point};
 use super::heights::{self, BINS};
-use super::plan::AttenuationPlan;
+use super::plan::{AttenuationPlan, RoughSurfaces};
 use super::points::{chunks, points, samples};
 use super::skyline::{Skyline, cotangent, least_rise};
 use crate::error::StudyError;
@@ -28,7 +27,7 @@ use crate::error::StudyError;
 pub struct SurveyedSurface {
     /// One per sigma.
     pub(super) counts: Vec<Counts>,
-    /// Where shadow begins on the surface of the first sigma, if that was requested.
+    /// Rises at which shadow begins on the surface of the first sigma, if requested.
     pub(super) rises: Option<Rises>,
 }
 
@@ -47,38 +46,30 @@ impl SurveyedSurface {
             if observer.stop().is_some() {
                 return Ok(None);
             }
-            let drawn = surfaces.drawn.draw_into(run.seed, index, Vec::new());
-            let shape = drawn.map_err(SimulateError::from)?;
-            let shape = with_border(shape, plan.config.surface.border);
+            let shape = surfaces.shape(plan, index)?;
             // Light too grazing would cross too many tiles: it is refused before horizons are computed.
             plan.directions()
                 .try_for_each(|direction| check_shape(&shape, *direction))?;
             // Horizons scale with height, so that those of the first surface serve all.
-            if let (0, true, Shape::HeightField { top, .. }) =
-                (number, plan.needs_horizons(), &shape)
-            {
+            if let (0, Shape::HeightField { top, .. }) = (number, &shape) {
                 let least = least_rise(plan);
                 skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
                 rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
-            let survey = Survey {
-                seed: run.seed,
-                index,
-                lights: &plan.lights,
-                views: &plan.views,
-                mirror: run.mirror,
-                sigma: run.heights.then_some(surfaces.sigma),
-                azimuths: &plan.azimuths,
-                skylines: match plan.method {
-                    VisibilityMethod::Horizons => &skylines,
-                    _ => &[],
-                },
-                steeper: surfaces.sigma / plan.surfaces[0].sigma,
-            };
+            let survey = Survey::of(plan, surfaces, index, &skylines);
             counts.push(survey.count(&shape)?);
             observer.advance(1);
         }
         Ok(Some(Self { counts, rises }))
+    }
+}
+
+impl RoughSurfaces {
+    /// The surface of realisation `index`.
+    pub(super) fn shape(&self, plan: &AttenuationPlan, index: u64) -> Result<Shape, SimulateError> {
+        let run = &plan.config.run;
+        let shape = self.drawn.draw_into(run.seed, index, Vec::new())?;
+        Ok(with_border(shape, plan.config.surface.border))
     }
 }
 
@@ -97,7 +88,7 @@ fn with_border(shape: Shape, border: Border) -> Shape {
     }
 }
 
-/// What is counted on a surface; nothing by default.
+/// Survey: the counts that are requested of a surface; none by default.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Survey<'a> {
     /// Seed of the points, and number of the surface that they are on.
@@ -106,19 +97,40 @@ pub(super) struct Survey<'a> {
     pub(super) lights: &'a [Incidence],
     /// Without any, no samples are counted.
     pub(super) views: &'a [Incidence],
-    /// Whether mirrored rays are followed.
+    /// `true` if mirrored rays are followed.
     pub(super) mirror: bool,
     /// Root mean square height, if points are counted by height.
     pub(super) sigma: Option<f64>,
-    /// Those of lights and views, radians.
+    /// Azimuths of lights and views, radians.
     pub(super) azimuths: &'a [f64],
     /// Horizons along each azimuth; none where points see by rays.
     pub(super) skylines: &'a [Skyline],
-    /// How many times steeper this surface is than that of the skylines.
+    /// Steepness of this surface over that of the skylines.
     pub(super) steeper: f64,
 }
 
-impl Survey<'_> {
+impl<'a> Survey<'a> {
+    /// The counts that a plan needs of a surface.
+    pub(super) fn of(
+        plan: &'a AttenuationPlan,
+        surfaces: &RoughSurfaces,
+        index: u64,
+        skylines: &'a [Skyline],
+    ) -> Self {
+        let run = &plan.config.run;
+        Self {
+            seed: run.seed,
+            index,
+            lights: &plan.lights,
+            views: &plan.views,
+            mirror: run.mirror,
+            sigma: run.heights.then_some(surfaces.sigma),
+            azimuths: &plan.azimuths,
+            skylines,
+            steeper: surfaces.sigma / plan.surfaces[0].sigma,
+        }
+    }
+
     /// Counts over all points of a height map, in the order of the chunks, whatever thread had which.
     ///
     /// # Panics
@@ -157,7 +169,7 @@ struct Site<'a, G: Ground> {
     lost: AtomicU64,
 }
 
-/// Whether a point faces a direction, and whether it sees it.
+/// Visibility of a direction from a point.
 #[derive(Clone, Copy)]
 struct Mark {
     facing: bool,
@@ -269,7 +281,7 @@ impl<G: Ground> Site<'_, G> {
         marks.map(|(facing, free)| Mark { facing, free }).collect()
     }
 
-    /// How many of the lit points send the mirrored ray away.
+    /// Number of lit points whose mirrored ray escapes.
     fn mirrored(&self, light: &Incidence, points: &[Point<G::Facet>], lit: &[Mark]) -> u64 {
         let wi = light.wi();
         let rays = points.iter().zip(lit).map(|(point, lit)| {

@@ -186,7 +186,7 @@ pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, Vis
         )
 }
 
-/// What was measured, next to theory: report.txt.
+/// Measured fractions next to theory: report.txt.
 pub(super) fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let surface = &outcome.plan.config.surface;
     let unit = surface.unit;

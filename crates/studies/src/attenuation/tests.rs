@@ -7,6 +7,7 @@ use asperity_simulate::{Silent, point_stream};
 use rand::RngExt;
 
 use super::files::attenuation_summary;
+use super::survey::Survey;
 use super::tables::attenuation_table;
 use super::*;
 
@@ -137,5 +138,28 @@ fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
         let merged = Container::merge((0..3).map(shard).collect()).unwrap();
         let judged = plan.judge(&merged).unwrap();
         assert_eq!(said(&judged), expected, "{owners:?}");
+    }
+}
+
+/// Counts of all points and samples, by horizons and by visibility rays.
+#[test]
+fn horizons_and_visibility_rays_count_the_same() {
+    for border in ["periodic", "open"] {
+        let config = CONFIG.replace("[light]", &format!("border = \"{border}\"\n[light]"));
+        let config = config.replace("theta = [30, 70]", "theta = [20, 60, 85]\nphi = 30");
+        let config = format!("{config}[view]\ntheta = [0, 50]\nphi = 200\n");
+        let plan = AttenuationConfig::from_toml(&config).unwrap();
+        let plan = plan.plan().unwrap();
+        for index in 0..3 {
+            let by_horizons = SurveyedSurface::of(&plan, index, &Silent).unwrap().unwrap();
+            for (surfaces, by_horizons) in plan.surfaces.iter().zip(&by_horizons.counts) {
+                let shape = surfaces.shape(&plan, index).unwrap();
+                let survey = Survey::of(&plan, surfaces, index, &[]);
+                let by_rays = survey.count(&shape).unwrap();
+                assert_eq!(&by_rays, by_horizons, "{border} {index}");
+                // Some points are shadowed.
+                assert!(by_rays.lights.free[2] < by_rays.lights.facing[2]);
+            }
+        }
     }
 }

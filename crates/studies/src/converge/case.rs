@@ -1,4 +1,4 @@
-//! What the runs of one case say: errors and seconds of each method.
+//! Converged case: errors and seconds of each method, by the runs of one case.
 
 use asperity_optics::Material;
 use asperity_results::CaseResult;
@@ -20,24 +20,24 @@ const AT_THE_REFERENCE: f64 = 2.0;
 /// Key of the seconds that a method was prepared in, among what the findings of a run say of the machine.
 pub(super) const SETUP_SECONDS: &str = "setup_seconds";
 
-/// What was found for one case.
+/// Outcome of one case.
 pub struct ConvergedCase<'a> {
     /// The case.
     pub case: &'a Case,
-    /// What errors are measured against.
+    /// Reference of the errors.
     pub reference: Reference,
-    /// Whether exact fluxes are known.
+    /// `true` if exact fluxes are known.
     pub is_exact: bool,
     /// The methods.
     pub methods: Vec<MethodOutcome>,
-    /// What the engine did, the reference included.
+    /// Work of the engine, including the reference.
     pub work: ConvergeWork,
 }
 
-/// What errors are measured against.
+/// Reference of the errors.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reference {
-    /// How it was computed.
+    /// Method of computation.
     #[serde(flatten)]
     pub method: Method,
     /// Samples `[nx, ny]` of a surface.
@@ -46,7 +46,7 @@ pub struct Reference {
     pub rays_per_surface: u64,
     /// Surfaces.
     pub surfaces: u64,
-    /// What its own standard errors are expected to add to every error.
+    /// Addition to every error expected of its own standard errors.
     pub error: f64,
     /// Its error against the exact fluxes, where there are such.
     pub error_exact: Option<f64>,
@@ -54,7 +54,7 @@ pub struct Reference {
     pub seconds: f64,
 }
 
-/// What was found for one method.
+/// Outcome of one method.
 #[derive(Clone, Debug, Serialize)]
 pub struct MethodOutcome {
     /// Its name among the methods of the plan.
@@ -71,7 +71,7 @@ pub struct MethodOutcome {
     pub fit: Fit,
     /// Seconds to each of the errors of the plan.
     pub seconds_to: Vec<SecondsTo>,
-    /// How many times longer plain random rays take to the same error, at equal effort.
+    /// Time of plain random rays to the same error over that of this method, at equal effort.
     pub efficiency: Option<Efficiency>,
 }
 
@@ -92,12 +92,12 @@ pub struct Measurement {
     pub seconds_max: f64,
     /// Relative error against the reference.
     pub error: RepeatedError,
-    /// The same against the exact fluxes, where there are such.
+    /// Errors against the exact fluxes, where there are such.
     pub error_exact: Option<RepeatedError>,
     /// By how much the light of a surface that absorbs nothing misses one; `None` for others, and where
     /// a side is not requested.
     pub energy_error: Option<f64>,
-    /// Whether the error is well above that of the reference.
+    /// `true` if the error is well above that of the reference.
     pub usable: bool,
 }
 
@@ -108,23 +108,23 @@ pub struct SecondsTo {
     pub error: f64,
     /// Seconds; `None` where the line leads to none.
     pub seconds: Option<f64>,
-    /// Whether the error lies beyond those measured.
+    /// `true` if the error lies beyond those measured.
     pub extrapolated: Option<bool>,
-    /// How many times longer plain random rays take.
+    /// Time of plain random rays over that of this method.
     pub plain_random_over_this: Option<f64>,
 }
 
-/// How many times longer plain random rays take to the same error.
+/// Speed-up: time of plain random rays to the same error, over that of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Efficiency {
     /// So many times.
     pub ratio: f64,
-    /// What the standard errors of the errors make of it; `None` for single runs, and for plain random
+    /// Standard error by those of the errors; `None` for single runs, and for plain random
     /// rays in addition to the rays themselves.
     pub se: Option<f64>,
 }
 
-/// What was done, and how long it took.
+/// Work, and its time.
 #[derive(Clone, Debug, Serialize)]
 pub struct ConvergeWork {
     /// Runs.
@@ -180,19 +180,19 @@ impl StoredRun<'_> {
     }
 }
 
-/// What runs are measured against.
+/// Reference of the runs.
 struct Targets {
     reference: Target,
     /// The expected relative error of the reference itself.
     error: f64,
     /// The exact fluxes, where they are known.
     exact: Option<Target>,
-    /// Whether all light must be found on the sides that are recorded.
+    /// `true` if all light must be found on the sides that are recorded.
     returns_all_light: bool,
 }
 
 impl<'a> ConvergedCase<'a> {
-    /// What `runs` say of `case`, of which they are all: the reference, then those of all methods.
+    /// Outcome of `case` by all of its `runs`: the reference, then those of all methods.
     pub(super) fn of(
         plan: &ConvergePlan,
         case: &'a Case,
@@ -251,7 +251,7 @@ impl<'a> ConvergedCase<'a> {
 }
 
 impl MethodOutcome {
-    /// What the measurements of a method say, as far as it needs no other method.
+    /// Outcome of the measurements of a method, as far as it needs no other method.
     fn of(
         plan: &ConvergePlan,
         method: Method,
@@ -330,7 +330,7 @@ fn compare(methods: &mut [MethodOutcome]) {
 }
 
 impl Measurement {
-    /// What runs of equal method and effort say, of which there is one at least.
+    /// Measurement by runs of equal method and effort, of which there is one at least.
     fn of(runs: &[StoredRun<'_>], peer_rate: Option<f64>, targets: &Targets) -> Self {
         let mut seconds: Vec<f64> = runs.iter().map(|run| run.seconds(peer_rate)).collect();
         seconds.sort_by(f64::total_cmp);

@@ -30,15 +30,15 @@ use crate::settings::{Command, Document, defaults};
 pub struct ConvergenceConfig {
     /// Estimators.
     pub estimators: OneOrMany<Estimator>,
-    /// How rays are spread.
+    /// Sampling of rays.
     pub samplings: OneOrMany<Sampling>,
-    /// Whether paths follow both branches, or one picked at random.
+    /// Branches that paths follow: both, or one picked at random.
     pub branchings: OneOrMany<Branching>,
     /// Rays per second of another ray tracer. The tables then have the seconds that it would need for plain random rays
     /// that pick a branch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peer_rate: Option<Number>,
-    /// How hits are found.
+    /// Accelerator that finds hits.
     pub accelerators: OneOrMany<AcceleratorKind>,
     /// Length units per sample, along both axes; that of the surface unless given. The extent of the
     /// surface stays, and its samples follow.
@@ -72,13 +72,13 @@ pub struct ConvergenceConfig {
 pub struct ConvergeConfig {
     /// The random surfaces; `size` times `spacing` is their extent at every spacing.
     pub surface: SurfaceConfig,
-    /// What they are made of.
+    /// Material.
     pub material: MaterialConfig,
-    /// Where the light comes from.
+    /// Directions towards the light.
     pub light: LightConfig,
     /// The methods and their effort.
     pub converge: ConvergenceConfig,
-    /// What is written.
+    /// Output.
     pub output: OutputConfig,
 }
 
@@ -94,7 +94,7 @@ pub struct ConvergePlan {
     pub runs: Vec<ConvergeRun>,
     /// Errors for which run times are computed.
     pub errors: Vec<f64>,
-    /// What is recorded of each run.
+    /// Tally spec of each run.
     pub spec: TallySpec,
 }
 
@@ -125,7 +125,7 @@ impl ConvergeConfig {
         Ok(surfaces.map_err(SimulateError::from)?)
     }
 
-    /// The same surfaces, material and light as a verification without models.
+    /// Verification without models, of the same surfaces, material and light.
     fn as_verification(&self) -> VerifyConfig {
         VerifyConfig {
             surface: self.surface.clone(),
@@ -158,7 +158,7 @@ impl ConvergeConfig {
         })
     }
 
-    /// What the results of this configuration are stored under: neither the errors nor the peer, which are computed from the runs.
+    /// Header of the results: neither the errors nor the peer, which are computed from the runs.
     #[must_use]
     pub fn header(&self) -> Header {
         let mut settings = self.clone();
@@ -355,7 +355,7 @@ impl ConvergeConfig {
     }
 }
 
-/// Why no control variate is known for a case, if none is.
+/// Returns the reason why no control variate is known for a case, if none is.
 fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
     if case.material.is_diffuse() {
         return Some(ConfigError::DiffuseControl);

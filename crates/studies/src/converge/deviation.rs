@@ -1,4 +1,4 @@
-//! How far the bins of a run are off.
+//! Deviation: the error of the bins of a run.
 
 use serde::Serialize;
 
@@ -27,7 +27,7 @@ impl Target {
         squares.sum::<f64>().sqrt() / self.norm
     }
 
-    /// What standard errors of the fluxes themselves are expected to add: `sqrt(sum_b se_b^2)` over
+    /// Addition expected of the standard errors of the fluxes themselves: `sqrt(sum_b se_b^2)` over
     /// the same root.
     pub(super) fn own_error(&self, standard_errors: &[f64]) -> f64 {
         standard_errors.iter().map(|se| se * se).sum::<f64>().sqrt() / self.norm

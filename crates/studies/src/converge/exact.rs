@@ -8,10 +8,10 @@ use asperity_tally::TallySpec;
 /// Smith's Lambda up to which nothing counts as hidden.
 const NOTHING_HIDDEN: f64 = 1e-12;
 
-/// What single scattering may miss of all light to count as all there is.
+/// Largest fraction of light beyond single scattering that is neglected.
 const NOTHING_MISSING: f64 = 1e-9;
 
-/// What each recorded bin holds exactly, where every facet is lit and seen and light meets only one.
+/// Exact flux of each recorded bin, where every facet is lit and seen and light meets only one.
 pub(super) fn exact_fluxes(case: &Case, spec: &TallySpec) -> Result<Option<Vec<f64>>, ModelError> {
     let recipe = case.surface.recipe();
     let recipe = recipe.filter(|recipe| recipe.gaussian().is_some() && recipe.is_isotropic());

@@ -50,7 +50,7 @@ impl ConvergeOutcome<'_> {
     }
 }
 
-/// Whether any error is above zero: without, there is nothing that logarithmic axes could show.
+/// Returns `true` if any error is above zero: without, there is nothing that logarithmic axes could show.
 fn has_errors(case: &ConvergedCase) -> bool {
     let mut measurements = case.methods.iter().flat_map(|m| &m.measurements);
     measurements.any(|m| m.error.rms > 0.0)

@@ -56,7 +56,7 @@ impl Fit {
         seconds.is_normal().then_some(seconds)
     }
 
-    /// Whether `error` lies beyond those measured.
+    /// Returns `true` if `error` lies beyond those measured.
     #[must_use]
     pub fn is_beyond(&self, error: f64) -> bool {
         let [least, largest] = self.errors;

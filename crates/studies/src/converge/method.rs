@@ -1,4 +1,4 @@
-//! What is measured: methods, and the runs by which they are measured.
+//! Methods that are measured, and the runs by which they are.
 
 use std::fmt::Write;
 
@@ -12,16 +12,16 @@ use crate::config::values::{Number, PerAxis};
 /// A way of computing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Method {
-    /// How paths become results.
+    /// Estimator.
     pub estimator: Estimator,
-    /// How rays are spread.
+    /// Sampling of rays.
     pub sampling: Sampling,
-    /// Whether paths follow both branches, or one picked at random.
+    /// Branches that paths follow: both, or one picked at random.
     pub branching: Branching,
     /// Rays per second of a peer, by which its seconds are computed; `None` for what is timed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peer_rate: Option<f64>,
-    /// How hits are found.
+    /// Accelerator that finds hits.
     pub accelerator: AcceleratorKind,
     /// Length units per sample.
     pub spacing: PerAxis<Number>,
@@ -36,17 +36,17 @@ impl Method {
         }
     }
 
-    /// Whether both take the same steps on the same grid, so that what differs is the estimate.
+    /// Returns `true` if both take the same steps on the same grid, so that what differs is the estimate.
     pub(super) fn shares_grid(&self, other: &Self) -> bool {
         self.accelerator == other.accelerator && self.spacing == other.spacing
     }
 
-    /// Whether its paths are those of other ray tracers: independent rays that follow one branch.
+    /// Returns `true` if its paths are those of other ray tracers: independent rays that follow one branch.
     pub(super) fn is_of_peers(&self) -> bool {
         self.is_plain_and_random() && self.branching == Branching::Pick
     }
 
-    /// Whether it is what others are compared with: independent rays, and nothing else.
+    /// Returns `true` if it is what others are compared with: independent rays, and nothing else.
     pub(super) fn is_plain_and_random(&self) -> bool {
         self.estimator == Estimator::Plain && self.sampling == Sampling::Random
     }
@@ -88,7 +88,7 @@ pub struct ConvergeRun {
     pub case_number: usize,
     /// Its case, on surfaces of the spacing of its method.
     pub case: Case,
-    /// How it is computed.
+    /// Method of computation.
     pub method: Method,
     /// Rays and surfaces.
     pub effort: Effort,

@@ -115,7 +115,7 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
     out
 }
 
-/// What a reader should know of the measurements.
+/// Notes on the measurements for the reader.
 fn case_notes(case: &ConvergedCase) -> String {
     let mut out = String::new();
     let setup = case.methods.iter().map(|method| method.setup_seconds);
@@ -142,7 +142,7 @@ fn case_notes(case: &ConvergedCase) -> String {
 pub(super) struct Row<'a> {
     method: &'a MethodOutcome,
     measurement: &'a Measurement,
-    /// Whether it is the first one of its method.
+    /// `true` if it is the first one of its method.
     is_first: bool,
 }
 

@@ -429,9 +429,9 @@ pub fn defaults<T: DeserializeOwned>(command: Command) -> T {
     }
 }
 
-/// Whether `name` is the flag of a setting, or an old spelling of it.
+/// `true` if `name` is the flag of a setting.
 fn has_flag(setting: &Setting, name: &str) -> bool {
-    setting.flag_name().is_some_and(|flag| flag == name) || setting.aliases.contains(&name)
+    setting.flag_name().is_some_and(|flag| flag == name)
 }
 
 /// All commands that have a flag.

@@ -221,8 +221,7 @@ impl File<'_> {
 
 /// Whether a file calls a setting so.
 fn is_named(setting: &Setting, section: &str, key: &str) -> bool {
-    let same = setting.key == key || setting.aliases.contains(&key);
-    setting.in_file && setting.section == section && same
+    setting.in_file && setting.section == section && setting.key == key
 }
 
 /// Whether a file of `command` may hold the section `name`.

@@ -33,18 +33,6 @@ pub fn reference_page() -> String {
                 let _ = writeln!(page, "| `--{flag} {alias}` | `--{flag} {name}` |");
             }
         }
-        for alias in setting.aliases {
-            let flag = setting.flag_name().unwrap_or_default();
-            let _ = writeln!(page, "| `--{}` | `--{flag}` |", alias.replace('_', "-"));
-            if setting.in_file {
-                let _ = writeln!(
-                    page,
-                    "| `{}.{alias}` | `{}` |",
-                    setting.section,
-                    setting.path()
-                );
-            }
-        }
     }
     page
 }

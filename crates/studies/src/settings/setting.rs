@@ -15,8 +15,6 @@ pub struct Setting {
     pub flag: Flag,
     /// The short form of the flag.
     pub short: Option<char>,
-    /// Old spellings of key and flag, which stay valid but are not shown in the help.
-    pub aliases: &'static [&'static str],
     /// Whether a configuration file may hold it.
     pub in_file: bool,
     /// What its value is.
@@ -103,7 +101,6 @@ pub(super) const fn setting(
         key,
         flag: Flag::OfKey,
         short: None,
-        aliases: &[],
         in_file: true,
         kind,
         arity: Arity::One,
@@ -179,11 +176,6 @@ impl Setting {
 
     pub(super) const fn short(mut self, short: char) -> Self {
         self.short = Some(short);
-        self
-    }
-
-    pub(super) const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
-        self.aliases = aliases;
         self
     }
 

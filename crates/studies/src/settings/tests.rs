@@ -108,11 +108,7 @@ fn keys_and_flags_are_unique_in_each_command() {
             if shared && command == Command::Gonio {
                 continue;
             }
-            for flag in setting
-                .flag_name()
-                .into_iter()
-                .chain(setting.aliases.iter().map(|a| (*a).to_owned()))
-            {
+            if let Some(flag) = setting.flag_name() {
                 assert!(flags.insert(flag.clone()), "--{flag} in {command}");
             }
         }
@@ -334,26 +330,10 @@ fn unknown_names_are_refused_with_what_is_known() {
 
 #[test]
 fn old_spellings_stay_valid() {
-    let mut document = Document::of_text(Command::Attenuation, "[run]\nway = \"rays\"").unwrap();
-    assert_eq!(document.value("run.method"), Some("rays".into()));
-    document
-        .add_flags(&[flag("way", "horizons")], None)
-        .unwrap();
-    assert_eq!(document.value("run.method"), Some("horizons".into()));
     let mut document = Document::new(Command::Verify);
     let flags = [flag("accelerator", "tiles")];
     document.add_flags(&flags, None).unwrap();
     assert_eq!(document.value("run.accelerator"), Some("pyramid".into()));
-}
-
-#[test]
-fn two_spellings_of_one_setting_are_refused_by_both_names() {
-    let file = "[run]\nway = \"rays\"\nmethod = \"auto\"";
-    let said = refusal(Command::Attenuation, file, &[]);
-    assert!(
-        said.contains("way = \"rays\"") && said.contains("method = \"auto\""),
-        "{said}"
-    );
 }
 
 #[test]

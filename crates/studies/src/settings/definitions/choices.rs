@@ -212,12 +212,6 @@ pub(super) const QUANTITY: Kind = Kind::Choice(&[
     choice("in-plane", "bins of the in-plane slice, relative"),
 ]);
 
-pub(super) const VISIBILITY: Kind = Kind::Choice(&[
-    choice("auto", "the faster one"),
-    choice("rays", "one visibility ray per point and direction"),
-    choice("horizons", "one horizon per point and azimuth"),
-]);
-
 pub(super) const SCALE: Kind = Kind::Choice(&[
     choice("common", "all discs of a figure"),
     choice("rows", "the discs of one angle of incidence"),

@@ -2,7 +2,6 @@
 
 use super::choices::{
     ACCELERATOR, BINS, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING, SIDE,
-    VISIBILITY,
 };
 use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
@@ -181,15 +180,6 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .flag(Flag::Off("no-fold"))
     .default("true"),
-    setting(
-        SECTION,
-        "method",
-        VISIBILITY,
-        ATTENUATION,
-        "How visibility is computed",
-    )
-    .aliases(&["way"])
-    .default("auto"),
     setting(
         SECTION,
         "mirror",

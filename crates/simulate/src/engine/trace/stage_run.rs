@@ -1,4 +1,4 @@
-//! Surface group: draws surfaces, or takes given ones, and traces all cases that share them on each.
+//! Stage run: draws surfaces, or takes given ones, and traces all cases that share them on each.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,12 +13,12 @@ use rayon::prelude::*;
 
 use super::block_run::run_blocks;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
-use super::built_surface::{BuiltSurface, Meshes};
-use super::context::Context;
-use super::draw::Drawer;
-use super::tallies::CaseTallies;
-use super::traced_case::TracedCase;
 use super::watch::Watch;
+use crate::engine::context::Context;
+use crate::engine::draw::built_surface::BuiltSurface;
+use crate::engine::draw::drawer::Drawer;
+use crate::engine::prepare::case_run::CaseRun;
+use crate::engine::reduce::tallies::CaseTallies;
 use crate::error::SimulateError;
 use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
@@ -27,10 +27,9 @@ use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::regions::Regions;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
-use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
-use crate::store::{SavedSurface, Stage, SurfaceKey};
+use crate::store::{Stage, SurfaceKey};
 
 /// Memory that surfaces traced side by side may take.
 const MEMORY_BUDGET: u64 = 4 << 30;
@@ -41,13 +40,16 @@ const MIN_BLOCKS_OF_ALL: u64 = 16;
 /// Fewest blocks of each of several surfaces: their scatter is the error of the rays.
 const MIN_BLOCKS_OF_EACH: u64 = 2;
 
+/// Fewest blocks of a pilot run on one surface.
+pub(crate) const PILOT_BLOCKS: u64 = 16;
+
 /// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
 const FIRST_BOTTOM: u64 = 1 << 50;
 
 /// Number of the surface whose random streams the rays of the first region have: beyond those of pilot runs.
 const FIRST_REGION: u64 = 1 << 41;
 
-/// How many surfaces are planned, and rays on all of them.
+/// Number of surfaces, and of rays on all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SurfacePlan {
     pub(crate) surfaces: u64,
@@ -61,13 +63,13 @@ pub(crate) enum Surfaces<'a> {
     Random(&'a RandomSurfaces),
     /// Given ones.
     Given(&'a [Shape]),
-    /// Regions of a given surface.
-    Regions(&'a Shape, Regions),
+    /// One given surface, or regions of it.
+    Built(&'a Arc<BuiltSurface>, Option<Regions>),
 }
 
 impl<'a> Surfaces<'a> {
     /// Memory that each one takes at its peak, beyond what is held anyway.
-    fn bytes(self, cases: &[TracedCase], settings: &Settings) -> usize {
+    fn bytes(self, cases: &[CaseRun], settings: &Settings) -> usize {
         match self {
             Self::Random(surfaces) => surface_bytes(surfaces, cases, settings),
             Self::Given(shapes) => {
@@ -76,14 +78,14 @@ impl<'a> Surfaces<'a> {
                     .map(|shape| shape_bytes(shape, settings.accelerator, settings.refine));
                 all.max().unwrap_or(0)
             }
-            Self::Regions(..) => 0,
+            Self::Built(..) => 0,
         }
     }
 
-    /// Where light falls on the surface of a number.
+    /// Windows of the surface of a number on which light falls.
     fn windows(self, number: u64) -> Vec<Window> {
         match self {
-            Self::Regions(shape, regions) => regions.windows(number, shape.border()),
+            Self::Built(built, Some(regions)) => regions.windows(number, built.border()),
             _ => vec![Window::WHOLE],
         }
     }
@@ -91,17 +93,17 @@ impl<'a> Surfaces<'a> {
     /// Number of the random streams that the rays on the surface of a number have.
     const fn stream(self, number: u64) -> u64 {
         match self {
-            Self::Regions(..) => FIRST_REGION + number,
+            Self::Built(_, Some(_)) => FIRST_REGION + number,
             _ => number,
         }
     }
 }
 
-/// Cases that share their surfaces, and how they are traced.
+/// Stage of a run: cases that share their surfaces, and how they are traced.
 #[derive(Clone, Copy)]
-pub(crate) struct SurfaceGroup<'a> {
+pub(crate) struct StageRun<'a> {
     pub(crate) surfaces: Surfaces<'a>,
-    pub(crate) cases: &'a [TracedCase],
+    pub(crate) cases: &'a [CaseRun],
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
     pub(crate) stage: Stage,
@@ -114,11 +116,23 @@ struct DrawnSurface {
     seconds: Seconds,
 }
 
-/// What was found on the surface of a number.
+/// Part of a run that is saved under one key: blocks of rays on a surface.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Number of the surface.
+    surface: u64,
+    /// Blocks of each case in each window of the surface.
+    blocks: Blocks,
+    key: SurfaceKey,
+    /// Rays per case that were traced and counted as progress in earlier rounds.
+    rays_before: u64,
+}
+
+/// Tallies of the surface of a number.
 struct Numbered {
     surface: u64,
     found: Result<SurfaceTallies, SimulateError>,
-    /// Whether it has had all of its rays.
+    /// `true` if it has had all of its rays.
     complete: bool,
 }
 
@@ -126,7 +140,7 @@ struct Numbered {
 struct Turns {
     next: AtomicU64,
     end: u64,
-    /// Whether one was begun that no earlier run has finished.
+    /// `true` if one was begun that no earlier run has finished.
     has_begun: AtomicBool,
 }
 
@@ -136,7 +150,7 @@ impl Turns {
         (surface < self.end).then_some(surface)
     }
 
-    /// Whether no further surface is begun. One is even if there is no time for it, so that repeated runs come to an end.
+    /// Returns `true` if no further surface is begun. One is even if there is no time for it, so that repeated runs come to an end.
     fn are_over(&self, observer: &dyn Observer) -> bool {
         match observer.stop() {
             Some(StoppedBy::Interrupt) => true,
@@ -152,7 +166,7 @@ impl Turns {
 /// Memory that one surface takes at its peak.
 pub(crate) fn surface_bytes(
     surfaces: &RandomSurfaces,
-    cases: &[TracedCase],
+    cases: &[CaseRun],
     settings: &Settings,
 ) -> usize {
     let (shape, accelerator) = (surfaces.shape(), settings.accelerator);
@@ -170,19 +184,20 @@ pub(crate) fn surface_bytes(
     }
 }
 
-fn have_independent_bottom(cases: &[TracedCase]) -> bool {
-    let layers = cases.iter().filter_map(|traced| traced.case.layer);
+fn have_independent_bottom(cases: &[CaseRun]) -> bool {
+    let layers = cases.iter().filter_map(|run| run.case.layer);
     layers
         .into_iter()
         .any(|layer| layer.bottom == BottomSurface::Independent)
 }
 
-impl SurfaceGroup<'_> {
+impl StageRun<'_> {
     /// Rays that each case gets in each window of a surface.
     pub(crate) fn blocks(&self) -> Blocks {
         let SurfacePlan { surfaces, rays } = self.plan;
         let fewest = match self.surfaces {
-            Surfaces::Regions(..) => MIN_BLOCKS_OF_EACH,
+            Surfaces::Built(_, Some(_)) => MIN_BLOCKS_OF_EACH,
+            Surfaces::Built(_, None) if self.stage != Stage::Result => PILOT_BLOCKS,
             _ if surfaces == 1 => MIN_BLOCKS_OF_ONE,
             _ => MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH),
         };
@@ -197,6 +212,11 @@ impl SurfaceGroup<'_> {
     /// Rays that each case gets from one surface.
     pub(crate) fn rays_of_surface(&self) -> u64 {
         self.blocks().rays() * self.windows_of_one()
+    }
+
+    /// Rays that each case gets from all surfaces.
+    pub(crate) fn rays(&self) -> u64 {
+        self.rays_of_surface().saturating_mul(self.plan.surfaces)
     }
 
     /// Draws the surfaces of these numbers once each and traces all cases on each.
@@ -214,7 +234,7 @@ impl SurfaceGroup<'_> {
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
-        let drawer = self.drawer(context)?;
+        let drawer = self.drawer()?;
         let turns = Turns {
             next: AtomicU64::new(surfaces.start),
             end: surfaces.end,
@@ -238,31 +258,58 @@ impl SurfaceGroup<'_> {
         Ok(CaseTallies::of_surfaces(&self.specs(), surfaces))
     }
 
-    /// Where surfaces come from: that of all regions is built once.
-    fn drawer(&self, context: Context<'_>) -> Result<Drawer<'_>, SimulateError> {
-        let Settings {
-            refine,
-            accelerator,
-            ..
-        } = self.settings;
-        match self.surfaces {
-            Surfaces::Random(surfaces) => Drawer::new(surfaces, refine),
-            Surfaces::Given(shapes) => Ok(Drawer::Given(shapes, refine)),
-            Surfaces::Regions(shape, _) => {
-                let meshes = Meshes::new(shape.clone(), refine)?;
-                let built = BuiltSurface::build(meshes, accelerator, context.engine)?;
-                Ok(Drawer::Built(Arc::new(built)))
-            }
-        }
+    /// Traces the first `count` blocks of rays on the one surface, which go on from those of the rounds `before`. If the run is to stop,
+    /// some of the last are missing. Each round is saved under its own number, since the tallies of a round decide how many blocks the
+    /// next one has.
+    pub(crate) fn run_blocks(
+        &self,
+        count: u64,
+        round: u64,
+        before: Option<SurfaceTallies>,
+        context: Context<'_>,
+    ) -> Result<SurfaceTallies, SimulateError> {
+        let blocks_before = before
+            .as_ref()
+            .map_or(0, |one| one.cases[0].tally.batches());
+        let blocks = Blocks {
+            count,
+            ..self.blocks()
+        };
+        let part = Part {
+            surface: 0,
+            blocks,
+            key: SurfaceKey {
+                number: round,
+                ..self.key(0)
+            },
+            rays_before: blocks_before * blocks.rays_of_one(),
+        };
+        let is_further = |saved: &SurfaceTallies| {
+            let case = &saved.cases[0];
+            case.tally.batches() >= blocks_before && self.is_part(part, case, &self.cases[0])
+        };
+        let saved = self.load(part.key, context).filter(is_further);
+        let drawer = self.drawer()?;
+        self.trace(&drawer, part, &mut Vec::new(), saved.or(before), context)
     }
 
-    /// What is recorded of each case.
-    fn specs(&self) -> Vec<TallySpec> {
+    /// Source of the surfaces.
+    fn drawer(&self) -> Result<Drawer<'_>, SimulateError> {
+        let refine = self.settings.refine;
+        Ok(match self.surfaces {
+            Surfaces::Random(surfaces) => Drawer::new(surfaces, refine)?,
+            Surfaces::Given(shapes) => Drawer::Given(shapes, refine),
+            Surfaces::Built(built, _) => Drawer::Built(built),
+        })
+    }
+
+    /// Tally specs by case.
+    pub(crate) fn specs(&self) -> Vec<TallySpec> {
         let cases = self.cases.iter();
         cases.map(|one| self.settings.spec_of(&one.case)).collect()
     }
 
-    /// What is shown of the run: nothing of a pilot run.
+    /// Display of the error so far; of no pilot run.
     fn watch(&self) -> Watch {
         let target = self.settings.target();
         Watch::new(
@@ -285,7 +332,13 @@ impl SurfaceGroup<'_> {
         let mut all = Vec::new();
         let mut memory = Vec::new();
         while let Some(surface) = turns.take() {
-            let saved = self.load(surface, context);
+            let part = Part {
+                surface,
+                blocks: self.blocks(),
+                key: self.key(surface),
+                rays_before: 0,
+            };
+            let saved = self.load(part.key, context);
             let one = match saved {
                 Some(saved) if self.is_complete(&saved) => {
                     observer.advance(self.rays_of_surface() * self.cases.len() as u64);
@@ -297,8 +350,12 @@ impl SurfaceGroup<'_> {
                 }
                 _ if turns.are_over(observer) => continue,
                 saved => {
-                    let left = saved.map_or_else(Vec::new, |saved| saved.cases);
-                    self.trace_and_save(drawer, surface, &mut memory, left, context)
+                    let found = self.trace(drawer, part, &mut memory, saved, context);
+                    Numbered {
+                        surface,
+                        complete: found.as_ref().is_ok_and(|found| self.is_complete(found)),
+                        found,
+                    }
                 }
             };
             match &one.found {
@@ -313,53 +370,32 @@ impl SurfaceGroup<'_> {
 
     fn key(&self, surface: u64) -> SurfaceKey {
         SurfaceKey {
-            case: self.cases.first().map_or(0, |traced| traced.number),
+            case: self.cases.first().map_or(0, |run| run.number),
             stage: self.stage,
             number: surface,
         }
     }
 
-    /// What the store holds of a surface.
-    fn load(&self, surface: u64, context: Context<'_>) -> Option<SurfaceTallies> {
-        let saved = context.store?.load(self.key(surface))?;
-        saved.restore(&self.specs())
+    /// Saved tallies of all cases.
+    fn load(&self, key: SurfaceKey, context: Context<'_>) -> Option<SurfaceTallies> {
+        let saved = context.store?.load(key)?;
+        saved.are_by(&self.specs()).then_some(saved)
     }
 
-    /// Whether a surface has had all of its rays, on the paths that are planned.
+    /// `true` if a surface has had all of its rays, on the paths that are planned.
     fn is_complete(&self, found: &SurfaceTallies) -> bool {
         let rays = self.rays_of_surface();
-        let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
-            found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
-        };
-        let all_there = found.cases.len() == self.cases.len();
-        all_there && found.cases.iter().zip(self.cases).all(same)
+        let mut cases = found.cases.iter().zip(self.cases);
+        cases.all(|(found, run)| found.work.rays == rays && found.strategy == run.strategy())
     }
 
-    /// What is found on a surface, of which an earlier run has `left` the first blocks of each case; it is saved.
-    fn trace_and_save(
-        &self,
-        drawer: &Drawer<'_>,
-        surface: u64,
-        memory: &mut Vec<f64>,
-        left: Vec<CaseOnSurface>,
-        context: Context<'_>,
-    ) -> Numbered {
-        let found = self.trace(drawer, surface, memory, left, context);
-        let complete = found.as_ref().is_ok_and(|found| self.is_complete(found));
-        if let (Some(store), Ok(found)) = (context.store, &found) {
-            let saved = SavedSurface::new(
-                &found.cases,
-                found.slopes,
-                found.seconds,
-                found.used.clone(),
-            );
-            store.save(self.key(surface), saved);
-        }
-        Numbered {
-            surface,
-            found,
-            complete,
-        }
+    /// `true` if `found` is of the first blocks of a part: a run that was stopped while it was planned may have divided its rays in
+    /// another way, on other paths.
+    fn is_part(&self, part: Part, found: &CaseOnSurface, run: &CaseRun) -> bool {
+        let done = found.tally.batches();
+        found.strategy == run.strategy()
+            && done <= part.blocks.count * self.windows_of_one()
+            && found.work.rays == done * part.blocks.rays_of_one()
     }
 
     /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
@@ -373,7 +409,7 @@ impl SurfaceGroup<'_> {
     ) -> Result<DrawnSurface, SimulateError> {
         if let Drawer::Built(built) = drawer {
             return Ok(DrawnSurface {
-                built: built.clone(),
+                built: Arc::clone(built),
                 slopes: None,
                 seconds: Seconds::default(),
             });
@@ -407,74 +443,79 @@ impl SurfaceGroup<'_> {
         })
     }
 
-    /// The first blocks of a case as an earlier run has left them, or none yet, as in `new`: a run that was stopped while it was planned
-    /// may have divided its rays in another way, on other paths.
-    fn resumed(&self, left: Option<CaseOnSurface>, new: CaseOnSurface) -> CaseOnSurface {
-        let blocks = self.blocks();
-        let is_part = |left: &CaseOnSurface| {
-            let done = left.tally.batches();
-            left.way == new.way
-                && done <= blocks.count * self.windows_of_one()
-                && left.work.rays == done * blocks.rays_of_one()
-        };
-        left.filter(is_part).unwrap_or(new)
-    }
-
-    /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `resumed`.
+    /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `left`, and saves their tallies, also
+    /// before they are complete if the store is due.
     fn trace(
         &self,
         drawer: &Drawer<'_>,
-        number: u64,
+        part: Part,
         memory: &mut Vec<f64>,
-        resumed: Vec<CaseOnSurface>,
+        left: Option<SurfaceTallies>,
         context: Context<'_>,
     ) -> Result<SurfaceTallies, SimulateError> {
         let DrawnSurface {
             built,
             slopes,
-            mut seconds,
-        } = self.build(drawer, number, memory, context)?;
+            seconds,
+        } = self.build(drawer, part.surface, memory, context)?;
         let clock = Instant::now();
-        let mut cases = Vec::new();
-        let mut resumed = resumed.into_iter();
-        for TracedCase { case, method, .. } in self.cases {
-            let mut lit = built.lit(case, |_| method, &self.settings)?;
-            let spec = self.settings.spec_of(case);
-            let new = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
-            let mut found = self.resumed(resumed.next(), new);
-            context.observer.advance(found.work.rays);
-            for (i, window) in (0..).zip(self.surfaces.windows(number)) {
-                lit.iter_mut().for_each(|mesh| mesh.light.window = window);
-                let blocks = self.blocks();
-                let first = i * blocks.count;
-                let done = found.tally.batches().saturating_sub(first);
-                let blocks = Blocks { first, ..blocks }.after(done.min(blocks.count));
-                let stream = self.surfaces.stream(number);
+        let seconds_before = left.as_ref().map_or(0.0, |left| left.seconds.trace);
+        let mut left = left.into_iter().flat_map(|left| left.cases);
+        let meshes = built.shapes().count();
+        let first_blocks = |run: &CaseRun| {
+            let spec = self.settings.spec_of(&run.case);
+            let left = left.next().filter(|left| self.is_part(part, left, run));
+            left.unwrap_or_else(|| CaseOnSurface::new(run.strategy(), spec, meshes))
+        };
+        let mut found = SurfaceTallies {
+            cases: self.cases.iter().map(first_blocks).collect(),
+            slopes,
+            seconds,
+            used: built.used(),
+        };
+        for (i, run) in self.cases.iter().enumerate() {
+            let mut lit = built.lit(run, &self.settings)?;
+            let resumed = found.cases[i].work.rays - part.rays_before;
+            context.observer.advance(resumed);
+            for (window, place) in (0..).zip(self.surfaces.windows(part.surface)) {
+                lit.iter_mut().for_each(|mesh| mesh.light.window = place);
+                let first = window * part.blocks.count;
+                let done = found.cases[i].tally.batches().saturating_sub(first);
+                let blocks = Blocks {
+                    first,
+                    ..part.blocks
+                };
                 run_blocks(
                     &lit,
                     &self.settings,
-                    stream,
-                    blocks,
+                    self.surfaces.stream(part.surface),
+                    blocks.after(done.min(blocks.count)),
                     context.observer,
                     |group| {
+                        let case = &mut found.cases[i];
                         // Blocks behind one that a stop left out are of no use to a later run.
-                        if group.first == found.tally.batches() {
-                            found.push(&group.blocks, group.work);
+                        if group.first != case.tally.batches() {
+                            return;
+                        }
+                        case.push(&group.blocks, group.work);
+                        if context.store.is_some_and(|store| store.is_due()) {
+                            found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
+                            save(part.key, &found, context);
                         }
                     },
                 );
             }
-            cases.push(found);
         }
-        seconds.trace = clock.elapsed().as_secs_f64();
-        let used = built.used();
+        found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
+        save(part.key, &found, context);
         *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);
-        Ok(SurfaceTallies {
-            cases,
-            slopes,
-            seconds,
-            used,
-        })
+        Ok(found)
+    }
+}
+
+fn save(key: SurfaceKey, found: &SurfaceTallies, context: Context<'_>) {
+    if let Some(store) = context.store {
+        store.save(key, found.clone());
     }
 }
 
@@ -510,12 +551,10 @@ mod tests {
             sampling: Sampling::Random,
             ..Settings::default()
         };
-        let cases = [TracedCase {
-            number: 0,
-            case: Case::new(SurfaceSource::random(surfaces.clone()), glass, light),
-            method: Arc::new(Method::plain(&settings)),
-        }];
-        let group = SurfaceGroup {
+        let case = Case::new(SurfaceSource::random(surfaces.clone()), glass, light);
+        let method = Arc::new(Method::plain(&settings));
+        let cases = [CaseRun::new(0, case, vec![method])];
+        let group = StageRun {
             surfaces: Surfaces::Random(&surfaces),
             cases: &cases,
             settings,

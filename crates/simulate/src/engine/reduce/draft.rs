@@ -1,36 +1,30 @@
-//! Draft: what a group of cases found of one of them, before its errors are worked out.
-
-use std::sync::Arc;
+//! Draft: the tallies of one case, before its errors are worked out.
 
 use asperity_tally::{TallyResult, TallyValues};
 
 use super::tallies::CaseTallies;
+use crate::engine::prepare::case_run::CaseRun;
 use crate::errors::budget::{ErrorBudget, TracedRays};
 use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
-use crate::input::case::Case;
 use crate::input::random_surfaces::Planned;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
-use crate::methods::method::Method;
 use crate::output::outcome::{ErrorSource, Outcome};
 use crate::output::stopping::Stopping;
 use crate::output::work::SummaryWork;
 
-/// What was found of one case.
+/// Tallies of one case, before its errors are worked out.
 pub(crate) struct Draft {
-    /// Number of the case among those of the run.
-    pub(crate) number: usize,
     /// The case, on the surfaces that were traced.
-    pub(crate) case: Case,
-    pub(crate) method: Arc<Method>,
+    pub(crate) run: CaseRun,
     pub(crate) tallies: CaseTallies,
     /// Variance between surfaces that a control variate by their slopes has left, where there is one.
     pub(crate) slope_control: Option<f64>,
     pub(crate) seconds: f64,
     pub(crate) stopping: Stopping,
-    /// What no sum of fluxes differs by, of an analytic result.
+    /// Largest deviation of any sum of fluxes, of an analytic result.
     pub(crate) deviation_bound: Option<f64>,
 }
 
@@ -44,21 +38,23 @@ impl Draft {
             statistics
         } else {
             let squares = self.tallies.error_squares_of_rays();
-            self.method.with_least_errors(statistics, &squares, rays)
+            self.run
+                .method()
+                .with_least_errors(statistics, &squares, rays)
         };
         let errors_from = match self.tallies.blocks_of_one {
             _ if is_analytic => ErrorSource::DeviationBound,
             Some(_) => ErrorSource::RayBlocks,
-            None if self.case.surface.shapes().len() == 1 => ErrorSource::Regions,
+            None if self.run.case.surface.shapes().len() == 1 => ErrorSource::Regions,
             None => ErrorSource::Surfaces,
         };
         let traced_rays = TracedRays {
-            method: &self.method,
+            method: self.run.method(),
             count: rays,
         };
         let errors = match errors_from {
             ErrorSource::DeviationBound => {
-                let spec = settings.spec_of(&self.case);
+                let spec = settings.spec_of(&self.run.case);
                 ErrorBudget::of_bounds(TallyValues::from_fn(spec, |entry| {
                     statistics.at(entry).se.unwrap_or(0.0)
                 }))
@@ -72,8 +68,9 @@ impl Draft {
                 ErrorBudget::of_surfaces(&statistics, of_rays, traced_rays, mesh)
             }
         };
-        let (tallies, method) = (self.tallies, self.method);
-        let mut work = SummaryWork::new(tallies.work, tallies.used, &method, settings.sampling);
+        let (tallies, run) = (self.tallies, self.run);
+        let mut work =
+            SummaryWork::new(tallies.work, tallies.used, run.method(), settings.sampling);
         work.realisations = if is_analytic {
             0
         } else {
@@ -85,8 +82,8 @@ impl Draft {
         work.machine.trace_seconds = tallies.seconds.trace;
         work.machine.seconds = self.seconds;
         Outcome {
-            number: self.number,
-            case: self.case,
+            number: run.number,
+            case: run.case,
             statistics,
             errors_from,
             errors,
@@ -98,30 +95,36 @@ impl Draft {
         }
     }
 
-    /// What the mesh adds to the result.
+    /// Mesh errors of the result.
     fn mesh_errors(&self, settings: &Settings) -> MeshErrors {
         let refinement = self.refinement();
-        let spec = settings.spec_of(&self.case);
-        match &self.case.surface {
+        let spec = settings.spec_of(&self.run.case);
+        match &self.run.case.surface {
             SurfaceSource::Random(surfaces) => {
                 let by_pilot_run = self.stopping.mesh_by_pilot_run(surfaces.cells());
                 let by_pilot_run = by_pilot_run.as_deref();
                 match surfaces.planned() {
                     Ok(Planned::Flat(synthesis)) => MeshErrors::of_random(
-                        &self.case,
+                        &self.run.case,
                         synthesis,
-                        &self.method,
+                        self.run.method(),
                         settings,
                         refinement,
                         by_pilot_run,
                     ),
-                    Ok(Planned::Smooth(_)) => {
-                        MeshErrors::of_random_smooth(&self.method, spec, refinement, by_pilot_run)
-                    }
+                    Ok(Planned::Smooth(_)) => MeshErrors::of_random_smooth(
+                        self.run.method(),
+                        spec,
+                        refinement,
+                        by_pilot_run,
+                    ),
                     // They are planned, since they were traced.
-                    Ok(Planned::Fields(_)) | Err(_) => {
-                        MeshErrors::of_random_fields(&self.method, spec, refinement, by_pilot_run)
-                    }
+                    Ok(Planned::Fields(_)) | Err(_) => MeshErrors::of_random_fields(
+                        self.run.method(),
+                        spec,
+                        refinement,
+                        by_pilot_run,
+                    ),
                 }
             }
             SurfaceSource::Given(shapes) => MeshErrors::of_given(shapes, spec, refinement),
@@ -129,10 +132,10 @@ impl Draft {
         }
     }
 
-    /// What the meshes of several spacings showed, if there were several.
+    /// Refinement by meshes of several spacings, if there were several.
     fn refinement(&self) -> Option<Refinement> {
         let shifts = &self.tallies.shifts;
-        let surface = Some(&self.case.surface).filter(|_| !shifts.is_empty())?;
+        let surface = Some(&self.run.case.surface).filter(|_| !shifts.is_empty())?;
         let convergence = match surface {
             SurfaceSource::Random(surfaces) => Convergence::of_random(surfaces, 1.0),
             SurfaceSource::Given(_) | SurfaceSource::Described(_) => {

@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use asperity_surface::SlopeMoments;
+use asperity_surface::{Border, SlopeMoments};
 use asperity_tracer::{AcceleratorKind, Engine, PreparedSurface, Shape, Surface, TracedPaths};
 
-use super::block_run::LitMesh;
+use crate::engine::prepare::case_run::CaseRun;
+use crate::engine::trace::block_run::LitMesh;
 use crate::error::SimulateError;
-use crate::input::case::Case;
 use crate::input::limits::check_shape;
 use crate::input::settings::Settings;
-use crate::methods::method::Method;
 use crate::output::work::Used;
 
 /// The meshes of one surface, the one whose results are reported first: the given one alone; or, if it is refined, the finer
@@ -44,7 +43,7 @@ impl Meshes {
         Self(meshes)
     }
 
-    /// The same over those of a bottom. A coarser mesh is left out if either has none.
+    /// The meshes over those of a bottom. A coarser mesh is left out if either has none.
     pub(crate) fn over(self, bottoms: Option<Self>) -> Self {
         let Some(Self(bottoms)) = bottoms else {
             return self;
@@ -107,17 +106,21 @@ impl BuiltSurface {
         Used::of(&*self.meshes[0].prepared)
     }
 
-    /// The meshes with the light of a case, which is estimated by the method that `method_of` gives for each
-    /// mesh by its number.
+    /// Border of the surface.
+    pub(crate) fn border(&self) -> Border {
+        self.meshes[0].shape.border()
+    }
+
+    /// The meshes with the light of a case.
     pub(crate) fn lit<'a>(
         &'a self,
-        case: &Case,
-        method_of: impl Fn(usize) -> &'a Method,
+        run: &'a CaseRun,
         settings: &Settings,
     ) -> Result<Vec<LitMesh<'a>>, SimulateError> {
+        let case = &run.case;
         let lit = |(i, mesh): (usize, &'a BuiltMesh)| {
             check_shape(&mesh.shape, case.light.incidence)?;
-            let method = method_of(i);
+            let method = run.method_on(i);
             let paths = TracedPaths {
                 material: case.material,
                 incident: case.light.from,

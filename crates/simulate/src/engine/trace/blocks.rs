@@ -1,4 +1,4 @@
-//! How rays are divided into blocks, and blocks into groups that are traced together.
+//! Blocks: divide the rays of a surface; groups of them are traced together.
 
 use asperity_tracer::{BatchedRays, Sampling};
 

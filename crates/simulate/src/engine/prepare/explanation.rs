@@ -2,51 +2,37 @@
 
 use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions, Shape};
 
-use super::ensemble::EnsembleGroup;
-use super::given_run::GivenRun;
-use crate::input::case::Case;
+use super::case_run::CaseRun;
+use super::group::Group;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
-use crate::methods::method::{ControlVariateMean, Method};
-use crate::output::chosen_paths::WayOfPaths;
+use crate::methods::method::ControlVariateMean;
 use crate::store::Stage;
 use crate::text::{counted, error_in_short, short};
 
-/// A case that is about to be traced.
-struct Explained<'a> {
-    /// Number of the case among those of the run.
-    number: usize,
-    case: &'a Case,
-    method: &'a Method,
-    /// Whether a pilot run tried other paths.
-    tried: bool,
-    /// Rays over all surfaces.
-    rays: u64,
-}
-
-impl Explained<'_> {
-    fn line(&self, settings: &Settings) -> String {
+impl CaseRun {
+    /// The case that is about to be traced, with `rays` rays over all surfaces.
+    fn line(&self, rays: u64, settings: &Settings) -> String {
         format!(
-            "case {}, theta = {} deg: {} rays, {} bins per side; paths: {}; estimator: {}",
+            "case {}, theta = {} deg: {rays} rays, {} bins per side; paths: {}; estimator: {}",
             self.number + 1,
             short(self.case.light.incidence.theta_deg()),
-            self.rays,
-            settings.spec_of(self.case).grid(),
-            WayOfPaths::of(self.method),
+            settings.spec_of(&self.case).grid(),
+            self.strategy(),
             self.reason(settings)
         )
     }
 
-    /// Why this estimator.
+    /// Reason for the estimator.
     fn reason(&self, settings: &Settings) -> &'static str {
         if settings.estimator != Estimator::Auto {
             return "as given";
         }
-        if self.tried {
+        if !self.tried.is_empty() {
             return "the pilot run found it best";
         }
-        match self.method.control_variate_mean() {
+        match self.method().control_variate_mean() {
             Some(ControlVariateMean::GaussianSlopes) => {
                 "controlled, since the mean of unshadowed single scattering follows from Gaussian slopes"
             }
@@ -73,7 +59,7 @@ impl Explained<'_> {
     }
 }
 
-/// Whether surfaces are random and structured.
+/// `true` if surfaces are random and structured.
 fn has_structure(surface: &SurfaceSource) -> bool {
     match surface {
         SurfaceSource::Random(surfaces) => surfaces.recipe().structured().is_some(),
@@ -94,35 +80,27 @@ fn accelerator_line(settings: &Settings, used: AcceleratorKind) -> String {
     )
 }
 
-impl EnsembleGroup {
-    /// Surfaces, accelerator, and how each case is estimated.
-    pub(super) fn explained(&self) -> Vec<String> {
+impl Group {
+    /// Surfaces, accelerator, and how each case is estimated, a line each.
+    pub(in crate::engine) fn explanations(&self) -> Vec<String> {
         let settings = &self.settings;
-        let group = self.group(Stage::Result);
-        let analytic = self.analytic.iter().map(|case| {
+        let analytic = self.analytic.iter().map(|one| {
             format!(
                 "case {}: not traced, since shadowing, masking and multiple scattering change no flux by more than {}",
-                case.number + 1,
-                error_in_short(case.result.bound)
+                one.run.number + 1,
+                error_in_short(one.result.bound)
             )
         });
-        let traced = self.traced.iter().zip(&self.pilot.tried);
-        let traced = traced.map(|(case, tried)| {
-            let explained = Explained {
-                number: case.number,
-                case: &case.case,
-                method: &case.method,
-                tried: !tried.is_empty(),
-                rays: group.rays_of_surface().saturating_mul(self.plan.surfaces),
-            };
-            explained.line(settings)
-        });
+        let rays = self.run_of(Stage::Result).rays();
+        let traced = self.cases.iter().map(|run| run.line(rays, settings));
         let mut lines: Vec<String> = analytic.chain(traced).collect();
-        if !self.traced.is_empty() {
+        let is_first = self.built.as_ref().is_none_or(|built| built.is_first);
+        if is_first && !self.cases.is_empty() {
             let surfaces = format!("{}, seed {}", self.surfaces_in_words(), settings.seed);
-            let used = match self.source.shapes().first() {
-                Some(shape) => resolved(settings.accelerator, shape),
-                None => settings.accelerator.on_height_field(false),
+            let used = match (&self.built, self.source.shapes().first()) {
+                (Some(built), _) => built.surface.used().kind(),
+                (None, Some(shape)) => resolved(settings.accelerator, shape),
+                (None, None) => settings.accelerator.on_height_field(false),
             };
             lines.splice(0..0, [surfaces, accelerator_line(settings, used)]);
         }
@@ -158,27 +136,5 @@ fn resolved(kind: AcceleratorKind, shape: &Shape) -> AcceleratorKind {
         Shape::HeightField { top, .. } => top.resolve(kind),
         Shape::Smooth { top, .. } => top.resolve(kind),
         Shape::TriangleMesh { top, .. } => top.resolve(kind),
-    }
-}
-
-impl GivenRun {
-    /// Accelerator, and how each case is estimated.
-    pub(super) fn explained(&self) -> Vec<String> {
-        let settings = &self.settings;
-        let head = [
-            format!("one given surface, seed {}", settings.seed),
-            accelerator_line(settings, self.built.used().kind()),
-        ];
-        let cases = self.cases.iter().map(|case| {
-            let explained = Explained {
-                number: case.number,
-                case: &case.case,
-                method: &case.methods[0],
-                tried: !case.tried.is_empty(),
-                rays: self.blocks(case).rays(),
-            };
-            explained.line(settings)
-        });
-        head.into_iter().chain(cases).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! Slope control: a control variate between surfaces, by the slopes that each of them has.
+//! Slope control variate: a regression of the fluxes of random surfaces on the moments of their slopes.
 //!
 //! A surface that happens to be steeper than the ensemble reflects and transmits in other directions. The moments of its slopes are
 //! known exactly, and so is what they are on average over Gaussian surfaces. From the flux of each surface, `b . (c - E[c])` is
@@ -29,7 +29,7 @@ const WORTHWHILE: f64 = 0.97;
 
 /// The moments whose deviations serve as controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SlopeControls {
+pub(crate) enum ControlMoments {
     /// Mean square gradient and the mean fourth power: all that matters to light of random azimuth on isotropic surfaces.
     Isotropic,
     /// Mean squares along both axes and the fourth power, where light and surfaces are symmetric about an axis.
@@ -38,7 +38,7 @@ pub(crate) enum SlopeControls {
     All,
 }
 
-impl SlopeControls {
+impl ControlMoments {
     /// Those for this light on surfaces of this spectrum; `folded`: whether bins are averaged with their mirror images.
     pub(crate) fn of(light: &Light, recipe: &SurfaceRecipe, folded: bool) -> Self {
         if light.random_azimuth && recipe.is_isotropic() {
@@ -65,10 +65,10 @@ impl SlopeControls {
     }
 }
 
-/// Coefficients of the controls, one set per fold of surfaces.
+/// Control variate between surfaces: coefficients of the moments, one set per fold of surfaces.
 #[derive(Clone, Debug)]
-pub(crate) struct SlopeControl {
-    controls: SlopeControls,
+pub(crate) struct SlopeControlVariate {
+    moments: ControlMoments,
     expected: SlopeMoments,
     /// By fold, then by control.
     coefficients: Vec<Vec<TallyValues>>,
@@ -84,11 +84,11 @@ pub(crate) struct Observed<'a> {
     pub(crate) expected_slopes: SlopeMoments,
 }
 
-impl SlopeControl {
+impl SlopeControlVariate {
     /// Coefficients from these surfaces. `None` if there are too few surfaces, or if the variance of the entries `judged` hardly falls.
     pub(crate) fn fit(
         observed: Observed<'_>,
-        controls: SlopeControls,
+        moments: ControlMoments,
         judged: &[Entry],
     ) -> Option<Self> {
         let Observed {
@@ -101,7 +101,7 @@ impl SlopeControl {
         }
         let deviations = slopes
             .iter()
-            .map(|found| controls.deviations(found, &expected_slopes));
+            .map(|found| moments.deviations(found, &expected_slopes));
         let deviations: Vec<Vec<f64>> = deviations.collect();
         let folds: Vec<Sums> = (0..FOLDS)
             .map(|fold| {
@@ -120,7 +120,7 @@ impl SlopeControl {
             Sums::total(others.map(|(_, sums)| sums))?.coefficients()
         };
         let mut control = Self {
-            controls,
+            moments,
             expected: expected_slopes,
             coefficients: (0..FOLDS).map(without).collect::<Option<_>>()?,
             remaining: 1.0,
@@ -137,7 +137,7 @@ impl SlopeControl {
         slopes: &SlopeMoments,
     ) -> TallyValues {
         let mut adjusted = tally.clone();
-        let deviations = self.controls.deviations(slopes, &self.expected);
+        let deviations = self.moments.deviations(slopes, &self.expected);
         for (deviation, coefficients) in deviations.iter().zip(&self.coefficients[number % FOLDS]) {
             adjusted.update(coefficients, |flux, coefficient| {
                 *flux -= coefficient * deviation;
@@ -157,7 +157,7 @@ impl SlopeControl {
         let mut after = before.clone();
         let pairs = observed.tallies.iter().zip(observed.slopes);
         for (number, (tally, slopes)) in pairs.enumerate() {
-            let deviations = self.controls.deviations(slopes, &self.expected);
+            let deviations = self.moments.deviations(slopes, &self.expected);
             let coefficients = &self.coefficients[number % FOLDS];
             for (i, &entry) in judged.iter().enumerate() {
                 let pairs = deviations.iter().zip(coefficients);
@@ -344,13 +344,13 @@ mod tests {
         (0..count).map(one).unzip()
     }
 
-    fn fit(tallies: &[TallyValues], slopes: &[SlopeMoments]) -> Option<SlopeControl> {
+    fn fit(tallies: &[TallyValues], slopes: &[SlopeMoments]) -> Option<SlopeControlVariate> {
         let observed = Observed {
             tallies,
             slopes,
             expected_slopes: expected(),
         };
-        SlopeControl::fit(observed, SlopeControls::Isotropic, &[REFLECTED])
+        SlopeControlVariate::fit(observed, ControlMoments::Isotropic, &[REFLECTED])
     }
 
     #[test]
@@ -429,7 +429,7 @@ mod tests {
             second: [2.2, 0.4, 1.8],
             fourth: 1.1 * expected.fourth,
         };
-        let values = SlopeControls::All.deviations(&found, &expected);
+        let values = ControlMoments::All.deviations(&found, &expected);
         for (value, expected) in values.iter().zip([0.05, 0.1, -0.05, 0.1]) {
             assert!((value - expected).abs() < 1e-12, "{values:?}");
         }

@@ -5,7 +5,7 @@ use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 
 use crate::errors::refinement::MeshShifts;
-use crate::methods::slope_control::SlopeControl;
+use crate::methods::control_variates::slopes::SlopeControlVariate;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -20,7 +20,7 @@ pub(crate) struct CaseTallies {
     pub(crate) ray_squares: TallyValues,
     /// Statistics over ray blocks, where there is only one surface, or an analytic result.
     pub(crate) blocks_of_one: Option<TallyStatistics>,
-    /// What differs between the meshes of each surface, where it has several.
+    /// Differences between the meshes of each surface, where it has several.
     pub(crate) shifts: Vec<MeshShifts>,
     pub(crate) work: Work,
     pub(crate) seconds: Seconds,
@@ -68,14 +68,6 @@ impl CaseTallies {
         all
     }
 
-    /// The tallies of the case on the only surface there is.
-    pub(crate) fn of_one(case: CaseOnSurface, seconds: Seconds, used: Used) -> Self {
-        let mut tallies = Self::new(*case.tally.means().spec(), used);
-        tallies.add(case, true);
-        tallies.seconds = seconds;
-        tallies
-    }
-
     fn add(&mut self, case: CaseOnSurface, is_only: bool) {
         let CaseOnSurface {
             tally,
@@ -102,7 +94,7 @@ impl CaseTallies {
     }
 
     /// Takes from the fluxes of each surface what its slopes explain.
-    pub(crate) fn adjust(&mut self, control: &SlopeControl) {
+    pub(crate) fn adjust(&mut self, control: &SlopeControlVariate) {
         let pairs = self.surfaces.iter_mut().zip(&self.slopes);
         for (number, (tally, slopes)) in pairs.enumerate() {
             *tally = control.adjusted(number, tally, slopes);
@@ -110,7 +102,7 @@ impl CaseTallies {
     }
 
     /// Statistics of the tallies of surfaces, less what their slopes explain.
-    pub(crate) fn adjusted_statistics(&self, control: &SlopeControl) -> TallyStatistics {
+    pub(crate) fn adjusted_statistics(&self, control: &SlopeControlVariate) -> TallyStatistics {
         let mut statistics = TallyStatistics::new(*self.ray_squares.spec());
         let pairs = self.surfaces.iter().zip(&self.slopes);
         for (number, (tally, slopes)) in pairs.enumerate() {

@@ -1,4 +1,4 @@
-//! Control variate of one given surface: its own unshadowed single scattering, summed over its facets.
+//! Facet control variate of one given surface: its own unshadowed single scattering, summed over its facets.
 //!
 //! A given surface belongs to no ensemble whose mean could be taken. The sum over all facets takes the place of
 //! that mean. Only shadowing, masking and multiple scattering of this surface are left to sampling, and the
@@ -13,16 +13,18 @@ use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
-use crate::methods::method::{ControlVariateMean, Method};
+use crate::methods::method::{ControlVariateMean, Method, SPECULAR_FACETS, UNPOLARISED_LIGHT};
+
+const ENDLESS_SURFACE: &str = "needs a surface that continues beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border";
 
 impl Method {
     /// The method for light on one given surface of flat cells.
     ///
-    /// Where the choice is free, a control variate is taken if it promises to pay and the sum over all facets
+    /// If the choice is free, a control variate is taken if it promises to pay and the sum over all facets
     /// costs less than the rays do.
     ///
     /// # Errors
-    /// [`SimulateError::OpenControl`] if a control variate is insisted on for an open patch: rays that come from
+    /// [`SimulateError::NoControlVariate`] if a control variate is insisted on for an open patch: rays that come from
     /// outside it meet other facets than those that are summed over.
     pub(crate) fn of_surface(
         surface: &Surface,
@@ -30,14 +32,14 @@ impl Method {
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         if case.material.is_diffuse() {
-            return Self::of_diffuse(settings);
+            return Self::uncontrolled(settings, SPECULAR_FACETS);
         }
         // No control variate knows of a layer, and that of one surface is of light from one azimuth.
         if case.layer.is_some() || case.light.random_azimuth {
             return Ok(Self::plain(settings));
         }
         if case.light.is_polarised() {
-            return Self::of_polarised(settings);
+            return Self::uncontrolled(settings, UNPOLARISED_LIGHT);
         }
         let estimator = settings.estimator;
         let open = surface.border() == Border::Open;
@@ -47,7 +49,7 @@ impl Method {
             return Ok(Self::plain(settings));
         }
         if open {
-            return Err(SimulateError::OpenControl);
+            return Self::uncontrolled(settings, ENDLESS_SURFACE);
         }
         let Some(slopes) = slopes(surface.field()) else {
             return Ok(Self::plain(settings));
@@ -97,7 +99,7 @@ mod tests {
 
     use super::*;
 
-    /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
+    /// A black surface absorbs the weights of all facets that face the light: of each half of
     /// a cell `max(0, wi . m) / (cos theta_m cos theta_i) = max(0, 1 - slope . wi / cos theta_i)`, over the
     /// number of facets. In a mirrored tile each stands for its four images. No scale of the sum shows
     /// in results, since the budget of each tally is closed.

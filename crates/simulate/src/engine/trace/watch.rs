@@ -14,7 +14,7 @@ const WORTH_SHOWING: u64 = 4;
 /// Most rays that are shown as expected.
 const MAX_EXPECTED: f64 = 1e15;
 
-/// What is shown of a run while it goes on.
+/// Display of a run while it goes on.
 pub(crate) struct Watch {
     /// `None` if nothing is shown.
     target: Option<Target>,

@@ -1,4 +1,4 @@
-//! How the blocks of one surface are traced: in groups, and these in parts, side by side.
+//! Block run: traces the blocks of one surface in groups, and these in parts, side by side.
 
 use asperity_tally::{ControlVariate, Mirror, Tallies, TallySpec, TallyValues};
 use asperity_tracer::{BatchTracer, Illumination, PathStream, Work};
@@ -25,7 +25,7 @@ const PARTS_PER_THREAD: usize = 32;
 /// Blocks of a run that is to stop: from fewer there is no error.
 const MIN_BLOCKS: u64 = 2;
 
-/// What a group of blocks of rays found.
+/// Tallies of a group of blocks of rays.
 pub(crate) struct FinishedGroup {
     /// Number of the first block.
     pub(crate) first: u64,
@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
     use crate::methods::method::Method;
-    use crate::output::chosen_paths::WayOfPaths;
+    use crate::output::chosen_paths::PathStrategy;
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
@@ -227,8 +227,8 @@ mod tests {
             checks: AtomicU64::new(0),
             advanced: AtomicU64::new(0),
         };
-        let way = WayOfPaths::of(&Method::plain(&settings));
-        let mut found = CaseOnSurface::new(way, settings.tally, 1);
+        let strategy = PathStrategy::of(&Method::plain(&settings));
+        let mut found = CaseOnSurface::new(strategy, settings.tally, 1);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
             found.push(&group.blocks, group.work);

@@ -13,8 +13,8 @@
 use asperity_tally::{Entry, TallyValues};
 use asperity_tracer::Work;
 
-use super::surfaces::SurfacePlan;
-use super::tallies::CaseTallies;
+use crate::engine::reduce::tallies::CaseTallies;
+use crate::engine::trace::stage_run::{PILOT_BLOCKS, SurfacePlan};
 use crate::errors::convergence::Convergence;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
@@ -25,17 +25,23 @@ use crate::output::stopping::PilotFigures;
 pub(crate) const FIRST: u64 = 1 << 40;
 
 /// Surfaces of the pilot run: their variance is known to a third.
-pub(crate) const SURFACES: u64 = 16;
+pub(crate) const PLAN: SurfacePlan = SurfacePlan {
+    surfaces: 16,
+    rays: 16 << 11,
+};
 
-/// Rays of all of them.
-pub(crate) const RAYS: u64 = SURFACES << 11;
+/// Rays of the pilot run on one surface, in blocks of 64 strata along a side.
+pub(crate) const PLAN_ON_ONE: SurfacePlan = SurfacePlan {
+    surfaces: 1,
+    rays: PILOT_BLOCKS * 64 * 64,
+};
 
 /// Nanoseconds that a cell takes to be drawn and built into the pyramid: processor time of one thread on
 /// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which were
 /// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
 const CELL_NS: f64 = 8.0;
 
-/// The same of a smooth cell, whose bounds take longer: as its ratio to the time of rays among smooth cells requires.
+/// Nanoseconds of a smooth cell, whose bounds take longer: chosen by its ratio to the time of rays among smooth cells.
 const SMOOTH_CELL_NS: f64 = 40.0;
 
 /// Nanoseconds of overhead per surface and case: streams, tallies, their sums.
@@ -54,7 +60,7 @@ const RAY_NS: f64 = 60.0;
 /// more than the surface that there is nothing to save.
 const RAYS_OF_SURFACE: [f64; 2] = [128.0, 67_108_864.0];
 
-/// What the rays of a surface should cost at least, of its own cost: where it takes fewer, a few more are
+/// Least cost of the rays of a surface, as a fraction of the cost of the surface: where it takes fewer, a few more are
 /// as good as given.
 const LEAST_COST_OF_RAYS: f64 = 0.1;
 
@@ -69,7 +75,7 @@ const MARGIN: f64 = 1.1;
 /// few entries, whose scatter is little known, at least this part of the scatter.
 const LEAST_OF_SURFACES: f64 = 0.1;
 
-/// What a pilot run found of one case.
+/// Figures of one case by a pilot run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
     pub(crate) figures: PilotFigures,
@@ -77,7 +83,7 @@ pub(crate) struct Figures {
     fewest_rays: f64,
 }
 
-/// How much of a case is traced.
+/// Planned effort of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlannedEffort {
     pub(crate) surfaces: u64,
@@ -95,7 +101,7 @@ impl PlannedEffort {
     }
 }
 
-/// What the pilot run found of one case, at its spacing and, if there is such a grid, at twice that.
+/// Tallies of one case by the pilot run, at its spacing and, if there is such a grid, at twice that.
 pub(crate) struct PilotRun<'a> {
     pub(crate) fine: &'a CaseTallies,
     pub(crate) coarse: Option<&'a CaseTallies>,
@@ -229,7 +235,7 @@ pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Opti
         })
 }
 
-/// How much the results on the same surfaces with twice the spacing differ: the root of the sum of
+/// Difference of results on the same surfaces with twice the spacing: the root of the sum of
 /// squares, to which noise is counted that may hide more.
 fn difference(entries: &[Entry], fine: &CaseTallies, coarse: &CaseTallies) -> f64 {
     let n = fine.surfaces.len().min(coarse.surfaces.len()) as f64;

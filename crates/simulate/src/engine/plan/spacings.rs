@@ -13,7 +13,7 @@ const MESH_FRACTION: f64 = 1.0 / 3.0;
 #[derive(Clone, Debug)]
 pub(crate) struct PilotSurfaces {
     pub(crate) fine: RandomSurfaces,
-    /// The same at twice the spacing, if there is such a grid.
+    /// Surfaces at twice the spacing, if there is such a grid.
     pub(crate) coarse: Option<RandomSurfaces>,
     /// Spacings to choose from, over that given.
     candidates: Vec<f64>,
@@ -62,12 +62,12 @@ impl PilotSurfaces {
             .collect()
     }
 
-    /// What the mesh of `scale` times the spacing given adds to the error of a case.
+    /// Error that a mesh of `scale` times the spacing given adds to that of a case.
     pub(crate) fn mesh_error(&self, case: &Figures, scale: f64) -> Option<f64> {
         case.mesh_error(scale * self.given, self.convergence)
     }
 
-    /// What is said of a mesh error that no order tells.
+    /// Warning of a mesh error whose order is unknown.
     pub(crate) const fn warning(&self) -> Option<&'static str> {
         self.convergence.warning()
     }
@@ -115,9 +115,9 @@ impl PilotSurfaces {
 pub(crate) struct ChosenSpacing {
     /// Over the spacing given.
     pub(crate) scale: f64,
-    /// What the mesh adds to the error of the most demanding case; `None` where that is not known.
+    /// Error that the mesh adds to that of the most demanding case; `None` where it is unknown.
     pub(crate) mesh_error: Option<f64>,
-    /// Whether that is small compared with the target.
+    /// `true` if that is small compared with the target.
     pub(crate) fine_enough: bool,
 }
 
@@ -126,7 +126,7 @@ mod tests {
     use asperity_synthesis::Psd;
 
     use super::*;
-    use crate::engine::pilot::tests::figures;
+    use crate::engine::plan::pilot::tests::figures;
     use crate::input::target::Quantity;
 
     /// Surfaces of 96 cells, so many to a correlation length, s = 8.
@@ -171,7 +171,7 @@ mod tests {
         assert!((error - 9e-3 / 15.0).abs() < 1e-9, "{error}");
     }
 
-    /// Where facets are too large for an order, the whole difference is the error.
+    /// The whole difference is the error if facets are too large for an order.
     #[test]
     fn the_whole_difference_counts_where_no_order_is_seen() {
         let psd = Psd::gaussian(8.0, 8.0).unwrap();

@@ -1,0 +1,65 @@
+//! Case run: a case, and how it is estimated.
+
+use std::sync::Arc;
+
+use asperity_tracer::PathSettings;
+
+use crate::input::case::Case;
+use crate::methods::method::Method;
+use crate::output::chosen_paths::{PathStrategy, TriedPaths};
+use crate::output::stopping::PilotFigures;
+
+/// A case, how it is estimated, and the results of its pilot run.
+#[derive(Clone, Debug)]
+pub(crate) struct CaseRun {
+    /// Number of the case among those of the run.
+    pub(crate) number: usize,
+    pub(crate) case: Case,
+    /// One method per mesh of a given surface; one for all meshes of random surfaces.
+    pub(crate) methods: Vec<Arc<Method>>,
+    /// Paths that the pilot run tried; empty without a trial.
+    pub(crate) tried: Vec<TriedPaths>,
+    pub(crate) pilot: Option<PilotFigures>,
+    /// Error added by the mesh, as estimated by the pilot run.
+    pub(crate) mesh_error: Option<f64>,
+}
+
+impl CaseRun {
+    pub(crate) const fn new(number: usize, case: Case, methods: Vec<Arc<Method>>) -> Self {
+        Self {
+            number,
+            case,
+            methods,
+            tried: Vec::new(),
+            pilot: None,
+            mesh_error: None,
+        }
+    }
+
+    /// The method on the mesh whose results are reported.
+    pub(crate) fn method(&self) -> &Arc<Method> {
+        &self.methods[0]
+    }
+
+    pub(crate) fn method_on(&self, mesh: usize) -> &Method {
+        self.methods.get(mesh).unwrap_or(self.method())
+    }
+
+    pub(crate) fn strategy(&self) -> PathStrategy {
+        PathStrategy::of(self.method())
+    }
+
+    /// The case by other methods.
+    pub(crate) fn by(&self, methods: Vec<Arc<Method>>) -> Self {
+        Self {
+            methods,
+            ..self.clone()
+        }
+    }
+
+    /// The case on other paths.
+    pub(crate) fn on(&self, paths: PathSettings) -> Self {
+        let methods = self.methods.iter().map(|method| method.on(paths));
+        self.by(methods.map(Arc::new).collect())
+    }
+}

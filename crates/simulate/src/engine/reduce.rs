@@ -1,0 +1,5 @@
+//! Reduction of tallies to outcomes.
+
+pub(crate) mod draft;
+pub(crate) mod run;
+pub(crate) mod tallies;

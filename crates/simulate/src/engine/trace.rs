@@ -1,0 +1,7 @@
+//! Tracing: rays in blocks, blocks on surfaces, surfaces in rounds.
+
+pub(crate) mod block_run;
+pub(crate) mod blocks;
+pub(crate) mod rounds;
+pub(crate) mod stage_run;
+mod watch;
