@@ -1,6 +1,7 @@
 //! Triangle meshes: .ply, .obj and .stl.
 
 mod build;
+mod mesh;
 mod obj;
 mod ply;
 mod stl;
@@ -17,30 +18,7 @@ use crate::error::{ReadError, WriteError};
 use crate::files::{open, replace_alone};
 use crate::formats::{MeshFormat, list_mesh_endings};
 
-/// A triangle mesh as a file holds it.
-///
-/// None of the formats says in which unit its lengths are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
-    /// Positions `[x, y, z]`, finite, each different from all others.
-    pub vertices: Vec<[f64; 3]>,
-    /// Three indices into `vertices` each, in the order of the file; one triangle at least.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// A borrowed triangle mesh.
-///
-/// Triangles run counter-clockwise as seen from +z, so that their normals point upwards; which is not
-/// checked.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshView<'a> {
-    /// Positions `[x, y, z]` in length units.
-    pub vertices: &'a [[f64; 3]],
-    /// Three indices into `vertices` each.
-    pub triangles: &'a [[u32; 3]],
-    /// One line of ASCII about the mesh, for the head of the file; empty for none. STL keeps its first 75 characters.
-    pub comment: &'a str,
-}
+pub use self::mesh::{MeshData, MeshView};
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.
 ///

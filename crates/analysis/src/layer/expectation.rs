@@ -14,8 +14,8 @@ use crate::integrals::expectation::Expectation;
 use crate::models::model::Scope;
 
 use super::faces::Inside;
+use super::flat_layer::{FlatLayer, LayerPaths};
 use super::range::Range;
-use super::{FlatLayer, LayerPaths};
 
 impl FlatLayer {
     /// [`FlatLayer::tally`] as the expectation of a model; exact.

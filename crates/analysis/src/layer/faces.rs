@@ -5,7 +5,7 @@ use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 
 use super::depth::{against, along};
-use super::{FlatLayer, LayerPaths};
+use super::flat_layer::{FlatLayer, LayerPaths};
 
 /// Unscattered light inside the layer.
 #[derive(Clone, Copy, Debug)]

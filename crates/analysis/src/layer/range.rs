@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use asperity_optics::{Incidence, PhaseFunction};
 use asperity_tally::Side;
 
-use super::FlatLayer;
 use super::faces::Inside;
+use super::flat_layer::FlatLayer;
 use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Error allowed in the flux into one range of directions.

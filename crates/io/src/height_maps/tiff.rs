@@ -5,18 +5,19 @@
 //! named in a note. [`geo`] finds spacing, units, missing points and the scale of heights in the tags of GeoTIFF and
 //! GDAL; other TIFF files state no length, so that their spacing is assumed to be 1.
 
+mod errors;
 mod geo;
 mod metadata;
 
-use std::fmt::Display;
 use std::io::{BufRead, Seek};
 use std::path::Path;
 
+use ::tiff::ColorType;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::tags::Tag;
-use ::tiff::{ColorType, TiffError, TiffUnsupportedError};
 use asperity_surface::{RawHeightMap, check_grid};
 
+use self::errors::decoding;
 use self::geo::Georeference;
 use crate::error::ReadError;
 use crate::formats::HeightMapFormat;
@@ -130,24 +131,4 @@ fn note_on_pages<R: BufRead + Seek>(
         others += usize::from(kind & IS_OVERVIEW == 0);
     }
     Ok((others > 0).then(|| format!("the first of {} pages is read", others + 1)))
-}
-
-fn malformed(path: &Path, what: impl Display) -> ReadError {
-    ReadError::malformed(path, HeightMapFormat::Tiff, what)
-}
-
-fn decoding(path: &Path, error: TiffError) -> ReadError {
-    match error {
-        TiffError::IoError(error) => ReadError::io(path, error),
-        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
-            let advice = "bring it to one that is with gdal_translate -co COMPRESS=DEFLATE";
-            ReadError::unsupported(
-                path,
-                format!("compression method {method:?} is not supported; {advice}"),
-            )
-        }
-        TiffError::UnsupportedError(what) => ReadError::unsupported(path, what),
-        TiffError::FormatError(what) => malformed(path, what),
-        other => malformed(path, other),
-    }
 }

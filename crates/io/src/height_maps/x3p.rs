@@ -12,6 +12,7 @@
 
 mod grid;
 mod linked;
+mod parts;
 mod write;
 
 use std::io::{Read, Seek};
@@ -23,6 +24,7 @@ use roxmltree::Node;
 
 use self::grid::Grid;
 use self::linked::{linked, verify_checksum};
+use self::parts::{CHECKSUM, MAIN};
 use super::archive::Parts;
 use super::xml::{Split, Xml, for_each_datum, split};
 use crate::error::ReadError;
@@ -30,9 +32,6 @@ use crate::formats::HeightMapFormat;
 use crate::limits::{check_packed_claim, room};
 
 pub(crate) use self::write::write;
-
-const MAIN: &str = "main.xml";
-const CHECKSUM: &str = "md5checksum.hex";
 
 /// Longest main.xml that is read; data inside it take about 20 bytes per point.
 const XML_LIMIT: u64 = 1 << 26;

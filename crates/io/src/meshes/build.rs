@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::Path;
 
-use super::MeshData;
+use super::mesh::MeshData;
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
 use crate::text_lines::{Line, short};

@@ -9,7 +9,7 @@ use std::io::{self, BufRead, Write};
 use std::path::Path;
 
 use super::build::{Builder, coordinates};
-use super::{MeshData, MeshView};
+use super::mesh::{MeshData, MeshView};
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
 use crate::text_lines::{Line, read_line, short};

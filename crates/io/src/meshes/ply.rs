@@ -14,7 +14,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::build::Builder;
-use super::{MeshData, MeshView};
+use super::mesh::{MeshData, MeshView};
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
 use crate::text_lines::{Line, read_line, short};

@@ -8,7 +8,7 @@ use std::io::{BufRead, Read, Seek, Write};
 use std::path::Path;
 
 use super::build::{Builder, coordinates};
-use super::{MeshData, MeshView};
+use super::mesh::{MeshData, MeshView};
 use crate::encoding::single;
 use crate::error::{ReadError, WriteError};
 use crate::formats::MeshFormat;

@@ -12,8 +12,8 @@ use ::tiff::decoder::ifd::Value;
 use ::tiff::tags::Tag;
 use asperity_surface::LengthUnit;
 
+use super::errors::{decoding, malformed};
 use super::metadata::HeightScale;
-use super::{decoding, malformed};
 use crate::error::ReadError;
 
 /// The tag of GDAL with metadata as XML.

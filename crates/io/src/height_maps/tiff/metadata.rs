@@ -10,7 +10,7 @@ use std::path::Path;
 
 use roxmltree::{Document, ParsingOptions};
 
-use super::malformed;
+use super::errors::malformed;
 use crate::error::ReadError;
 
 /// Longest metadata that are parsed, bytes; most of their nodes.

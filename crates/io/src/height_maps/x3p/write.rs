@@ -9,7 +9,7 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::{CHECKSUM, MAIN};
+use super::parts::{CHECKSUM, MAIN};
 use crate::error::WriteError;
 use crate::files::hex;
 use crate::height_maps::unit::power_of;
