@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use asperity_io::{
-    HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
+    HeightMapFormat, MeshData, MeshFormat, WriteProblem, read_height_map, read_mesh, write_height_map,
 };
 use asperity_simulate::{SimulateError, counted, short};
 use asperity_studies::settings::{Command, Document};
@@ -192,8 +192,8 @@ pub(crate) fn check_height_map_output(path: &Path) -> Result<(), Failure> {
 
 /// Writes a height map; returns a note if the format cannot hold all that the surface is.
 pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<String>, Failure> {
-    write_height_map(path, field).map_err(|error| match error {
-        WriteError::NoUnit { .. } => Failure::usage(error),
+    write_height_map(path, field).map_err(|error| match error.problem {
+        WriteProblem::NoUnit => Failure::usage(error),
         _ => Failure::failed(error),
     })?;
     let [dx, dy] = field.spacing();

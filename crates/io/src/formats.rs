@@ -22,17 +22,22 @@ pub enum MeshFormat {
 
 impl fmt::Display for MeshFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ply => "PLY mesh",
-            Self::Obj => "OBJ mesh",
-            Self::Stl => "STL mesh",
-        })
+        f.write_str(self.name())
     }
 }
 
 impl MeshFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Ply, Self::Obj, Self::Stl];
+
+    /// "PLY mesh".
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Ply => "PLY mesh",
+            Self::Obj => "OBJ mesh",
+            Self::Stl => "STL mesh",
+        }
+    }
 
     /// The ending of the format, in lower case and without the dot.
     #[must_use]

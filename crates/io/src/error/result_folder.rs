@@ -34,31 +34,13 @@ pub enum ResultFolderError {
         /// The file.
         path: PathBuf,
     },
-    /// The folder holds results of another command.
-    #[error("`{}` holds results of `{found}`, which `{command}` does not replace; choose another folder", .folder.display())]
-    OtherCommand {
+    /// The folder holds results that this run does not replace.
+    #[error("`{}` holds {holds}; choose another folder", .folder.display())]
+    OtherResults {
         /// The folder.
         folder: PathBuf,
-        /// Command that wrote them.
-        found: String,
-        /// Command of this run.
-        command: String,
-    },
-    /// The folder holds results, and no manifest lists them.
-    #[error("`{}` holds the summary.json of a run without the manifest.json that lists its files; choose another folder", .folder.display())]
-    NoManifest {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The folder holds a part of the results in a folder above it.
-    #[error("`{}` holds a part of the results of `{found}` in `{}`; choose another folder", .folder.display(), .results.display())]
-    PartOfResults {
-        /// The folder.
-        folder: PathBuf,
-        /// Command that wrote them.
-        found: String,
-        /// The folder of all of these results.
-        results: PathBuf,
+        /// Description of these results.
+        holds: String,
     },
     /// The manifest is damaged, of another form, or not ours.
     #[error("`{}` is not a manifest of results ({reason}); choose another folder", .path.display())]

@@ -10,7 +10,7 @@ use super::atomic::write_json;
 use super::fingerprint::Fingerprint;
 use super::text::read_json;
 use crate::build::Build;
-use crate::error::{ReadError, ResultFolderError};
+use crate::error::{ReadProblem, ResultFolderError};
 
 /// Name of the manifest in its folder.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -63,12 +63,14 @@ impl Manifest {
         }
         let manifest: Self = match read_json(&path) {
             Ok(manifest) => manifest,
-            Err(ReadError::NotFound { .. }) => return Ok(None),
-            Err(ReadError::Io { source, .. }) if source.kind() == io::ErrorKind::NotADirectory => {
-                return Ok(None);
-            }
-            Err(ReadError::Json { source, .. }) => return Err(invalid(source.to_string())),
-            Err(error) => return Err(error.into()),
+            Err(error) => match error.problem {
+                ReadProblem::NotFound => return Ok(None),
+                ReadProblem::Io(error) if error.kind() == io::ErrorKind::NotADirectory => {
+                    return Ok(None);
+                }
+                ReadProblem::Json(error) => return Err(invalid(error.to_string())),
+                _ => return Err(error.into()),
+            },
         };
         if ![SCHEMA, SCHEMA_OF_NAMES].contains(&manifest.schema) {
             return Err(invalid(format!(

@@ -83,10 +83,10 @@ impl ResultFolder {
             }
             None => ListedFiles::new(),
             Some(manifest) if manifest.command != command => {
-                return Err(ResultFolderError::OtherCommand {
+                let found = manifest.command;
+                return Err(ResultFolderError::OtherResults {
                     folder: root,
-                    found: manifest.command,
-                    command: command.to_owned(),
+                    holds: format!("results of `{found}`, which `{command}` does not replace"),
                 });
             }
             Some(manifest) => manifest.files,

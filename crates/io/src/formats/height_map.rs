@@ -10,7 +10,7 @@ const NUMBERED: &str = "000";
 const ZIP: &[u8] = b"PK\x03\x04";
 
 /// Number of bytes at the beginning of a file that hold every mark.
-pub(crate) const MARKS_WITHIN: usize = 32;
+pub(crate) const MARKS_WITHIN: u64 = 32;
 
 /// Bytes near the beginning of a file, and their offset.
 type Mark = (usize, &'static [u8]);
@@ -143,6 +143,12 @@ impl HeightMapFormat {
         )
     }
 
+    /// "EXR image".
+    pub(crate) fn name(self) -> &'static str {
+        let name = self.with_article().split_once(' ');
+        name.map_or("", |(_, name)| name)
+    }
+
     /// "an EXR image".
     pub(crate) const fn with_article(self) -> &'static str {
         self.properties().with_article
@@ -249,7 +255,6 @@ impl HeightMapFormat {
 
 impl fmt::Display for HeightMapFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.with_article().split_once(' ');
-        f.write_str(name.map_or("", |(_, name)| name))
+        f.write_str(self.name())
     }
 }

@@ -20,14 +20,14 @@ pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
                 .keys()
                 .any(|name| Path::new(name).starts_with(inside))
         {
-            return ResultFolderError::PartOfResults {
-                folder,
-                found: manifest.command,
-                results: above.to_owned(),
-            };
+            let (found, results) = (manifest.command, above.display());
+            let holds = format!("a part of the results of `{found}` in `{results}`");
+            return ResultFolderError::OtherResults { folder, holds };
         }
     }
-    ResultFolderError::NoManifest { folder }
+    let holds =
+        "the summary.json of a run without the manifest.json that lists its files".to_owned();
+    ResultFolderError::OtherResults { folder, holds }
 }
 
 /// Whether `folder` holds a `summary.json` of this program.
