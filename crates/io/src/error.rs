@@ -1,4 +1,4 @@
-//! Errors: what can go wrong when a file is read or written.
+//! Errors of reading and writing files.
 
 mod read;
 mod result_folder;

@@ -19,7 +19,7 @@ pub struct NumberTable {
 }
 
 impl NumberTable {
-    /// Where it was read from.
+    /// File that the table was read from.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -1,4 +1,4 @@
-//! What a flat layer is expected to do in the bins of a run.
+//! Expected tally of a flat layer, in the bins of a run.
 
 use std::f64::consts::PI;
 

@@ -119,7 +119,7 @@ impl FlatLayer {
         self.by_cosine(inside, exit, exit.ratio * across.dot(inside.across))
     }
 
-    /// The same, given the product `h` of the horizontal components inside.
+    /// The BSDF, given the product `h` of the horizontal components inside.
     pub(super) fn by_cosine(&self, inside: &Inside, exit: &Leaving, h: f64) -> f64 {
         let z = inside.mu * exit.mu;
         let p = |cos: f64| self.phase.density(cos.clamp(-1.0, 1.0));

@@ -67,7 +67,7 @@ pub struct FlatLayer {
     pub(super) paths: LayerPaths,
 }
 
-/// Why a model of a layer cannot be made.
+/// Error on making a model of a layer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlatLayerError {

@@ -106,7 +106,7 @@ pub enum ReadProblem {
         what: String,
     },
     /// Numbers that make no surface.
-    #[error(transparent)]
+    #[error("{0}")]
     Surface(#[from] HeightFieldError),
     /// JSON text without the expected value.
     #[error("is not as expected: {0}")]

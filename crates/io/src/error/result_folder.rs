@@ -1,10 +1,10 @@
-//! Errors of result folders: why one cannot be used.
+//! Result folder errors: a folder that cannot take results, and the reason.
 
 use std::path::PathBuf;
 
 use super::{ReadError, WriteError};
 
-/// Why a result folder cannot be used, or a file in it not be written.
+/// Error on using a result folder, or on writing a file in it.
 ///
 /// Every message is one sentence that names the file, what was found and what can be done.
 #[derive(Debug, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum ResultFolderError {
     /// Something that no earlier run of the command wrote has the name of a result.
     #[error("the {kind} `{}` was not written by an earlier `{command}` run and is not replaced; move it or choose another folder", .path.display())]
     InTheWay {
-        /// What is in the way.
+        /// File, folder or link in the way.
         path: PathBuf,
         /// File, folder, or symbolic link.
         kind: &'static str,
@@ -47,7 +47,7 @@ pub enum ResultFolderError {
     InvalidManifest {
         /// The manifest.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the damage.
         reason: String,
     },
     /// The manifest cannot be read.

@@ -30,7 +30,7 @@ pub fn write_atomically(
 /// Writes `bytes` as the whole content of a file, as [`write_atomically`] does.
 ///
 /// # Errors
-/// Those of [`write_atomically`].
+/// [`WriteError`] for the reasons of [`write_atomically`].
 pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
 }
@@ -40,7 +40,7 @@ pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteErro
 /// Numbers have as many digits as give the same double back; NaN and infinity become `null`.
 ///
 /// # Errors
-/// [`WriteProblem::Json`] if `value` cannot be expressed; otherwise those of [`write_atomically`].
+/// [`WriteProblem::Json`] if `value` cannot be expressed; otherwise for the reasons of [`write_atomically`].
 pub fn write_json(
     path: impl AsRef<Path>,
     value: &(impl Serialize + ?Sized),

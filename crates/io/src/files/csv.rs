@@ -83,8 +83,8 @@ impl<'a, T: Into<CsvField<'a>>> From<Option<T>> for CsvField<'a> {
 /// ```
 ///
 /// # Errors
-/// [`WriteProblem::Invalid`] if a row is not as long as the header; otherwise those of
-/// [`write_atomically`](crate::write_atomically).
+/// [`WriteProblem::Invalid`] if a row is not as long as the header; otherwise for the reasons
+/// of [`write_atomically`](crate::write_atomically).
 pub fn write_csv<'a, Row: AsRef<[CsvField<'a>]>>(
     path: impl AsRef<Path>,
     header: &[&str],

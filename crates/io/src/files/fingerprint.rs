@@ -41,7 +41,7 @@ impl Fingerprint {
         Ok(Self { bytes, md5 })
     }
 
-    /// Whether the file `path` has that content. Reads it only if its length is the same.
+    /// Returns `true` if the file `path` has that content. Reads it only if its length is the same.
     pub(super) fn is_of(&self, path: &Path) -> Result<bool, ReadError> {
         let found = path.metadata().map_err(ReadError::io(path))?;
         Ok(found.len() == self.bytes && Self::of(path)? == *self)

@@ -42,7 +42,7 @@ pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
 /// run must not leave an empty folder. What killed runs have left there is removed.
 ///
 /// # Errors
-/// Those of [`create_output_folder`].
+/// [`WriteError`] for the reasons of [`create_output_folder`].
 pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     refuse_files(path)?;

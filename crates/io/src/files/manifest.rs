@@ -33,7 +33,7 @@ pub(super) struct Manifest {
     pub(super) command: String,
     #[serde(flatten)]
     pub(super) build: Build,
-    /// Whether the run came to its end. The list of a run that did not may name files that do not
+    /// `true` if the run came to its end. The list of a run that did not may name files that do not
     /// exist.
     pub(super) complete: bool,
     #[serde(deserialize_with = "files_of_any_schema")]
@@ -108,7 +108,7 @@ fn files_of_any_schema<'de, D: Deserializer<'de>>(source: D) -> Result<ListedFil
     })
 }
 
-/// Whether `name` is a relative path of plain components that stays inside its folder and is not the
+/// Returns `true` if `name` is a relative path of plain components that stays inside its folder and is not the
 /// manifest itself.
 pub(super) fn is_inside(name: &str) -> bool {
     let mut components = Path::new(name).components();

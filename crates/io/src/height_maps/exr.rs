@@ -229,7 +229,7 @@ fn words(header: &Header, name: &str) -> Result<Option<String>, ReadProblem> {
     }
 }
 
-/// How the surface was generated, if all attributes of that are there.
+/// Origin of a generated surface, if all attributes of it are there.
 fn provenance(header: &Header) -> Result<Option<Provenance>, ReadProblem> {
     let number = |name| number(header, name);
     let whole = |name| {

@@ -90,7 +90,7 @@ fn append(samples: DecodingResult, heights: &mut Vec<f64>) {
     }
 }
 
-/// What further pages of the file hold, unless they are overviews; a mask of missing points is refused.
+/// Note on further pages of the file, unless they are overviews; a mask of missing points is refused.
 fn note_on_pages<R: BufRead + Seek>(
     decoder: &mut Decoder<R>,
 ) -> Result<Option<String>, ReadProblem> {

@@ -277,7 +277,7 @@ fn check_size(header: &Header, length: u64) -> Result<(), ReadProblem> {
     Ok(())
 }
 
-/// Whether numbers of this type are whole.
+/// Returns `true` if numbers of this type are whole.
 const fn is_whole(kind: &ScalarType) -> bool {
     !matches!(kind, ScalarType::Float | ScalarType::Double)
 }

@@ -41,7 +41,7 @@ fn refused(format: MeshFormat, bytes: &[u8], words: &str) {
     assert!(error.to_string().contains(words), "{error}");
 }
 
-/// What the project itself writes.
+/// A file as the project itself writes it.
 fn written(format: MeshFormat, mesh: &MeshData) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(path(format));

@@ -1,4 +1,4 @@
-//! What a result folder replaces, removes, refuses, and leaves alone.
+//! Result folders: files that are replaced, removed, refused, and left alone.
 
 use std::fs;
 use std::path::Path;
@@ -226,7 +226,7 @@ fn files_changed_during_a_run_are_not_removed() {
     refused(open(path).check(["old.csv"]), "not written by an earlier");
 }
 
-/// What a killed run wrote cannot be told from a change, and counts as ours. What it did not claim is known.
+/// A file that a killed run claimed cannot be told from a changed one, and counts as ours; an unclaimed one is known.
 #[test]
 fn files_of_a_killed_run_count_as_unchanged() {
     let folder = tempfile::tempdir().unwrap();
@@ -285,7 +285,7 @@ fn manifests_of_the_first_form_are_read() {
     assert_eq!(manifest["schema"], 2);
 }
 
-/// What is no longer the file that was written is no longer ours.
+/// A file that is no longer as it was written is no longer ours.
 #[cfg(unix)]
 #[test]
 fn listed_files_that_became_links_or_folders_are_left_alone() {

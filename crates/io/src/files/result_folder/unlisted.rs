@@ -9,7 +9,7 @@ use crate::error::ResultFolderError;
 use crate::files::manifest::Manifest;
 use crate::files::text::read_json;
 
-/// Why a folder with results and without a manifest is refused: they may be a part of those in a folder above.
+/// The refusal of a folder with results and without a manifest: they may be a part of those in a folder above.
 pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
     for above in path.ancestors().skip(1) {
@@ -30,7 +30,7 @@ pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     ResultFolderError::OtherResults { folder, holds }
 }
 
-/// Whether `folder` holds a `summary.json` of this program.
+/// Returns `true` if `folder` holds a `summary.json` of this program.
 pub(super) fn has_unlisted_results(folder: &Path) -> bool {
     let Ok(summary) = read_json::<Value>(folder.join("summary.json")) else {
         return false;

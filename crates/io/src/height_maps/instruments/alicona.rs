@@ -10,7 +10,7 @@ use super::measured::{Length, METRE, Measured};
 use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 
-/// Where the first tag begins, and the size of a tag.
+/// Offset of the first tag, and the size of a tag.
 const TAGS: usize = 17;
 const TAG: usize = 52;
 

@@ -115,7 +115,7 @@ impl HeightScale {
     }
 }
 
-/// How the letters of the header are written.
+/// Encoding of the text of the header.
 #[derive(Clone, Copy, PartialEq)]
 enum Encoding {
     Latin1,

@@ -1,4 +1,4 @@
-//! The bytes of a file: numbers, texts and samples at given places, within bounds, and errors that name the file.
+//! Bytes of a file: reads numbers, texts and samples at given offsets, within bounds.
 
 use asperity_surface::check_grid;
 
@@ -27,12 +27,12 @@ pub(super) struct Raster {
     /// `[ny, nx]`.
     pub(super) shape: [u64; 2],
     pub(super) kind: SampleKind,
-    /// Where the first number begins.
+    /// Offset of the first number.
     pub(super) at: usize,
 }
 
 impl<'a> Bytes<'a> {
-    /// The same bytes with numbers in another order.
+    /// These bytes with numbers in another order.
     pub(super) fn in_order(self, order: ByteOrder) -> Self {
         Self { order, ..self }
     }

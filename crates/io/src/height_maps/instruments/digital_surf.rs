@@ -2,7 +2,7 @@
 //!
 //! Little endian. A header of 512 bytes, a comment and a private zone, then whole numbers of 16 or 32 bits, row by
 //! row from the top; in a compressed file a table of streams in their place. Heights are `number * dz + offset`.
-//! Where the header says that points are missing, they are the least number that it states, less 2.
+//! Missing points, if the header says that there are some, are the least number that it states, less 2.
 
 use std::io::Read;
 
@@ -44,7 +44,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     })
 }
 
-/// What the header states.
+/// Statements of the header.
 struct Header {
     is_compressed: bool,
     objects: u16,

@@ -80,7 +80,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     })
 }
 
-/// What stands under one number.
+/// Items under one channel number.
 struct Channel {
     title: String,
     data: Option<DataField>,

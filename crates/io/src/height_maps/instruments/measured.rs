@@ -94,7 +94,7 @@ pub(super) fn reverse_rows(heights: &mut [f64], nx: usize) {
     }
 }
 
-/// What is read of a file of several channels, and what is not.
+/// Note on the channel that is read of a file of several, and on those that are not.
 pub(super) fn note_on_channels(chosen: usize, names: &[String]) -> Option<String> {
     let others: Vec<String> = (0..names.len())
         .filter(|k| *k != chosen)

@@ -65,7 +65,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     })
 }
 
-/// Where the numbers of a channel are, and how far apart.
+/// Place of the numbers of a channel in the file, and their spacing on the surface.
 struct Layout {
     shape: [u64; 2],
     spacing: [Length; 2],

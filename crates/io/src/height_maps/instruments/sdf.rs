@@ -18,7 +18,7 @@ const MARK: usize = 8;
 /// Longest header of a text file.
 const MAX_HEADER: usize = 1 << 16;
 
-/// What both kinds of file state.
+/// Header of text files and of binary files.
 struct Header {
     shape: [u64; 2],
     steps: [f64; 3],

@@ -12,7 +12,7 @@ use crate::height_maps::samples::SampleKind;
 const TOPOGRAPHY: u32 = 3;
 /// The number of a missing point.
 const MISSING: f64 = 1_000_001.0;
-/// Where the first layer begins.
+/// Offset of the first layer.
 const LAYER: usize = 500;
 
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {

@@ -15,7 +15,7 @@ use crate::limits::room;
 
 /// Size of an entry of the directory.
 const ENTRY: usize = 24;
-/// Where the directory begins.
+/// Offset of the directory.
 const DIRECTORY: usize = 2;
 /// Types of blocks.
 const ARRAY: i16 = 3;
@@ -119,7 +119,7 @@ impl Block {
 /// The directory.
 struct Blocks {
     all: Vec<Block>,
-    /// Where the last block ends.
+    /// Offset of the end of the last block.
     end: u64,
 }
 

@@ -12,7 +12,7 @@
 use crate::error::ReadProblem;
 use crate::text_lines::{Line, short};
 
-/// What marks a missing point unless the file says.
+/// Number that marks a missing point unless the file says.
 const DEFAULT_NODATA: f64 = -9999.0;
 
 /// The header, as far as it is there.

@@ -18,13 +18,13 @@ const MAX_PLACES_PER_POINT: usize = 2;
 /// Largest distance of a point from its place, in spacings: coordinates are rounded in a file.
 const TOLERANCE: f64 = 0.1;
 
-/// Whether a line names the columns of a list: `x y z`.
+/// Returns `true` if a line names the columns of a list: `x y z`.
 pub(super) fn is_heading(line: &str) -> bool {
     let names = line.split([' ', '\t', ',']).filter(|name| !name.is_empty());
     names.map(str::to_ascii_lowercase).eq(["x", "y", "z"])
 }
 
-/// Whether the name of the file says that it is a list.
+/// Returns `true` if the name of the file says that it is a list.
 pub(super) fn is_named_as_list(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ending.eq_ignore_ascii_case(LIST_ENDING))

@@ -1,4 +1,4 @@
-//! What the tags of GeoTIFF 1.1 and of GDAL say of a grid: spacing, units, missing points, scale of heights.
+//! Tags of GeoTIFF 1.1 and of GDAL: spacing, units, missing points and scale of heights of a grid.
 //!
 //! Place and direction on the map are ignored, as is the vertical datum. A grid in degrees is refused, since its
 //! spacing is no length.
@@ -117,7 +117,7 @@ impl Georeference {
         }
     }
 
-    /// What is assumed because the file does not say.
+    /// Notes on units that are assumed because the file does not state them.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut missing = Vec::new();
         if self.is_metric && !self.states_linear_unit {

@@ -83,7 +83,7 @@ pub(crate) fn for_each_datum<'a>(
     Ok(())
 }
 
-/// What has been seen of the description.
+/// Numbers of elements and namespaces so far.
 #[derive(Default)]
 struct Counts {
     elements: usize,
@@ -115,19 +115,19 @@ impl Counts {
 
 /// One tag.
 struct Tag<'a> {
-    /// Where it begins.
+    /// Offset of its `<` in the text.
     start: usize,
-    /// What stands between `<` and `>`.
+    /// Text between `<` and `>`.
     text: &'a str,
 }
 
 impl<'a> Tag<'a> {
-    /// Whether it is the first of an element that has a second.
+    /// Returns `true` for the start tag of an element that has an end tag.
     fn opens(&self) -> bool {
         !self.closes() && !self.text.ends_with('/')
     }
 
-    /// Whether it is the second tag of an element.
+    /// Returns `true` for an end tag.
     fn closes(&self) -> bool {
         self.text.starts_with('/')
     }

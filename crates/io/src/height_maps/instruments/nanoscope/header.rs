@@ -115,7 +115,7 @@ impl Header {
         self.sections.iter().filter(|section| section.is_channel())
     }
 
-    /// Where the last of the channels ends that say so.
+    /// Offset of the end of the last channel, among those that state one.
     pub(super) fn end_of_channels(&self) -> u64 {
         let end = |channel: &Section| {
             let whole = |name| channel.fields.whole(name).ok();

@@ -109,7 +109,7 @@ impl<'a> Value<'a> {
     }
 }
 
-/// Where the parenthesis ends that `text` begins with; units may have some inside.
+/// Offset of the end of the parenthesis that `text` begins with; units may have some inside.
 fn parenthesis_end(text: &str) -> Option<usize> {
     let mut depth = 0;
     for (k, byte) in text.bytes().enumerate() {
