@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// mixed: checkpoints of another epoch are refused.
 pub const RESULTS_EPOCH: u32 = 11;
 
-/// What built a result: two results with equal builds and configurations have equal numbers.
+/// Build of the program that computed a result. Results of equal builds and configurations have equal numbers.
 ///
 /// # Examples
 /// ```

@@ -1,7 +1,6 @@
 //! Encoding of images: what the writers of OpenEXR and PNG share.
 
 use std::io::{self, Cursor};
-use std::path::Path;
 
 use ::exr::error::Error;
 use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -9,19 +8,15 @@ use ::exr::math::Vec2;
 use ::exr::meta::header::LayerAttributes;
 use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage};
 
-use crate::error::WriteError;
+use crate::error::WriteProblem;
 
 /// A number in single precision, unless it is beyond its range.
-pub(crate) fn single(path: &Path, what: &str, value: f64) -> Result<f32, WriteError> {
+pub(crate) fn single(what: &'static str, value: f64) -> Result<f32, WriteProblem> {
     let single = value as f32;
     if single.is_finite() {
         Ok(single)
     } else {
-        Err(WriteError::OutOfRange {
-            path: path.to_owned(),
-            what: what.to_owned(),
-            value,
-        })
+        Err(WriteProblem::OutOfRange { what, value })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Errors: what can go wrong when a file is read or written.
+//! Errors of reading and writing files.
 
 mod read;
 mod result_folder;
@@ -6,9 +6,9 @@ mod write;
 
 use std::path::Path;
 
-pub use read::ReadError;
+pub use read::{ReadError, ReadProblem};
 pub use result_folder::ResultFolderError;
-pub use write::WriteError;
+pub use write::{WriteError, WriteProblem};
 
 /// "the unknown ending `.foo`" or "no ending".
 fn ending_found(path: &Path) -> String {

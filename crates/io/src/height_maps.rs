@@ -22,7 +22,7 @@ use std::path::Path;
 
 use asperity_surface::{HeightField, RawHeightMap};
 
-use crate::error::{ReadError, WriteError};
+use crate::error::{ReadError, ReadProblem, WriteError, WriteProblem};
 use crate::files::{open, replace_alone};
 use crate::formats::{HeightMapFormat, MARKS_WITHIN, list_endings};
 
@@ -62,68 +62,71 @@ pub use npy::write_array;
 pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError> {
     let path = path.as_ref();
     let formats: Vec<HeightMapFormat> = HeightMapFormat::of_ending(path).collect();
-    if formats.is_empty() {
-        return Err(ReadError::UnknownEnding {
-            path: path.to_owned(),
-        });
-    }
-    if formats == [HeightMapFormat::Png] {
-        return Err(ReadError::NoScale {
-            path: path.to_owned(),
-        });
-    }
-    let (file, length) = open(path)?;
-    read_from(
-        path,
-        &formats,
-        BufReader::with_capacity(1 << 16, file),
-        length,
-    )
+    let open = || {
+        if formats.is_empty() {
+            return Err(ReadProblem::ending(path, readable()));
+        }
+        if formats == [HeightMapFormat::Png] {
+            return Err(no_scale());
+        }
+        open(path)
+    };
+    let (file, length) = open().map_err(|problem| problem.at(path))?;
+    let reader = BufReader::with_capacity(1 << 16, file);
+    read_from(path, &formats, reader, length)
 }
 
-/// Reads a height map of one of a few formats; `path` is for messages only.
+/// Reads a height map of one of a few formats; `path` is for its name and for messages only.
 pub(crate) fn read_from<R: BufRead + Seek>(
     path: &Path,
     formats: &[HeightMapFormat],
     mut reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    let mut start = [0; MARKS_WITHIN];
-    let found = read_up_to(&mut reader, &mut start).map_err(|e| ReadError::io(path, e))?;
-    reader.rewind().map_err(|e| ReadError::io(path, e))?;
-    let format = choose(path, formats, &start[..found])?;
-    let instrument: instruments::Reader = match format {
-        HeightMapFormat::Exr => return exr::read(path, reader, length),
-        HeightMapFormat::Npy => return npy::read(path, reader, length),
-        HeightMapFormat::Gsf => return gsf::read(path, reader, length),
-        HeightMapFormat::X3p => return x3p::read(path, reader, length),
-        HeightMapFormat::Text => return text::read(path, reader, length),
-        HeightMapFormat::Tiff => return tiff::read(path, reader, length),
-        HeightMapFormat::DigitalSurf => digital_surf::measured,
-        HeightMapFormat::MetroPro => metropro::measured,
-        HeightMapFormat::Wyko => wyko::measured,
-        HeightMapFormat::SensofarPlu => sensofar_plu::measured,
-        HeightMapFormat::SensofarPlux => sensofar_plux::measured,
-        HeightMapFormat::Alicona => alicona::measured,
-        HeightMapFormat::Sdf => sdf::measured,
-        HeightMapFormat::Bcr => bcr::measured,
-        HeightMapFormat::Nanoscope => nanoscope::measured,
-        HeightMapFormat::Gwyddion => gwyddion::measured,
-        HeightMapFormat::Png => {
-            return Err(ReadError::NoScale {
-                path: path.to_owned(),
-            });
-        }
+    let format = choose(formats, &mut reader).map_err(|problem| problem.at(path))?;
+    let map = match format {
+        HeightMapFormat::Exr => exr::read(reader, length),
+        HeightMapFormat::Npy => npy::read(reader, length),
+        HeightMapFormat::Gsf => gsf::read(reader, length),
+        HeightMapFormat::X3p => x3p::read(reader, length),
+        HeightMapFormat::Text => text::read(path, reader, length),
+        HeightMapFormat::Tiff => tiff::read(reader, length),
+        HeightMapFormat::DigitalSurf => instruments::read(reader, length, digital_surf::measured),
+        HeightMapFormat::MetroPro => instruments::read(reader, length, metropro::measured),
+        HeightMapFormat::Wyko => instruments::read(reader, length, wyko::measured),
+        HeightMapFormat::SensofarPlu => instruments::read(reader, length, sensofar_plu::measured),
+        HeightMapFormat::SensofarPlux => instruments::read(reader, length, sensofar_plux::measured),
+        HeightMapFormat::Alicona => instruments::read(reader, length, alicona::measured),
+        HeightMapFormat::Sdf => instruments::read(reader, length, sdf::measured),
+        HeightMapFormat::Bcr => instruments::read(reader, length, bcr::measured),
+        HeightMapFormat::Nanoscope => instruments::read(reader, length, nanoscope::measured),
+        HeightMapFormat::Gwyddion => instruments::read(reader, length, gwyddion::measured),
+        HeightMapFormat::Png => Err(no_scale()),
     };
-    instruments::read(path, format, reader, length, instrument)
+    map.map_err(|problem| problem.in_format(path, format.name()))
 }
 
-/// The format among `formats`, those of the ending, that a file beginning with `start` is of.
+fn readable() -> String {
+    let endings = list_endings(HeightMapFormat::can_read);
+    format!("height maps are read from {endings}")
+}
+
+/// The refusal of an image without a scale.
+fn no_scale() -> ReadProblem {
+    let found = "is a PNG image, whose grey levels carry neither heights nor spacings".to_owned();
+    let allowed = readable();
+    ReadProblem::WrongEnding { found, allowed }
+}
+
+/// The format among `formats`, those of the ending, that a file is of.
 fn choose(
-    path: &Path,
     formats: &[HeightMapFormat],
-    start: &[u8],
-) -> Result<HeightMapFormat, ReadError> {
+    reader: &mut (impl Read + Seek),
+) -> Result<HeightMapFormat, ReadProblem> {
+    let mut start = Vec::new();
+    reader.by_ref().take(MARKS_WITHIN).read_to_end(&mut start)?;
+    reader.rewind()?;
+    let start = start.as_slice();
     let marked = |format: &&HeightMapFormat| format.has_mark(start);
     if let Some(format) = formats.iter().find(marked) {
         return Ok(*format);
@@ -134,34 +137,17 @@ fn choose(
             return Ok(*format);
         }
         if formats.iter().any(|format| format.ends_in_mark(start)) {
-            return Err(ReadError::truncated(
-                path,
-                format_args!(
-                    "its {} bytes are less than the mark of the format",
-                    start.len()
-                ),
-            ));
+            return Err(ReadProblem::truncated(format_args!(
+                "its {} bytes are less than the mark of the format",
+                start.len()
+            )));
         }
     }
-    Err(ReadError::WrongFormat {
-        path: path.to_owned(),
+    Err(ReadProblem::WrongFormat {
         // Never empty: callers look for the formats of an ending first.
         expected: formats.first().copied().unwrap_or(HeightMapFormat::Text),
         found: found.map_or("none of the known formats", |other| other.with_article()),
     })
-}
-
-fn read_up_to(reader: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match reader.read(&mut buffer[filled..]) {
-            Ok(0) => break,
-            Ok(n) => filled += n,
-            Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
-            Err(e) => return Err(e),
-        }
-    }
-    Ok(filled)
 }
 
 /// Writes a height map; the ending of `path` chooses the format.
@@ -201,29 +187,30 @@ fn read_up_to(reader: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usiz
 /// system refuses.
 pub fn write_height_map(path: impl AsRef<Path>, field: &HeightField) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let format = HeightMapFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
-        path: path.to_owned(),
-        allowed: list_endings(HeightMapFormat::can_write),
-    })?;
-    replace_alone(path, |out| write_to(path, format, field, out))
+    let format = HeightMapFormat::from_path(path)
+        .ok_or_else(|| WriteProblem::ending(path, writable()).at(path))?;
+    replace_alone(path, |out| write_to(format, field, out))
 }
 
-/// Writes a height map in a known format; `path` is for messages only.
+fn writable() -> String {
+    list_endings(HeightMapFormat::can_write)
+}
+
+/// Writes a height map in a known format.
 pub(crate) fn write_to<W: Write>(
-    path: &Path,
     format: HeightMapFormat,
     field: &HeightField,
     out: &mut W,
-) -> Result<(), WriteError> {
+) -> Result<(), WriteProblem> {
     match format {
-        HeightMapFormat::Exr => exr::write(path, field, out),
-        HeightMapFormat::Npy => npy::write(path, field, out),
-        HeightMapFormat::Gsf => gsf::write(path, field, out),
-        HeightMapFormat::X3p => x3p::write(path, field, out),
-        HeightMapFormat::Png => png::write(path, field, out),
-        _ => Err(WriteError::ReadOnly {
-            path: path.to_owned(),
-            format,
+        HeightMapFormat::Exr => exr::write(field, out),
+        HeightMapFormat::Npy => npy::write(field, out),
+        HeightMapFormat::Gsf => gsf::write(field, out),
+        HeightMapFormat::X3p => x3p::write(field, out),
+        HeightMapFormat::Png => png::write(field, out),
+        _ => Err(WriteProblem::WrongEnding {
+            found: format!("names a {format}, which is read but not written"),
+            allowed: writable(),
         }),
     }
 }

@@ -45,7 +45,7 @@ mod text_lines;
 mod damage_tests;
 
 pub use build::{Build, RESULTS_EPOCH};
-pub use error::{ReadError, ResultFolderError, WriteError};
+pub use error::{ReadError, ReadProblem, ResultFolderError, WriteError, WriteProblem};
 pub use files::{
     CsvField, Journal, JournalRecords, ResultFolder, available_memory, check_output_file,
     check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in,

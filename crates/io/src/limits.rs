@@ -1,19 +1,12 @@
 //! Limits of readers: sizes are checked before memory is taken, and panics of decoders are caught.
 
-use std::path::Path;
-
 use asperity_surface::check_grid;
 
-use crate::error::ReadError;
-use crate::formats::HeightMapFormat;
+use crate::error::ReadProblem;
 
 /// Room for `nx * ny` numbers, or an error where there is none.
-pub(crate) fn room<T>(path: &Path, nx: u64, ny: u64) -> Result<Vec<T>, ReadError> {
-    let refuse = || ReadError::OutOfMemory {
-        path: path.to_owned(),
-        nx,
-        ny,
-    };
+pub(crate) fn room<T>(nx: u64, ny: u64) -> Result<Vec<T>, ReadProblem> {
+    let refuse = || ReadProblem::OutOfMemory { nx, ny };
     let count = nx
         .checked_mul(ny)
         .and_then(|n| usize::try_from(n).ok())
@@ -27,14 +20,13 @@ pub(crate) fn room<T>(path: &Path, nx: u64, ny: u64) -> Result<Vec<T>, ReadError
 ///
 /// `bytes_each` is the least that one sample takes.
 pub(crate) fn check_claim(
-    path: &Path,
     [ny, nx]: [u64; 2],
     bytes_each: u64,
     length: u64,
-) -> Result<(), ReadError> {
+) -> Result<(), ReadProblem> {
     match bytes_of([ny, nx], bytes_each) {
         Some(bytes) if bytes <= length => Ok(()),
-        _ => Err(too_large(path, [ny, nx], length)),
+        _ => Err(too_large([ny, nx], length)),
     }
 }
 
@@ -43,51 +35,42 @@ pub(crate) const COMPRESSION_LIMIT: u64 = 1100;
 
 /// [`check_claim`] for data that may be compressed, by [`COMPRESSION_LIMIT`] at most.
 pub(crate) fn check_packed_claim(
-    path: &Path,
     [ny, nx]: [u64; 2],
     bytes_each: u64,
     length: u64,
-) -> Result<(), ReadError> {
+) -> Result<(), ReadProblem> {
     check_claim(
-        path,
         [ny, nx],
         bytes_each,
         length.saturating_mul(COMPRESSION_LIMIT),
     )
-    .map_err(|_| too_large(path, [ny, nx], length))
+    .map_err(|_| too_large([ny, nx], length))
 }
 
 /// Checks grid and spacing of data that are not compressed and end with the file: `data_length`
 /// of its `length` bytes are left for samples of `bytes_each`. Returns the shape `[ny, nx]`.
 pub(crate) fn check_plain_data(
-    path: &Path,
-    format: HeightMapFormat,
     [ny, nx]: [u64; 2],
     spacing: [f64; 2],
     bytes_each: u64,
     [data_length, length]: [u64; 2],
-) -> Result<[usize; 2], ReadError> {
+) -> Result<[usize; 2], ReadProblem> {
     let needed = bytes_of([ny, nx], bytes_each)
         // Truncation rarely leaves less than a thousandth of a file: such a header is wrong.
         .filter(|needed| needed / 1024 <= length)
-        .ok_or_else(|| too_large(path, [ny, nx], length))?;
+        .ok_or_else(|| too_large([ny, nx], length))?;
     let shape = [ny, nx].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
-    check_grid(shape, spacing).map_err(ReadError::surface(path))?;
+    check_grid(shape, spacing)?;
     if needed > data_length {
-        return Err(ReadError::truncated(
-            path,
-            format_args!(
-                "{nx} x {ny} samples of {bytes_each} bytes were expected, but only {data_length} bytes are there"
-            ),
-        ));
+        return Err(ReadProblem::truncated(format_args!(
+            "{nx} x {ny} samples of {bytes_each} bytes were expected, but only {data_length} bytes are there"
+        )));
     }
     if needed < data_length {
         let extra = data_length - needed;
-        return Err(ReadError::malformed(
-            path,
-            format,
-            format_args!("{extra} bytes follow its {nx} x {ny} samples"),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "{extra} bytes follow its {nx} x {ny} samples"
+        )));
     }
     Ok(shape)
 }
@@ -96,13 +79,8 @@ fn bytes_of([ny, nx]: [u64; 2], bytes_each: u64) -> Option<u64> {
     nx.checked_mul(ny)?.checked_mul(bytes_each)
 }
 
-fn too_large(path: &Path, [ny, nx]: [u64; 2], length: u64) -> ReadError {
-    ReadError::TooLarge {
-        path: path.to_owned(),
-        nx,
-        ny,
-        length,
-    }
+fn too_large([ny, nx]: [u64; 2], length: u64) -> ReadProblem {
+    ReadProblem::TooLarge { nx, ny, length }
 }
 
 /// Runs a decoder of another crate so that a panic inside it becomes `None`.
@@ -117,10 +95,7 @@ pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
 
 /// Runs the decoder of a height map in [`guarded`]: a file on which it panics is reported as damaged.
 pub(crate) fn read_guarded<T>(
-    path: &Path,
-    format: HeightMapFormat,
-    decode: impl FnOnce() -> Result<T, ReadError>,
-) -> Result<T, ReadError> {
-    guarded(decode)
-        .unwrap_or_else(|| Err(ReadError::malformed(path, format, "its content is damaged")))
+    decode: impl FnOnce() -> Result<T, ReadProblem>,
+) -> Result<T, ReadProblem> {
+    guarded(decode).unwrap_or_else(|| Err(ReadProblem::malformed("its content is damaged")))
 }

@@ -1,6 +1,7 @@
 //! Triangle meshes: .ply, .obj and .stl.
 
 mod build;
+mod mesh;
 mod obj;
 mod ply;
 mod stl;
@@ -13,34 +14,11 @@ mod write_tests;
 use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
-use crate::error::{ReadError, WriteError};
+use crate::error::{ReadError, ReadProblem, WriteError, WriteProblem};
 use crate::files::{open, replace_alone};
 use crate::formats::{MeshFormat, list_mesh_endings};
 
-/// A triangle mesh as a file holds it.
-///
-/// None of the formats says in which unit its lengths are.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeshData {
-    /// Positions `[x, y, z]`, finite, each different from all others.
-    pub vertices: Vec<[f64; 3]>,
-    /// Three indices into `vertices` each, in the order of the file; one triangle at least.
-    pub triangles: Vec<[u32; 3]>,
-}
-
-/// A borrowed triangle mesh.
-///
-/// Triangles run counter-clockwise as seen from +z, so that their normals point upwards; which is not
-/// checked.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshView<'a> {
-    /// Positions `[x, y, z]` in length units.
-    pub vertices: &'a [[f64; 3]],
-    /// Three indices into `vertices` each.
-    pub triangles: &'a [[u32; 3]],
-    /// One line of ASCII about the mesh, for the head of the file; empty for none. STL keeps its first 75 characters.
-    pub comment: &'a str,
-}
+pub use self::mesh::{MeshData, MeshView};
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.
 ///
@@ -53,11 +31,17 @@ pub struct MeshView<'a> {
 /// coordinates that are not finite, or corners that do not exist.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshData, ReadError> {
     let path = path.as_ref();
-    let format = MeshFormat::from_path(path).ok_or_else(|| ReadError::UnknownMeshEnding {
-        path: path.to_owned(),
-    })?;
-    let (file, length) = open(path)?;
-    let reader = BufReader::with_capacity(1 << 16, file);
+    let read = || {
+        let format = MeshFormat::from_path(path).ok_or_else(|| {
+            ReadProblem::ending(
+                path,
+                format!("meshes are read from {}", list_mesh_endings()),
+            )
+        })?;
+        let (file, length) = open(path)?;
+        Ok((format, BufReader::with_capacity(1 << 16, file), length))
+    };
+    let (format, reader, length) = read().map_err(|problem: ReadProblem| problem.at(path))?;
     read_mesh_from(path, format, reader, length)
 }
 
@@ -68,11 +52,12 @@ pub(crate) fn read_mesh_from<R: BufRead + Seek>(
     reader: R,
     length: u64,
 ) -> Result<MeshData, ReadError> {
-    match format {
-        MeshFormat::Ply => ply::read(path, reader, length),
-        MeshFormat::Obj => obj::read(path, reader),
-        MeshFormat::Stl => stl::read(path, reader, length),
-    }
+    let read = match format {
+        MeshFormat::Ply => ply::read(reader, length),
+        MeshFormat::Obj => obj::read(reader),
+        MeshFormat::Stl => stl::read(reader, length),
+    };
+    read.map_err(|problem| problem.in_format(path, format.name()))
 }
 
 /// Writes a mesh as `.ply`, `.obj` or `.stl`; the ending of `path` chooses.
@@ -86,35 +71,22 @@ pub(crate) fn read_mesh_from<R: BufRead + Seek>(
 /// finite, the comment is not one line of ASCII, the format cannot count that far, or the operating system refuses.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let format = MeshFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
-        path: path.to_owned(),
-        allowed: list_mesh_endings(),
-    })?;
-    check(path, format, mesh)?;
+    let format = MeshFormat::from_path(path)
+        .ok_or_else(|| WriteProblem::ending(path, list_mesh_endings()).at(path))?;
+    check(format, mesh).map_err(|problem| problem.at(path))?;
     replace_alone(path, |out| match format {
-        MeshFormat::Ply => ply::write(mesh, out).map_err(WriteError::io(path)),
-        MeshFormat::Obj => obj::write(mesh, out).map_err(WriteError::io(path)),
-        MeshFormat::Stl => stl::write(path, mesh, out),
+        MeshFormat::Ply => Ok(ply::write(mesh, out)?),
+        MeshFormat::Obj => Ok(obj::write(mesh, out)?),
+        MeshFormat::Stl => stl::write(mesh, out),
     })
 }
 
-fn check(path: &Path, format: MeshFormat, mesh: &MeshView<'_>) -> Result<(), WriteError> {
-    let bad = |what: String| WriteError::BadMesh {
-        path: path.to_owned(),
-        what,
-    };
-    let too_many = |what, count, limit| WriteError::TooMany {
-        path: path.to_owned(),
-        what,
-        count,
-        limit,
-    };
-    if !mesh
-        .comment
-        .chars()
-        .all(|c| c == ' ' || c.is_ascii_graphic())
-    {
-        return Err(bad("its comment must be one line of ASCII".to_owned()));
+fn check(format: MeshFormat, mesh: &MeshView<'_>) -> Result<(), WriteProblem> {
+    let bad = |what: String| Err(WriteProblem::Invalid(what));
+    let too_many = |what, count, limit| Err(WriteProblem::TooMany { what, count, limit });
+    let mut letters = mesh.comment.chars();
+    if !letters.all(|c| c == ' ' || c.is_ascii_graphic()) {
+        return bad("its comment must be one line of ASCII".to_owned());
     }
     let vertices = mesh.vertices.len();
     if let Some(i) = mesh
@@ -122,28 +94,28 @@ fn check(path: &Path, format: MeshFormat, mesh: &MeshView<'_>) -> Result<(), Wri
         .iter()
         .position(|v| v.iter().any(|x| !x.is_finite()))
     {
-        return Err(bad(format!(
+        return bad(format!(
             "vertex {i} is {:?}, but coordinates must be finite",
             mesh.vertices[i]
-        )));
+        ));
     }
     if let Some(i) = mesh
         .triangles
         .iter()
         .position(|t| t.iter().any(|k| *k as usize >= vertices))
     {
-        return Err(bad(format!(
+        return bad(format!(
             "triangle {i} has the corners {:?}, but there are only {vertices} vertices",
             mesh.triangles[i]
-        )));
+        ));
     }
     match format {
         // Indices are written as signed 32-bit numbers, which every reader knows.
         MeshFormat::Ply if i32::try_from(vertices).is_err() => {
-            Err(too_many("vertices", vertices, i32::MAX as u64))
+            too_many("vertices", vertices, i32::MAX as u64)
         }
         MeshFormat::Stl if u32::try_from(mesh.triangles.len()).is_err() => {
-            Err(too_many("triangles", mesh.triangles.len(), u32::MAX.into()))
+            too_many("triangles", mesh.triangles.len(), u32::MAX.into())
         }
         _ => Ok(()),
     }

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use crate::error::ReadError;
+use crate::error::{ReadError, ReadProblem};
 use crate::files::open;
 use crate::text_lines::{Line, read_line, short};
 
@@ -19,7 +19,7 @@ pub struct NumberTable {
 }
 
 impl NumberTable {
-    /// Where it was read from.
+    /// File that the table was read from.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -78,29 +78,28 @@ impl NumberTable {
 /// finite number.
 pub fn read_number_table(path: impl AsRef<Path>) -> Result<NumberTable, ReadError> {
     let path = path.as_ref();
-    let (file, _) = open(path)?;
-    read_from(path, BufReader::new(file))
+    let read = || read_from(path, BufReader::new(open(path)?.0));
+    read().map_err(|problem| problem.at(path))
 }
 
-fn read_from(path: &Path, mut reader: impl BufRead) -> Result<NumberTable, ReadError> {
+fn read_from(path: &Path, mut reader: impl BufRead) -> Result<NumberTable, ReadProblem> {
     let mut table = NumberTable {
         path: path.to_owned(),
         names: Vec::new(),
         columns: Vec::new(),
     };
     let (mut bytes, mut number) = (Vec::new(), 0);
-    while read_line(path, &mut reader, &mut bytes)? {
+    while read_line(&mut reader, &mut bytes)? {
         number += 1;
         let text = std::str::from_utf8(&bytes)
-            .map_err(|_| ReadError::unsupported(path, "it is not text (UTF-8)"))?;
+            .map_err(|_| ReadProblem::unsupported("it is not text (UTF-8)"))?;
         let text = text.trim_start_matches('\u{feff}').trim_end();
         if text.contains(|c: char| c.is_control() && c != '\t') {
-            return Err(ReadError::unsupported(
-                path,
+            return Err(ReadProblem::unsupported(
                 "it is not text: it holds control characters",
             ));
         }
-        let line = Line { path, number, text };
+        let line = Line { number, text };
         if text.trim().is_empty() || text.starts_with('#') {
             continue;
         }
@@ -112,12 +111,12 @@ fn read_from(path: &Path, mut reader: impl BufRead) -> Result<NumberTable, ReadE
         }
     }
     if table.names.is_empty() {
-        return Err(ReadError::truncated(path, "it has no line of names"));
+        return Err(ReadProblem::truncated("it has no line of names"));
     }
     Ok(table)
 }
 
-fn names(line: Line<'_>) -> Result<Vec<String>, ReadError> {
+fn names(line: Line<'_>) -> Result<Vec<String>, ReadProblem> {
     let cells = line.text.split(',').map(str::trim);
     let names: Vec<String> = cells.map(str::to_owned).collect();
     if let Some(name) = names.iter().find(|name| name.parse::<f64>().is_ok()) {
@@ -133,7 +132,7 @@ fn names(line: Line<'_>) -> Result<Vec<String>, ReadError> {
 }
 
 impl NumberTable {
-    fn add(&mut self, line: Line<'_>) -> Result<(), ReadError> {
+    fn add(&mut self, line: Line<'_>) -> Result<(), ReadProblem> {
         let count = line.text.split(',').count();
         let expected = self.names.len();
         if count != expected {
@@ -164,7 +163,8 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Result<NumberTable, String> {
-        read_from(Path::new("psd.csv"), text).map_err(|error| error.to_string())
+        let path = Path::new("psd.csv");
+        read_from(path, text).map_err(|problem| problem.at(path).to_string())
     }
 
     #[test]

@@ -12,7 +12,7 @@ use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
 
 use crate::encoding::{encode_exr, png_error, single};
-use crate::error::WriteError;
+use crate::error::{WriteError, WriteProblem};
 use crate::files::replace_alone;
 
 /// Radiance by pixel, row by row from the top.
@@ -41,16 +41,13 @@ impl PictureFormat {
     /// The format of the ending of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`WriteError::UnknownEnding`] if no format has this ending.
+    /// [`WriteProblem::WrongEnding`] if no format has this ending.
     pub fn from_path(path: &Path) -> Result<Self, WriteError> {
         let ending = path.extension().and_then(|ending| ending.to_str());
         match ending.map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self::Exr),
             Some("png") => Ok(Self::Png),
-            _ => Err(WriteError::UnknownEnding {
-                path: path.to_owned(),
-                allowed: ".exr and .png".to_owned(),
-            }),
+            _ => Err(WriteProblem::ending(path, ".exr and .png".to_owned()).at(path)),
         }
     }
 }
@@ -79,42 +76,33 @@ pub fn write_picture(
         assert_eq!(values.len(), pixels, "one value per pixel");
     }
     match PictureFormat::from_path(path)? {
-        PictureFormat::Exr => replace_alone(path, |out| write_exr(path, picture, comment, out)),
-        PictureFormat::Png => replace_alone(path, |out| {
-            write_png(picture, exposure, out).map_err(WriteError::io(path))
-        }),
+        PictureFormat::Exr => replace_alone(path, |out| write_exr(picture, comment, out)),
+        PictureFormat::Png => replace_alone(path, |out| Ok(write_png(picture, exposure, out)?)),
     }
 }
 
-fn write_exr(
-    path: &Path,
-    picture: &Picture,
-    comment: &str,
-    out: &mut dyn Write,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+fn write_exr(picture: &Picture, comment: &str, out: &mut dyn Write) -> Result<(), WriteProblem> {
     let channel = |name: &'static str, values: &[f64]| {
-        let samples = values.iter().map(|value| single(path, name, *value));
-        Ok::<_, WriteError>((name, samples.collect::<Result<Vec<f32>, _>>()?))
+        let samples = values.iter().map(|value| single(name, *value));
+        Ok::<_, WriteProblem>((name, samples.collect::<Result<Vec<f32>, _>>()?))
     };
     let channels = vec![
         channel("A", &picture.coverage)?,
         channel("Y", &picture.radiance)?,
-        errors(path, &picture.error)?,
+        errors(&picture.error)?,
     ];
     let attributes = LayerAttributes {
         comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
         ..LayerAttributes::default()
     };
-    let file = encode_exr(picture.size, attributes, channels).map_err(&io)?;
-    out.write_all(&file).map_err(io)
+    Ok(out.write_all(&encode_exr(picture.size, attributes, channels)?)?)
 }
 
 /// The channel of errors, which may be unknown.
-fn errors(path: &Path, values: &[f64]) -> Result<(&'static str, Vec<f32>), WriteError> {
+fn errors(values: &[f64]) -> Result<(&'static str, Vec<f32>), WriteProblem> {
     let sample = |value: &f64| match value.is_nan() {
         true => Ok(f32::NAN),
-        false => single(path, "error", *value),
+        false => single("error", *value),
     };
     let samples = values.iter().map(sample).collect::<Result<_, _>>()?;
     Ok(("error", samples))
@@ -205,7 +193,10 @@ mod tests {
         write_picture(&path, &unknown, 1.0, "unit").unwrap();
         unknown.radiance[0] = f64::NAN;
         let error = write_picture(&path, &unknown, 1.0, "unit").unwrap_err();
-        assert!(matches!(error, WriteError::OutOfRange { .. }), "{error}");
+        assert!(
+            matches!(error.problem, WriteProblem::OutOfRange { .. }),
+            "{error}"
+        );
     }
 
     #[test]

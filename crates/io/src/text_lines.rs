@@ -1,26 +1,19 @@
 //! Lines of text files: reads them one by one and makes errors that name line and column.
 
 use std::fmt::Display;
-use std::io::BufRead;
-use std::path::Path;
+use std::io::{self, BufRead};
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 
 /// Reads the next line, with its line feed, into `bytes`; false at the end of the file.
-pub(crate) fn read_line(
-    path: &Path,
-    reader: &mut impl BufRead,
-    bytes: &mut Vec<u8>,
-) -> Result<bool, ReadError> {
+pub(crate) fn read_line(reader: &mut impl BufRead, bytes: &mut Vec<u8>) -> io::Result<bool> {
     bytes.clear();
-    let read = reader.read_until(b'\n', bytes);
-    Ok(read.map_err(|e| ReadError::io(path, e))? > 0)
+    Ok(reader.read_until(b'\n', bytes)? > 0)
 }
 
 /// A line of a text file, with its place for messages.
 #[derive(Clone, Copy)]
 pub(crate) struct Line<'a> {
-    pub(crate) path: &'a Path,
     /// Counted from one.
     pub(crate) number: usize,
     pub(crate) text: &'a str,
@@ -32,14 +25,13 @@ impl<'a> Line<'a> {
     }
 
     /// An error at `word`, a slice of the line.
-    pub(crate) fn refuse(self, word: &str, what: impl Display) -> ReadError {
+    pub(crate) fn refuse(self, word: &str, what: impl Display) -> ReadProblem {
         self.refuse_at(word.as_ptr().addr() - self.text.as_ptr().addr(), what)
     }
 
     /// An error at the byte `offset` of the line.
-    pub(crate) fn refuse_at(self, offset: usize, what: impl Display) -> ReadError {
-        ReadError::Text {
-            path: self.path.to_owned(),
+    pub(crate) fn refuse_at(self, offset: usize, what: impl Display) -> ReadProblem {
+        ReadProblem::Text {
             line: self.number,
             column: offset + 1,
             what: what.to_string(),

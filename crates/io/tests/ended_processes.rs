@@ -1,4 +1,4 @@
-//! What processes leave that end in the middle of a file, and which of it other processes remove.
+//! Temporary files of processes that end in the middle of a file, and their removal by other processes.
 
 #![allow(clippy::unwrap_used, reason = "the helpers of tests are tests too")]
 

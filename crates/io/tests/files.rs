@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use asperity_io::{
-    ReadError, WriteError, check_output_file, check_output_folder, create_output_folder,
+    ReadProblem, WriteProblem, check_output_file, check_output_folder, create_output_folder,
     read_height_map, write_atomically, write_bytes, write_height_map,
 };
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
@@ -293,13 +293,22 @@ fn unreadable_files_have_errors_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let error = |name: &str| read_height_map(at(name)).unwrap_err();
-    assert!(matches!(error("none.exr"), ReadError::NotFound { .. }));
+    assert!(matches!(
+        error("none.exr").problem,
+        ReadProblem::NotFound { .. }
+    ));
     fs::create_dir(at("folder.npy")).unwrap();
-    assert!(matches!(error("folder.npy"), ReadError::Folder { .. }));
+    assert!(matches!(
+        error("folder.npy").problem,
+        ReadProblem::NotRegular { .. }
+    ));
     for ending in ["exr", "npy", "gsf", "x3p", "asc", "txt", "csv"] {
         let name = format!("empty.{ending}");
         fs::write(at(&name), "").unwrap();
-        assert!(matches!(error(&name), ReadError::Empty { .. }), "{name}");
+        assert!(
+            matches!(error(&name).problem, ReadProblem::Empty { .. }),
+            "{name}"
+        );
     }
     let unknown = error("a.jpg").to_string();
     assert!(unknown.contains("unknown ending `.jpg`"), "{unknown}");
@@ -310,11 +319,17 @@ fn unreadable_files_have_errors_of_their_own() {
         "{unknown}"
     );
     assert!(error("a").to_string().contains("no ending"));
-    assert!(matches!(error("a.png"), ReadError::NoScale { .. }));
+    assert!(matches!(
+        error("a.png").problem,
+        ReadProblem::WrongEnding { .. }
+    ));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("/dev/null", at("null.npy")).unwrap();
-        assert!(matches!(error("null.npy"), ReadError::NotRegular { .. }));
+        assert!(matches!(
+            error("null.npy").problem,
+            ReadProblem::NotRegular { .. }
+        ));
     }
 }
 
@@ -330,16 +345,19 @@ fn surfaces_that_a_format_cannot_hold_are_refused() {
     let field = field();
     let arbitrary = field.clone().with_unit(LengthUnit::Arbitrary);
     assert!(matches!(
-        error("a.x3p", &arbitrary),
-        WriteError::NoUnit { .. }
+        error("a.x3p", &arbitrary).problem,
+        WriteProblem::NoUnit { .. }
     ));
     let huge = HeightField::new(vec![0.0, 0.0, 0.0, 1e39], [2, 2], [1.0, 1.0]).unwrap();
     for name in ["a.exr", "a.gsf"] {
-        assert!(matches!(error(name, &huge), WriteError::OutOfRange { .. }));
+        assert!(matches!(
+            error(name, &huge).problem,
+            WriteProblem::OutOfRange { .. }
+        ));
     }
     assert!(matches!(
-        error("a.asc", &field),
-        WriteError::ReadOnly { .. }
+        error("a.asc", &field).problem,
+        WriteProblem::WrongEnding { .. }
     ));
     let unknown = error("a.tiff", &field).to_string();
     assert!(
@@ -383,7 +401,7 @@ fn a_full_disk_is_an_error() {
     }
     for bytes in [10, 1_000_000] {
         let error = write_bytes(full, &vec![0; bytes]).unwrap_err();
-        assert!(matches!(error, WriteError::Io { .. }), "{error}");
+        assert!(matches!(error.problem, WriteProblem::Io { .. }), "{error}");
     }
     assert!(full.exists());
     // A height map whose writer flushes on its way.
@@ -393,7 +411,7 @@ fn a_full_disk_is_an_error() {
         let path = folder.path().join(name);
         std::os::unix::fs::symlink(full, &path).unwrap();
         let error = write_height_map(&path, &field()).unwrap_err();
-        assert!(matches!(error, WriteError::Io { .. }), "{error}");
+        assert!(matches!(error.problem, WriteProblem::Io { .. }), "{error}");
     }
 }
 
@@ -402,9 +420,15 @@ fn files_and_folders_in_the_way_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let error = write_bytes(at("no/where.txt"), b"").unwrap_err();
-    assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
+    assert!(
+        matches!(error.problem, WriteProblem::NoFolder { .. }),
+        "{error}"
+    );
     let error = check_output_file(at("no/where.txt")).unwrap_err();
-    assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
+    assert!(
+        matches!(error.problem, WriteProblem::NoFolder { .. }),
+        "{error}"
+    );
     check_output_file(at("where.txt")).unwrap();
     check_output_file("where.txt").unwrap();
     create_output_folder(at("new/deep")).unwrap();
@@ -412,13 +436,19 @@ fn files_and_folders_in_the_way_are_reported() {
     assert_eq!(entries(&at("new/deep")).len(), 0);
     for error in [write_bytes(at("new"), b""), check_output_file(at("new"))] {
         let error = error.unwrap_err();
-        assert!(matches!(error, WriteError::IsFolder { .. }), "{error}");
+        assert!(
+            matches!(error.problem, WriteProblem::IsFolder { .. }),
+            "{error}"
+        );
     }
     write_bytes(at("file"), b"").unwrap();
     for name in ["file", "file/below"] {
         for refuse in [create_output_folder, check_output_folder] {
             let error = refuse(at(name)).unwrap_err();
-            assert!(matches!(error, WriteError::FolderIsFile { .. }), "{error}");
+            assert!(
+                matches!(error.problem, WriteProblem::FolderIsFile { .. }),
+                "{error}"
+            );
         }
     }
 }
@@ -433,12 +463,18 @@ fn a_folder_is_checked_without_a_trace() {
     }
     let long = "x".repeat(1000);
     let error = check_output_folder(at("new").join(long)).unwrap_err();
-    assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+    assert!(
+        matches!(error.problem, WriteProblem::Folder { .. }),
+        "{error}"
+    );
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("nowhere", at("there/link")).unwrap();
         let error = check_output_folder(at("there/link")).unwrap_err();
-        assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+        assert!(
+            matches!(error.problem, WriteProblem::Folder { .. }),
+            "{error}"
+        );
         fs::remove_file(at("there/link")).unwrap();
     }
     assert_eq!(entries(folder.path()), ["there"]);
@@ -459,21 +495,27 @@ fn folders_without_permission_to_write_are_reported() {
         if Path::new("/proc/self").exists() {
             for place in ["/proc/self/results", "/proc/self"] {
                 let error = check_output_folder(place).unwrap_err();
-                assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+                assert!(
+                    matches!(error.problem, WriteProblem::Folder { .. }),
+                    "{error}"
+                );
             }
             let error = check_output_file("/proc/self/results").unwrap_err();
-            assert!(matches!(error, WriteError::Io { .. }), "{error}");
+            assert!(matches!(error.problem, WriteProblem::Io { .. }), "{error}");
         }
         return;
     }
     for place in [closed.clone(), closed.join("deeper")] {
         let error = check_output_folder(place).unwrap_err();
-        assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+        assert!(
+            matches!(error.problem, WriteProblem::Folder { .. }),
+            "{error}"
+        );
     }
     let error = write_height_map(closed.join("a.npy"), &field()).unwrap_err();
-    assert!(matches!(error, WriteError::Io { .. }), "{error}");
+    assert!(matches!(error.problem, WriteProblem::Io { .. }), "{error}");
     let error = check_output_file(closed.join("a.npy")).unwrap_err();
-    assert!(matches!(error, WriteError::Io { .. }), "{error}");
+    assert!(matches!(error.problem, WriteProblem::Io { .. }), "{error}");
 }
 
 #[cfg(unix)]

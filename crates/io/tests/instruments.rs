@@ -12,7 +12,7 @@ use std::path::Path;
 use asperity_io::read_height_map;
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
-/// What SurfaceTopography 1.27.1 reads.
+/// Values that SurfaceTopography 1.27.1 reads.
 struct Reference {
     file: &'static str,
     shape: [usize; 2],

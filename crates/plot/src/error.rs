@@ -1,19 +1,19 @@
-//! What can go wrong between numbers and a figure.
+//! Plot errors: numbers that make no figure.
 
-/// Why a figure could not be drawn.
+/// Error on drawing a figure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
     /// No number to show: an empty field, or no sample on any side that was requested.
     #[error("nothing to draw: {what}")]
     NothingToDraw {
-        /// What is empty.
+        /// Description of the empty input.
         what: String,
     },
     /// Two lengths that must agree do not.
     #[error("{what} has {found} values, expected {expected}")]
     MismatchedLengths {
-        /// What is too long or too short.
+        /// Name of the input.
         what: String,
         /// Length found.
         found: usize,

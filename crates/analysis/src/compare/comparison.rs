@@ -37,7 +37,7 @@ pub struct BinComparison {
     /// `(mean - model) / standard_error`: infinite where all surfaces deviate by the same amount,
     /// zero where they agree exactly; `None` for one surface.
     pub z: Option<f64>,
-    /// Whether the bin holds enough rays to enter the test.
+    /// `true` if the bin holds enough rays to enter the test.
     pub tested: bool,
 }
 

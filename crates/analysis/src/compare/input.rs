@@ -52,9 +52,9 @@ impl RayCount {
         ..Self::UNLIMITED
     };
 
-    /// Whether these residuals, one per surface, may be tested.
+    /// Returns `true` if these residuals, one per surface, may be tested.
     ///
-    /// Where fewer than 20 rays are missing, residuals must scatter by more than rays that are missing can explain: together by
+    /// If fewer than 20 rays are missing, residuals must scatter by more than rays that are missing can explain: together by
     /// twice as many. Light that splits at a smooth surface has the same flux on every surface but for rare rays that stray; what
     /// no stray ray was seen of is no deviation. The condition is the same for residuals of either sign, so that a choice by it
     /// leaves the test exact.
@@ -67,7 +67,7 @@ impl RayCount {
     }
 }
 
-/// Why a comparison is impossible.
+/// Error of an impossible comparison.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ComparisonError {

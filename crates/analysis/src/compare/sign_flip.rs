@@ -70,7 +70,7 @@ pub struct SignFlipTest {
     pub min_p: f64,
     /// Number of flips, the data themselves included.
     pub flips: usize,
-    /// Whether these are all distinct flips; otherwise they are random.
+    /// `true` if these are all distinct flips; otherwise they are random.
     pub exhaustive: bool,
     /// The scales, single bins first.
     pub scales: Vec<ScaleTest>,
@@ -94,7 +94,7 @@ pub(crate) struct Scale<'a> {
     pub(crate) members: &'a [usize],
 }
 
-/// Why there is no p value.
+/// Reason for the absence of a p value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Untested {

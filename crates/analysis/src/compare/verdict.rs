@@ -21,7 +21,7 @@ pub enum Verdict {
     NotResolved(Unresolved),
 }
 
-/// Why the data cannot decide whether to reject a model.
+/// Reason for which the data cannot decide on a model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unresolved {

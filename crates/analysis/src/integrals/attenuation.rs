@@ -86,7 +86,7 @@ pub fn v_cavity_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     Facings::new(slopes, w, w).lit()
 }
 
-/// The same as a fraction of the points that face `w`.
+/// [`v_cavity_lit`] as a fraction of the points that face `w`.
 #[must_use]
 pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     v_cavity_lit(slopes, w) / Beckmann::new(*slopes).facing_fraction(w)

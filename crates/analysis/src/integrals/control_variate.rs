@@ -127,7 +127,7 @@ struct RingFluxes {
     masked: [Vec<f64>; 2],
 }
 
-/// Those of Gaussian slopes, times `weight`.
+/// Ring fluxes of Gaussian slopes, times `weight`.
 fn ring_fluxes(
     slopes: &SlopeCovariance,
     weight: f64,

@@ -188,7 +188,7 @@ mod tests {
         }
     }
 
-    /// The same over directions `wo`, into which `D(m) / (4 cos theta_i)` of the light goes: other points
+    /// The integral over directions `wo`, into which `D(m) / (4 cos theta_i)` of the light goes: other points
     /// and weights than those over slopes. In steps of a hundredth both rules agree to 1e-3. Smith's
     /// masking hides `1 - G1(wo)` of every facet, whatever its slope, and since `T(q)` is at most
     /// `1 + Lambda(wo)`, no fraction is below that.

@@ -1,6 +1,6 @@
 //! Hemispherical energies by integration over facet slopes.
 //!
-//! The same energies follow from the bins of [`crate::bin_fluxes`]. Here they are computed independently, with
+//! Equal energies follow from the bins of [`crate::bin_fluxes`]. Here they are computed independently, with
 //! facet slopes `(p, q)` as variables, `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`. All edges of the
 //! integrand are conics in `(p, q)` with closed forms: where the facet turns away (a line), where total
 //! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see

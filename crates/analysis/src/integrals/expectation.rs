@@ -34,13 +34,13 @@ pub struct Expectation {
     tallies: Vec<TallyValues>,
     statistics: TallyStatistics,
     rays: u64,
-    /// Whether single scattering has an analytic result.
+    /// `true` if single scattering has an analytic result.
     exact_single: bool,
 }
 
-/// What `model` expects of light from `incidence` in a tally of `spec`.
+/// Expectation of `model` for light from `incidence` in a tally of `spec`.
 ///
-/// `azimuth`: what the azimuths of a tally are counted from, as in the run that it is compared with.
+/// `azimuth`: origin of the azimuths of a tally, as in the run that it is compared with.
 /// Entries that the model does not describe are zero. Light scattered once comes from quadrature where
 /// the model has a density, to about 1e-12 of the incident flux in a bin; all else from `effort.rays`
 /// rays, divided into batches with separate random streams: the same for any number of threads. Where exact
@@ -119,7 +119,7 @@ impl Expectation {
         &self.tallies
     }
 
-    /// Whether no entry was sampled.
+    /// Returns `true` if no entry was sampled.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.rays == 0
@@ -131,14 +131,14 @@ impl Expectation {
         self.rays
     }
 
-    /// Whether this component of the light was sampled, at least in part.
+    /// Returns `true` if this component of the light was sampled, at least in part.
     #[must_use]
     pub fn samples(&self, component: Component) -> bool {
         let analytic = component == Component::Single && self.exact_single;
         !(self.is_exact() || analytic)
     }
 
-    /// Whether the model describes this component of the light scattered by the surface.
+    /// Returns `true` if the model describes this component of the light scattered by the surface.
     #[must_use]
     pub fn describes(&self, component: Component) -> bool {
         match self.scope {
@@ -149,7 +149,7 @@ impl Expectation {
     }
 }
 
-/// What a closed form expects: light scattered once and nothing else.
+/// Expectation of a closed form: light scattered once and nothing else.
 fn single_scattering(
     density: &dyn BsdfModel,
     incidence: Incidence,

@@ -85,7 +85,7 @@ impl<P: Copy + PartialEq + Send + Sync> SlopeImages<P> {
         Self { light, images }
     }
 
-    /// What each image adds to its place, by the masses of `table`, on the same grid, with the Lambda of `map`.
+    /// Flux that each image adds to its place, by the masses of `table`, on the same grid, with the Lambda of `map`.
     pub(crate) fn fluxes(
         &self,
         table: &SlopeTable,
@@ -101,7 +101,7 @@ impl<P: Copy + PartialEq + Send + Sync> SlopeImages<P> {
     }
 }
 
-/// Where light of one slope goes; nowhere on this side if `wo` is `None`.
+/// Direction of the light of one slope; none on this side if `wo` is `None`.
 #[derive(Clone, Copy)]
 struct Exit<P> {
     wo: Option<DVec3>,

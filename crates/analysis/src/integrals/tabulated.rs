@@ -15,7 +15,7 @@ use crate::microfacet::slope_grid::SlopeTableError;
 use crate::microfacet::slope_table::SlopeTable;
 use crate::models::model::{ModelError, check_material};
 
-/// Where light counts in a tally: in a bin, and in an in-plane bin if it is near the plane of incidence.
+/// Bins of a tally in which light counts: one of the hemisphere, and one in the plane of incidence if it is near that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct TallyPlace {
     bin: usize,
@@ -128,8 +128,8 @@ fn fluxes_into(
     fluxes
 }
 
-/// What the slopes of each region of a surface make of single scattering, beyond those of the whole: the change of Smith's model in a tally of
-/// `spec` if the slopes of the surface were those of the region, to first order.
+/// Influence of the slopes of each region of a surface on single scattering: the change of Smith's model in a tally
+/// of `spec` if the slopes of the surface were those of the region, to first order.
 ///
 /// `regions`: weights of the cells of `whole`, region by region, two or more. Their mean is what `whole` is made of. Each region is left
 /// out in turn, and the change is scaled by the number of the others. The mean over regions is zero.

@@ -1,4 +1,4 @@
-//! What a flat layer is expected to do in the bins of a run.
+//! Expected tally of a flat layer, in the bins of a run.
 
 use std::f64::consts::PI;
 
@@ -14,8 +14,8 @@ use crate::integrals::expectation::Expectation;
 use crate::models::model::Scope;
 
 use super::faces::Inside;
+use super::flat_layer::{FlatLayer, LayerPaths};
 use super::range::Range;
-use super::{FlatLayer, LayerPaths};
 
 impl FlatLayer {
     /// [`FlatLayer::tally`] as the expectation of a model; exact.

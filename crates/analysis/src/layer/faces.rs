@@ -5,7 +5,7 @@ use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 
 use super::depth::{against, along};
-use super::{FlatLayer, LayerPaths};
+use super::flat_layer::{FlatLayer, LayerPaths};
 
 /// Unscattered light inside the layer.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +119,7 @@ impl FlatLayer {
         self.by_cosine(inside, exit, exit.ratio * across.dot(inside.across))
     }
 
-    /// The same, given the product `h` of the horizontal components inside.
+    /// The BSDF, given the product `h` of the horizontal components inside.
     pub(super) fn by_cosine(&self, inside: &Inside, exit: &Leaving, h: f64) -> f64 {
         let z = inside.mu * exit.mu;
         let p = |cos: f64| self.phase.density(cos.clamp(-1.0, 1.0));

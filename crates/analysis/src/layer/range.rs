@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 use asperity_optics::{Incidence, PhaseFunction};
 use asperity_tally::Side;
 
-use super::FlatLayer;
 use super::faces::Inside;
-use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use super::flat_layer::FlatLayer;
 
 /// Error allowed in the flux into one range of directions.
 const OUTER: Tolerance = Tolerance {

@@ -37,7 +37,7 @@ pub struct Beckmann {
     slopes: SlopeCovariance,
 }
 
-/// How shadowing of the light and masking of the view are combined.
+/// Combination of the shadowing of the light and the masking of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Masking {
     /// Independent: `G2 = G1(wi) G1(wo)`.

@@ -62,7 +62,7 @@ impl SlopeDistribution {
         }
     }
 
-    /// Whether the density is known to be the same along all azimuths: that of a table is not.
+    /// Returns `true` if the density is known to be the same along all azimuths: that of a table is not.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         match self {

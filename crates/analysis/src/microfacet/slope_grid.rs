@@ -34,7 +34,7 @@ pub struct SlopeGrid {
     edges: [Vec<f64>; 2],
 }
 
-/// Why a table of slopes is refused.
+/// Error of an invalid table of slopes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SlopeTableError {
@@ -110,7 +110,7 @@ impl SlopeGrid {
     /// The spread along x and y of slopes about zero, as in [`SlopeGrid::covering`].
     ///
     /// # Errors
-    /// As [`SlopeGrid::covering`].
+    /// [`SlopeTableError`] for the reasons of [`SlopeGrid::covering`].
     pub fn spread(slopes: &[[f64; 2]]) -> Result<[f64; 2], SlopeTableError> {
         let axis = |axis: usize| -> Result<f64, SlopeTableError> {
             let mut sizes: Vec<f64> = slopes.iter().map(|slope| slope[axis].abs()).collect();
@@ -177,7 +177,7 @@ impl SlopeGrid {
         Some(of_axis(1)? * self.size()[0] + of_axis(0)?)
     }
 
-    /// How many of `slopes` are in each cell, along x within along y. Those outside are left out.
+    /// Number of `slopes` in each cell, along x within along y. Slopes outside are left out.
     #[must_use]
     pub fn weights(&self, slopes: impl IntoIterator<Item = [f64; 2]>) -> Vec<f64> {
         let mut weights = vec![0.0; self.len()];
@@ -195,7 +195,7 @@ impl SlopeGrid {
         [0, 1].map(|k| DVec2::new(self.edges[0][ix + k], self.edges[1][iy + k]))
     }
 
-    /// The same cells with all slopes less `mean`.
+    /// These cells with all slopes less `mean`.
     #[must_use]
     pub fn shifted(&self, mean: [f64; 2]) -> Self {
         let edges = [0, 1].map(|axis| self.edges[axis].iter().map(|s| s - mean[axis]).collect());

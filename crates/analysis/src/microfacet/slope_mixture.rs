@@ -70,7 +70,7 @@ impl SlopeMixture {
         &self.components
     }
 
-    /// Whether all slopes are isotropic.
+    /// Returns `true` if all slopes are isotropic.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.components[0].1.is_isotropic()

@@ -90,7 +90,7 @@ impl SlopeTable {
         &self.mass
     }
 
-    /// The same density with its mean slope at zero.
+    /// This density with its mean slope at zero.
     #[must_use]
     pub fn level(self) -> Self {
         let grid = self.grid.shifted(self.mean());

@@ -28,7 +28,7 @@ pub struct SlopeCovariance {
     peak: f64,
 }
 
-/// Why a slope covariance is invalid.
+/// Error of an invalid slope covariance.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SlopeError {
@@ -111,7 +111,7 @@ impl SlopeCovariance {
         self.xy
     }
 
-    /// Whether the slopes are isotropic: equal variances and no covariance.
+    /// Returns `true` if the slopes are isotropic: equal variances and no covariance.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         self.xx == self.yy && self.xy == 0.0

@@ -16,9 +16,9 @@ pub enum Kinks {
     /// None.
     #[default]
     None,
-    /// Where the polar angles of incidence and reflection are equal, `wo.z = wi.z`.
+    /// Kinks at equal polar angles of incidence and reflection, `wo.z = wi.z`.
     EqualAngles,
-    /// Where shadowing and masking of the sides of V-shaped grooves set in, and at equal angles.
+    /// Kinks at the onset of shadowing and masking of the sides of V-shaped grooves, and at equal angles.
     Grooves,
 }
 

@@ -28,7 +28,7 @@ pub enum Scope {
     ScatteredInside,
 }
 
-/// What is fixed about a model: its name, its source and where it holds.
+/// Description of a model: its name, its source and its valid range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ModelInfo {
     /// The name under which [`crate::create_model`] finds the model.
@@ -141,7 +141,7 @@ pub trait BsdfModel: ScatteringModel {
         Vec::new()
     }
 
-    /// Where the density has kinks; quadrature subdivides there.
+    /// Kinks of the density; quadrature subdivides there.
     fn kinks(&self) -> Kinks {
         Kinks::None
     }
@@ -156,7 +156,7 @@ pub trait RandomWalk: Send + Sync {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>);
 }
 
-/// Why a model cannot be made.
+/// Error on making a model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -210,7 +210,7 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    /// Whether the slopes are refused because they are not isotropic.
+    /// Returns `true` if the slopes are refused because they are not isotropic.
     #[must_use]
     pub const fn is_anisotropic(&self) -> bool {
         matches!(self, Self::Anisotropic(_) | Self::AnisotropicDiffuse(_))
@@ -226,7 +226,7 @@ pub(crate) struct ModelEntry {
 /// Creates a model of one kind.
 type Create<M> = fn(&SlopeDistribution, Material) -> Result<Box<M>, ModelError>;
 
-/// How a model is made for the slopes of a surface and a material.
+/// Constructor of a model for the slopes of a surface and a material.
 #[derive(Clone, Copy)]
 pub(crate) enum Constructor {
     /// It has a density at every direction.

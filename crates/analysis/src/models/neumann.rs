@@ -38,7 +38,7 @@ use crate::models::model::{
 };
 use crate::models::v_cavity::v_cavity_g2;
 
-/// What shadows and masks the facets.
+/// Shadowing and masking term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attenuation {
     /// The other side of a V-shaped groove, as in Cook and Torrance 1982.

@@ -156,8 +156,8 @@ mod tests {
         }
     }
 
-    /// Whether `w` sees the point at height `t` (bottom 0, rim 1) of the side `m` of a groove: a line from it
-    /// must pass above the rim of the other side, or, below the surface, beneath the bottom next to it.
+    /// Returns `true` if `w` sees the point at height `t` (bottom 0, rim 1) of the side `m` of a groove: a line from
+    /// it must pass above the rim of the other side, or, below the surface, beneath the bottom next to it.
     fn sees(w: DVec3, m: DVec3, t: f64) -> bool {
         let (w, t, facing) = if w.z > 0.0 {
             (w, t, w.dot(m))

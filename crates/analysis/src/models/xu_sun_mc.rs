@@ -40,7 +40,7 @@
 //!    that of the rays left when those of one incident ray have hit 30 000 times, low orders first. That
 //!    happens for slopes of about 20 and more (`s` below 0.1), where total reflection traps light.
 //!
-//! Where `tan(theta_i) / s` is large the weights of Eq. 26 vary widely, since steep facets are rarely sampled and
+//! For large `tan(theta_i) / s` the weights of Eq. 26 vary widely, since steep facets are rarely sampled and
 //! catch most of the light. The variance of `W` is about `(tan(theta_i) / s)^2` of its mean squared, so rough
 //! surfaces (`s` below 1) need many rays.
 

@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Helpers that several tests share.
 
 use asperity_analysis::{BsdfModel, SlopeCovariance};
 use asperity_optics::Material;

@@ -1,120 +1,73 @@
-//! Read errors: why a file cannot be read.
+//! Read errors: a file that cannot be read, and the reason.
 
-use std::fmt::Display;
+use std::error::Error;
+use std::fmt::{self, Display};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_surface::HeightFieldError;
 
 use super::ending_found;
-use crate::formats::{HeightMapFormat, MeshFormat, list_endings, list_mesh_endings};
+use crate::formats::HeightMapFormat;
 
-/// Why a file cannot be read.
+/// Error on reading a file.
 ///
 /// Every message is one sentence that names the file, what was found and what is allowed; where an
-/// underlying error is kept as `source`, its words are already part of the message.
+/// underlying error is kept as source, its words are already part of the message.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// Name of the format that its content is read as; empty before that is known.
+    pub format: &'static str,
+    /// Reason.
+    pub problem: ReadProblem,
+}
+
+/// Reason for which a file cannot be read.
+///
+/// The message continues a sentence that begins with the name of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReadError {
-    /// Nothing of that name.
-    #[error("`{}` does not exist", .path.display())]
-    NotFound {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A folder instead of a file.
-    #[error("`{}` is a folder; the name of a file is needed", .path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-    },
-    /// A device, pipe or socket.
-    #[error("`{}` is a device, pipe or socket; only regular files are read", .path.display())]
-    NotRegular {
-        /// The file.
-        path: PathBuf,
-    },
+pub enum ReadProblem {
+    /// No file of that name.
+    #[error("does not exist")]
+    NotFound,
+    /// A folder, device, pipe or socket.
+    #[error("is {0}")]
+    NotRegular(&'static str),
     /// No bytes at all.
-    #[error("`{}` is empty", .path.display())]
-    Empty {
-        /// The file.
-        path: PathBuf,
+    #[error("is empty")]
+    Empty,
+    /// No readable format has this ending.
+    #[error("{found}; {allowed}")]
+    WrongEnding {
+        /// Ending of the file.
+        found: String,
+        /// Endings that are read.
+        allowed: String,
     },
-    /// No format has this ending.
-    #[error("`{}` has {}; height maps are read from {}", .path.display(), ending_found(.path), list_endings(HeightMapFormat::can_read))]
-    UnknownEnding {
-        /// The file.
-        path: PathBuf,
-    },
-    /// No format of meshes has this ending.
-    #[error("`{}` has {}; meshes are read from {}", .path.display(), ending_found(.path), list_mesh_endings())]
-    UnknownMeshEnding {
-        /// The file.
-        path: PathBuf,
-    },
-    /// No format of height maps or meshes has this ending.
-    #[error("`{}` has {}; surfaces are read from {} as height maps, and from {} as meshes", .path.display(), ending_found(.path), list_endings(HeightMapFormat::can_read), list_mesh_endings())]
-    UnknownSurfaceEnding {
-        /// The file.
-        path: PathBuf,
-    },
-    /// An image without a scale.
-    #[error("`{}` is a PNG image, whose grey levels carry neither heights nor spacings; height maps are read from {}", .path.display(), list_endings(HeightMapFormat::can_read))]
-    NoScale {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The content is not what the ending says.
-    #[error("`{}`: its name says {expected}, but it begins like {found}", .path.display())]
+    /// Content of another format than that of the ending.
+    #[error("its name says {expected}, but it begins like {found}")]
     WrongFormat {
-        /// The file.
-        path: PathBuf,
-        /// The format of its ending.
+        /// Format of the ending.
         expected: HeightMapFormat,
-        /// What its first bytes look like.
+        /// Format of the first bytes.
         found: &'static str,
     },
-    /// The file ends before its data do.
-    #[error("`{}` ends too early: {what}", .path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// What was expected and what was there.
-        what: String,
-    },
-    /// The file breaks the rules of its format.
-    #[error("`{}` is not a valid {format}: {what}", .path.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// The format.
-        format: HeightMapFormat,
-        /// What was found and what is allowed.
-        what: String,
-    },
-    /// The file breaks the rules of its format of meshes.
-    #[error("`{}` is not a valid {format}: {what}", .path.display())]
-    BadMesh {
-        /// The file.
-        path: PathBuf,
-        /// The format.
-        format: MeshFormat,
-        /// What was found and what is allowed.
-        what: String,
-    },
-    /// The file is valid, but its content is no height map or of a kind that is not supported.
-    #[error("`{}` is of a kind that is not read: {what}", .path.display())]
-    Unsupported {
-        /// The file.
-        path: PathBuf,
-        /// What was found and what is allowed.
-        what: String,
-    },
+    /// A file that ends before its data do.
+    #[error("ends too early: {0}")]
+    Truncated(String),
+    /// Content that breaks the rules of its format.
+    #[error("{0}")]
+    Malformed(String),
+    /// Valid content that is no height map, or of a kind that is not supported.
+    #[error("is of a kind that is not read: {0}")]
+    Unsupported(String),
     /// More samples claimed than the file can hold.
-    #[error("`{}` claims {nx} x {ny} samples (columns x rows), more than its {length} bytes can hold", .path.display())]
+    #[error("claims {nx} x {ny} samples (columns x rows), more than its {length} bytes can hold")]
     TooLarge {
-        /// The file.
-        path: PathBuf,
         /// Claimed columns.
         nx: u64,
         /// Claimed rows.
@@ -123,105 +76,119 @@ pub enum ReadError {
         length: u64,
     },
     /// No memory for the samples.
-    #[error("`{}` holds {nx} x {ny} samples (columns x rows), for which there is not enough memory", .path.display())]
+    #[error("holds {nx} x {ny} samples (columns x rows), for which there is not enough memory")]
     OutOfMemory {
-        /// The file.
-        path: PathBuf,
         /// Columns.
         nx: u64,
         /// Rows.
         ny: u64,
     },
-    /// A checksum inside the file does not fit.
-    #[error("`{}` is damaged: the MD5 checksum of its part `{part}` is {found}, but the file states {stated}", .path.display())]
+    /// A checksum inside the file that does not fit.
+    #[error(
+        "is damaged: the MD5 checksum of its part `{part}` is {found}, but the file states {stated}"
+    )]
     Checksum {
-        /// The file.
-        path: PathBuf,
-        /// The part of the archive.
+        /// Part of the archive.
         part: String,
-        /// The checksum of the bytes found.
+        /// Checksum of the bytes found.
         found: String,
-        /// The checksum that the file states.
+        /// Checksum that the file states.
         stated: String,
     },
-    /// A text file breaks the rules at a certain place.
-    #[error("`{}`, line {line}, column {column}: {what}", .path.display())]
+    /// Invalid text at a known position.
+    #[error("line {line}, column {column}: {what}")]
     Text {
-        /// The file.
-        path: PathBuf,
         /// Line, counted from one.
         line: usize,
         /// Byte within the line, counted from one.
         column: usize,
-        /// What was found and what is allowed.
+        /// Text that was found, and text that is allowed.
         what: String,
     },
-    /// The numbers make no surface.
-    #[error("`{}`: {source}", .path.display())]
-    Surface {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: HeightFieldError,
-    },
-    /// The JSON text does not hold the expected value.
-    #[error("`{}` is not as expected: {source}", .path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// Why, and at which line and column.
-        source: serde_json::Error,
-    },
-    /// The operating system refuses.
-    #[error("cannot read `{}`: {source}", .path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    /// Numbers that make no surface.
+    #[error("{0}")]
+    Surface(#[from] HeightFieldError),
+    /// JSON text without the expected value.
+    #[error("is not as expected: {0}")]
+    Json(#[from] serde_json::Error),
+    /// Refusal of the operating system.
+    #[error("{0}")]
+    Io(#[source] io::Error),
+}
+
+impl Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (path, problem) = (self.path.display(), &self.problem);
+        match problem {
+            ReadProblem::Io(_) => write!(f, "cannot read `{path}`: {problem}"),
+            ReadProblem::Text { .. } => write!(f, "`{path}`, {problem}"),
+            ReadProblem::Surface(_) | ReadProblem::WrongFormat { .. } => {
+                write!(f, "`{path}`: {problem}")
+            }
+            ReadProblem::Malformed(what) => {
+                write!(f, "`{path}` is not a valid {}: {what}", self.format)
+            }
+            _ => write!(f, "`{path}` {problem}"),
+        }
+    }
+}
+
+impl Error for ReadError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.problem.source()
+    }
 }
 
 impl ReadError {
-    pub(crate) fn malformed(path: &Path, format: HeightMapFormat, what: impl Display) -> Self {
-        Self::Malformed {
+    /// Makes errors of the operating system into those of the file `path`.
+    pub(crate) fn io(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |error| ReadProblem::from(error).at(path)
+    }
+}
+
+/// An error of the operating system or of a decoder.
+impl From<io::Error> for ReadProblem {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::NotFound => Self::NotFound,
+            io::ErrorKind::UnexpectedEof => Self::truncated("the data stop in their middle"),
+            _ => Self::Io(error),
+        }
+    }
+}
+
+impl ReadProblem {
+    pub(crate) fn malformed(what: impl Display) -> Self {
+        Self::Malformed(what.to_string())
+    }
+
+    pub(crate) fn unsupported(what: impl Display) -> Self {
+        Self::Unsupported(what.to_string())
+    }
+
+    pub(crate) fn truncated(what: impl Display) -> Self {
+        Self::Truncated(what.to_string())
+    }
+
+    /// An ending that is not among the `allowed` ones.
+    pub(crate) fn ending(path: &Path, allowed: String) -> Self {
+        Self::WrongEnding {
+            found: format!("has {}", ending_found(path)),
+            allowed,
+        }
+    }
+
+    /// The error for a file.
+    pub(crate) fn at(self, path: &Path) -> ReadError {
+        self.in_format(path, "")
+    }
+
+    /// The error for a file whose content is read as a format of this name.
+    pub(crate) fn in_format(self, path: &Path, format: &'static str) -> ReadError {
+        ReadError {
             path: path.to_owned(),
             format,
-            what: what.to_string(),
-        }
-    }
-
-    pub(crate) fn unsupported(path: &Path, what: impl Display) -> Self {
-        Self::Unsupported {
-            path: path.to_owned(),
-            what: what.to_string(),
-        }
-    }
-
-    pub(crate) fn truncated(path: &Path, what: impl Display) -> Self {
-        Self::Truncated {
-            path: path.to_owned(),
-            what: what.to_string(),
-        }
-    }
-
-    pub(crate) fn surface(path: &Path) -> impl Fn(HeightFieldError) -> Self {
-        move |source| Self::Surface {
-            path: path.to_owned(),
-            source,
-        }
-    }
-
-    /// An error of the operating system or of a decoder.
-    pub(crate) fn io(path: &Path, source: io::Error) -> Self {
-        let path = path.to_owned();
-        match source.kind() {
-            io::ErrorKind::NotFound => Self::NotFound { path },
-            io::ErrorKind::UnexpectedEof => Self::Truncated {
-                path,
-                what: "the data stop in their middle".to_owned(),
-            },
-            _ => Self::Io { path, source },
+            problem: self,
         }
     }
 }

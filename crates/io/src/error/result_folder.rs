@@ -1,10 +1,10 @@
-//! Errors of result folders: why one cannot be used.
+//! Result folder errors: a folder that cannot take results, and the reason.
 
 use std::path::PathBuf;
 
 use super::{ReadError, WriteError};
 
-/// Why a result folder cannot be used, or a file in it not be written.
+/// Error on using a result folder, or on writing a file in it.
 ///
 /// Every message is one sentence that names the file, what was found and what can be done.
 #[derive(Debug, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum ResultFolderError {
     /// Something that no earlier run of the command wrote has the name of a result.
     #[error("the {kind} `{}` was not written by an earlier `{command}` run and is not replaced; move it or choose another folder", .path.display())]
     InTheWay {
-        /// What is in the way.
+        /// File, folder or link in the way.
         path: PathBuf,
         /// File, folder, or symbolic link.
         kind: &'static str,
@@ -34,38 +34,20 @@ pub enum ResultFolderError {
         /// The file.
         path: PathBuf,
     },
-    /// The folder holds results of another command.
-    #[error("`{}` holds results of `{found}`, which `{command}` does not replace; choose another folder", .folder.display())]
-    OtherCommand {
+    /// The folder holds results that this run does not replace.
+    #[error("`{}` holds {holds}; choose another folder", .folder.display())]
+    OtherResults {
         /// The folder.
         folder: PathBuf,
-        /// Command that wrote them.
-        found: String,
-        /// Command of this run.
-        command: String,
-    },
-    /// The folder holds results, and no manifest lists them.
-    #[error("`{}` holds the summary.json of a run without the manifest.json that lists its files; choose another folder", .folder.display())]
-    NoManifest {
-        /// The folder.
-        folder: PathBuf,
-    },
-    /// The folder holds a part of the results in a folder above it.
-    #[error("`{}` holds a part of the results of `{found}` in `{}`; choose another folder", .folder.display(), .results.display())]
-    PartOfResults {
-        /// The folder.
-        folder: PathBuf,
-        /// Command that wrote them.
-        found: String,
-        /// The folder of all of these results.
-        results: PathBuf,
+        /// Description of these results.
+        holds: String,
     },
     /// The manifest is damaged, of another form, or not ours.
     #[error("`{}` is not a manifest of results ({reason}); choose another folder", .path.display())]
     InvalidManifest {
         /// The manifest.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the damage.
         reason: String,
     },
     /// The manifest cannot be read.

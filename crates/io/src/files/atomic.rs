@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::parts::{remove_stale_parts, temporary_in};
-use crate::error::WriteError;
+use crate::error::{WriteError, WriteProblem};
 
 /// Writes a file through `write`, aside in the same folder, and renames it once it is complete.
 ///
@@ -24,13 +24,13 @@ pub fn write_atomically(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), WriteError> {
     let path = path.as_ref();
-    replace(path, |out| write(out).map_err(WriteError::io(path)))
+    replace(path, |out| Ok(write(out)?))
 }
 
 /// Writes `bytes` as the whole content of a file, as [`write_atomically`] does.
 ///
 /// # Errors
-/// As [`write_atomically`].
+/// [`WriteError`] for the reasons of [`write_atomically`].
 pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError> {
     write_atomically(path, |out| out.write_all(bytes))
 }
@@ -40,66 +40,55 @@ pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteErro
 /// Numbers have as many digits as give the same double back; NaN and infinity become `null`.
 ///
 /// # Errors
-/// As [`write_atomically`], and [`WriteError::Json`] if `value` cannot be expressed.
+/// [`WriteProblem::Json`] if `value` cannot be expressed; otherwise for the reasons of [`write_atomically`].
 pub fn write_json(
     path: impl AsRef<Path>,
     value: &(impl Serialize + ?Sized),
 ) -> Result<(), WriteError> {
     let path = path.as_ref();
     replace(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value).map_err(|source| {
-            if source.is_io() {
-                WriteError::io(path)(source.into())
-            } else {
-                WriteError::Json {
-                    path: path.to_owned(),
-                    source,
-                }
-            }
+        serde_json::to_writer_pretty(&mut *out, value).map_err(|error| match error.is_io() {
+            true => WriteProblem::Io(error.into()),
+            false => WriteProblem::Json(error),
         })?;
-        out.write_all(b"\n").map_err(WriteError::io(path))
+        Ok(out.write_all(b"\n")?)
     })
 }
 
 /// [`write_atomically`] for writers that seek and have errors of their own.
 pub(crate) fn replace(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteProblem>,
 ) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+    replace_file(path, write).map_err(|problem| problem.at(path))
+}
+
+fn replace_file(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteProblem>,
+) -> Result<(), WriteProblem> {
     // A dangling link is itself replaced.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let old = fs::metadata(&target).ok();
     if old.as_ref().is_some_and(fs::Metadata::is_dir) {
-        return Err(WriteError::IsFolder {
-            path: path.to_owned(),
-        });
+        return Err(WriteProblem::IsFolder);
     }
     if old.as_ref().is_some_and(|old| !old.is_file()) {
-        let device = fs::OpenOptions::new()
-            .write(true)
-            .open(&target)
-            .map_err(&io)?;
-        return fill(path, &device, write);
+        let device = fs::OpenOptions::new().write(true).open(&target)?;
+        return fill(&device, write);
     }
 
     let folder = parent(&target);
-    let temporary = temporary_in(&folder).map_err(|source| {
-        if source.kind() == io::ErrorKind::NotFound {
-            WriteError::NoFolder {
-                path: path.to_owned(),
-                folder: folder.clone(),
-            }
-        } else {
-            io(source)
-        }
+    let temporary = temporary_in(&folder).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => WriteProblem::NoFolder(folder.clone()),
+        _ => error.into(),
     })?;
-    fill(path, temporary.as_file(), write)?;
+    fill(temporary.as_file(), write)?;
     if let Some(old) = old {
-        fs::set_permissions(temporary.path(), old.permissions()).map_err(&io)?;
+        fs::set_permissions(temporary.path(), old.permissions())?;
     }
-    temporary.as_file().sync_all().map_err(&io)?;
-    temporary.persist(&target).map_err(&io)?;
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target)?;
     // The new name lives in the folder. Not every file system can sync one, and the file itself
     // is safe already, so a refusal is no failure.
     if let Ok(folder) = File::open(&folder) {
@@ -112,7 +101,7 @@ pub(crate) fn replace(
 /// have left next to it.
 pub(crate) fn replace_alone(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteProblem>,
 ) -> Result<(), WriteError> {
     remove_stale_parts(&parent(path));
     replace(path, write)
@@ -120,10 +109,9 @@ pub(crate) fn replace_alone(
 
 /// Runs `write` through a buffer, then flushes that.
 fn fill(
-    path: &Path,
     file: &File,
-    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,
-) -> Result<(), WriteError> {
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteProblem>,
+) -> Result<(), WriteProblem> {
     let mut out = BufWriter::with_capacity(1 << 16, file);
     let written = write(&mut out);
     if let Err(error) = written {
@@ -131,7 +119,7 @@ fn fill(
         let _ = out.into_parts();
         return Err(error);
     }
-    out.flush().map_err(WriteError::io(path))
+    Ok(out.flush()?)
 }
 
 /// The folder of a file.

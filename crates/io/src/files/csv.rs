@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::atomic::replace;
-use crate::error::WriteError;
+use crate::error::{WriteError, WriteProblem};
 
 /// One field of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,8 +83,8 @@ impl<'a, T: Into<CsvField<'a>>> From<Option<T>> for CsvField<'a> {
 /// ```
 ///
 /// # Errors
-/// [`WriteError::RowLength`] if a row is not as long as the header, else as
-/// [`write_atomically`](crate::write_atomically).
+/// [`WriteProblem::Invalid`] if a row is not as long as the header; otherwise for the reasons
+/// of [`write_atomically`](crate::write_atomically).
 pub fn write_csv<'a, Row: AsRef<[CsvField<'a>]>>(
     path: impl AsRef<Path>,
     header: &[&str],
@@ -93,18 +93,18 @@ pub fn write_csv<'a, Row: AsRef<[CsvField<'a>]>>(
     let path = path.as_ref();
     replace(path, |out| {
         let names: Vec<CsvField<'_>> = header.iter().copied().map(CsvField::from).collect();
-        write_row(out, &names).map_err(WriteError::io(path))?;
+        write_row(out, &names)?;
         for (i, row) in rows.into_iter().enumerate() {
             let row = row.as_ref();
             if row.len() != header.len() {
-                return Err(WriteError::RowLength {
-                    path: path.to_owned(),
-                    row: i + 1,
-                    found: row.len(),
-                    expected: header.len(),
-                });
+                return Err(WriteProblem::Invalid(format!(
+                    "row {} has {} fields, its header {}",
+                    i + 1,
+                    row.len(),
+                    header.len()
+                )));
             }
-            write_row(out, row).map_err(WriteError::io(path))?;
+            write_row(out, row)?;
         }
         Ok(())
     })
@@ -191,15 +191,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
         let error = write_csv(&path, &["a", "b"], [vec![CsvField::Empty]]).unwrap_err();
-        assert!(matches!(
-            error,
-            WriteError::RowLength {
-                row: 1,
-                found: 1,
-                expected: 2,
-                ..
-            }
-        ));
+        let message = error.to_string();
+        assert!(message.ends_with("is not written: row 1 has 1 fields, its header 2"));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

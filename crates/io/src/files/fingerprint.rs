@@ -21,7 +21,7 @@ pub(super) struct Fingerprint {
 impl Fingerprint {
     /// That of the file `path`.
     pub(super) fn of(path: &Path) -> Result<Self, ReadError> {
-        Self::read(path).map_err(|error| ReadError::io(path, error))
+        Self::read(path).map_err(ReadError::io(path))
     }
 
     fn read(path: &Path) -> io::Result<Self> {
@@ -41,10 +41,9 @@ impl Fingerprint {
         Ok(Self { bytes, md5 })
     }
 
-    /// Whether the file `path` has that content. Reads it only if its length is the same.
+    /// Returns `true` if the file `path` has that content. Reads it only if its length is the same.
     pub(super) fn is_of(&self, path: &Path) -> Result<bool, ReadError> {
-        let found = path.metadata();
-        let found = found.map_err(|error| ReadError::io(path, error))?;
+        let found = path.metadata().map_err(ReadError::io(path))?;
         Ok(found.len() == self.bytes && Self::of(path)? == *self)
     }
 }

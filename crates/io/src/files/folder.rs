@@ -6,9 +6,9 @@ use std::path::{Component, Path, PathBuf};
 
 use super::atomic::parent;
 use super::parts::{remove_stale_parts, temporary_folder_in, temporary_in};
-use crate::error::WriteError;
+use crate::error::{WriteError, WriteProblem};
 
-/// Whether anything exists under the name `path`, dangling links included.
+/// Returns `true` if anything exists under the name `path`, dangling links included.
 #[must_use]
 pub fn exists(path: impl AsRef<Path>) -> bool {
     fs::symlink_metadata(path).is_ok()
@@ -29,12 +29,12 @@ pub fn names_in(folder: impl AsRef<Path>) -> Vec<String> {
 /// Makes the folder `path` and those above it, unless it is there.
 ///
 /// # Errors
-/// [`WriteError::FolderIsFile`] if `path` or a part of it is a file, [`WriteError::Folder`] if the
+/// [`WriteProblem::FolderIsFile`] if `path` or a part of it is a file, [`WriteProblem::Folder`] if the
 /// operating system refuses.
 pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     refuse_files(path)?;
-    fs::create_dir_all(path).map_err(WriteError::folder(path))
+    fs::create_dir_all(path).map_err(|error| WriteProblem::Folder(error).at(path))
 }
 
 /// Checks that files can be made in the folder `path`, or that such a folder can be made, and leaves
@@ -42,7 +42,7 @@ pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
 /// run must not leave an empty folder. What killed runs have left there is removed.
 ///
 /// # Errors
-/// As [`create_output_folder`].
+/// [`WriteError`] for the reasons of [`create_output_folder`].
 pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     refuse_files(path)?;
@@ -68,7 +68,7 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
         fs::create_dir_all(&rehearsed)?;
         temporary_in(&rehearsed).map(drop)
     };
-    rehearse().map_err(WriteError::folder(path))
+    rehearse().map_err(|error| WriteProblem::Folder(error).at(path))
 }
 
 /// Checks, without leaving a trace, that the file `path` can be written, so that a long run does not fail at its
@@ -82,9 +82,7 @@ pub fn check_output_file(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let found = fs::metadata(&target);
     if target.as_os_str().is_empty() || found.as_ref().is_ok_and(fs::Metadata::is_dir) {
-        return Err(WriteError::IsFolder {
-            path: path.to_owned(),
-        });
+        return Err(WriteProblem::IsFolder.at(path));
     }
     if found.is_ok_and(|found| !found.is_file()) {
         // A device or pipe is written straight, and opened once.
@@ -92,10 +90,7 @@ pub fn check_output_file(path: impl AsRef<Path>) -> Result<(), WriteError> {
     }
     let folder = parent(&target);
     if !folder.is_dir() {
-        return Err(WriteError::NoFolder {
-            path: path.to_owned(),
-            folder,
-        });
+        return Err(WriteProblem::NoFolder(folder).at(path));
     }
     remove_stale_parts(&folder);
     temporary_in(&folder)
@@ -109,10 +104,7 @@ fn refuse_files(path: &Path) -> Result<(), WriteError> {
         .ancestors()
         .find(|part| fs::metadata(part).is_ok_and(|meta| !meta.is_dir()))
     {
-        return Err(WriteError::FolderIsFile {
-            path: path.to_owned(),
-            file: file.to_owned(),
-        });
+        return Err(WriteProblem::FolderIsFile(file.to_owned()).at(path));
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use md5::{Digest, Md5};
 
 use super::open::open;
-use crate::error::{ReadError, WriteError};
+use crate::error::{ReadError, ReadProblem, WriteError};
 
 /// Bytes before the content of a record.
 const HEAD: usize = 8 + 16;
@@ -85,14 +85,8 @@ impl Journal {
             (&self.file).seek(SeekFrom::Start(begin))?;
             next_record(&mut &self.file, self.end - begin)
         };
-        match read() {
-            Ok(Some(record)) => Ok(record),
-            Ok(None) => Err(ReadError::io(
-                &self.path,
-                io::ErrorKind::UnexpectedEof.into(),
-            )),
-            Err(error) => Err(ReadError::io(&self.path, error)),
-        }
+        let record = read().and_then(|record| record.ok_or(io::ErrorKind::UnexpectedEof.into()));
+        record.map_err(ReadError::io(&self.path))
     }
 }
 
@@ -103,16 +97,14 @@ impl Journal {
 pub fn read_journal(path: impl AsRef<Path>) -> Result<JournalRecords, ReadError> {
     let path = path.as_ref();
     let (file, length) = match open(path) {
-        Err(ReadError::NotFound { .. } | ReadError::Empty { .. }) => {
-            return Ok(JournalRecords::default());
-        }
-        opened => opened?,
+        Err(ReadProblem::NotFound | ReadProblem::Empty) => return Ok(JournalRecords::default()),
+        opened => opened.map_err(|problem| problem.at(path))?,
     };
     let mut source = io::BufReader::with_capacity(1 << 16, file);
     let mut found = JournalRecords::default();
     loop {
         let left = length - found.end;
-        let record = next_record(&mut source, left).map_err(|error| ReadError::io(path, error))?;
+        let record = next_record(&mut source, left).map_err(ReadError::io(path))?;
         let Some(record) = record else {
             found.dropped = left;
             return Ok(found);

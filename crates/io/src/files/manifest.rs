@@ -10,7 +10,7 @@ use super::atomic::write_json;
 use super::fingerprint::Fingerprint;
 use super::text::read_json;
 use crate::build::Build;
-use crate::error::{ReadError, ResultFolderError};
+use crate::error::{ReadProblem, ResultFolderError};
 
 /// Name of the manifest in its folder.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -33,7 +33,7 @@ pub(super) struct Manifest {
     pub(super) command: String,
     #[serde(flatten)]
     pub(super) build: Build,
-    /// Whether the run came to its end. The list of a run that did not may name files that do not
+    /// `true` if the run came to its end. The list of a run that did not may name files that do not
     /// exist.
     pub(super) complete: bool,
     #[serde(deserialize_with = "files_of_any_schema")]
@@ -63,12 +63,14 @@ impl Manifest {
         }
         let manifest: Self = match read_json(&path) {
             Ok(manifest) => manifest,
-            Err(ReadError::NotFound { .. }) => return Ok(None),
-            Err(ReadError::Io { source, .. }) if source.kind() == io::ErrorKind::NotADirectory => {
-                return Ok(None);
-            }
-            Err(ReadError::Json { source, .. }) => return Err(invalid(source.to_string())),
-            Err(error) => return Err(error.into()),
+            Err(error) => match error.problem {
+                ReadProblem::NotFound => return Ok(None),
+                ReadProblem::Io(error) if error.kind() == io::ErrorKind::NotADirectory => {
+                    return Ok(None);
+                }
+                ReadProblem::Json(error) => return Err(invalid(error.to_string())),
+                _ => return Err(error.into()),
+            },
         };
         if ![SCHEMA, SCHEMA_OF_NAMES].contains(&manifest.schema) {
             return Err(invalid(format!(
@@ -106,7 +108,7 @@ fn files_of_any_schema<'de, D: Deserializer<'de>>(source: D) -> Result<ListedFil
     })
 }
 
-/// Whether `name` is a relative path of plain components that stays inside its folder and is not the
+/// Returns `true` if `name` is a relative path of plain components that stays inside its folder and is not the
 /// manifest itself.
 pub(super) fn is_inside(name: &str) -> bool {
     let mut components = Path::new(name).components();

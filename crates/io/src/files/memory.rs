@@ -1,4 +1,4 @@
-//! How much memory the machine has left.
+//! Memory that the machine has left.
 
 use std::fs;
 

@@ -3,22 +3,22 @@
 use std::fs::File;
 use std::path::Path;
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 
 /// Opens a regular file that is not empty; with its length in bytes.
-pub(crate) fn open(path: &Path) -> Result<(File, u64), ReadError> {
+pub(crate) fn open(path: &Path) -> Result<(File, u64), ReadProblem> {
     // Look before opening: to open a pipe without a writer would wait forever.
-    let meta = std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
-    let path_buf = || path.to_owned();
+    let meta = std::fs::metadata(path)?;
     if meta.is_dir() {
-        return Err(ReadError::Folder { path: path_buf() });
+        let found = "a folder; the name of a file is needed";
+        return Err(ReadProblem::NotRegular(found));
     }
     if !meta.is_file() {
-        return Err(ReadError::NotRegular { path: path_buf() });
+        let found = "a device, pipe or socket; only regular files are read";
+        return Err(ReadProblem::NotRegular(found));
     }
     if meta.len() == 0 {
-        return Err(ReadError::Empty { path: path_buf() });
+        return Err(ReadProblem::Empty);
     }
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
-    Ok((file, meta.len()))
+    Ok((File::open(path)?, meta.len()))
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// How the names of temporary files and folders begin and end, with random letters and digits between.
+/// Beginning and end of the names of temporary files and folders, with random letters and digits between.
 const PREFIX: &str = ".asperity-";
 const SUFFIX: &str = ".part";
 const RANDOM_LENGTH: usize = 12;
@@ -20,7 +20,7 @@ const LOCK: &str = ".asperity-lock";
 /// Age below which a temporary file is never stale: it may not be locked yet.
 const MIN_AGE: Duration = Duration::from_secs(2);
 
-/// The same of a folder without a file to lock, on whatever clock its disk has.
+/// Least age of a folder without a file to lock, on whatever clock its disk has.
 const MIN_AGE_WITHOUT_LOCK: Duration = Duration::from_secs(24 * 3600);
 
 /// The temporary files and folders of this process that exist.
@@ -153,7 +153,7 @@ pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> 
 
 /// Removes the temporary files and folders in `folder` that no running process uses.
 ///
-/// What cannot be removed stays: this is housekeeping, whose failure harms no result.
+/// A file that cannot be removed stays: this is housekeeping, whose failure harms no result.
 pub(crate) fn remove_stale_parts(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else {
         return;
@@ -177,7 +177,7 @@ pub(crate) fn remove_stale_parts(folder: &Path) {
     }
 }
 
-/// Whether this program makes temporary files of that name.
+/// Returns `true` if this program makes temporary files of that name.
 fn is_part(name: &str) -> bool {
     let inner = name.strip_prefix(PREFIX);
     let random = inner.and_then(|inner| inner.strip_suffix(SUFFIX));
@@ -205,7 +205,7 @@ fn is_older(path: &Path, least: Duration) -> bool {
     age.is_some_and(|age| age >= least)
 }
 
-/// Whether no process holds the lock of a file.
+/// Returns `true` if no process holds the lock of a file.
 fn is_unlocked(path: &Path) -> bool {
     // Locking for writing needs an open file that may be written on some systems.
     let file = File::options().read(true).write(true).open(path);

@@ -83,10 +83,10 @@ impl ResultFolder {
             }
             None => ListedFiles::new(),
             Some(manifest) if manifest.command != command => {
-                return Err(ResultFolderError::OtherCommand {
+                let found = manifest.command;
+                return Err(ResultFolderError::OtherResults {
                     folder: root,
-                    found: manifest.command,
-                    command: command.to_owned(),
+                    holds: format!("results of `{found}`, which `{command}` does not replace"),
                 });
             }
             Some(manifest) => manifest.files,
@@ -140,7 +140,7 @@ impl ResultFolder {
     /// [`write_bytes`](crate::write_bytes).
     ///
     /// # Errors
-    /// As [`check`](Self::check), or if the manifest cannot be written.
+    /// [`ResultFolderError`] for the reasons of [`check`](Self::check), or if the manifest cannot be written.
     ///
     /// # Panics
     /// If `name` is not a relative path inside the folder.
@@ -152,10 +152,10 @@ impl ResultFolder {
     /// it has no fingerprint.
     ///
     /// # Errors
-    /// As [`claim`](Self::claim).
+    /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim).
     ///
     /// # Panics
-    /// As [`claim`](Self::claim).
+    /// If a name is not a relative path inside the folder.
     pub fn claim_checkpoint(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
         self.claim_as(Role::Checkpoint, name)
     }
@@ -172,10 +172,10 @@ impl ResultFolder {
     /// Lists several names at once, which writes the manifest once instead of once per name.
     ///
     /// # Errors
-    /// As [`claim`](Self::claim).
+    /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim).
     ///
     /// # Panics
-    /// As [`claim`](Self::claim).
+    /// If a name is not a relative path inside the folder.
     pub fn claim_all<'a>(
         &self,
         names: impl IntoIterator<Item = &'a str>,
@@ -240,8 +240,8 @@ impl ResultFolder {
     }
 
     /// Ends the run: removes the files that only earlier runs wrote, unless they were changed meanwhile, and the
-    /// folders that become empty by that, then writes the manifest. `is_complete`: whether all of the run is done, and
-    /// not stopped by a time limit or an interrupt.
+    /// folders that become empty by that, then writes the manifest. `is_complete`: `false` if a time limit or an
+    /// interrupt stopped the run.
     ///
     /// Without this call, as after an error, everything stays, listed in an incomplete manifest.
     ///
@@ -301,7 +301,7 @@ impl ResultFolder {
         }
     }
 
-    /// Whether a file that an earlier run wrote, and this one did not claim, has another content than was written.
+    /// Returns `true` if a file that an earlier run wrote, and this one did not claim, was changed since.
     fn is_changed(&self, files: &Files, name: &str) -> Result<bool, ResultFolderError> {
         match files.fingerprint(name) {
             Some(fingerprint) if self.is_ours(name) => {
@@ -336,7 +336,7 @@ impl ResultFolder {
         fs::canonicalize(path).is_ok_and(|path| self.inputs.contains(&path))
     }
 
-    /// Whether there is a file at the place of a listed one, neither behind a link nor an input.
+    /// Returns `true` if there is a file at the path of a listed one, neither behind a link nor an input.
     fn is_ours(&self, name: &str) -> bool {
         let path = self.root.join(name);
         let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());

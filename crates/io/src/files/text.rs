@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::open::open;
-use crate::error::ReadError;
+use crate::error::{ReadError, ReadProblem};
 
 /// Reads a whole file, which may be empty.
 ///
@@ -14,14 +14,16 @@ use crate::error::ReadError;
 /// [`ReadError`] if it does not exist or is not a regular file.
 pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>, ReadError> {
     let path = path.as_ref();
-    let (mut file, length) = match open(path) {
-        Err(ReadError::Empty { .. }) => return Ok(Vec::new()),
-        other => other?,
+    let read = || {
+        let (mut file, length) = match open(path) {
+            Err(ReadProblem::Empty) => return Ok(Vec::new()),
+            other => other?,
+        };
+        let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+        file.read_to_end(&mut bytes)?;
+        Ok(bytes)
     };
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    file.read_to_end(&mut bytes)
-        .map_err(|e| ReadError::io(path, e))?;
-    Ok(bytes)
+    read().map_err(|problem: ReadProblem| problem.at(path))
 }
 
 /// Reads a whole text file in UTF-8, which may be empty.
@@ -38,25 +40,18 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, ReadError> {
             .rev()
             .take_while(|byte| **byte != b'\n')
             .count();
-        ReadError::Text {
-            path: path.to_owned(),
-            line,
-            column,
-            what: "bytes that are not UTF-8 text were found".to_owned(),
-        }
+        let what = "bytes that are not UTF-8 text were found".to_owned();
+        ReadProblem::Text { line, column, what }.at(path)
     })
 }
 
 /// Reads a value from a JSON file.
 ///
 /// # Errors
-/// As [`read_text`], and [`ReadError::Json`] if the text does not hold such a value.
+/// [`ReadError`] if [`read_text`] fails, with [`ReadProblem::Json`] if the text does not hold such a value.
 pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, ReadError> {
     let path = path.as_ref();
-    serde_json::from_str(&read_text(path)?).map_err(|source| ReadError::Json {
-        path: path.to_owned(),
-        source,
-    })
+    serde_json::from_str(&read_text(path)?).map_err(|error| ReadProblem::Json(error).at(path))
 }
 
 #[cfg(test)]
@@ -82,8 +77,8 @@ mod tests {
         let error = read_text(&path).unwrap_err();
         assert!(
             matches!(
-                error,
-                ReadError::Text {
+                error.problem,
+                ReadProblem::Text {
                     line: 2,
                     column: 2,
                     ..

@@ -1,44 +1,28 @@
 //! Parts of a ZIP archive: reads them within limits.
 
 use std::io::{Read, Seek};
-use std::path::Path;
 
 use zip::ZipArchive;
 use zip::result::ZipError;
 
-use crate::error::ReadError;
-use crate::formats::HeightMapFormat;
+use crate::error::ReadProblem;
 use crate::limits::{COMPRESSION_LIMIT, room};
 
 /// The parts of the archive.
-pub(super) struct Parts<'a, R> {
-    pub(super) path: &'a Path,
-    pub(super) format: HeightMapFormat,
+pub(super) struct Parts<R> {
     archive: ZipArchive<R>,
     pub(super) length: u64,
 }
 
-impl<'a, R: Read + Seek> Parts<'a, R> {
+impl<R: Read + Seek> Parts<R> {
     /// Opens the archive in a file of `length` bytes.
-    pub(super) fn open(
-        path: &'a Path,
-        format: HeightMapFormat,
-        reader: R,
-        length: u64,
-    ) -> Result<Self, ReadError> {
+    pub(super) fn open(reader: R, length: u64) -> Result<Self, ReadProblem> {
         let archive = ZipArchive::new(reader).map_err(|e| {
-            ReadError::malformed(
-                path,
-                format,
-                format_args!("it is not a complete ZIP archive ({e}); it may be cut short"),
-            )
+            ReadProblem::malformed(format_args!(
+                "it is not a complete ZIP archive ({e}); it may be cut short"
+            ))
         })?;
-        Ok(Self {
-            path,
-            format,
-            archive,
-            length,
-        })
+        Ok(Self { archive, length })
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -50,14 +34,13 @@ impl<'a, R: Read + Seek> Parts<'a, R> {
         &mut self,
         name: &str,
         allowed: impl Fn(u64) -> bool,
-    ) -> Result<Vec<u8>, ReadError> {
-        let (path, format) = (self.path, self.format);
+    ) -> Result<Vec<u8>, ReadProblem> {
         self.take(name, allowed, |size, reader| {
-            let mut bytes: Vec<u8> = room(path, size, 1)?;
+            let mut bytes: Vec<u8> = room(size, 1)?;
             bytes.resize(size as usize, 0);
             reader
                 .read_exact(&mut bytes)
-                .map_err(|e| unpacking(path, format, name, e))?;
+                .map_err(|e| unpacking(name, e))?;
             Ok(bytes)
         })
     }
@@ -67,41 +50,32 @@ impl<'a, R: Read + Seek> Parts<'a, R> {
         &mut self,
         name: &str,
         allowed: impl Fn(u64) -> bool,
-        take: impl FnOnce(u64, &mut dyn Read) -> Result<T, ReadError>,
-    ) -> Result<T, ReadError> {
-        let (path, format) = (self.path, self.format);
+        take: impl FnOnce(u64, &mut dyn Read) -> Result<T, ReadProblem>,
+    ) -> Result<T, ReadProblem> {
         let mut part = self.archive.by_name(name).map_err(|error| match error {
             ZipError::FileNotFound => {
-                ReadError::malformed(path, format, format_args!("it has no part `{name}`"))
+                ReadProblem::malformed(format_args!("it has no part `{name}`"))
             }
-            ZipError::Io(error) => unpacking(path, format, name, error),
-            other => ReadError::malformed(
-                path,
-                format,
-                format_args!("its part `{name}` cannot be read ({other})"),
-            ),
+            ZipError::Io(error) => unpacking(name, error),
+            other => {
+                ReadProblem::malformed(format_args!("its part `{name}` cannot be read ({other})"))
+            }
         })?;
         let size = part.size();
         let packed = part.compressed_size().min(self.length);
         if size > packed.saturating_mul(COMPRESSION_LIMIT) || !allowed(size) {
-            return Err(ReadError::malformed(
-                path,
-                format,
-                format_args!(
-                    "its part `{name}` claims {size} bytes, which is more than it can hold or not what its grid needs"
-                ),
-            ));
+            return Err(ReadProblem::malformed(format_args!(
+                "its part `{name}` claims {size} bytes, which is more than it can hold or not what its grid needs"
+            )));
         }
         let taken = take(size, &mut part)?;
         // The end of a part is where its own checksum is verified.
         match part.read(&mut [0]) {
             Ok(0) => Ok(taken),
-            Ok(_) => Err(ReadError::malformed(
-                path,
-                format,
-                format_args!("its part `{name}` is longer than the {size} bytes it claims"),
-            )),
-            Err(error) => Err(unpacking(path, format, name, error)),
+            Ok(_) => Err(ReadProblem::malformed(format_args!(
+                "its part `{name}` is longer than the {size} bytes it claims"
+            ))),
+            Err(error) => Err(unpacking(name, error)),
         }
     }
 
@@ -115,23 +89,16 @@ impl<'a, R: Read + Seek> Parts<'a, R> {
     }
 }
 
-pub(super) fn unpacking(
-    path: &Path,
-    format: HeightMapFormat,
-    name: &str,
-    error: std::io::Error,
-) -> ReadError {
+pub(super) fn unpacking(name: &str, error: std::io::Error) -> ReadProblem {
     match error.kind() {
         std::io::ErrorKind::UnexpectedEof => {
-            ReadError::truncated(path, format_args!("its part `{name}` stops in its middle"))
+            ReadProblem::truncated(format_args!("its part `{name}` stops in its middle"))
         }
         std::io::ErrorKind::InvalidData
         | std::io::ErrorKind::InvalidInput
-        | std::io::ErrorKind::Other => ReadError::malformed(
-            path,
-            format,
-            format_args!("its part `{name}` is damaged ({error})"),
-        ),
-        _ => ReadError::io(path, error),
+        | std::io::ErrorKind::Other => {
+            ReadProblem::malformed(format_args!("its part `{name}` is damaged ({error})"))
+        }
+        _ => error.into(),
     }
 }

@@ -12,7 +12,6 @@
 //! points. Absent attributes mean spacing 1, arbitrary unit, unknown border, not generated.
 
 use std::io::{Read, Seek, Write};
-use std::path::Path;
 use std::sync::Arc;
 
 use ::exr::block::reader::ChunksReader;
@@ -26,8 +25,7 @@ use asperity_surface::{HeightField, RawHeightMap, check_grid};
 use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
 use crate::encoding::{encode_exr, single};
-use crate::error::{ReadError, WriteError};
-use crate::formats::HeightMapFormat;
+use crate::error::{ReadProblem, WriteProblem};
 use crate::limits::{check_packed_claim, read_guarded, room};
 
 /// Names under which a channel is taken for the heights, the best first.
@@ -42,37 +40,31 @@ const RECIPE: &str = "recipe";
 /// Largest block, in bytes, that is allowed beyond the size of the image.
 const BLOCK_LIMIT: u64 = 1 << 24;
 
-pub(crate) fn read<R: Read + Seek>(
-    path: &Path,
-    reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    read_guarded(path, HeightMapFormat::Exr, || decode(path, reader, length))
+pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    read_guarded(|| decode(reader, length))
 }
 
-fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeightMap, ReadError> {
-    let fail = |error| decoding(path, error);
-    let reader = ::exr::block::read(reader, false).map_err(fail)?;
-    let (layer, channel) = find_channel(path, reader.headers())?;
+fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    let reader = ::exr::block::read(reader, false)?;
+    let (layer, channel) = find_channel(reader.headers())?;
     let header = reader.headers()[layer].clone();
     let Vec2(columns, rows) = header.layer_size;
     let spacing = [
-        number(path, &header, "spacing_x")?.unwrap_or(1.0),
-        number(path, &header, "spacing_y")?.unwrap_or(1.0),
+        number(&header, "spacing_x")?.unwrap_or(1.0),
+        number(&header, "spacing_y")?.unwrap_or(1.0),
     ];
-    check_size(path, reader.headers(), &header, length)?;
-    check_grid([rows, columns], spacing).map_err(ReadError::surface(path))?;
+    check_size(reader.headers(), &header, length)?;
+    check_grid([rows, columns], spacing)?;
 
     let [nx, ny] = [columns as u64, rows as u64];
-    let mut heights: Vec<f64> = room(path, nx, ny)?;
+    let mut heights: Vec<f64> = room(nx, ny)?;
     heights.resize(columns * rows, f64::NAN);
     let mut found = vec![0_usize; rows];
     let kind = header.channels.list[channel].sample_type;
     reader
         .filter_chunks(false, |_, _, block| {
             block.layer == layer && block.level == Vec2(0, 0)
-        })
-        .map_err(fail)?
+        })?
         .decompress_sequential(false, |_, block| {
             for line in block.lines(&header.channels) {
                 if line.location.channel != channel {
@@ -90,25 +82,22 @@ fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeig
                 }
             }
             Ok(())
-        })
-        .map_err(fail)?;
+        })?;
     if let Some(iy) = found.iter().position(|n| *n != columns) {
         let n = found[iy];
-        return Err(malformed(
-            path,
-            format_args!("row {iy} has {n} samples, but {columns} are needed"),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "row {iy} has {n} samples, but {columns} are needed"
+        )));
     }
 
-    let mut map =
-        RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))?;
-    if let Some(unit) = words(path, &header, "unit")? {
-        map.unit = unit.parse().map_err(ReadError::surface(path))?;
+    let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
+    if let Some(unit) = words(&header, "unit")? {
+        map.unit = unit.parse()?;
     }
-    if let Some(border) = words(path, &header, "border")? {
-        map.border = Some(border.parse().map_err(ReadError::surface(path))?);
+    if let Some(border) = words(&header, "border")? {
+        map.border = Some(border.parse()?);
     }
-    if let Some(provenance) = provenance(path, &header)? {
+    if let Some(provenance) = provenance(&header)? {
         map.provenance = Some(Arc::new(provenance));
     }
     Ok(map)
@@ -125,33 +114,29 @@ fn fill<T>(
     Ok(())
 }
 
-fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {
-    ReadError::malformed(path, HeightMapFormat::Exr, what)
-}
-
-fn decoding(path: &Path, error: Error) -> ReadError {
-    match error {
-        Error::Io(error) => ReadError::io(path, error),
-        Error::NotSupported(what) => ReadError::unsupported(path, what),
-        Error::Invalid(what) => malformed(path, what),
-        Error::Aborted => malformed(path, "its content is damaged"),
+impl From<Error> for ReadProblem {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Io(error) => error.into(),
+            Error::NotSupported(what) => Self::unsupported(what),
+            Error::Invalid(what) => Self::malformed(what),
+            Error::Aborted => Self::malformed("its content is damaged"),
+        }
     }
 }
 
 /// Layer and channel that hold the heights.
-fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadError> {
+fn find_channel(headers: &[Header]) -> Result<(usize, usize), ReadProblem> {
     let mut channels = Vec::new();
     for (layer, header) in headers.iter().enumerate() {
         if header.deep {
-            return Err(ReadError::unsupported(
-                path,
+            return Err(ReadProblem::unsupported(
                 "it holds deep data, but flat images are needed",
             ));
         }
         // Lossy, and its decoder indexes by what the file says.
         if matches!(header.compression, Compression::B44 | Compression::B44A) {
-            return Err(ReadError::unsupported(
-                path,
+            return Err(ReadProblem::unsupported(
                 "it is compressed by B44, which loses digits; ZIP, PIZ, RLE or none keep heights",
             ));
         }
@@ -170,13 +155,10 @@ fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadE
                 .iter()
                 .map(|(_, _, c)| c.name.to_string())
                 .collect();
-            return Err(ReadError::unsupported(
-                path,
-                format_args!(
-                    "it has the channels {}, but one named height, Z or Y is needed, or a single channel",
-                    names.join(", ")
-                ),
-            ));
+            return Err(ReadProblem::unsupported(format_args!(
+                "it has the channels {}, but one named height, Z or Y is needed, or a single channel",
+                names.join(", ")
+            )));
         }
     };
     let (layer, channel, description) = *chosen;
@@ -187,47 +169,35 @@ fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadE
         .iter()
         .any(|c| c.sampling != Vec2(1, 1))
     {
-        return Err(ReadError::unsupported(
-            path,
-            format_args!(
-                "channels next to or under `{}` are subsampled, but one sample per pixel is needed",
-                description.name
-            ),
-        ));
+        return Err(ReadProblem::unsupported(format_args!(
+            "channels next to or under `{}` are subsampled, but one sample per pixel is needed",
+            description.name
+        )));
     }
     Ok((layer, channel))
 }
 
 /// Compares what the headers claim with the length of the file, before the decoder allocates it.
-fn check_size(
-    path: &Path,
-    headers: &[Header],
-    header: &Header,
-    length: u64,
-) -> Result<(), ReadError> {
+fn check_size(headers: &[Header], header: &Header, length: u64) -> Result<(), ReadProblem> {
     let [nx, ny] = [header.layer_size.0 as u64, header.layer_size.1 as u64];
     let each = header.channels.bytes_per_pixel as u64;
-    check_packed_claim(path, [ny, nx], each, length)?;
+    check_packed_claim([ny, nx], each, length)?;
     let bytes = nx * ny * each;
     // Each block has an entry of eight bytes in the offset table.
     let blocks: u64 = headers.iter().map(|h| h.chunk_count as u64).sum();
     if blocks.saturating_mul(8) > length {
-        return Err(malformed(
-            path,
-            format_args!("it claims {blocks} blocks, more than its {length} bytes can hold"),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "it claims {blocks} blocks, more than its {length} bytes can hold"
+        )));
     }
     let Vec2(width, height) = header.max_block_pixel_size();
     let block = (width as u64)
         .checked_mul(height as u64)
         .and_then(|n| n.checked_mul(each));
     if block.is_none_or(|block| block > bytes.saturating_add(BLOCK_LIMIT)) {
-        return Err(malformed(
-            path,
-            format_args!(
-                "its blocks of {width} x {height} samples are out of proportion to {nx} x {ny}"
-            ),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "its blocks of {width} x {height} samples are out of proportion to {nx} x {ny}"
+        )));
     }
     Ok(())
 }
@@ -241,41 +211,38 @@ fn attribute<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
         .or_else(|| header.shared_attributes.other.get(&name))
 }
 
-fn number(path: &Path, header: &Header, name: &str) -> Result<Option<f64>, ReadError> {
+fn number(header: &Header, name: &str) -> Result<Option<f64>, ReadProblem> {
     match attribute(header, name) {
         None => Ok(None),
         Some(AttributeValue::F64(value)) => Ok(Some(*value)),
         Some(AttributeValue::F32(value)) => Ok(Some((*value).into())),
         Some(AttributeValue::I32(value)) => Ok(Some((*value).into())),
-        Some(_) => Err(malformed(
-            path,
-            format_args!("its attribute {name} is not a number"),
-        )),
+        Some(_) => Err(ReadProblem::malformed(format_args!(
+            "its attribute {name} is not a number"
+        ))),
     }
 }
 
-fn words(path: &Path, header: &Header, name: &str) -> Result<Option<String>, ReadError> {
+fn words(header: &Header, name: &str) -> Result<Option<String>, ReadProblem> {
     match attribute(header, name) {
         None => Ok(None),
         Some(AttributeValue::Text(text)) => Ok(Some(text.to_string())),
-        Some(_) => Err(malformed(
-            path,
-            format_args!("its attribute {name} is not text"),
-        )),
+        Some(_) => Err(ReadProblem::malformed(format_args!(
+            "its attribute {name} is not text"
+        ))),
     }
 }
 
-/// How the surface was generated, if all attributes of that are there.
-fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadError> {
-    let number = |name| number(path, header, name);
+/// Origin of a generated surface, if all attributes of it are there.
+fn provenance(header: &Header) -> Result<Option<Provenance>, ReadProblem> {
+    let number = |name| number(header, name);
     let whole = |name| {
-        let text = words(path, header, name)?;
+        let text = words(header, name)?;
         text.map(|text| {
             text.parse::<u64>().map_err(|_| {
-                malformed(
-                    path,
-                    format_args!("its attribute {name} is `{text}`, but a whole number is needed"),
-                )
+                ReadProblem::malformed(format_args!(
+                    "its attribute {name} is `{text}`, but a whole number is needed"
+                ))
             })
         })
         .transpose()
@@ -283,13 +250,10 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
     let (Some(seed), Some(realisation)) = (whole("seed")?, whole("realisation")?) else {
         return Ok(None);
     };
-    if let Some(text) = words(path, header, RECIPE)? {
+    if let Some(text) = words(header, RECIPE)? {
         let recipe = serde_json::from_str(&text).ok();
         let recipe = recipe.filter(SurfaceRecipe::is_valid).ok_or_else(|| {
-            malformed(
-                path,
-                "its attribute recipe is no description of random surfaces",
-            )
+            ReadProblem::malformed("its attribute recipe is no description of random surfaces")
         })?;
         return Ok(Some(Provenance {
             recipe,
@@ -303,8 +267,8 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
         return Ok(None);
     };
     let azimuth = number("azimuth")?.unwrap_or(0.0);
-    let psd =
-        Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).map_err(|e| malformed(path, e))?;
+    let psd = Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth)
+        .map_err(|e| ReadProblem::malformed(e))?;
     Ok(Some(Provenance {
         recipe: psd.into(),
         seed,
@@ -312,16 +276,11 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
     }))
 }
 
-pub(crate) fn write<W: Write>(
-    path: &Path,
-    field: &HeightField,
-    out: &mut W,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), WriteProblem> {
     let samples = field
         .heights()
         .iter()
-        .map(|height| single(path, "a height", *height))
+        .map(|height| single("a height", *height))
         .collect::<Result<Vec<f32>, _>>()?;
     let mut attributes = LayerAttributes::default();
     for (name, value) in header_attributes(field) {
@@ -334,7 +293,7 @@ pub(crate) fn write<W: Write>(
         attributes,
         vec![("height", samples)],
     );
-    out.write_all(&file.map_err(&io)?).map_err(io)
+    Ok(out.write_all(&file?)?)
 }
 
 fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)> {

@@ -8,15 +8,13 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, Read, Write};
-use std::path::Path;
 
 use asperity_surface::{HeightField, LengthUnit, RawHeightMap};
 
 use super::samples::SampleKind;
 use super::unit::PowerOfMetre;
 use crate::encoding::single;
-use crate::error::{ReadError, WriteError};
-use crate::formats::HeightMapFormat;
+use crate::error::{ReadProblem, WriteProblem};
 use crate::limits::{check_plain_data, room};
 
 /// First line of every file, without its line feed.
@@ -25,65 +23,49 @@ pub(crate) const MAGIC: &str = "Gwyddion Simple Field 1.0";
 /// Longest header that is read.
 const HEADER_LIMIT: u64 = 1 << 20;
 
-pub(crate) fn read<R: BufRead>(
-    path: &Path,
-    mut reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    let io = |e| ReadError::io(path, e);
+pub(crate) fn read<R: BufRead>(mut reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
     let mut header = Vec::new();
     (&mut reader)
         .take(HEADER_LIMIT)
-        .read_until(0, &mut header)
-        .map_err(io)?;
+        .read_until(0, &mut header)?;
     if header.pop() != Some(0) {
         let what = "its header does not end in a NUL byte";
         return Err(if header.len() as u64 + 1 < HEADER_LIMIT {
-            ReadError::truncated(path, what)
+            ReadProblem::truncated(what)
         } else {
-            malformed(path, what)
+            ReadProblem::malformed(what)
         });
     }
     // One NUL is read; up to three more bring the data to a multiple of four.
     let data_start = (header.len() / 4 + 1) * 4;
     let mut padding = [0; 3];
     let padding = &mut padding[..data_start - header.len() - 1];
-    reader.read_exact(padding).map_err(io)?;
+    reader.read_exact(padding)?;
     if padding.iter().any(|byte| *byte != 0) {
-        return Err(malformed(
-            path,
+        return Err(ReadProblem::malformed(
             "its header is not filled up with NUL bytes to a multiple of 4",
         ));
     }
-    let header =
-        String::from_utf8(header).map_err(|_| malformed(path, "its header is not UTF-8 text"))?;
-    let header = Header::parse(path, &header)?;
+    let header = String::from_utf8(header)
+        .map_err(|_| ReadProblem::malformed("its header is not UTF-8 text"))?;
+    let header = Header::parse(&header)?;
 
     let [ny, nx] = [header.y_res, header.x_res];
     let spacing = [header.x_real / nx as f64, header.y_real / ny as f64];
     let [rows, columns] = check_plain_data(
-        path,
-        HeightMapFormat::Gsf,
         [ny, nx],
         spacing,
         4,
         [length.saturating_sub(data_start as u64), length],
     )?;
 
-    let mut heights = room(path, nx, ny)?;
-    SampleKind::F32
-        .read(&mut reader, rows * columns, false, &mut heights, |_| {})
-        .map_err(io)?;
-    let (spacing, unit) = header.convert(path, spacing, &mut heights)?;
-    let mut map =
-        RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))?;
+    let mut heights = room(nx, ny)?;
+    SampleKind::F32.read(&mut reader, rows * columns, false, &mut heights, |_| {})?;
+    let (spacing, unit) = header.convert(spacing, &mut heights)?;
+    let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
     map.unit = unit;
     map.border = header.border;
     Ok(map)
-}
-
-fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {
-    ReadError::malformed(path, HeightMapFormat::Gsf, what)
 }
 
 struct Header {
@@ -97,17 +79,16 @@ struct Header {
 }
 
 impl Header {
-    fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
-        let fields = fields(path, text)?;
+    fn parse(text: &str) -> Result<Self, ReadProblem> {
+        let fields = fields(text)?;
         let resolution = |name| {
             let value = *fields.get(name).ok_or_else(|| {
-                malformed(path, format_args!("its header lacks the field {name}"))
+                ReadProblem::malformed(format_args!("its header lacks the field {name}"))
             })?;
             value.parse::<u64>().ok().filter(|n| *n > 0).ok_or_else(|| {
-                malformed(
-                    path,
-                    format_args!("{name} is `{value}`, but a positive whole number is needed"),
-                )
+                ReadProblem::malformed(format_args!(
+                    "{name} is `{value}`, but a positive whole number is needed"
+                ))
             })
         };
         // A missing extent means 1.
@@ -115,27 +96,25 @@ impl Header {
             let value = fields.get(name).copied().unwrap_or("1");
             let number = value.parse::<f64>().ok();
             number.filter(|x| x.is_finite() && *x > 0.0).ok_or_else(|| {
-                malformed(
-                    path,
-                    format_args!("{name} is `{value}`, but a positive finite number is needed"),
-                )
+                ReadProblem::malformed(format_args!(
+                    "{name} is `{value}`, but a positive finite number is needed"
+                ))
             })
         };
         for name in ["XOffset", "YOffset"] {
             if let Some(value) = fields.get(name)
                 && value.parse::<f64>().is_err()
             {
-                return Err(malformed(
-                    path,
-                    format_args!("{name} is `{value}`, but a number is needed"),
-                ));
+                return Err(ReadProblem::malformed(format_args!(
+                    "{name} is `{value}`, but a number is needed"
+                )));
             }
         }
         let border = fields
             .get("Border")
             .map(|value| value.parse())
             .transpose()
-            .map_err(|e| malformed(path, e))?;
+            .map_err(|e| ReadProblem::malformed(e))?;
         Ok(Self {
             x_res: resolution("XRes")?,
             y_res: resolution("YRes")?,
@@ -154,19 +133,16 @@ impl Header {
     /// Brings spacing and heights to one unit.
     fn convert(
         &self,
-        path: &Path,
         spacing: [f64; 2],
         heights: &mut [f64],
-    ) -> Result<([f64; 2], LengthUnit), ReadError> {
+    ) -> Result<([f64; 2], LengthUnit), ReadProblem> {
         let none = |text: &str| matches!(text, "" | "1");
         if none(&self.xy_units) && none(&self.z_units) {
             return Ok((spacing, LengthUnit::Arbitrary));
         }
         let parse = |name: &str, text: &str| {
             PowerOfMetre::parse(text).ok_or_else(|| {
-                ReadError::unsupported(
-                    path,
-                    format_args!(
+                ReadProblem::unsupported(format_args!(
                         "{name} is `{text}`, but lengths in m (with an SI prefix) are needed, or no units at all"
                     ),
                 )
@@ -186,38 +162,31 @@ impl Header {
 }
 
 /// The `name = value` lines after the first.
-fn fields<'a>(path: &Path, text: &'a str) -> Result<BTreeMap<&'a str, &'a str>, ReadError> {
+fn fields<'a>(text: &'a str) -> Result<BTreeMap<&'a str, &'a str>, ReadProblem> {
     let mut lines = text.lines();
     if lines.next() != Some(MAGIC) {
-        return Err(malformed(
-            path,
-            format_args!("its first line is not `{MAGIC}`"),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "its first line is not `{MAGIC}`"
+        )));
     }
     let mut fields = BTreeMap::new();
     for line in lines.filter(|line| !line.trim().is_empty()) {
         let (name, value) = line.split_once('=').ok_or_else(|| {
-            malformed(
-                path,
-                format_args!("the header line `{line}` is not of the form name = value"),
-            )
+            ReadProblem::malformed(format_args!(
+                "the header line `{line}` is not of the form name = value"
+            ))
         })?;
         if fields.insert(name.trim(), value.trim()).is_some() {
-            return Err(malformed(
-                path,
-                format_args!("its header has the field {} twice", name.trim()),
-            ));
+            return Err(ReadProblem::malformed(format_args!(
+                "its header has the field {} twice",
+                name.trim()
+            )));
         }
     }
     Ok(fields)
 }
 
-pub(crate) fn write<W: Write>(
-    path: &Path,
-    field: &HeightField,
-    out: &mut W,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), WriteProblem> {
     let [ny, nx] = field.shape();
     let [dx, dy] = field.spacing();
     let mut header = format!(
@@ -231,11 +200,11 @@ pub(crate) fn write<W: Write>(
     }
     header.push_str(&format!("Border = {}\nTitle = Height\n", field.border()));
     let padding = 4 - header.len() % 4;
-    out.write_all(header.as_bytes()).map_err(&io)?;
-    out.write_all(&[0; 4][..padding]).map_err(&io)?;
+    out.write_all(header.as_bytes())?;
+    out.write_all(&[0; 4][..padding])?;
     for height in field.heights() {
-        let single = single(path, "a height", *height)?;
-        out.write_all(&single.to_le_bytes()).map_err(&io)?;
+        let single = single("a height", *height)?;
+        out.write_all(&single.to_le_bytes())?;
     }
     Ok(())
 }

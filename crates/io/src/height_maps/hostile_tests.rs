@@ -19,7 +19,7 @@ use asperity_synthesis::{Provenance, Psd};
 
 use super::{read_from, write_to};
 use crate::damage_tests::{assert_sentence, damaged};
-use crate::error::ReadError;
+use crate::error::{ReadError, ReadProblem};
 use crate::formats::HeightMapFormat;
 
 const TEXT: &str = "h=3 w=4\npixel size=2.5e-007 m\ndata unit=rad\n\
@@ -54,7 +54,7 @@ fn valid(format: HeightMapFormat) -> Vec<u8> {
         _ => {}
     }
     let mut out = Cursor::new(Vec::new());
-    write_to(&path(format), format, &field(), &mut out).unwrap();
+    write_to(format, &field(), &mut out).unwrap();
     out.into_inner()
 }
 
@@ -183,7 +183,7 @@ fn content_of_another_format_is_reported() {
             assert_sentence(&error);
             // Formats without a mark, and the two in ZIP archives, are told apart by what follows.
             let is_alike = format.is_unmarked() && other.is_unmarked() || other.has_mark(&bytes);
-            let is_reported = matches!(error, ReadError::WrongFormat { .. });
+            let is_reported = matches!(error.problem, ReadProblem::WrongFormat { .. });
             assert!(is_reported || is_alike, "{error}");
         }
     }

@@ -19,37 +19,28 @@ pub(crate) mod sensofar_plux;
 pub(crate) mod wyko;
 
 use std::io::Read;
-use std::path::Path;
 
 use asperity_surface::RawHeightMap;
 
 use self::bytes::{ByteOrder, Bytes};
 use self::measured::Measured;
-use crate::error::ReadError;
-use crate::formats::HeightMapFormat;
+use crate::error::ReadProblem;
 use crate::limits::room;
 
-/// What the reader of a format is: from the bytes of a file to heights on a grid.
-pub(crate) type Reader = fn(&Bytes<'_>) -> Result<Measured, ReadError>;
+/// Reader of a format: from the bytes of a file to heights on a grid.
+pub(crate) type Reader = fn(&Bytes<'_>) -> Result<Measured, ReadProblem>;
 
 /// Reads a file of `length` bytes.
 pub(crate) fn read<R: Read>(
-    path: &Path,
-    format: HeightMapFormat,
     reader: R,
     length: u64,
     measured: Reader,
-) -> Result<RawHeightMap, ReadError> {
-    let mut all = room(path, length, 1)?;
-    reader
-        .take(length)
-        .read_to_end(&mut all)
-        .map_err(|e| ReadError::io(path, e))?;
+) -> Result<RawHeightMap, ReadProblem> {
+    let mut all = room(length, 1)?;
+    reader.take(length).read_to_end(&mut all)?;
     let file = Bytes {
-        path,
-        format,
         all: &all,
         order: ByteOrder::Little,
     };
-    measured(&file)?.into_map(&file)
+    measured(&file)?.into_map()
 }

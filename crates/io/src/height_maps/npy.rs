@@ -12,9 +12,8 @@ use asperity_surface::{HeightField, RawHeightMap};
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, WriterBuilder};
 
 use super::samples::SampleKind;
-use crate::error::{ReadError, WriteError};
+use crate::error::{ReadProblem, WriteError, WriteProblem};
 use crate::files::replace;
-use crate::formats::HeightMapFormat;
 use crate::limits::{check_plain_data, guarded, room};
 
 /// Longest header that is read; NumPy itself stops at 10,000 characters.
@@ -22,106 +21,87 @@ const HEADER_LIMIT: u64 = 1 << 16;
 /// Deepest nesting of brackets in a header that is read; a plain array has two.
 const NESTING_LIMIT: usize = 8;
 
-pub(crate) fn read<R: Read>(
-    path: &Path,
-    mut reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    let io = |e| ReadError::io(path, e);
-    let bytes = header_bytes(path, &mut reader, length)?;
+pub(crate) fn read<R: Read>(mut reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    let bytes = header_bytes(&mut reader, length)?;
     let data_length = length - bytes.len() as u64;
     let header = guarded(|| NpyHeader::from_reader(bytes.as_slice()))
-        .ok_or_else(|| malformed(path, "its header cannot be understood"))?
-        .map_err(|e| malformed(path, format_args!("its header cannot be understood ({e})")))?;
+        .ok_or_else(|| ReadProblem::malformed("its header cannot be understood"))?
+        .map_err(|e| {
+            ReadProblem::malformed(format_args!("its header cannot be understood ({e})"))
+        })?;
 
-    let (kind, big_endian) = sample_kind(path, &header.dtype())?;
+    let (kind, big_endian) = sample_kind(&header.dtype())?;
     let &[ny, nx] = header.shape() else {
-        return Err(ReadError::unsupported(
-            path,
-            format_args!(
-                "its shape is {:?}, but a height map has two axes, [ny, nx]",
-                header.shape()
-            ),
-        ));
+        return Err(ReadProblem::unsupported(format_args!(
+            "its shape is {:?}, but a height map has two axes, [ny, nx]",
+            header.shape()
+        )));
     };
     let [rows, columns] = check_plain_data(
-        path,
-        HeightMapFormat::Npy,
         [ny, nx],
         [1.0, 1.0],
         kind.bytes() as u64,
         [data_length, length],
     )?;
 
-    let mut heights = room(path, nx, ny)?;
+    let mut heights = room(nx, ny)?;
     kind.read(
         &mut reader,
         rows * columns,
         big_endian,
         &mut heights,
         |_| {},
-    )
-    .map_err(io)?;
+    )?;
     if header.order() == Order::Fortran {
-        let mut transposed = room(path, nx, ny)?;
+        let mut transposed = room(nx, ny)?;
         for iy in 0..rows {
             transposed.extend((0..columns).map(|ix| heights[ix * rows + iy]));
         }
         heights = transposed;
     }
-    RawHeightMap::new(heights, [rows, columns], [1.0, 1.0])
-        .map(RawHeightMap::with_assumed_spacing)
-        .map_err(ReadError::surface(path))
-}
-
-fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {
-    ReadError::malformed(path, HeightMapFormat::Npy, what)
+    Ok(RawHeightMap::new(heights, [rows, columns], [1.0, 1.0])?.with_assumed_spacing())
 }
 
 /// Reads mark, version and header text, after checks that keep the parser within bounds: it
 /// allocates what the length says, recurses into brackets, and multiplies the shape unchecked.
-fn header_bytes(path: &Path, reader: &mut impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
-    let io = |e| ReadError::io(path, e);
+fn header_bytes(reader: &mut impl Read, length: u64) -> Result<Vec<u8>, ReadProblem> {
     let mut bytes = vec![0; 8];
-    reader.read_exact(&mut bytes).map_err(io)?;
+    reader.read_exact(&mut bytes)?;
     let length_bytes = match bytes[6] {
         1 => 2,
         2 | 3 => 4,
         other => {
-            return Err(ReadError::unsupported(
-                path,
-                format_args!("its NPY version is {other}, but 1, 2 and 3 are known"),
-            ));
+            return Err(ReadProblem::unsupported(format_args!(
+                "its NPY version is {other}, but 1, 2 and 3 are known"
+            )));
         }
     };
     let mut size = [0; 4];
-    reader.read_exact(&mut size[..length_bytes]).map_err(io)?;
+    reader.read_exact(&mut size[..length_bytes])?;
     bytes.extend_from_slice(&size[..length_bytes]);
     let size = u64::from(u32::from_le_bytes(size));
     if size > HEADER_LIMIT {
-        return Err(malformed(
-            path,
-            format_args!("its header claims {size} bytes, but {HEADER_LIMIT} are allowed"),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "its header claims {size} bytes, but {HEADER_LIMIT} are allowed"
+        )));
     }
     if bytes.len() as u64 + size > length {
-        return Err(ReadError::truncated(
-            path,
-            format_args!("a header of {size} bytes was expected, but the file has {length}"),
-        ));
+        return Err(ReadProblem::truncated(format_args!(
+            "a header of {size} bytes was expected, but the file has {length}"
+        )));
     }
     let start = bytes.len();
     bytes.resize(start + size as usize, 0);
-    reader.read_exact(&mut bytes[start..]).map_err(io)?;
+    reader.read_exact(&mut bytes[start..])?;
 
     let text = std::str::from_utf8(&bytes[start..])
-        .map_err(|_| malformed(path, "its header is not UTF-8 text"))?;
-    check_header_text(path, text, length)?;
+        .map_err(|_| ReadProblem::malformed("its header is not UTF-8 text"))?;
+    check_header_text(text, length)?;
     Ok(bytes)
 }
 
 /// Checks what the parser of headers does not: depth of brackets, doubled names, and the product of the shape.
-fn check_header_text(path: &Path, text: &str, length: u64) -> Result<(), ReadError> {
+fn check_header_text(text: &str, length: u64) -> Result<(), ReadProblem> {
     let mut depth = 0_usize;
     for c in text.chars() {
         match c {
@@ -130,16 +110,17 @@ fn check_header_text(path: &Path, text: &str, length: u64) -> Result<(), ReadErr
             _ => {}
         }
         if depth > NESTING_LIMIT {
-            return Err(malformed(path, "its header nests brackets too deeply"));
+            return Err(ReadProblem::malformed(
+                "its header nests brackets too deeply",
+            ));
         }
     }
     for name in ["'descr'", "'fortran_order'", "'shape'"] {
         let count = text.matches(name).count();
         if count != 1 {
-            return Err(malformed(
-                path,
-                format_args!("its header has {name} {count} times, but once is needed"),
-            ));
+            return Err(ReadProblem::malformed(format_args!(
+                "its header has {name} {count} times, but once is needed"
+            )));
         }
     }
     // The numbers between the brackets after 'shape' must multiply without overflow.
@@ -153,25 +134,19 @@ fn check_header_text(path: &Path, text: &str, length: u64) -> Result<(), ReadErr
         });
     if product.is_none() {
         let shape = shape.trim_start_matches([':', ' ', '(', '[']);
-        return Err(malformed(
-            path,
-            format_args!(
-                "its shape ({shape}) is more than the {length} bytes of the file can hold"
-            ),
-        ));
+        return Err(ReadProblem::malformed(format_args!(
+            "its shape ({shape}) is more than the {length} bytes of the file can hold"
+        )));
     }
     Ok(())
 }
 
-fn sample_kind(path: &Path, dtype: &DType) -> Result<(SampleKind, bool), ReadError> {
+fn sample_kind(dtype: &DType) -> Result<(SampleKind, bool), ReadProblem> {
     let refuse = || {
-        ReadError::unsupported(
-            path,
-            format_args!(
-                "its samples are of type {}, but allowed are f4, f8, i1, i2, i4, i8, u1, u2, u4 and u8",
-                dtype.descr()
-            ),
-        )
+        ReadProblem::unsupported(format_args!(
+            "its samples are of type {}, but allowed are f4, f8, i1, i2, i4, i8, u1, u2, u4 and u8",
+            dtype.descr()
+        ))
     };
     let DType::Plain(plain) = dtype else {
         return Err(refuse());
@@ -192,12 +167,8 @@ fn sample_kind(path: &Path, dtype: &DType) -> Result<(SampleKind, bool), ReadErr
     Ok((kind, plain.endianness() == Endianness::Big))
 }
 
-pub(crate) fn write<W: Write>(
-    path: &Path,
-    field: &HeightField,
-    out: &mut W,
-) -> Result<(), WriteError> {
-    fill(path, &field.shape(), field.heights(), out)
+pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), WriteProblem> {
+    fill(&field.shape(), field.heights(), out)
 }
 
 /// Writes an array of numbers as NPY, `float64` in C order, whole or not at all.
@@ -225,23 +196,16 @@ pub fn write_array(
         values.len(),
         "values that do not fill their shape"
     );
-    replace(path, |out| fill(path, shape, values, out))
+    replace(path, |out| fill(shape, values, out))
 }
 
-fn fill<W: Write>(
-    path: &Path,
-    shape: &[usize],
-    values: &[f64],
-    out: &mut W,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+fn fill<W: Write>(shape: &[usize], values: &[f64], out: &mut W) -> Result<(), WriteProblem> {
     let shape: Vec<u64> = shape.iter().map(|n| *n as u64).collect();
     let mut writer = npyz::WriteOptions::<f64>::new()
         .default_dtype()
         .shape(&shape)
         .writer(out)
-        .begin_nd()
-        .map_err(&io)?;
-    writer.extend(values.iter().copied()).map_err(&io)?;
-    writer.finish().map_err(&io)
+        .begin_nd()?;
+    writer.extend(values.iter().copied())?;
+    Ok(writer.finish()?)
 }

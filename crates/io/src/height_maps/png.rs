@@ -5,25 +5,18 @@
 //! with `height_min`, `height_max`, `spacing_x`, `spacing_y`, `unit` and `border`. Row 0 is on top.
 
 use std::io::Write;
-use std::path::Path;
 
 use asperity_surface::HeightField;
 
 use crate::encoding::png_error;
-use crate::error::WriteError;
+use crate::error::WriteProblem;
 
-pub(crate) fn write<W: Write>(
-    path: &Path,
-    field: &HeightField,
-    out: &mut W,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), WriteProblem> {
     let [width, height] = [field.nx(), field.ny()].map(|n| {
         // The format counts with 31 bits.
         i32::try_from(n)
             .map(i32::cast_unsigned)
-            .map_err(|_| WriteError::TooMany {
-                path: path.to_owned(),
+            .map_err(|_| WriteProblem::TooMany {
                 what: "rows or columns",
                 count: n,
                 limit: i32::MAX as u64,
@@ -48,20 +41,20 @@ pub(crate) fn write<W: Write>(
     ] {
         encoder
             .add_text_chunk(keyword.to_owned(), text)
-            .map_err(|e| io(png_error(e)))?;
+            .map_err(png_error)?;
     }
-    let mut writer = encoder.write_header().map_err(|e| io(png_error(e)))?;
-    let mut stream = writer.stream_writer().map_err(|e| io(png_error(e)))?;
+    let mut writer = encoder.write_header().map_err(png_error)?;
+    let mut stream = writer.stream_writer().map_err(png_error)?;
     let mut row = Vec::with_capacity(2 * field.nx());
     for heights in heights.chunks(field.nx()) {
         row.clear();
         for h in heights {
             row.extend_from_slice(&grey(*h, lowest, highest).to_be_bytes());
         }
-        stream.write_all(&row).map_err(&io)?;
+        stream.write_all(&row)?;
     }
-    stream.finish().map_err(|e| io(png_error(e)))?;
-    writer.finish().map_err(|e| io(png_error(e)))
+    stream.finish().map_err(png_error)?;
+    Ok(writer.finish().map_err(png_error)?)
 }
 
 fn grey(height: f64, lowest: f64, highest: f64) -> u16 {

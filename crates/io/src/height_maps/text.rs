@@ -35,7 +35,7 @@ use asperity_surface::{LengthUnit, RawHeightMap};
 use self::esri::Grid;
 use self::gwyddion::Comments;
 use self::interferometer::Header;
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::limits::{check_claim, room};
 use crate::text_lines::{Line, read_line, short};
 
@@ -43,13 +43,13 @@ pub(crate) fn read<R: BufRead>(
     path: &Path,
     mut reader: R,
     length: u64,
-) -> Result<RawHeightMap, ReadError> {
+) -> Result<RawHeightMap, ReadProblem> {
     let mut matrix = Matrix::default();
     let mut bytes = Vec::new();
     let mut number = 0;
-    while read_line(path, &mut reader, &mut bytes)? {
+    while read_line(&mut reader, &mut bytes)? {
         number += 1;
-        let line = |text| Line { path, number, text };
+        let line = |text| Line { number, text };
         let text = std::str::from_utf8(&bytes).map_err(|e| {
             let what = "bytes that are not UTF-8 text were found, but numbers are needed";
             line("").refuse_at(e.valid_up_to(), what)
@@ -58,7 +58,7 @@ pub(crate) fn read<R: BufRead>(
         let text = text.strip_prefix(byte_order_mark).unwrap_or(text);
         matrix.take_line(line(text), length)?;
     }
-    matrix.finish(path, number)
+    matrix.finish(points::is_named_as_list(path), number)
 }
 
 /// The numbers read so far.
@@ -75,7 +75,7 @@ struct Matrix {
 
 impl Matrix {
     /// Adds a line of a file of `length` bytes.
-    fn take_line(&mut self, line: Line<'_>, length: u64) -> Result<(), ReadError> {
+    fn take_line(&mut self, line: Line<'_>, length: u64) -> Result<(), ReadProblem> {
         let trimmed = line.text.trim();
         if let Some(comment) = trimmed.strip_prefix('#') {
             self.comments.take(comment);
@@ -95,8 +95,8 @@ impl Matrix {
         let [ny, nx] = self.claim();
         if before_numbers && let (Some(nx), Some(ny)) = (nx, ny) {
             // A digit and a separator are the least size of a number; the last has no separator.
-            check_claim(line.path, [ny, nx], 2, length + 1)?;
-            self.heights = room(line.path, nx, ny)?;
+            check_claim([ny, nx], 2, length + 1)?;
+            self.heights = room(nx, ny)?;
         }
         read_row(line, &mut self.heights)?;
         let found = self.heights.len() - before;
@@ -122,59 +122,55 @@ impl Matrix {
         ]
     }
 
-    /// The map, after the last line of this number.
-    fn finish(mut self, path: &Path, last: usize) -> Result<RawHeightMap, ReadError> {
+    /// The map, after the last line of this number; `is_list` if the file is named as a list of points.
+    fn finish(mut self, is_list: bool, last: usize) -> Result<RawHeightMap, ReadProblem> {
         let rows = self.rows;
         let Some(columns) = self.columns else {
-            return Err(ReadError::truncated(path, "it holds no numbers at all"));
+            return Err(ReadProblem::truncated("it holds no numbers at all"));
         };
         if let [Some(h), _] = self.claim()
             && h != rows as u64
         {
             let what = format!("{h} rows were expected, but {rows} are there");
             return Err(if (rows as u64) < h {
-                ReadError::truncated(path, what)
+                ReadProblem::truncated(what)
             } else {
                 let (number, text) = (last, "");
-                Line { path, number, text }.refuse_at(0, what)
+                Line { number, text }.refuse_at(0, what)
             });
         }
-        let map = |heights, spacing: [f64; 2]| {
-            RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))
+        let map = |heights, spacing, unit| -> Result<_, ReadProblem> {
+            let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
+            map.unit = unit;
+            Ok(map)
         };
-        let (spacing, unit) = self.header.apply(path, &mut self.heights)?;
+        let (spacing, unit) = self.header.apply(&mut self.heights)?;
         if unit != LengthUnit::Arbitrary {
-            let mut map = map(self.heights, spacing)?;
-            map.unit = unit;
-            return Ok(map);
+            return map(self.heights, spacing, unit);
         }
-        if let Some(spacing) = self.grid.apply(path, &mut self.heights)? {
-            return map(self.heights, spacing);
+        if let Some(spacing) = self.grid.apply(&mut self.heights)? {
+            return map(self.heights, spacing, unit);
         }
-        let stated = self
-            .comments
-            .apply(path, [rows, columns], &mut self.heights)?;
+        let stated = self.comments.apply([rows, columns], &mut self.heights)?;
         if let Some((spacing, unit)) = stated {
-            let mut map = map(self.heights, spacing)?;
-            map.unit = unit;
-            return Ok(map);
+            return map(self.heights, spacing, unit);
         }
         if self.claim() == [None, None] {
             if columns == 3
-                && let Some(list) = points::map_of(path, &self.heights)?
+                && let Some(list) = points::map_of(is_list, &self.heights)?
             {
                 return Ok(list);
             }
-            if points::is_named_as_list(path) {
-                return Err(points::wrong_columns(path, columns));
+            if is_list {
+                return Err(points::wrong_columns(columns));
             }
         }
-        Ok(map(self.heights, spacing)?.with_assumed_spacing())
+        Ok(map(self.heights, spacing, unit)?.with_assumed_spacing())
     }
 }
 
 /// Appends the numbers of one line.
-fn read_row(line: Line<'_>, heights: &mut Vec<f64>) -> Result<(), ReadError> {
+fn read_row(line: Line<'_>, heights: &mut Vec<f64>) -> Result<(), ReadProblem> {
     let mut push = |field: &str| {
         let height = match field.parse::<f64>() {
             Ok(height) if height.is_infinite() => {

@@ -5,21 +5,19 @@
 //! named in a note. [`geo`] finds spacing, units, missing points and the scale of heights in the tags of GeoTIFF and
 //! GDAL; other TIFF files state no length, so that their spacing is assumed to be 1.
 
+mod errors;
 mod geo;
 mod metadata;
 
-use std::fmt::Display;
 use std::io::{BufRead, Seek};
-use std::path::Path;
 
+use ::tiff::ColorType;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::tags::Tag;
-use ::tiff::{ColorType, TiffError, TiffUnsupportedError};
 use asperity_surface::{RawHeightMap, check_grid};
 
 use self::geo::Georeference;
-use crate::error::ReadError;
-use crate::formats::HeightMapFormat;
+use crate::error::ReadProblem;
 use crate::limits::{check_packed_claim, read_guarded, room};
 
 /// Most pages of a file that are looked at.
@@ -29,40 +27,28 @@ const MAX_PAGES: usize = 64;
 const IS_OVERVIEW: u32 = 1;
 const IS_MASK: u32 = 4;
 
-pub(crate) fn read<R: BufRead + Seek>(
-    path: &Path,
-    reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    read_guarded(path, HeightMapFormat::Tiff, || decode(path, reader, length))
+pub(crate) fn read<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    read_guarded(|| decode(reader, length))
 }
 
-fn decode<R: BufRead + Seek>(
-    path: &Path,
-    reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    let fail = |error| decoding(path, error);
-    let mut decoder = Decoder::new(reader).map_err(fail)?;
-    let (columns, rows) = decoder.dimensions().map_err(fail)?;
+fn decode<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    let mut decoder = Decoder::new(reader)?;
+    let (columns, rows) = decoder.dimensions()?;
     let [ny, nx] = [rows, columns].map(u64::from);
     let shape = [rows, columns].map(|n| n as usize);
-    check_packed_claim(path, [ny, nx], 1, length)?;
-    let colour = decoder.colortype().map_err(fail)?;
+    check_packed_claim([ny, nx], 1, length)?;
+    let colour = decoder.colortype()?;
     let ColorType::Gray(bits) = colour else {
         let channels = colour.num_samples();
-        return Err(ReadError::unsupported(
-            path,
-            match colour {
-                ColorType::Multiband { .. } | ColorType::GrayA(_) => {
-                    format!("it has {channels} channels, but one channel of heights is needed")
-                }
-                _ => "it is a colour picture, but one channel of heights is needed".to_owned(),
-            },
-        ));
+        return Err(ReadProblem::unsupported(match colour {
+            ColorType::Multiband { .. } | ColorType::GrayA(_) => {
+                format!("it has {channels} channels, but one channel of heights is needed")
+            }
+            _ => "it is a colour picture, but one channel of heights is needed".to_owned(),
+        }));
     };
-    let place = Georeference::read(path, &mut decoder)?;
-    check_grid(shape, place.spacing().unwrap_or([1.0; 2])).map_err(ReadError::surface(path))?;
+    let place = Georeference::read(&mut decoder)?;
+    check_grid(shape, place.spacing().unwrap_or([1.0; 2]))?;
 
     // Room for all samples at their width, and for a strip that holds all of them
     let bytes = shape[0] * shape[1] * usize::from(bits).div_ceil(8).max(1);
@@ -70,16 +56,15 @@ fn decode<R: BufRead + Seek>(
     limits.decoding_buffer_size = bytes.max(limits.decoding_buffer_size);
     limits.intermediate_buffer_size = bytes.max(limits.intermediate_buffer_size);
     let mut decoder = decoder.with_limits(limits);
-    let mut heights = room(path, nx, ny)?;
-    let samples = decoder.read_image().map_err(fail)?;
+    let mut heights = room(nx, ny)?;
+    let samples = decoder.read_image()?;
     let is_single = matches!(samples, DecodingResult::F32(_));
     append(samples, &mut heights);
-    let note = note_on_pages(path, &mut decoder)?;
+    let note = note_on_pages(&mut decoder)?;
 
     place.apply(&mut heights, is_single);
     let spacing = place.spacing();
-    let mut map = RawHeightMap::new(heights, shape, spacing.unwrap_or([1.0; 2]))
-        .map_err(ReadError::surface(path))?;
+    let mut map = RawHeightMap::new(heights, shape, spacing.unwrap_or([1.0; 2]))?;
     if spacing.is_none() {
         map = map.with_assumed_spacing();
     }
@@ -105,49 +90,25 @@ fn append(samples: DecodingResult, heights: &mut Vec<f64>) {
     }
 }
 
-/// What further pages of the file hold, unless they are overviews; a mask of missing points is refused.
+/// Note on further pages of the file, unless they are overviews; a mask of missing points is refused.
 fn note_on_pages<R: BufRead + Seek>(
-    path: &Path,
     decoder: &mut Decoder<R>,
-) -> Result<Option<String>, ReadError> {
-    let fail = |error| decoding(path, error);
+) -> Result<Option<String>, ReadProblem> {
     let mut others = 0;
     for _ in 1..MAX_PAGES {
         if !decoder.more_images() {
             break;
         }
-        decoder.next_image().map_err(fail)?;
+        decoder.next_image()?;
         let kind = decoder
-            .find_tag_unsigned::<u32>(Tag::NewSubfileType)
-            .map_err(fail)?
+            .find_tag_unsigned::<u32>(Tag::NewSubfileType)?
             .unwrap_or(0);
         if kind & IS_MASK != 0 {
-            return Err(ReadError::unsupported(
-                path,
+            return Err(ReadProblem::unsupported(
                 "a page of its own marks missing points, but a number for them (GDAL_NODATA) is needed",
             ));
         }
         others += usize::from(kind & IS_OVERVIEW == 0);
     }
     Ok((others > 0).then(|| format!("the first of {} pages is read", others + 1)))
-}
-
-fn malformed(path: &Path, what: impl Display) -> ReadError {
-    ReadError::malformed(path, HeightMapFormat::Tiff, what)
-}
-
-fn decoding(path: &Path, error: TiffError) -> ReadError {
-    match error {
-        TiffError::IoError(error) => ReadError::io(path, error),
-        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
-            let advice = "bring it to one that is with gdal_translate -co COMPRESS=DEFLATE";
-            ReadError::unsupported(
-                path,
-                format!("compression method {method:?} is not supported; {advice}"),
-            )
-        }
-        TiffError::UnsupportedError(what) => ReadError::unsupported(path, what),
-        TiffError::FormatError(what) => malformed(path, what),
-        other => malformed(path, other),
-    }
 }

@@ -12,10 +12,10 @@
 
 mod grid;
 mod linked;
+mod parts;
 mod write;
 
 use std::io::{Read, Seek};
-use std::path::Path;
 
 use asperity_surface::{Border, LengthUnit, RawHeightMap, check_grid};
 use md5::{Digest, Md5};
@@ -23,55 +23,44 @@ use roxmltree::Node;
 
 use self::grid::Grid;
 use self::linked::{linked, verify_checksum};
+use self::parts::{CHECKSUM, MAIN};
 use super::archive::Parts;
-use super::xml::{Split, Xml, for_each_datum, split};
-use crate::error::ReadError;
-use crate::formats::HeightMapFormat;
+use super::xml::{self, Split};
+use crate::error::ReadProblem;
 use crate::limits::{check_packed_claim, room};
 
 pub(crate) use self::write::write;
-
-const MAIN: &str = "main.xml";
-const CHECKSUM: &str = "md5checksum.hex";
 
 /// Longest main.xml that is read; data inside it take about 20 bytes per point.
 const XML_LIMIT: u64 = 1 << 26;
 /// Longest md5checksum.hex that is read.
 const CHECKSUM_LIMIT: u64 = 1 << 12;
 
-pub(crate) fn read<R: Read + Seek>(
-    path: &Path,
-    reader: R,
-    length: u64,
-) -> Result<RawHeightMap, ReadError> {
-    let mut parts = Parts::open(path, HeightMapFormat::X3p, reader, length)?;
+pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
+    let mut parts = Parts::open(reader, length)?;
     let text = parts.read(MAIN, |size| size <= XML_LIMIT)?;
     if parts.has(CHECKSUM) {
         let stated = parts.read(CHECKSUM, |size| size <= CHECKSUM_LIMIT)?;
         let stated = String::from_utf8_lossy(&stated);
         let stated = stated.split_whitespace().next().unwrap_or_default();
-        verify_checksum(path, MAIN, Md5::new_with_prefix(&text), stated)?;
+        verify_checksum(MAIN, Md5::new_with_prefix(&text), stated)?;
     }
-    let xml = Xml {
-        path,
-        format: HeightMapFormat::X3p,
-        part: MAIN,
-    };
-    let text = String::from_utf8(text).map_err(|_| xml.malformed("its main.xml is not UTF-8"))?;
-    let Split { description, data } = split(xml, &text)?;
-    let document = xml.parse(&description)?;
+    let text =
+        String::from_utf8(text).map_err(|_| ReadProblem::malformed("its main.xml is not UTF-8"))?;
+    let Split { description, data } = xml::split(MAIN, &text)?;
+    let document = xml::parse(MAIN, &description)?;
     let root = document.root_element();
-    let grid = Grid::parse(&xml, root)?;
+    let grid = Grid::parse(root)?;
     let claim = [grid.rows as u64, grid.columns as u64];
-    check_packed_claim(path, claim, 1, length)?;
-    check_grid([grid.rows, grid.columns], grid.spacing).map_err(ReadError::surface(path))?;
+    check_packed_claim(claim, 1, length)?;
+    check_grid([grid.rows, grid.columns], grid.spacing)?;
 
-    let record = xml.child(root, "Record3")?;
-    let mut heights = match xml.optional(record, "DataLink")? {
-        Some(link) => linked(&mut parts, &xml, link, &grid)?,
+    let record = xml::child(root, "Record3")?;
+    let mut heights = match xml::optional(record, "DataLink")? {
+        Some(link) => linked(&mut parts, link, &grid)?,
         None => {
-            xml.child(record, "DataList")?;
-            inline(&xml, data, &grid)?
+            xml::child(record, "DataList")?;
+            inline(data, &grid)?
         }
     };
     if grid.increment != 1.0 || grid.offset != 0.0 {
@@ -79,33 +68,32 @@ pub(crate) fn read<R: Read + Seek>(
             *height = *height * grid.increment + grid.offset;
         }
     }
-    let mut map = RawHeightMap::new(heights, [grid.rows, grid.columns], grid.spacing)
-        .map_err(ReadError::surface(path))?;
+    let mut map = RawHeightMap::new(heights, [grid.rows, grid.columns], grid.spacing)?;
     map.unit = LengthUnit::Metre;
-    map.border = border(&xml, root)?;
+    map.border = border(root)?;
     Ok(map)
 }
 
 /// Heights, before scaling, from the XML text: `x;y;z` or `z` in each `Datum`.
-fn inline(xml: &Xml<'_>, data: &str, grid: &Grid) -> Result<Vec<f64>, ReadError> {
+fn inline(data: &str, grid: &Grid) -> Result<Vec<f64>, ReadProblem> {
     let [nx, ny] = [grid.columns as u64, grid.rows as u64];
     let needed = grid.columns * grid.rows;
-    let mut heights = room(xml.path, nx, ny)?;
+    let mut heights = room(nx, ny)?;
     let mut count = 0;
-    for_each_datum(*xml, data, |text| {
+    xml::for_each_datum(MAIN, data, |text| {
         count += 1;
         let z = text.rsplit(';').next().unwrap_or_default().trim();
         if count <= needed {
             heights.push(if z.is_empty() {
                 f64::NAN
             } else {
-                xml.number("Datum", z)?
+                xml::number("Datum", z)?
             });
         }
         Ok(())
     })?;
     if count != needed {
-        return Err(xml.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its DataList has {count} data, but {nx} x {ny} are needed"
         )));
     }
@@ -113,16 +101,15 @@ fn inline(xml: &Xml<'_>, data: &str, grid: &Grid) -> Result<Vec<f64>, ReadError>
 }
 
 /// The border that our own comment names.
-fn border(xml: &Xml<'_>, root: Node<'_, '_>) -> Result<Option<Border>, ReadError> {
-    let Some(record) = xml.optional(root, "Record2")? else {
+fn border(root: Node<'_, '_>) -> Result<Option<Border>, ReadProblem> {
+    let Some(record) = xml::optional(root, "Record2")? else {
         return Ok(None);
     };
-    let Some(comment) = xml.optional(record, "Comment")? else {
+    let Some(comment) = xml::optional(record, "Comment")? else {
         return Ok(None);
     };
     // A comment is free text: what is no border there is no error.
-    Ok(xml
-        .text(comment)
+    Ok(xml::text(comment)
         .split_whitespace()
         .find_map(|word| word.strip_prefix("border=")?.parse().ok()))
 }

@@ -1,18 +1,14 @@
 //! Mesh builder: joins vertices, splits polygons into fans of triangles, refuses invalid meshes.
 
 use std::collections::HashMap;
-use std::fmt::Display;
-use std::path::Path;
 
-use super::MeshData;
-use crate::error::ReadError;
-use crate::formats::MeshFormat;
+use super::mesh::MeshData;
+use crate::error::ReadProblem;
 use crate::text_lines::{Line, short};
 
 /// A mesh that grows while its file is read.
-pub(super) struct Builder<'a> {
-    path: &'a Path,
-    format: MeshFormat,
+#[derive(Default)]
+pub(super) struct Builder {
     /// Number of each vertex of the file in `mesh`.
     numbers: Vec<u32>,
     /// Number of the vertex at these coordinates.
@@ -20,25 +16,7 @@ pub(super) struct Builder<'a> {
     mesh: MeshData,
 }
 
-impl<'a> Builder<'a> {
-    pub(super) fn new(path: &'a Path, format: MeshFormat) -> Self {
-        Self {
-            path,
-            format,
-            numbers: Vec::new(),
-            known: HashMap::new(),
-            mesh: MeshData::default(),
-        }
-    }
-
-    pub(super) fn malformed(&self, what: impl Display) -> ReadError {
-        ReadError::BadMesh {
-            path: self.path.to_owned(),
-            format: self.format,
-            what: what.to_string(),
-        }
-    }
-
+impl Builder {
     /// Vertices of the file so far.
     pub(super) fn vertices(&self) -> usize {
         self.numbers.len()
@@ -106,9 +84,11 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<MeshData, ReadError> {
+    pub(super) fn finish(self) -> Result<MeshData, ReadProblem> {
         if self.mesh.triangles.is_empty() {
-            return Err(self.malformed("it holds no faces, but at least one triangle is needed"));
+            return Err(ReadProblem::malformed(
+                "it holds no faces, but at least one triangle is needed",
+            ));
         }
         Ok(self.mesh)
     }
@@ -118,7 +98,7 @@ impl<'a> Builder<'a> {
 pub(super) fn coordinates<'a>(
     line: Line<'a>,
     words: &mut impl Iterator<Item = &'a str>,
-) -> Result<[f64; 3], ReadError> {
+) -> Result<[f64; 3], ReadProblem> {
     let mut vertex = [0.0_f64; 3];
     for (i, x) in vertex.iter_mut().enumerate() {
         let word = words.next().ok_or_else(|| {

@@ -6,29 +6,26 @@
 //! end joins a line with the next.
 
 use std::io::{self, BufRead, Write};
-use std::path::Path;
 
 use super::build::{Builder, coordinates};
-use super::{MeshData, MeshView};
-use crate::error::ReadError;
-use crate::formats::MeshFormat;
+use super::mesh::{MeshData, MeshView};
+use crate::error::ReadProblem;
 use crate::text_lines::{Line, read_line, short};
 
-pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadError> {
-    let mut mesh = Builder::new(path, MeshFormat::Obj);
+pub(super) fn read<R: BufRead>(mut reader: R) -> Result<MeshData, ReadProblem> {
+    let mut mesh = Builder::default();
     let mut bytes = Vec::new();
     let mut corners = Vec::new();
     let mut number = 0;
     loop {
         let first = number + 1;
-        number += read_joined_line(path, &mut reader, &mut bytes)?;
+        number += read_joined_line(&mut reader, &mut bytes)?;
         if bytes.is_empty() {
             return mesh.finish();
         }
         // Names and comments may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
         let line = Line {
-            path,
             number: first,
             text: &text,
         };
@@ -55,15 +52,11 @@ pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, R
 
 /// Reads the next line into `bytes`, joined with those that follow a backslash at its end. Returns the
 /// number of lines read.
-fn read_joined_line(
-    path: &Path,
-    reader: &mut impl BufRead,
-    bytes: &mut Vec<u8>,
-) -> Result<usize, ReadError> {
+fn read_joined_line(reader: &mut impl BufRead, bytes: &mut Vec<u8>) -> Result<usize, ReadProblem> {
     let mut count = 0;
     let mut line = Vec::new();
     bytes.clear();
-    while read_line(path, reader, &mut line)? {
+    while read_line(reader, &mut line)? {
         count += 1;
         match line.trim_ascii_end().strip_suffix(b"\\") {
             Some(start) => {
@@ -80,7 +73,7 @@ fn read_joined_line(
 }
 
 /// The vertex of a corner as in `7`, `7/1`, `7//3`, `7/1/3` or `-1`, counted from zero.
-fn corner(line: Line<'_>, word: &str, vertices: usize) -> Result<i64, ReadError> {
+fn corner(line: Line<'_>, word: &str, vertices: usize) -> Result<i64, ReadProblem> {
     let (vertex, _) = word.split_once('/').unwrap_or((word, ""));
     let there = vertices as i64;
     match vertex.parse::<i64>() {

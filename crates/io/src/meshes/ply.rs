@@ -5,7 +5,6 @@
 //! numbers; all other properties and elements are skipped.
 
 use std::io::{self, BufRead, ErrorKind, Read, Write};
-use std::path::Path;
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -14,33 +13,27 @@ use ply_rs_bw::ply::{
 };
 
 use super::build::Builder;
-use super::{MeshData, MeshView};
-use crate::error::ReadError;
-use crate::formats::MeshFormat;
+use super::mesh::{MeshData, MeshView};
+use crate::error::ReadProblem;
 use crate::text_lines::{Line, read_line, short};
 
 /// Longest header that is read.
 const HEADER_LIMIT: u64 = 1 << 20;
 
-pub(super) fn read<R: BufRead>(
-    path: &Path,
-    mut reader: R,
-    length: u64,
-) -> Result<MeshData, ReadError> {
-    let mut mesh = Builder::new(path, MeshFormat::Ply);
+pub(super) fn read<R: BufRead>(mut reader: R, length: u64) -> Result<MeshData, ReadProblem> {
+    let mut mesh = Builder::default();
     let mut head = Reader::new((&mut reader).take(HEADER_LIMIT));
     let header = match Parser::<Skipped>::new().read_header(&mut head) {
         Ok(header) => header,
         Err(_) if head.get_ref().limit() == 0 => {
             let what = format_args!("its header does not end within {HEADER_LIMIT} bytes");
-            return Err(mesh.malformed(what));
+            return Err(ReadProblem::malformed(what));
         }
-        Err(error) => return Err(header_error(&mesh, path, &error)),
+        Err(error) => return Err(header_error(&error)),
     };
     let line = head.line();
-    check(&mesh, path, &header, length)?;
+    check(&header, length)?;
     let mut elements = Elements {
-        path,
         reader,
         encoding: header.encoding,
         line: line.saturating_sub(1),
@@ -51,29 +44,28 @@ pub(super) fn read<R: BufRead>(
         for i in 0..element.count {
             let taken = match name {
                 "vertex" => {
-                    let Vertex(vertex) = elements.next(&mesh, element, i)?;
+                    let Vertex(vertex) = elements.next(element, i)?;
                     mesh.vertex(vertex).map_err(|what| ("is", what))
                 }
                 "face" => {
-                    let Face(corners) = elements.next(&mesh, element, i)?;
+                    let Face(corners) = elements.next(element, i)?;
                     mesh.polygon(&corners).map_err(|what| ("has", what))
                 }
-                _ => elements.next(&mesh, element, i).map(|Skipped| Ok(()))?,
+                _ => elements.next(element, i).map(|Skipped| Ok(()))?,
             };
             taken.map_err(|(verb, what)| {
-                mesh.malformed(format_args!(
+                ReadProblem::malformed(format_args!(
                     "its {name} {i}, counted from zero, {verb} {what}"
                 ))
             })?;
         }
     }
-    elements.end(&mesh)?;
+    elements.end()?;
     mesh.finish()
 }
 
 /// The elements of a file, in their order.
-struct Elements<'a, R> {
-    path: &'a Path,
+struct Elements<R> {
     reader: R,
     encoding: Encoding,
     /// Last line read, counted from one.
@@ -81,14 +73,13 @@ struct Elements<'a, R> {
     bytes: Vec<u8>,
 }
 
-impl<R: BufRead> Elements<'_, R> {
+impl<R: BufRead> Elements<R> {
     /// Element number `i` of a kind.
     fn next<E: PropertyAccess>(
         &mut self,
-        mesh: &Builder<'_>,
         element: &ElementDef,
         i: usize,
-    ) -> Result<E, ReadError> {
+    ) -> Result<E, ReadProblem> {
         let parser = Parser::<E>::new();
         let parsed = match self.encoding {
             Encoding::Ascii => {
@@ -97,7 +88,6 @@ impl<R: BufRead> Elements<'_, R> {
                 }
                 let text = String::from_utf8_lossy(&self.bytes);
                 let line = Line {
-                    path: self.path,
                     number: self.line,
                     text: &text,
                 };
@@ -120,17 +110,17 @@ impl<R: BufRead> Elements<'_, R> {
         };
         parsed.map_err(|error| match error.kind() {
             ErrorKind::UnexpectedEof => self.cut(element, i),
-            ErrorKind::InvalidInput => mesh.malformed(format_args!(
+            ErrorKind::InvalidInput => ReadProblem::malformed(format_args!(
                 "the list of its {} {i}, counted from zero, has a negative length",
                 short(&element.name)
             )),
-            _ => ReadError::io(self.path, error.into()),
+            _ => io::Error::from(error).into(),
         })
     }
 
     /// Reads the next line that is not blank; false if there is none.
-    fn next_line(&mut self) -> Result<bool, ReadError> {
-        while read_line(self.path, &mut self.reader, &mut self.bytes)? {
+    fn next_line(&mut self) -> Result<bool, ReadProblem> {
+        while read_line(&mut self.reader, &mut self.bytes)? {
             self.line += 1;
             if !self.bytes.trim_ascii().is_empty() {
                 return Ok(true);
@@ -139,81 +129,76 @@ impl<R: BufRead> Elements<'_, R> {
         Ok(false)
     }
 
-    fn cut(&self, element: &ElementDef, i: usize) -> ReadError {
+    fn cut(&self, element: &ElementDef, i: usize) -> ReadProblem {
         let ElementDef { name, count, .. } = element;
-        ReadError::truncated(
-            self.path,
-            format_args!(
-                "{count} elements `{}` were expected, but only {i} are there",
-                short(name)
-            ),
-        )
+        ReadProblem::truncated(format_args!(
+            "{count} elements `{}` were expected, but only {i} are there",
+            short(name)
+        ))
     }
 
     /// Refuses what follows the last element.
-    fn end(&mut self, mesh: &Builder<'_>) -> Result<(), ReadError> {
+    fn end(&mut self) -> Result<(), ReadProblem> {
         let more = match self.encoding {
             Encoding::Ascii => self.next_line()?,
-            _ => !self
-                .reader
-                .fill_buf()
-                .map_err(|e| ReadError::io(self.path, e))?
-                .is_empty(),
+            _ => !self.reader.fill_buf()?.is_empty(),
         };
         if more {
             let what = "more data follow its last element";
-            return Err(mesh.malformed(what));
+            return Err(ReadProblem::malformed(what));
         }
         Ok(())
     }
 }
 
-fn header_error(mesh: &Builder<'_>, path: &Path, error: &ParseError) -> ReadError {
+fn header_error(error: &ParseError) -> ReadProblem {
     if error.kind() == ErrorKind::UnexpectedEof {
-        return ReadError::truncated(path, "its header has no line `end_header`");
+        return ReadProblem::truncated("its header has no line `end_header`");
     }
     match error.line() {
-        Some(1) => mesh.malformed("its first line is not `ply`"),
-        Some(line) => mesh.malformed(format_args!(
+        Some(1) => ReadProblem::malformed("its first line is not `ply`"),
+        Some(line) => ReadProblem::malformed(format_args!(
             "line {line} is not valid in the header of a PLY file, version 1.0"
         )),
-        None => mesh.malformed(
+        None => ReadProblem::malformed(
             "its header is not text with a line `format ascii 1.0`, `format binary_little_endian 1.0` or `format binary_big_endian 1.0`",
         ),
     }
 }
 
 /// Checks the header before anything is read by it.
-fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Result<(), ReadError> {
+fn check(header: &Header, length: u64) -> Result<(), ReadProblem> {
     for name in ["vertex", "face"] {
         if !header.elements.contains_key(name) {
-            return Err(mesh.malformed(format_args!("it has no element `{name}`")));
+            return Err(ReadProblem::malformed(format_args!(
+                "it has no element `{name}`"
+            )));
         }
     }
     if header.elements.keys().position(|name| name == "vertex")
         > header.elements.keys().position(|name| name == "face")
     {
-        return Err(mesh.malformed("its faces come before its vertices"));
+        return Err(ReadProblem::malformed("its faces come before its vertices"));
     }
-    check_vertices(mesh, header)?;
-    check_faces(mesh, header)?;
-    check_size(mesh, path, header, length)
+    check_vertices(header)?;
+    check_faces(header)?;
+    check_size(header, length)
 }
 
 /// Checks that vertices have three coordinates.
-fn check_vertices(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
+fn check_vertices(header: &Header) -> Result<(), ReadProblem> {
     let vertex = &header.elements["vertex"];
     for name in ["x", "y", "z"] {
         match vertex.properties.get(name).map(|p| &p.data_type) {
             Some(PropertyType::Scalar(_)) => {}
             Some(PropertyType::List(..)) => {
-                return Err(mesh.malformed(format_args!(
+                return Err(ReadProblem::malformed(format_args!(
                     "the property {name} of its vertices is a list, but a number is needed"
                 )));
             }
             None => {
                 let what = format_args!("its vertices have no property {name}");
-                return Err(mesh.malformed(what));
+                return Err(ReadProblem::malformed(what));
             }
         }
     }
@@ -221,16 +206,20 @@ fn check_vertices(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> 
 }
 
 /// Checks that faces have one list of corners.
-fn check_faces(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
+fn check_faces(header: &Header) -> Result<(), ReadProblem> {
     let lists = header.elements["face"].properties.values();
     let is_corners = |name: &str| CORNERS.contains(&name);
     match lists.clone().filter(|p| is_corners(&p.name)).count() {
         0 => {
             let what = "its faces have no list `vertex_indices` or `vertex_index`";
-            return Err(mesh.malformed(what));
+            return Err(ReadProblem::malformed(what));
         }
         1 => {}
-        _ => return Err(mesh.malformed("its faces have two lists of corners")),
+        _ => {
+            return Err(ReadProblem::malformed(
+                "its faces have two lists of corners",
+            ));
+        }
     }
     for p in lists.filter(|p| is_corners(&p.name)) {
         if !matches!(&p.data_type, PropertyType::List(_, item) if is_whole(item)) {
@@ -238,19 +227,14 @@ fn check_faces(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
                 "the {} of its faces are not a list of whole numbers",
                 p.name
             );
-            return Err(mesh.malformed(what));
+            return Err(ReadProblem::malformed(what));
         }
     }
     Ok(())
 }
 
 /// Checks that the file can hold the elements that its header claims.
-fn check_size(
-    mesh: &Builder<'_>,
-    path: &Path,
-    header: &Header,
-    length: u64,
-) -> Result<(), ReadError> {
+fn check_size(header: &Header, length: u64) -> Result<(), ReadProblem> {
     // The least size of the elements: no header may claim more than its file holds.
     let mut least = 0_u64;
     for element in header.elements.values() {
@@ -259,7 +243,7 @@ fn check_size(
             if let PropertyType::List(count, _) = &p.data_type
                 && !is_whole(count)
             {
-                return Err(mesh.malformed(format_args!(
+                return Err(ReadProblem::malformed(format_args!(
                     "the length of the list `{}` is not of a whole type",
                     short(&p.name)
                 )));
@@ -271,7 +255,7 @@ fn check_size(
             };
         }
         if bytes == 0 && element.count > 0 {
-            return Err(mesh.malformed(format_args!(
+            return Err(ReadProblem::malformed(format_args!(
                 "its elements `{}` have no properties",
                 short(&element.name)
             )));
@@ -285,18 +269,15 @@ fn check_size(
             .values()
             .map(|e| format!("{} of `{}`", e.count, short(&e.name)))
             .collect();
-        return Err(ReadError::truncated(
-            path,
-            format_args!(
-                "its header declares {}, which take {least} bytes or more, but the whole file has {length}",
-                counts.join(", ")
-            ),
-        ));
+        return Err(ReadProblem::truncated(format_args!(
+            "its header declares {}, which take {least} bytes or more, but the whole file has {length}",
+            counts.join(", ")
+        )));
     }
     Ok(())
 }
 
-/// Whether numbers of this type are whole.
+/// Returns `true` if numbers of this type are whole.
 const fn is_whole(kind: &ScalarType) -> bool {
     !matches!(kind, ScalarType::Float | ScalarType::Double)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{MeshData, MeshView, read_mesh, read_mesh_from, write_mesh};
 use crate::damage_tests::{assert_sentence, damaged};
-use crate::error::ReadError;
+use crate::error::{ReadError, ReadProblem};
 use crate::formats::MeshFormat;
 
 /// A tent over a square: five vertices, four triangles.
@@ -41,7 +41,7 @@ fn refused(format: MeshFormat, bytes: &[u8], words: &str) {
     assert!(error.to_string().contains(words), "{error}");
 }
 
-/// What the project itself writes.
+/// A file as the project itself writes it.
 fn written(format: MeshFormat, mesh: &MeshData) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(path(format));
@@ -224,7 +224,10 @@ fn names_of_other_formats_are_refused() {
         assert!(error.contains(".ply, .obj and .stl"), "{error}");
     }
     let error = read_mesh(Path::new("no such.ply")).unwrap_err();
-    assert!(matches!(error, ReadError::NotFound { .. }), "{error}");
+    assert!(
+        matches!(error.problem, ReadProblem::NotFound { .. }),
+        "{error}"
+    );
 }
 
 /// A PLY file of a header without its first line, and data.
@@ -371,8 +374,8 @@ fn ply_data_are_checked() {
 
 #[test]
 fn obj_errors_name_line_and_column() {
-    let at = |text: &str| match read(MeshFormat::Obj, text.as_bytes()).unwrap_err() {
-        ReadError::Text { line, column, .. } => (line, column),
+    let at = |text: &str| match read(MeshFormat::Obj, text.as_bytes()).unwrap_err().problem {
+        ReadProblem::Text { line, column, .. } => (line, column),
         other => panic!("{other}"),
     };
     let start = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";

@@ -5,13 +5,11 @@
 //! order of the corners says where a triangle faces.
 
 use std::io::{BufRead, Read, Seek, Write};
-use std::path::Path;
 
 use super::build::{Builder, coordinates};
-use super::{MeshData, MeshView};
+use super::mesh::{MeshData, MeshView};
 use crate::encoding::single;
-use crate::error::{ReadError, WriteError};
-use crate::formats::MeshFormat;
+use crate::error::{ReadProblem, WriteProblem};
 use crate::text_lines::{Line, read_line, short};
 
 /// Title and count.
@@ -20,43 +18,30 @@ const HEADER: u64 = 84;
 /// Normal, three corners, and two bytes without meaning.
 const TRIANGLE: u64 = 50;
 
-pub(super) fn read<R: BufRead + Seek>(
-    path: &Path,
-    mut reader: R,
-    length: u64,
-) -> Result<MeshData, ReadError> {
-    let io = |e| ReadError::io(path, e);
+pub(super) fn read<R: BufRead + Seek>(mut reader: R, length: u64) -> Result<MeshData, ReadProblem> {
     let mut header = Vec::new();
-    (&mut reader)
-        .take(HEADER)
-        .read_to_end(&mut header)
-        .map_err(io)?;
+    (&mut reader).take(HEADER).read_to_end(&mut header)?;
     let count = header.last_chunk().map(|bytes| u32::from_le_bytes(*bytes));
     let expected = count
         .filter(|_| header.len() as u64 == HEADER)
         .map(|count| HEADER + TRIANGLE * u64::from(count));
     if expected == Some(length) {
-        return read_binary(path, reader, count.unwrap_or(0));
+        return read_binary(reader, count.unwrap_or(0));
     }
     if header.trim_ascii_start().starts_with(b"solid") {
-        reader.rewind().map_err(io)?;
-        return read_text(path, reader);
+        reader.rewind()?;
+        return read_text(reader);
     }
-    let mesh = Builder::new(path, MeshFormat::Stl);
     Err(match expected {
-        None => ReadError::truncated(
-            path,
-            format_args!("its {length} bytes are less than the header of a binary STL file"),
-        ),
-        Some(expected) if expected > length => ReadError::truncated(
-            path,
-            format_args!(
-                "{} triangles of {TRIANGLE} bytes were expected, but only {} bytes are there",
-                count.unwrap_or(0),
-                length - HEADER
-            ),
-        ),
-        Some(expected) => mesh.malformed(format_args!(
+        None => ReadProblem::truncated(format_args!(
+            "its {length} bytes are less than the header of a binary STL file"
+        )),
+        Some(expected) if expected > length => ReadProblem::truncated(format_args!(
+            "{} triangles of {TRIANGLE} bytes were expected, but only {} bytes are there",
+            count.unwrap_or(0),
+            length - HEADER
+        )),
+        Some(expected) => ReadProblem::malformed(format_args!(
             "{} bytes follow its {} triangles",
             length - expected,
             count.unwrap_or(0)
@@ -64,35 +49,32 @@ pub(super) fn read<R: BufRead + Seek>(
     })
 }
 
-fn read_binary<R: BufRead>(path: &Path, mut reader: R, count: u32) -> Result<MeshData, ReadError> {
-    let mut mesh = Builder::new(path, MeshFormat::Stl);
+fn read_binary<R: BufRead>(mut reader: R, count: u32) -> Result<MeshData, ReadProblem> {
+    let mut mesh = Builder::default();
     let mut bytes = [0; TRIANGLE as usize];
     for i in 0..count {
-        reader
-            .read_exact(&mut bytes)
-            .map_err(|e| ReadError::io(path, e))?;
+        reader.read_exact(&mut bytes)?;
         let (words, _) = bytes[12..48].as_chunks::<4>();
         let x = |k: usize| f64::from(f32::from_le_bytes(words[k]));
         let corners = [0, 3, 6].map(|k| [x(k), x(k + 1), x(k + 2)]);
         mesh.triangle(corners).map_err(|what| {
-            mesh.malformed(format_args!("a corner of its triangle {i} is {what}"))
+            ReadProblem::malformed(format_args!("a corner of its triangle {i} is {what}"))
         })?;
     }
     mesh.finish()
 }
 
-fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadError> {
-    let mut mesh = Builder::new(path, MeshFormat::Stl);
+fn read_text<R: BufRead>(mut reader: R) -> Result<MeshData, ReadProblem> {
+    let mut mesh = Builder::default();
     let mut bytes = Vec::new();
     let mut number = 0;
     let mut corners = Vec::new();
     let mut ended = false;
-    while read_line(path, &mut reader, &mut bytes)? {
+    while read_line(&mut reader, &mut bytes)? {
         number += 1;
         // Names may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
         let line = Line {
-            path,
             number,
             text: &text,
         };
@@ -134,17 +116,12 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
     }
     if !ended {
         let what = format_args!("it has no `endsolid` after its line {number}");
-        return Err(ReadError::truncated(path, what));
+        return Err(ReadProblem::truncated(what));
     }
     mesh.finish()
 }
 
-pub(super) fn write(
-    path: &Path,
-    mesh: &MeshView<'_>,
-    out: &mut impl Write,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+pub(super) fn write(mesh: &MeshView<'_>, out: &mut impl Write) -> Result<(), WriteProblem> {
     // A header must not begin with "solid", which would announce the text form.
     let mut header = [b' '; 80];
     let title = match mesh.comment {
@@ -154,19 +131,19 @@ pub(super) fn write(
     for (byte, character) in header.iter_mut().zip(title.bytes()) {
         *byte = character;
     }
-    out.write_all(&header).map_err(&io)?;
+    out.write_all(&header)?;
     let count = mesh.triangles.len() as u32;
-    out.write_all(&count.to_le_bytes()).map_err(&io)?;
+    out.write_all(&count.to_le_bytes())?;
     for triangle in mesh.triangles {
         let corners = triangle.map(|k| mesh.vertices[k as usize]);
         let normal = unit_normal(corners);
         for vector in [normal, corners[0], corners[1], corners[2]] {
             for x in vector {
-                let x = single(path, "a coordinate", x)?;
-                out.write_all(&x.to_le_bytes()).map_err(&io)?;
+                let x = single("a coordinate", x)?;
+                out.write_all(&x.to_le_bytes())?;
             }
         }
-        out.write_all(&[0, 0]).map_err(&io)?;
+        out.write_all(&[0, 0])?;
     }
     Ok(())
 }

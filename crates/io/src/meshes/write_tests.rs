@@ -2,7 +2,7 @@
 
 use super::stl::unit_normal;
 use super::{MeshView, write_mesh};
-use crate::error::WriteError;
+use crate::error::{WriteError, WriteProblem};
 
 /// Two facets of a cell, split from its near to its far corner, rising along x.
 const VERTICES: [[f64; 3]; 4] = [
@@ -142,8 +142,8 @@ fn invalid_meshes_are_refused_and_leave_no_file() {
         comment: "",
     };
     assert!(matches!(
-        written("m.obj", &infinite),
-        Err(WriteError::BadMesh { .. })
+        written("m.obj", &infinite).unwrap_err().problem,
+        WriteProblem::Invalid(_)
     ));
     let large = MeshView {
         vertices: &[[1e39, 0.0, 0.0], [0.0; 3], [1.0; 3]],
@@ -151,8 +151,8 @@ fn invalid_meshes_are_refused_and_leave_no_file() {
         comment: "",
     };
     assert!(matches!(
-        written("m.stl", &large),
-        Err(WriteError::OutOfRange { .. })
+        written("m.stl", &large).unwrap_err().problem,
+        WriteProblem::OutOfRange { .. }
     ));
     let two_lines = MeshView {
         comment: "one\nend_header",

@@ -11,7 +11,7 @@ use crate::PlotError;
 /// Free space around the data of a logarithmic axis, in decades.
 const DECADES_OF_ROOM: f64 = 0.15;
 
-/// How a value becomes a place.
+/// Scale between a value and its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Linear,
@@ -120,7 +120,7 @@ impl Axis {
         Axis::log10(power(exponent10(lo)), power(exponent10(hi) + 1))
     }
 
-    /// The same with its low end where its high end was.
+    /// The axis with its ends exchanged.
     pub(crate) fn reversed(mut self) -> Self {
         std::mem::swap(&mut self.lo, &mut self.hi);
         self

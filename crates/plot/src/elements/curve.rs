@@ -68,7 +68,7 @@ pub enum Colour {
     Ramp(f64),
 }
 
-/// How a curve is drawn. Markers and dash patterns are counted around.
+/// Style of a curve. Numbers of markers and dash patterns wrap around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     /// Points of the marker, with error bars.
@@ -110,7 +110,7 @@ pub(crate) trait Plane {
     fn clip(&self, a: Xy, b: Xy) -> Option<(Xy, Xy)>;
     /// The pieces of a path that are shown.
     fn clip_path(&self, path: &[Xy]) -> Vec<Vec<Xy>>;
-    /// Whether a place is shown.
+    /// Returns `true` if a place is shown.
     fn contains(&self, at: Xy) -> bool;
 }
 
@@ -194,7 +194,7 @@ impl Curve {
         self.points.iter().any(|point| point.se.is_some())
     }
 
-    /// What stands for the curve in a legend.
+    /// Symbol of the curve in a legend.
     pub(crate) fn key(&self) -> Key {
         let (marker, colour) = (self.marker(), self.colour.rgb());
         match self.style {
@@ -235,7 +235,7 @@ impl Curve {
         }
     }
 
-    /// Whether its line has gaps.
+    /// Returns `true` if its line has gaps.
     pub(crate) fn is_dashed(&self) -> bool {
         !self.pen().dash.is_empty()
     }

@@ -11,9 +11,9 @@ const PADDING: f64 = 0.04;
 /// One axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveAxis {
-    /// What it measures, with the unit.
+    /// Quantity, with the unit.
     pub label: String,
-    /// From where to where; around everything unless given.
+    /// Range; `None` is that of all points.
     pub range: Option<[f64; 2]>,
 }
 

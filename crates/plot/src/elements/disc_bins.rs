@@ -54,7 +54,7 @@ impl DiscBins {
         self.rings() * self.sectors()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if there are no bins.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0

@@ -32,7 +32,7 @@ impl Rect {
         )
     }
 
-    /// Whether a place lies in the rectangle, its border included.
+    /// Returns `true` if a place lies in the rectangle, its border included.
     pub(crate) fn contains(&self, (x, y): Xy) -> bool {
         (self.left - 0.01..=self.right + 0.01).contains(&x)
             && (self.top - 0.01..=self.bottom + 0.01).contains(&y)

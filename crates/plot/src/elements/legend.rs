@@ -8,7 +8,7 @@ use super::text::{text_width, wrap};
 use super::theme;
 use crate::PlotError;
 
-/// What stands left of a text in the legend.
+/// Symbol left of a text in the legend.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Key {
     /// A point, with its error bar if it has one.

@@ -27,7 +27,7 @@ pub(crate) struct HalfPlane {
     pub(crate) factor: f64,
 }
 
-/// Where the numbers of the rings stand along the surface.
+/// Position of the numbers of the rings along the surface.
 #[derive(Clone, Copy)]
 pub(crate) struct NumberPlace {
     /// 1 to the right of the origin, -1 to the left.

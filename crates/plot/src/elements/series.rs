@@ -13,7 +13,7 @@ pub enum Side {
     Transmitted,
 }
 
-/// How a series was obtained, hence how it is drawn.
+/// Origin of a series, which decides how it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// Ray tracing on explicit surfaces: points with error bars, one for each bin.
@@ -84,7 +84,7 @@ impl Series {
         }
     }
 
-    /// The same series, of one component of the light.
+    /// This series as that of one component of the light.
     #[must_use]
     pub fn of_component(self, component: usize) -> Self {
         Series { component, ..self }
@@ -112,8 +112,8 @@ impl Series {
         }
     }
 
-    /// What the series stands for beneath others: components, then all light, then models, solid lines before dashed ones: where
-    /// two lines lie at one place, both can be seen.
+    /// Drawing order: components, then all light, then models, solid lines before dashed ones. Two lines at one place
+    /// can both be seen.
     pub(crate) fn layer(&self) -> (bool, bool, std::cmp::Reverse<usize>) {
         let is_dashed = self.is_model() && self.curve().is_dashed();
         (

@@ -61,7 +61,7 @@ pub struct AngleGrid {
     pub subtitle: String,
     /// Side on which the light leaves.
     pub side: Side,
-    /// Where a flat surface would send the light, signed degrees; `None` draws no line.
+    /// Direction of the light from a flat surface, signed degrees; `None` draws no line.
     pub flat_direction_deg: Option<f64>,
     /// Panels side by side.
     pub columns: usize,

@@ -7,7 +7,7 @@ use crate::elements::theme;
 use crate::error::Valid;
 use crate::{Colour, Figure, PlotError};
 
-/// How a path of a diagram is drawn.
+/// Stroke of a path of a diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
     /// A line.
@@ -21,7 +21,7 @@ pub enum Stroke {
 /// A path through points of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiagramPath {
-    /// How it is drawn.
+    /// Its stroke.
     pub stroke: Stroke,
     /// Its colour.
     pub colour: Colour,

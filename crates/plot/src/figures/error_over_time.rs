@@ -19,7 +19,7 @@ pub struct TimedError {
     pub error: f64,
     /// Standard error of `error`, >= 0.
     pub se: Option<f64>,
-    /// Whether the fitted line uses it; other points are hollow.
+    /// `true` if the fitted line uses it; other points are hollow.
     pub fitted: bool,
 }
 
@@ -197,7 +197,7 @@ impl ErrorOverTime {
     }
 }
 
-/// How the runs of a method are drawn.
+/// Style of the runs of a method.
 #[derive(Clone, Copy)]
 struct MethodStyle {
     /// That of its family.

@@ -21,7 +21,7 @@ use crate::{Figure, PlotError, Side};
 pub enum SharedColours {
     /// All.
     Common,
-    /// Those of a row.
+    /// Hemispheres of a row.
     Rows,
     /// All but the first, which hold ratios from -1 to 1 to it: blue below zero, red above. The first has a scale of
     /// its own.
@@ -100,13 +100,13 @@ pub struct Hemispheres {
     pub title: String,
     /// Second line: parameters. May be empty.
     pub subtitle: String,
-    /// What the colours show, without its unit, 1/sr.
+    /// Quantity that the colours show, without its unit, 1/sr.
     pub quantity: String,
     /// Side on which the light leaves.
     pub side: Side,
-    /// What rows differ in. May be empty.
+    /// Quantity that rows differ in. May be empty.
     pub row_title: String,
-    /// What columns differ in. May be empty.
+    /// Quantity that columns differ in. May be empty.
     pub column_title: String,
     /// Names of the rows, top to bottom.
     pub rows: Vec<String>,
@@ -367,7 +367,7 @@ impl Hemispheres {
         draw_bar(scene, bar, colours, &axis, &[&axis.label])
     }
 
-    /// How to read the discs.
+    /// Remarks on reading the discs.
     fn remarks(&self, logarithmic: bool) -> String {
         let seen = match self.side {
             Side::Reflected => "Reflected light seen from above",

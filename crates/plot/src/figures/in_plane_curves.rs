@@ -48,7 +48,7 @@ const RESIDUAL_GAP: f64 = 16.0;
 const Y_AXIS_ROOM: f64 = 72.0;
 /// The logarithmic panel shows at most this many decades.
 const MAX_DECADES: f64 = 6.0;
-/// What exceeds this fraction of the peak belongs to the lobe.
+/// Fraction of the peak above which a value belongs to the lobe.
 const LOBE_FRACTION: f64 = 0.005;
 const QUANTITY: &str = "f |cos θₒ|";
 /// Residuals that are marked.

@@ -36,9 +36,9 @@ pub struct LogCurves {
     pub title: String,
     /// Second line: parameters. May be empty.
     pub subtitle: String,
-    /// What the horizontal axis measures, with the unit.
+    /// Quantity along the horizontal axis, with the unit.
     pub x: String,
-    /// What the vertical axis measures, with the unit.
+    /// Quantity along the vertical axis, with the unit.
     pub y: String,
     /// The curves, in the order of the legend; later ones are drawn above earlier ones.
     pub curves: Vec<Curve>,

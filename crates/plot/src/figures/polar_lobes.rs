@@ -256,7 +256,7 @@ impl PolarLobes {
         entries
     }
 
-    /// Where the numbers of the rings stand if they have room, along the surface: on its empty side if there is
+    /// Position of the numbers of the rings along the surface, if they have room: on its empty side if there is
     /// one, else on the backward side of the half plane, where lobes are weakest. The arrow comes from the upper
     /// left.
     fn number_place(&self, side: Side) -> NumberPlace {

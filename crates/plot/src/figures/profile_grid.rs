@@ -51,7 +51,7 @@ pub struct ProfileGrid {
     pub title: String,
     /// Second line: parameters. May be empty.
     pub subtitle: String,
-    /// What the curves show, without its unit, 1/sr.
+    /// Quantity that the curves show, without its unit, 1/sr.
     pub quantity: String,
     /// Names of the panels.
     pub panels: Vec<String>,
@@ -173,7 +173,7 @@ impl ProfileGrid {
         Ok(())
     }
 
-    /// How to read the panels; `notes` are those of the legend.
+    /// Remarks on reading the panels; `notes` are those of the legend.
     fn remarks(&self, notes: &[Entry]) -> String {
         let mut remarks = "Angles are positive forward, away from the light.".to_owned();
         for note in notes {
@@ -230,7 +230,7 @@ impl ProfileGrid {
         }
     }
 
-    /// Whether each value stands at the opposite angle as well, as for vertical light averaged over azimuth.
+    /// Returns `true` if each value stands at the opposite angle as well, as for vertical light averaged over azimuth.
     fn is_symmetric(&self) -> bool {
         let profiles = self.components.iter().flat_map(|c| &c.points);
         profiles.filter(|points| points.len() > 1).all(|points| {
@@ -294,7 +294,7 @@ impl ValueAxes {
     }
 }
 
-/// Whether the largest of ascending values hides the others on a linear axis.
+/// Returns `true` if the largest of ascending values hides the others on a linear axis.
 fn outshone(values: &[f64]) -> bool {
     let median = values.get(values.len() / 2).copied().unwrap_or(0.0);
     values

@@ -1,4 +1,4 @@
-//! Where models hold: distance over smoothness and angle, one panel per model and material.
+//! Validity map: distance of models over smoothness and angle, one panel per model and material.
 
 use crate::elements::axis::Axis;
 use crate::elements::colour_scale::{ColourScale, draw_bar, that_fits};
@@ -270,7 +270,7 @@ impl ValidityMap {
         Ok(())
     }
 
-    /// What signs mean.
+    /// Entries that explain the signs.
     fn entries(&self) -> Vec<Entry> {
         let tolerance = fixed(self.tolerance, decimals(self.tolerance));
         let mut entries = vec![

@@ -4,7 +4,7 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{NumberTable, ReadError, read_number_table};
+use asperity_io::{NumberTable, ReadError, ReadProblem, read_number_table};
 use asperity_numerics::fnv1a;
 use asperity_surface::{LengthUnit, MissingError};
 use asperity_synthesis::{
@@ -174,7 +174,9 @@ fn read_table(
     path: &Path,
 ) -> Result<NumberTable, SurfaceFileError> {
     match read_number_table(path) {
-        Err(ReadError::NotFound { .. }) if path.extension().is_none() => {
+        Err(error)
+            if path.extension().is_none() && matches!(error.problem, ReadProblem::NotFound) =>
+        {
             Err(SurfaceFileError::Unknown {
                 setting,
                 name: path.display().to_string(),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use asperity_analysis::ModelError;
-use asperity_io::{ReadError, WriteError};
+use asperity_io::{ReadError, WriteError, WriteProblem};
 use asperity_simulate::{SimulateError, short};
 use asperity_surface::{LengthUnit, MissingError};
 use asperity_tracer::MeshSurfaceError;
@@ -185,7 +185,7 @@ impl GivenError {
         match self {
             Self::Simulate(error) => error.is_usage(),
             Self::Read(_) | Self::Missing { .. } | Self::Triangles { .. } => false,
-            Self::Write(error) => matches!(error, WriteError::NoUnit { .. }),
+            Self::Write(error) => matches!(error.problem, WriteProblem::NoUnit),
             Self::Filtering { error, .. } => !matches!(error, FilteringError::Form(_)),
             _ => true,
         }

@@ -12,7 +12,7 @@ impl Height {
     /// Above all facets.
     pub(super) const ABOVE_ALL: Self = Self(0.0);
 
-    /// Where a ray that travels downwards meets a facet, which it always does; `lambda` is that of its direction.
+    /// Intersection of a ray that travels downwards with a facet, which always exists; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform. The free path gives `C1' = C1 / (1 - u)^(1 / Lambda)` with
     /// `Lambda = -1 - lambda` downwards.
@@ -33,14 +33,14 @@ impl Height {
         (exponent.exp(), -exponent.exp_m1())
     }
 
-    /// Where a ray that travels upwards and does *not* escape meets a facet; `lambda` is that of its direction.
+    /// Intersection of a ray that travels upwards and does *not* escape; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform; `blocked` is the second probability of [`Self::escape`], above zero.
     pub(super) fn ascended(self, lambda: f64, blocked: f64, u: f64) -> Self {
         Self::of(self.0 - (-u * blocked).ln_1p() / lambda)
     }
 
-    /// The same point for a ray behind the surface, where heights are reversed: `1 - C1`.
+    /// This point for a ray behind the surface, where heights are reversed: `1 - C1`.
     pub(super) fn seen_from_behind(self) -> Self {
         // Each form is accurate where the other loses digits.
         Self::of(if self.0 > -std::f64::consts::LN_2 {

@@ -8,8 +8,8 @@ pub(crate) trait Light: Copy {
     /// Unpolarised light, as it falls on the surface.
     const INCIDENT: Self;
 
-    /// What a facet does with this light: `material` seen from the side of the light, `w` the unit direction towards its
-    /// origin, `m` the normal.
+    /// Scattering of this light by a facet: `material` seen from the side of the light, `w` the unit direction towards
+    /// its origin, `m` the normal.
     fn scattered(self, material: Material, w: DVec3, m: DVec3) -> Scattered<Self>;
 }
 
@@ -88,7 +88,7 @@ impl Light for Polarised {
 }
 
 impl Polarised {
-    /// The same light in the mirror image of the scene, with z reversed. The axis s is mirrored, and of `p = k x s` the
+    /// This light in the mirror image of the scene, with z reversed. The axis s is mirrored, and of `p = k x s` the
     /// other sense is: so U and V change their signs.
     const fn seen_from_behind(self) -> Self {
         let Self {

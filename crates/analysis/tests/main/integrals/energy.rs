@@ -1,4 +1,4 @@
-//! Where the energy goes: limits, budgets and two ways to the same integral.
+//! Energy: limits, budgets and two ways to the same integral.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! What closed forms expect, entry by entry of a tally.
+//! Expectations of closed forms, entry by entry of a tally.
 
 use std::f64::consts::PI;
 

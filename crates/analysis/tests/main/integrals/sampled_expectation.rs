@@ -1,4 +1,4 @@
-//! What a walk is expected to find: the parts of a tally fit together.
+//! Expectation of a random walk: the parts of a tally fit together.
 
 use asperity_analysis::{
     Expectation, SamplingEffort, ScatteringModel, SlopeCovariance, create_model, expect,

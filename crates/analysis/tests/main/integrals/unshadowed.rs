@@ -47,7 +47,7 @@ fn spec(n_theta: usize, n_phi: usize) -> TallySpec {
     TallySpec::new(HemisphereGrid::new(n_theta, n_phi).unwrap(), 0.1).unwrap()
 }
 
-/// The same scattering, put together from the formulae for a direction.
+/// Unmasked scattering, put together from the formulae for a direction.
 struct Unmasked {
     slopes: SlopeCovariance,
     material: Material,

@@ -172,7 +172,7 @@ fn the_walk_with_complex_fields_agrees_and_the_averaged_walk_does_not() {
     }
 }
 
-/// What averaging leaves out of reflected light, from both walks with the same random numbers ray by ray: they serve
+/// Reflected light that averaging leaves out, from both walks with the same random numbers ray by ray: they serve
 /// the first facet alike, and most others.
 struct CostOfAveraging {
     /// Reflectance of the polarised walk minus that of the averaged one.

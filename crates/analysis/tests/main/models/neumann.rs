@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::common::{closed_form, correlated};
 
 const NEUMANN: [&str; 2] = ["cook-torrance-neumann", "cook-torrance-neumann-smith"];
-/// The same with both cosines in the denominator.
+/// Models with both cosines in the denominator.
 const BOTH_COSINES: [&str; 2] = ["v-cavity", "smith-separable"];
 
 fn light(theta_deg: f64) -> DVec3 {

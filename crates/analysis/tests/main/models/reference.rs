@@ -51,7 +51,7 @@ struct Energies {
     mirror: f64,
     /// `(1 / cos theta_i) int D max(0, wi . m) dOmega_m`, equal to `1 + Lambda`.
     facing: f64,
-    /// The same times the visibility of Xu and Sun.
+    /// [`Self::facing`] times the visibility of Xu and Sun.
     facing_times_visibility: f64,
 }
 
@@ -121,7 +121,7 @@ fn check_spot(spot: &Spot) -> f64 {
     worst.max(check_same_facets(spot, wi, [up, down]))
 }
 
-/// The same for the models that differ from the separable one of Smith in their attenuation and
+/// Check of the models that differ from the separable one of Smith in their attenuation and
 /// denominator alone.
 fn check_same_facets(spot: &Spot, wi: DVec3, [up, down]: [DVec3; 2]) -> f64 {
     let glass = Material::dielectric(spot.eta).unwrap();

@@ -14,8 +14,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::common::closed_form;
 
-/// Whether the line from the side `m` of a groove, at depth `d` below the opening on the side of `w` (0 at the
-/// rim, 1 at the bottom), along `w` leaves the groove.
+/// Returns `true` if the line from the side `m` of a groove along `w` leaves the groove. It begins at depth `d` below
+/// the opening on the side of `w` (0 at the rim, 1 at the bottom).
 ///
 /// In a plane across the groove its sides meet at the bottom, and the rims are at the same height: the
 /// line has to reach the height of the opening before it has crossed to the other rim.

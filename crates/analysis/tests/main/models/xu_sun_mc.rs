@@ -231,7 +231,7 @@ struct Leaving {
     flux: f64,
 }
 
-/// What a facet `m` (up) makes of light that comes from `v`, above or below: reflected and refracted.
+/// Light from `v`, above or below, that a facet `m` (up) reflects and refracts.
 fn at_facet(v: DVec3, above: bool, m: DVec3, eta: f64) -> [Leaving; 2] {
     let (m, eta) = if above { (m, eta) } else { (-m, 1.0 / eta) };
     let fresnel = dielectric(v.dot(m).min(1.0), eta);

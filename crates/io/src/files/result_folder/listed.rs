@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::files::fingerprint::Fingerprint;
 use crate::files::manifest::ListedFiles;
 
-/// What a file is for.
+/// Purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// A result, which nothing changes once its run has ended.
@@ -21,7 +21,7 @@ pub(super) struct Files {
     pub(super) earlier: ListedFiles,
     /// Claimed or kept by this run.
     pub(super) current: BTreeMap<String, Role>,
-    /// Whether the manifest on disk is that of this run.
+    /// `true` if the manifest on disk is that of this run.
     pub(super) begun: bool,
 }
 
@@ -38,7 +38,7 @@ impl Files {
         }
     }
 
-    /// Whether the manifest lists a file as one that may be written at any time.
+    /// Returns `true` if the manifest lists a file as one that may be written at any time.
     pub(super) fn lists_without_fingerprint(&self, name: &str) -> bool {
         self.lists(name) && self.fingerprint(name).is_none()
     }

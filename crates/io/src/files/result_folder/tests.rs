@@ -1,4 +1,4 @@
-//! What a result folder replaces, removes, refuses, and leaves alone.
+//! Result folders: files that are replaced, removed, refused, and left alone.
 
 use std::fs;
 use std::path::Path;
@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::build::{Build, RESULTS_EPOCH};
+use crate::error::WriteProblem;
 use crate::files::manifest::MANIFEST;
 use crate::files::{read_json, write_bytes, write_json};
 
@@ -158,10 +159,8 @@ fn folders_and_links_in_the_way_are_refused() {
     let below = open(&path.join("out"));
     let error = below.check(["a.csv"]).unwrap_err();
     assert!(
-        matches!(
-            error,
-            ResultFolderError::Write(WriteError::FolderIsFile { .. })
-        ),
+        matches!(&error, ResultFolderError::Write(error)
+            if matches!(error.problem, WriteProblem::FolderIsFile(_))),
         "{error}"
     );
     #[cfg(unix)]
@@ -227,7 +226,7 @@ fn files_changed_during_a_run_are_not_removed() {
     refused(open(path).check(["old.csv"]), "not written by an earlier");
 }
 
-/// What a killed run wrote cannot be told from a change, and counts as ours. What it did not claim is known.
+/// A file that a killed run claimed cannot be told from a changed one, and counts as ours; an unclaimed one is known.
 #[test]
 fn files_of_a_killed_run_count_as_unchanged() {
     let folder = tempfile::tempdir().unwrap();
@@ -286,7 +285,7 @@ fn manifests_of_the_first_form_are_read() {
     assert_eq!(manifest["schema"], 2);
 }
 
-/// What is no longer the file that was written is no longer ours.
+/// A file that is no longer as it was written is no longer ours.
 #[cfg(unix)]
 #[test]
 fn listed_files_that_became_links_or_folders_are_left_alone() {
@@ -415,7 +414,7 @@ fn results_of_other_commands_and_results_without_manifest_are_refused() {
         ResultFolder::open(path, "gonio", &[]),
         "holds results of `verify`",
     );
-    assert!(matches!(error, ResultFolderError::OtherCommand { .. }));
+    assert!(matches!(error, ResultFolderError::OtherResults { .. }));
 
     fs::remove_file(path.join(MANIFEST)).unwrap();
     let summary = serde_json::json!({"schema": 1, "command": "verify", "version": "0.1.0"});
@@ -424,7 +423,7 @@ fn results_of_other_commands_and_results_without_manifest_are_refused() {
         ResultFolder::open(path, "verify", &[]),
         "without the manifest.json",
     );
-    assert!(matches!(error, ResultFolderError::NoManifest { .. }));
+    assert!(matches!(error, ResultFolderError::OtherResults { .. }));
     // A summary.json of anything else is the user's.
     fs::write(path.join("summary.json"), "{\"schema\": 1}").unwrap();
     refused(open(path).check(["summary.json"]), "not written by");
@@ -444,7 +443,7 @@ fn a_folder_with_a_part_of_other_results_is_refused_as_such() {
         ResultFolder::open(&case, "verify", &[]),
         "holds a part of the results of `verify` in",
     );
-    assert!(matches!(error, ResultFolderError::PartOfResults { .. }));
+    assert!(matches!(error, ResultFolderError::OtherResults { .. }));
 }
 
 #[test]

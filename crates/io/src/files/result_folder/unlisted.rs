@@ -9,7 +9,7 @@ use crate::error::ResultFolderError;
 use crate::files::manifest::Manifest;
 use crate::files::text::read_json;
 
-/// Why a folder with results and without a manifest is refused: they may be a part of those in a folder above.
+/// The refusal of a folder with results and without a manifest: they may be a part of those in a folder above.
 pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
     for above in path.ancestors().skip(1) {
@@ -20,17 +20,17 @@ pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
                 .keys()
                 .any(|name| Path::new(name).starts_with(inside))
         {
-            return ResultFolderError::PartOfResults {
-                folder,
-                found: manifest.command,
-                results: above.to_owned(),
-            };
+            let (found, results) = (manifest.command, above.display());
+            let holds = format!("a part of the results of `{found}` in `{results}`");
+            return ResultFolderError::OtherResults { folder, holds };
         }
     }
-    ResultFolderError::NoManifest { folder }
+    let holds =
+        "the summary.json of a run without the manifest.json that lists its files".to_owned();
+    ResultFolderError::OtherResults { folder, holds }
 }
 
-/// Whether `folder` holds a `summary.json` of this program.
+/// Returns `true` if `folder` holds a `summary.json` of this program.
 pub(super) fn has_unlisted_results(folder: &Path) -> bool {
     let Ok(summary) = read_json::<Value>(folder.join("summary.json")) else {
         return false;

@@ -15,7 +15,7 @@ use asperity_surface::{Border, LengthUnit, MissingPolicy, RawHeightMap};
 use super::{read, survive};
 use crate::formats::HeightMapFormat;
 
-/// What the small files hold, the top row first. Not square, no symmetry: a transposition or flip shows.
+/// Heights of the small files, the top row first. Not square, no symmetry: a transposition or flip shows.
 const NUMBERS: [[i32; 4]; 3] = [[1, 2, 4, 8], [16, -3, 7, 9], [11, 13, -5, 6]];
 /// Row and column of the missing point, in files that have one.
 const MISSING: [usize; 2] = [1, 2];
@@ -85,7 +85,7 @@ fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
     bytes[at..at + value.len()].copy_from_slice(value);
 }
 
-/// What a small file shall be read as.
+/// Expected map of a small file.
 struct Expected {
     /// Height of the number 1.
     step: f64,

@@ -3,7 +3,7 @@
 use asperity_surface::{Border, MissingPolicy};
 
 use super::{read, refused};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
 
 fn npy(header: &str, data: &[u8]) -> Vec<u8> {
@@ -25,7 +25,10 @@ fn npy_headers_are_refused_before_allocation() {
     };
     for shape in ["(4000000000, 4000000000)", "(4000000000, 2)"] {
         let error = refused(Npy, &claim(shape), "claims");
-        assert!(matches!(error, ReadError::TooLarge { .. }), "{error}");
+        assert!(
+            matches!(error.problem, ReadProblem::TooLarge { .. }),
+            "{error}"
+        );
     }
     refused(Npy, &claim("(1099511627776, 1099511627776)"), "can hold");
     refused(Npy, &claim("(18446744073709551615, 2)"), "can hold");

@@ -3,14 +3,14 @@
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{read, refused};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
 
 #[test]
 fn text_errors_name_line_and_column() {
     use HeightMapFormat::Text;
-    let at = |text: &str| match refused(Text, text.as_bytes(), "") {
-        ReadError::Text { line, column, .. } => (line, column),
+    let at = |text: &str| match refused(Text, text.as_bytes(), "").problem {
+        ReadProblem::Text { line, column, .. } => (line, column),
         other => panic!("{other}"),
     };
     assert_eq!(at("1 2 3\n4 x5 6\n"), (2, 3));

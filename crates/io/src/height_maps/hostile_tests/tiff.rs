@@ -7,7 +7,7 @@ use ::tiff::tags::Tag;
 use asperity_surface::LengthUnit;
 
 use super::{read, refused};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat::Tiff;
 
 const HEIGHTS: [f32; 6] = [10.0, 11.5, -9999.0, 12.0, 13.25, 14.0];
@@ -239,8 +239,8 @@ fn claims_are_checked_before_memory_is_taken() {
         let error = read(Tiff, &huge).unwrap_err();
         assert!(
             matches!(
-                error,
-                ReadError::TooLarge { .. } | ReadError::Malformed { .. }
+                error.problem,
+                ReadProblem::TooLarge { .. } | ReadProblem::Malformed(_)
             ),
             "{error}"
         );

@@ -7,28 +7,28 @@
 use super::bytes::{Bytes, Raster};
 use super::fields::Fields;
 use super::measured::{Length, METRE, Measured};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 
-/// Where the first tag begins, and the size of a tag.
+/// Offset of the first tag, and the size of a tag.
 const TAGS: usize = 17;
 const TAG: usize = 52;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let tags = tags(file)?;
-    let [columns, rows] = [tags.whole(file, "Cols")?, tags.whole(file, "Rows")?];
-    let pixel = |name| -> Result<Length, ReadError> {
-        let value = tags.number(file, name)?;
+    let [columns, rows] = [tags.whole("Cols")?, tags.whole("Rows")?];
+    let pixel = |name| -> Result<Length, ReadProblem> {
+        let value = tags.number(name)?;
         Ok(Length { value, unit: METRE })
     };
     let spacing = [pixel("PixelSizeXMeter")?, pixel("PixelSizeYMeter")?];
-    let at = tags.whole(file, "DepthImageOffset")?;
+    let at = tags.whole("DepthImageOffset")?;
     if at == 0 {
-        return Err(file.unsupported("it has no depth image"));
+        return Err(ReadProblem::unsupported("it has no depth image"));
     }
     let invalid = match tags.get("InvalidPixelValue") {
         None | Some("") => None,
-        Some(_) => Some(tags.number(file, "InvalidPixelValue")?),
+        Some(_) => Some(tags.number("InvalidPixelValue")?),
     };
     file.check_shape([rows, columns])?;
     let mut heights = file.samples(&Raster {
@@ -58,7 +58,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         shape: [rows, columns],
         spacing: Some(spacing),
         notes: file
-            .note_on_end(end_of_texture(file, &tags))
+            .note_on_end(end_of_texture(&tags))
             .into_iter()
             .collect(),
     })
@@ -66,8 +66,8 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
 
 /// End of the texture image behind the depth image, in bytes from the start of the file; 0 without one. It has one byte per point and
 /// plane, rows padded like those of the depth image.
-fn end_of_texture(file: &Bytes<'_>, tags: &Fields) -> u64 {
-    let whole = |name| tags.whole(file, name).ok();
+fn end_of_texture(tags: &Fields) -> u64 {
+    let whole = |name| tags.whole(name).ok();
     let counts = ["TextureImageOffset", "NumberOfPlanes", "Rows", "Cols"].map(whole);
     let [Some(at), Some(planes), Some(rows), Some(columns)] = counts else {
         return 0;
@@ -80,12 +80,15 @@ fn end_of_texture(file: &Bytes<'_>, tags: &Fields) -> u64 {
     at.saturating_add(size)
 }
 
-fn tags(file: &Bytes<'_>) -> Result<Fields, ReadError> {
+fn tags(file: &Bytes<'_>) -> Result<Fields, ReadProblem> {
     let mut tags = Fields::default();
-    let read = |tags: &mut Fields, k: usize| -> Result<(), ReadError> {
+    let read = |tags: &mut Fields, k: usize| -> Result<(), ReadProblem> {
         let at = TAGS + TAG * k;
         if file.part(at + 50, 2)? != b"\r\n" {
-            return Err(file.malformed(format_args!("its tag {} does not end in CR LF", k + 1)));
+            return Err(ReadProblem::malformed(format_args!(
+                "its tag {} does not end in CR LF",
+                k + 1
+            )));
         }
         tags.insert(&file.text(at, 20)?, &file.text(at + 20, 30)?);
         Ok(())
@@ -93,11 +96,13 @@ fn tags(file: &Bytes<'_>) -> Result<Fields, ReadError> {
     for k in 0..2 {
         read(&mut tags, k)?;
     }
-    let version = tags.whole(file, "Version")?;
+    let version = tags.whole("Version")?;
     if version != 1 {
-        return Err(file.unsupported(format_args!("its version is {version}, but 1 is needed")));
+        return Err(ReadProblem::unsupported(format_args!(
+            "its version is {version}, but 1 is needed"
+        )));
     }
-    let count = tags.whole(file, "TagCount")?;
+    let count = tags.whole("TagCount")?;
     for k in 0..usize::try_from(count).unwrap_or(usize::MAX) {
         read(&mut tags, 2 + k)?;
     }

@@ -8,7 +8,7 @@
 use super::bytes::{ByteOrder, Bytes, Raster, latin_1};
 use super::fields::{Fields, refuse};
 use super::measured::{Length, Measured, unit_of_length};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 
@@ -20,16 +20,13 @@ const MAX_HEADER: u64 = 1 << 16;
 const MISSING_WHOLE: f64 = 32767.0;
 const MISSING_SINGLE: f64 = 1.7e38;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let encoding = Encoding::of(file.all);
-    let size = header_size(file, &encoding.fields(file, DEFAULT_HEADER)?)?;
+    let size = header_size(&encoding.fields(file, DEFAULT_HEADER)?)?;
     let fields = encoding.fields(file, size)?;
-    let scale = HeightScale::of(file, &fields)?;
-    let shape = [
-        fields.whole(file, "ypixels")?,
-        fields.whole(file, "xpixels")?,
-    ];
-    let spacing = spacing(file, &fields, shape)?;
+    let scale = HeightScale::of(&fields)?;
+    let shape = [fields.whole("ypixels")?, fields.whole("xpixels")?];
+    let spacing = spacing(&fields, shape)?;
 
     let order = match fields.get("intelmode") {
         Some("0") => ByteOrder::Big,
@@ -51,28 +48,28 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
 }
 
 /// Characters of the header.
-fn header_size(file: &Bytes<'_>, fields: &Fields) -> Result<usize, ReadError> {
+fn header_size(fields: &Fields) -> Result<usize, ReadProblem> {
     let Some(text) = fields.get("headersize") else {
         return Ok(DEFAULT_HEADER);
     };
-    let size = fields.whole(file, "headersize")?;
+    let size = fields.whole("headersize")?;
     if size > MAX_HEADER {
-        return Err(refuse(file, "headersize", text, "at most 65536"));
+        return Err(refuse("headersize", text, "at most 65536"));
     }
     Ok(size as usize)
 }
 
 /// The unit that the field `name` states.
-fn unit(file: &Bytes<'_>, fields: &Fields, name: &str) -> Result<PowerOfMetre, ReadError> {
-    unit_of_length(file, name, fields.get(name).unwrap_or("nm"))
+fn unit(fields: &Fields, name: &str) -> Result<PowerOfMetre, ReadProblem> {
+    unit_of_length(name, fields.get(name).unwrap_or("nm"))
 }
 
 /// Extents over counts.
-fn spacing(file: &Bytes<'_>, fields: &Fields, shape: [u64; 2]) -> Result<[Length; 2], ReadError> {
-    let axis = |extent, unit_name, count: u64| -> Result<Length, ReadError> {
+fn spacing(fields: &Fields, shape: [u64; 2]) -> Result<[Length; 2], ReadProblem> {
+    let axis = |extent, unit_name, count: u64| -> Result<Length, ReadProblem> {
         Ok(Length {
-            value: fields.number(file, extent)? / count as f64,
-            unit: unit(file, fields, unit_name)?,
+            value: fields.number(extent)? / count as f64,
+            unit: unit(fields, unit_name)?,
         })
     };
     let [ny, nx] = shape;
@@ -89,21 +86,21 @@ struct HeightScale {
 }
 
 impl HeightScale {
-    fn of(file: &Bytes<'_>, fields: &Fields) -> Result<Self, ReadError> {
-        let format = fields.text(file, "fileformat")?;
+    fn of(fields: &Fields) -> Result<Self, ReadProblem> {
+        let format = fields.text("fileformat")?;
         let (kind, missing) = match format.trim_end_matches("_unicode") {
             "bcrstm" => (SampleKind::I16, MISSING_WHOLE),
             "bcrf" => (SampleKind::F32, MISSING_SINGLE),
-            _ => return Err(refuse(file, "fileformat", format, "bcrstm or bcrf")),
+            _ => return Err(refuse("fileformat", format, "bcrstm or bcrf")),
         };
         let has_step = kind == SampleKind::I16 && fields.get("bit2nm").is_some();
         Ok(Self {
             kind,
             step: match has_step {
-                true => fields.number(file, "bit2nm")?,
+                true => fields.number("bit2nm")?,
                 false => 1.0,
             },
-            unit: unit(file, fields, "zunit")?,
+            unit: unit(fields, "zunit")?,
             missing,
         })
     }
@@ -118,7 +115,7 @@ impl HeightScale {
     }
 }
 
-/// How the letters of the header are written.
+/// Encoding of the text of the header.
 #[derive(Clone, Copy, PartialEq)]
 enum Encoding {
     Latin1,
@@ -143,7 +140,7 @@ impl Encoding {
     }
 
     /// The fields in the first `size` characters.
-    fn fields(self, file: &Bytes<'_>, size: usize) -> Result<Fields, ReadError> {
+    fn fields(self, file: &Bytes<'_>, size: usize) -> Result<Fields, ReadProblem> {
         let bytes = file.part(0, size * self.width())?;
         let text = match self {
             Self::Latin1 => latin_1(bytes),

@@ -2,7 +2,7 @@
 //!
 //! Little endian. A header of 512 bytes, a comment and a private zone, then whole numbers of 16 or 32 bits, row by
 //! row from the top; in a compressed file a table of streams in their place. Heights are `number * dz + offset`.
-//! Where the header says that points are missing, they are the least number that it states, less 2.
+//! Missing points, if the header says that there are some, are the least number that it states, less 2.
 
 use std::io::Read;
 
@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 
 use super::bytes::{Bytes, Raster};
 use super::measured::{Length, Measured, reverse_rows, unit_of_length};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::limits::{COMPRESSION_LIMIT, check_packed_claim, room};
@@ -22,7 +22,7 @@ const MAX_STREAMS: u32 = 1024;
 /// Kinds of content that begin with a surface. Gwyddion calls its surfaces profiles, which is 1.
 const SURFACES: [u16; 6] = [1, 2, 5, 8, 11, 16];
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let header = Header::read(file)?;
     let mut heights = match header.is_compressed {
         true => unpacked(file, &header.raster)?,
@@ -44,7 +44,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     })
 }
 
-/// What the header states.
+/// Statements of the header.
 struct Header {
     is_compressed: bool,
     objects: u16,
@@ -55,11 +55,11 @@ struct Header {
 }
 
 impl Header {
-    fn read(file: &Bytes<'_>) -> Result<Self, ReadError> {
+    fn read(file: &Bytes<'_>) -> Result<Self, ReadProblem> {
         file.check_header(HEADER)?;
         check_kind(file)?;
-        let unit = |what: &str, at| unit_of_length(file, what, &file.text(at, 16)?);
-        let axis = |what: &str, step_at, unit_at| -> Result<Length, ReadError> {
+        let unit = |what: &str, at| unit_of_length(what, &file.text(at, 16)?);
+        let axis = |what: &str, step_at, unit_at| -> Result<Length, ReadProblem> {
             Ok(Length {
                 value: file.f32(step_at)?,
                 unit: unit(what, unit_at)?,
@@ -88,34 +88,36 @@ impl Header {
 }
 
 /// Refuses other versions and what is no surface.
-fn check_kind(file: &Bytes<'_>) -> Result<(), ReadError> {
+fn check_kind(file: &Bytes<'_>) -> Result<(), ReadProblem> {
     let [version, content] = [file.u16(16)?, file.u16(18)?];
     if version != 1 {
-        return Err(file.unsupported(format_args!("its version is {version}, but 1 is needed")));
+        return Err(ReadProblem::unsupported(format_args!(
+            "its version is {version}, but 1 is needed"
+        )));
     }
     if !SURFACES.contains(&content) {
-        return Err(file.unsupported(format_args!(
+        return Err(ReadProblem::unsupported(format_args!(
             "its content is of type {content}, but a surface is needed (types 1, 2, 5, 8, 11 and 16)"
         )));
     }
     Ok(())
 }
 
-fn kind_of_numbers(file: &Bytes<'_>) -> Result<SampleKind, ReadError> {
+fn kind_of_numbers(file: &Bytes<'_>) -> Result<SampleKind, ReadProblem> {
     match file.u16(98)? {
         16 => Ok(SampleKind::I16),
         32 => Ok(SampleKind::I32),
-        bits => Err(file.malformed(format_args!(
+        bits => Err(ReadProblem::malformed(format_args!(
             "its numbers have {bits} bits, but 16 or 32 are needed"
         ))),
     }
 }
 
 /// A number of rows or columns.
-fn count(file: &Bytes<'_>, what: &str, at: usize) -> Result<u64, ReadError> {
+fn count(file: &Bytes<'_>, what: &str, at: usize) -> Result<u64, ReadProblem> {
     let number = file.i32(at)?;
     u64::try_from(number).map_err(|_| {
-        file.malformed(format_args!(
+        ReadProblem::malformed(format_args!(
             "its number of {what} is {number}, which is negative"
         ))
     })
@@ -164,19 +166,19 @@ fn turn_back(inversion: u16, columns: usize, heights: &mut [f64]) -> Option<Stri
 }
 
 /// The numbers of a compressed file.
-fn unpacked(file: &Bytes<'_>, raster: &Raster) -> Result<Vec<f64>, ReadError> {
+fn unpacked(file: &Bytes<'_>, raster: &Raster) -> Result<Vec<f64>, ReadProblem> {
     let [ny, nx] = raster.shape;
     let width = raster.kind.bytes() as u64;
     file.check_shape(raster.shape)?;
-    check_packed_claim(file.path, raster.shape, width, file.all.len() as u64)?;
+    check_packed_claim(raster.shape, width, file.all.len() as u64)?;
     let count = file.u32(raster.at)?;
     if count > MAX_STREAMS {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "it claims {count} compressed streams, but {MAX_STREAMS} are allowed"
         )));
     }
     let needed = nx * ny * width;
-    let mut bytes: Vec<u8> = room(file.path, needed, 1)?;
+    let mut bytes: Vec<u8> = room(needed, 1)?;
     let mut at = raster.at + 4 + 8 * count as usize;
     for k in 0..count as usize {
         let entry = raster.at + 4 + 8 * k;
@@ -185,7 +187,7 @@ fn unpacked(file: &Bytes<'_>, raster: &Raster) -> Result<Vec<f64>, ReadError> {
         let total = bytes.len() as u64 + u64::from(plain);
         if total > needed || u64::from(plain) > u64::from(packed).saturating_mul(COMPRESSION_LIMIT)
         {
-            return Err(file.malformed(format_args!(
+            return Err(ReadProblem::malformed(format_args!(
                 "its compressed stream {} claims {plain} bytes, which is more than it can hold or than its {nx} x {ny} numbers need",
                 k + 1
             )));
@@ -195,17 +197,20 @@ fn unpacked(file: &Bytes<'_>, raster: &Raster) -> Result<Vec<f64>, ReadError> {
             .take(u64::from(plain) + 1)
             .read_to_end(&mut bytes);
         if decoded.is_err() || bytes.len() as u64 != total {
-            return Err(file.malformed(format_args!("its compressed stream {} is damaged", k + 1)));
+            return Err(ReadProblem::malformed(format_args!(
+                "its compressed stream {} is damaged",
+                k + 1
+            )));
         }
         at += packed as usize;
     }
     if (bytes.len() as u64) < needed {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its compressed streams hold {} bytes, but {nx} x {ny} numbers of {width} bytes need {needed}",
             bytes.len()
         )));
     }
-    let mut heights = room(file.path, nx, ny)?;
+    let mut heights = room(nx, ny)?;
     raster.kind.decode(&bytes, false, &mut heights);
     Ok(heights)
 }

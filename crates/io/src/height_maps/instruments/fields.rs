@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::bytes::Bytes;
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::text_lines::short;
 
 /// Fields by their names in lower case; the last of several of one name.
@@ -34,29 +33,30 @@ impl Fields {
     }
 
     /// The value of a field that is needed.
-    pub(super) fn text(&self, file: &Bytes<'_>, name: &str) -> Result<&str, ReadError> {
-        self.get(name)
-            .ok_or_else(|| file.malformed(format_args!("its header lacks the field `{name}`")))
+    pub(super) fn text(&self, name: &str) -> Result<&str, ReadProblem> {
+        self.get(name).ok_or_else(|| {
+            ReadProblem::malformed(format_args!("its header lacks the field `{name}`"))
+        })
     }
 
     /// A whole number, not negative.
-    pub(super) fn whole(&self, file: &Bytes<'_>, name: &str) -> Result<u64, ReadError> {
-        let text = self.text(file, name)?;
+    pub(super) fn whole(&self, name: &str) -> Result<u64, ReadProblem> {
+        let text = self.text(name)?;
         text.parse()
-            .map_err(|_| refuse(file, name, text, "a whole number"))
+            .map_err(|_| refuse(name, text, "a whole number"))
     }
 
     /// A finite number.
-    pub(super) fn number(&self, file: &Bytes<'_>, name: &str) -> Result<f64, ReadError> {
-        let text = self.text(file, name)?;
+    pub(super) fn number(&self, name: &str) -> Result<f64, ReadProblem> {
+        let text = self.text(name)?;
         let number = text.parse().ok().filter(|x: &f64| x.is_finite());
-        number.ok_or_else(|| refuse(file, name, text, "a number"))
+        number.ok_or_else(|| refuse(name, text, "a number"))
     }
 }
 
 /// The error for a value that is not what it must be.
-pub(super) fn refuse(file: &Bytes<'_>, name: &str, value: &str, needed: &str) -> ReadError {
-    file.malformed(format_args!(
+pub(super) fn refuse(name: &str, value: &str, needed: &str) -> ReadProblem {
+    ReadProblem::malformed(format_args!(
         "the field `{name}` of its header is `{}`, but {needed} is needed",
         short(value)
     ))

@@ -12,16 +12,18 @@ use std::collections::BTreeMap;
 use self::items::{Item, Items};
 use super::bytes::{Bytes, Raster};
 use super::measured::{Length, Measured, note_on_channels, unit_of_length};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 
 /// Above this a mask marks a point.
 const MASKED: f64 = 0.5;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     if file.all.starts_with(b"GWYO") {
-        return Err(file.unsupported("it is of version 1 of Gwyddion; save it with a later one"));
+        return Err(ReadProblem::unsupported(
+            "it is of version 1 of Gwyddion; save it with a later one",
+        ));
     }
     let channels = channels(file)?;
     let fields: Vec<&Channel> = channels
@@ -42,7 +44,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         ["height", "topo"].iter().any(|word| title.contains(word))
     };
     let Some((chosen, field)) = lengths.iter().find(is_titled).or(lengths.first()) else {
-        return Err(file.unsupported(format_args!(
+        return Err(ReadProblem::unsupported(format_args!(
             "none of its {} channels holds heights in a unit of length",
             names.len()
         )));
@@ -51,7 +53,9 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     let mut notes: Vec<String> = note_on_channels(*chosen, &names).into_iter().collect();
     if let Some(mask) = &fields[*chosen].mask {
         if mask.shape != field.shape {
-            return Err(file.malformed("its mask has another size than its heights"));
+            return Err(ReadProblem::malformed(
+                "its mask has another size than its heights",
+            ));
         }
         let mut marked = 0;
         for (height, mark) in heights.iter_mut().zip(mask.samples(file)?) {
@@ -64,7 +68,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
             "its mask is of {marked} points, which are taken for missing"
         ));
     }
-    let unit = unit_of_length(file, "x and y", &field.lateral_unit)?;
+    let unit = unit_of_length("x and y", &field.lateral_unit)?;
     let [ny, nx] = field.shape.map(|n| n as f64);
     let spacing = [field.extent[0] / nx, field.extent[1] / ny];
     Ok(Measured {
@@ -76,7 +80,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     })
 }
 
-/// What stands under one number.
+/// Items under one channel number.
 struct Channel {
     title: String,
     data: Option<DataField>,
@@ -84,7 +88,7 @@ struct Channel {
 }
 
 /// The channels by their numbers.
-fn channels(file: &Bytes<'_>) -> Result<BTreeMap<u32, Channel>, ReadError> {
+fn channels(file: &Bytes<'_>) -> Result<BTreeMap<u32, Channel>, ReadProblem> {
     let mut channels: BTreeMap<u32, Channel> = BTreeMap::new();
     let mut items = Items::of_file(file)?;
     while let Some((name, item)) = items.next()? {
@@ -99,8 +103,8 @@ fn channels(file: &Bytes<'_>) -> Result<BTreeMap<u32, Channel>, ReadError> {
             mask: None,
         });
         match (kind, item) {
-            ("data", Item::Object(inside)) => channel.data = DataField::read(file, inside)?,
-            ("mask", Item::Object(inside)) => channel.mask = DataField::read(file, inside)?,
+            ("data", Item::Object(inside)) => channel.data = DataField::read(inside)?,
+            ("mask", Item::Object(inside)) => channel.mask = DataField::read(inside)?,
             ("data/title", Item::Text(title)) => channel.title = title,
             _ => {}
         }
@@ -122,7 +126,7 @@ struct DataField {
 
 impl DataField {
     /// `None` if the object is not a `GwyDataField`, or states no size.
-    fn read(file: &Bytes<'_>, mut items: Items<'_>) -> Result<Option<Self>, ReadError> {
+    fn read(mut items: Items<'_>) -> Result<Option<Self>, ReadProblem> {
         if items.object != "GwyDataField" {
             return Ok(None);
         }
@@ -144,7 +148,7 @@ impl DataField {
             }
         }
         let Some(data) = data else {
-            return Err(file.malformed("a data field has no numbers"));
+            return Err(ReadProblem::malformed("a data field has no numbers"));
         };
         Ok(Some(Self {
             shape,
@@ -155,11 +159,11 @@ impl DataField {
         }))
     }
 
-    fn samples(&self, file: &Bytes<'_>) -> Result<Vec<f64>, ReadError> {
+    fn samples(&self, file: &Bytes<'_>) -> Result<Vec<f64>, ReadProblem> {
         let (at, count) = self.data;
         let [ny, nx] = self.shape;
         if ny.checked_mul(nx) != Some(count) {
-            return Err(file.malformed(format_args!(
+            return Err(ReadProblem::malformed(format_args!(
                 "a data field has {count} numbers, but {nx} x {ny} are needed"
             )));
         }
@@ -172,7 +176,7 @@ impl DataField {
 }
 
 /// The text of a unit.
-fn unit(mut items: Items<'_>) -> Result<String, ReadError> {
+fn unit(mut items: Items<'_>) -> Result<String, ReadProblem> {
     let mut unit = String::new();
     while let Some((name, item)) = items.next()? {
         if let ("unitstr", Item::Text(text)) = (name.as_str(), item) {

@@ -2,8 +2,7 @@
 
 use asperity_surface::RawHeightMap;
 
-use super::bytes::Bytes;
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::text_lines::short;
 
@@ -33,7 +32,7 @@ pub(crate) struct Measured {
 
 impl Measured {
     /// The map, with all lengths in the unit of the spacing along x.
-    pub(super) fn into_map(mut self, file: &Bytes<'_>) -> Result<RawHeightMap, ReadError> {
+    pub(super) fn into_map(mut self) -> Result<RawHeightMap, ReadProblem> {
         let unit = match self.spacing {
             Some([dx, _]) => dx.unit.kept_as(),
             None => self.height_unit.kept_as(),
@@ -53,8 +52,7 @@ impl Measured {
             }
         }
         let shape = self.shape.map(|n| usize::try_from(n).unwrap_or(usize::MAX));
-        let mut map = RawHeightMap::new(self.heights, shape, spacing)
-            .map_err(ReadError::surface(file.path))?;
+        let mut map = RawHeightMap::new(self.heights, shape, spacing)?;
         if self.spacing.is_none() {
             map = map.with_assumed_spacing();
             self.notes.push(
@@ -69,13 +67,9 @@ impl Measured {
 }
 
 /// The unit of length that a file names; `what` says of what.
-pub(super) fn unit_of_length(
-    file: &Bytes<'_>,
-    what: &str,
-    text: &str,
-) -> Result<PowerOfMetre, ReadError> {
+pub(super) fn unit_of_length(what: &str, text: &str) -> Result<PowerOfMetre, ReadProblem> {
     length_unit(text).ok_or_else(|| {
-        file.unsupported(format_args!(
+        ReadProblem::unsupported(format_args!(
             "the unit of {what} is `{}`, but a unit of length is needed",
             short(text)
         ))
@@ -100,7 +94,7 @@ pub(super) fn reverse_rows(heights: &mut [f64], nx: usize) {
     }
 }
 
-/// What is read of a file of several channels, and what is not.
+/// Note on the channel that is read of a file of several, and on those that are not.
 pub(super) fn note_on_channels(chosen: usize, names: &[String]) -> Option<String> {
     let others: Vec<String> = (0..names.len())
         .filter(|k| *k != chosen)

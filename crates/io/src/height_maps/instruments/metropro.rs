@@ -6,7 +6,7 @@
 
 use super::bytes::{ByteOrder, Bytes, Raster};
 use super::measured::{Length, METRE, Measured};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 
 /// Length of the shortest header.
@@ -14,7 +14,7 @@ const HEADER: usize = 834;
 /// Least number of a missing point.
 const MISSING: f64 = 2_147_483_640.0;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let file = &file.in_order(ByteOrder::Big);
     file.check_header(HEADER)?;
     let raster = raster(file)?;
@@ -48,16 +48,18 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
 }
 
 /// The phase, which follows the header and the intensities.
-fn raster(file: &Bytes<'_>) -> Result<Raster, ReadError> {
+fn raster(file: &Bytes<'_>) -> Result<Raster, ReadProblem> {
     let header = file.u32(6)? as usize;
     let intensity = file.u32(60)? as usize;
     let [columns, rows] = [file.u16(68)?, file.u16(70)?].map(u64::from);
     let size = u64::from(file.u32(72)?);
     if size == 0 {
-        return Err(file.unsupported("it holds intensities, but no heights"));
+        return Err(ReadProblem::unsupported(
+            "it holds intensities, but no heights",
+        ));
     }
     if size != columns * rows * 4 {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its heights take {size} bytes, but {columns} x {rows} numbers of 4 bytes are needed"
         )));
     }
@@ -69,13 +71,13 @@ fn raster(file: &Bytes<'_>) -> Result<Raster, ReadError> {
 }
 
 /// Metres for each step of the phase.
-fn height_step(file: &Bytes<'_>) -> Result<f64, ReadError> {
+fn height_step(file: &Bytes<'_>) -> Result<f64, ReadProblem> {
     let resolution = match file.i16(218)? {
         0 => 4096.0,
         1 => 32768.0,
         2 => 131_072.0,
         other => {
-            return Err(file.unsupported(format_args!(
+            return Err(ReadProblem::unsupported(format_args!(
                 "the resolution of its phase is of type {other}, but 0, 1 or 2 is needed"
             )));
         }
@@ -85,7 +87,7 @@ fn height_step(file: &Bytes<'_>) -> Result<f64, ReadError> {
     if step.is_finite() && step != 0.0 {
         return Ok(step);
     }
-    Err(file.malformed(format_args!(
+    Err(ReadProblem::malformed(format_args!(
         "its scale factor {scale}, obliquity {obliquity} and wavelength {wavelength} m give no height"
     )))
 }

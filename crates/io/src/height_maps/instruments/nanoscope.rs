@@ -14,14 +14,14 @@ use super::bytes::{Bytes, Raster};
 use super::measured::{
     Length, Measured, length_unit, note_on_channels, reverse_rows, unit_of_length,
 };
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::text_lines::short;
 
 /// From this version on numbers have 32 bits, and `Bytes/pixel` is of the scale alone.
 const VERSION_OF_32_BITS: u32 = 0x0920_0000;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let header = Header::read(file)?;
     let channels: Vec<&Section> = header.channels().collect();
     let names: Vec<String> = channels
@@ -30,14 +30,14 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         .collect();
     let mut found = None;
     for (k, channel) in channels.iter().enumerate() {
-        if let Some(scale) = HeightScale::of(file, &header, channel)? {
+        if let Some(scale) = HeightScale::of(&header, channel)? {
             found = Some((k, scale));
             break;
         }
     }
     let Some((chosen, scale)) = found else {
         let listed: Vec<String> = names.iter().map(|name| short(name)).collect();
-        return Err(file.unsupported(format_args!(
+        return Err(ReadProblem::unsupported(format_args!(
             "none of its channels ({}) holds heights in a unit of length",
             listed.join(", ")
         )));
@@ -47,7 +47,7 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         spacing,
         kind,
         at,
-    } = Layout::of(file, &header, channels[chosen])?;
+    } = Layout::of(&header, channels[chosen])?;
     let mut heights = file.samples(&Raster { shape, kind, at })?;
     for height in &mut heights {
         *height *= scale.step;
@@ -60,12 +60,12 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         spacing: Some(spacing),
         notes: note_on_channels(chosen, &names)
             .into_iter()
-            .chain(file.note_on_end(header.end_of_channels(file)))
+            .chain(file.note_on_end(header.end_of_channels()))
             .collect(),
     })
 }
 
-/// Where the numbers of a channel are, and how far apart.
+/// Place of the numbers of a channel in the file, and their spacing on the surface.
 struct Layout {
     shape: [u64; 2],
     spacing: [Length; 2],
@@ -74,17 +74,17 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(file: &Bytes<'_>, header: &Header, channel: &Section) -> Result<Self, ReadError> {
+    fn of(header: &Header, channel: &Section) -> Result<Self, ReadProblem> {
         let fields = &channel.fields;
         let own = [
-            fields.whole(file, "Number of lines")?,
-            fields.whole(file, "Samps/line")?,
+            fields.whole("Number of lines")?,
+            fields.whole("Samps/line")?,
         ];
-        let length = fields.whole(file, "Data length")?;
-        let at = fields.whole(file, "Data offset")?;
+        let length = fields.whole("Data length")?;
+        let at = fields.whole("Data offset")?;
         let bytes_of =
             |shape: [u64; 2], each: u64| shape[0].checked_mul(shape[1])?.checked_mul(each);
-        let mut width = scale::bytes_per_pixel(file, channel)?;
+        let mut width = scale::bytes_per_pixel(channel)?;
         if header.version >= VERSION_OF_32_BITS && bytes_of(own, 4).is_some_and(|n| length >= n) {
             width = 4;
         }
@@ -101,20 +101,20 @@ impl Layout {
             .filter(|shape| !fits(own) && fits(*shape))
             .unwrap_or(own);
         if bytes_of(shape, width).is_none_or(|needed| needed > length) {
-            return Err(file.malformed(format_args!(
+            return Err(ReadProblem::malformed(format_args!(
                 "its channel `{}` has {length} bytes, but {} x {} numbers of {width} bytes are needed",
                 short(&channel.channel_name()),
                 shape[1],
                 shape[0]
             )));
         }
-        let [size_x, size_y] = scan_size(file, fields.text(file, "Scan size")?)?;
+        let [size_x, size_y] = scan_size(fields.text("Scan size")?)?;
         let mut spacing = [size_x.over(own[1]), size_y.over(own[0])];
         // The size along the slow axis, where stated, is that of the whole scan, which may have been stopped
         if let (Some(fast), Some(slow)) = (header.scan("Scan size"), header.scan("Slow axis size"))
         {
-            let [fast, _] = scan_size(file, fast)?;
-            let [slow, _] = scan_size(file, slow)?;
+            let [fast, _] = scan_size(fast)?;
+            let [slow, _] = scan_size(slow)?;
             let whole = of_scan.map_or(shape[0], |of_scan| of_scan[0].max(shape[0]));
             spacing = [fast.over(shape[1]), slow.over(whole)];
         }
@@ -141,7 +141,7 @@ impl Length {
 }
 
 /// `500 500 nm` or, of a square, `500 nm`.
-fn scan_size(file: &Bytes<'_>, text: &str) -> Result<[Length; 2], ReadError> {
+fn scan_size(text: &str) -> Result<[Length; 2], ReadProblem> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let number = |word: &str| word.parse::<f64>().ok();
     let (sizes, unit) = match words[..] {
@@ -150,14 +150,14 @@ fn scan_size(file: &Bytes<'_>, text: &str) -> Result<[Length; 2], ReadError> {
         _ => ([None; 2], ""),
     };
     let [Some(x), Some(y)] = sizes else {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its scan size is `{}`, but one or two numbers and a unit are needed",
             short(text)
         )));
     };
     let unit = match length_unit(unit) {
         Some(unit) => unit,
-        None => unit_of_length(file, "the scan size", unit)?,
+        None => unit_of_length("the scan size", unit)?,
     };
     Ok([x, y].map(|value| Length { value, unit }))
 }

@@ -8,7 +8,7 @@
 use super::bytes::{Bytes, Raster, latin_1};
 use super::fields::Fields;
 use super::measured::{Length, METRE, Measured};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::limits::{check_claim, room};
 use crate::text_lines::short;
@@ -18,7 +18,7 @@ const MARK: usize = 8;
 /// Longest header of a text file.
 const MAX_HEADER: usize = 1 << 16;
 
-/// What both kinds of file state.
+/// Header of text files and of binary files.
 struct Header {
     shape: [u64; 2],
     steps: [f64; 3],
@@ -33,13 +33,13 @@ struct Content {
     notes: Vec<String>,
 }
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let mark = file.text(0, MARK)?;
     let wide = match &mark[1..] {
         "ISO-1.0" | "BCR-1.0" => false,
         "ISO-2.0" => true,
         _ => {
-            return Err(file.unsupported(format_args!(
+            return Err(ReadProblem::unsupported(format_args!(
                 "it begins with `{}`, but ISO-1.0, ISO-2.0 and BCR-1.0 are read",
                 short(&mark)
             )));
@@ -56,7 +56,9 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
     };
     let [dx, dy, dz] = header.steps;
     if !(dz.is_finite() && dz != 0.0) {
-        return Err(file.malformed(format_args!("its Zscale is {dz}, which gives no height")));
+        return Err(ReadProblem::malformed(format_args!(
+            "its Zscale is {dz}, which gives no height"
+        )));
     }
     for height in &mut heights {
         *height *= dz;
@@ -71,14 +73,11 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
 }
 
 /// A text file.
-fn text(file: &Bytes<'_>) -> Result<Content, ReadError> {
+fn text(file: &Bytes<'_>) -> Result<Content, ReadProblem> {
     let after_mark = &file.all[MARK..];
     let searched = &after_mark[..after_mark.len().min(MAX_HEADER)];
     let Some(end) = searched.iter().position(|byte| *byte == b'*') else {
-        return Err(ReadError::truncated(
-            file.path,
-            "its header does not end in `*`",
-        ));
+        return Err(ReadProblem::truncated("its header does not end in `*`"));
     };
     let header = Header::of_fields(file, &Fields::of_lines(&latin_1(&searched[..end]), &[]))?;
     let data = &after_mark[end + 1..];
@@ -86,10 +85,7 @@ fn text(file: &Bytes<'_>) -> Result<Content, ReadError> {
     let heights = numbers(file, header.shape, &data[..end.unwrap_or(data.len())])?;
     // The last number of a file that ends without `*` may be cut
     let Some(end) = end else {
-        return Err(ReadError::truncated(
-            file.path,
-            "its numbers do not end in `*`",
-        ));
+        return Err(ReadProblem::truncated("its numbers do not end in `*`"));
     };
     let trailer = data[end + 1..].trim_ascii();
     let is_cut = !trailer.is_empty() && !trailer.ends_with(b"*");
@@ -102,41 +98,40 @@ fn text(file: &Bytes<'_>) -> Result<Content, ReadError> {
 }
 
 /// The numbers in a text, as many as the grid needs.
-fn numbers(file: &Bytes<'_>, shape: [u64; 2], text: &[u8]) -> Result<Vec<f64>, ReadError> {
+fn numbers(file: &Bytes<'_>, shape: [u64; 2], text: &[u8]) -> Result<Vec<f64>, ReadProblem> {
     // A digit and a separator are the least size of a number
-    check_claim(file.path, shape, 2, file.all.len() as u64)?;
+    check_claim(shape, 2, file.all.len() as u64)?;
     let [ny, nx] = shape;
     let needed = ny * nx;
-    let mut numbers = room(file.path, nx, ny)?;
+    let mut numbers = room(nx, ny)?;
     let mut count = 0;
     let words = text.split(u8::is_ascii_whitespace);
     for word in words.filter(|word| !word.is_empty()) {
         count += 1;
         if count <= needed {
-            numbers.push(number(file, word)?);
+            numbers.push(number(word)?);
         }
     }
     if count < needed {
-        return Err(ReadError::truncated(
-            file.path,
-            format_args!("{nx} x {ny} numbers were expected, but only {count} numbers are there"),
-        ));
+        return Err(ReadProblem::truncated(format_args!(
+            "{nx} x {ny} numbers were expected, but only {count} numbers are there"
+        )));
     }
     if count > needed {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "{count} numbers were found, but {nx} x {ny} are needed"
         )));
     }
     Ok(numbers)
 }
 
-fn number(file: &Bytes<'_>, word: &[u8]) -> Result<f64, ReadError> {
+fn number(word: &[u8]) -> Result<f64, ReadProblem> {
     if word.eq_ignore_ascii_case(b"bad") {
         return Ok(f64::NAN);
     }
     let text = latin_1(word);
     text.parse().map_err(|_| {
-        file.malformed(format_args!(
+        ReadProblem::malformed(format_args!(
             "`{}` was found among its heights, but a number or BAD is needed",
             short(&text)
         ))
@@ -144,7 +139,7 @@ fn number(file: &Bytes<'_>, word: &[u8]) -> Result<f64, ReadError> {
 }
 
 /// A binary file, whose counts have 32 bits if `wide`, else 16.
-fn binary(file: &Bytes<'_>, wide: bool) -> Result<Content, ReadError> {
+fn binary(file: &Bytes<'_>, wide: bool) -> Result<Content, ReadProblem> {
     const COUNTS: usize = 42;
     let (columns, rows, at) = if wide {
         (file.u32(COUNTS)?, file.u32(COUNTS + 4)?, COUNTS + 8)
@@ -188,33 +183,30 @@ fn binary(file: &Bytes<'_>, wide: bool) -> Result<Content, ReadError> {
 
 impl Header {
     /// The header of a text file.
-    fn of_fields(file: &Bytes<'_>, fields: &Fields) -> Result<Self, ReadError> {
+    fn of_fields(file: &Bytes<'_>, fields: &Fields) -> Result<Self, ReadProblem> {
         let header = Self {
-            shape: [
-                fields.whole(file, "NumProfiles")?,
-                fields.whole(file, "NumPoints")?,
-            ],
+            shape: [fields.whole("NumProfiles")?, fields.whole("NumPoints")?],
             steps: [
-                fields.number(file, "Xscale")?,
-                fields.number(file, "Yscale")?,
-                fields.number(file, "Zscale")?,
+                fields.number("Xscale")?,
+                fields.number("Yscale")?,
+                fields.number("Zscale")?,
             ],
             compression: match fields.get("Compression") {
-                Some(_) => fields.whole(file, "Compression")?,
+                Some(_) => fields.whole("Compression")?,
                 None => 0,
             },
-            kind: fields.whole(file, "DataType")?,
+            kind: fields.whole("DataType")?,
         };
         header.check(file)?;
         Ok(header)
     }
 
-    fn check(&self, file: &Bytes<'_>) -> Result<(), ReadError> {
+    fn check(&self, file: &Bytes<'_>) -> Result<(), ReadProblem> {
         if self.compression != 0 {
-            return Err(file.unsupported("its heights are compressed"));
+            return Err(ReadProblem::unsupported("its heights are compressed"));
         }
         if self.kind > 7 {
-            return Err(file.malformed(format_args!(
+            return Err(ReadProblem::malformed(format_args!(
                 "its DataType is {}, but allowed are 0 to 7",
                 self.kind
             )));

@@ -5,28 +5,28 @@
 
 use super::bytes::{Bytes, Raster};
 use super::measured::{Length, MICROMETRE, Measured};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 
 /// The type of a measurement that is a topography.
 const TOPOGRAPHY: u32 = 3;
 /// The number of a missing point.
 const MISSING: f64 = 1_000_001.0;
-/// Where the first layer begins.
+/// Offset of the first layer.
 const LAYER: usize = 500;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     file.check_header(LAYER + 8)?;
     let kind = file.u32(428)?;
     if kind != TOPOGRAPHY {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its measurement is of type {kind}, but a topography (type {TOPOGRAPHY}) is needed"
         )));
     }
     let [rows, columns] = [file.u32(LAYER)?, file.u32(LAYER + 4)?].map(u64::from);
     let calibrated = [file.u32(388)?, file.u32(392)?].map(u64::from);
     if [rows, columns] != calibrated {
-        return Err(file.malformed(format_args!(
+        return Err(ReadProblem::malformed(format_args!(
             "its calibration is of {} x {} points, but its first layer has {columns} x {rows}",
             calibrated[1], calibrated[0]
         )));

@@ -8,10 +8,10 @@ use std::io::Cursor;
 
 use super::bytes::{Bytes, Raster};
 use super::measured::{Length, MICROMETRE, Measured};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::archive::Parts;
 use crate::height_maps::samples::SampleKind;
-use crate::height_maps::xml::{Split, Xml, split};
+use crate::height_maps::xml::{self, Split};
 use crate::limits::check_packed_claim;
 use crate::text_lines::short;
 
@@ -20,31 +20,26 @@ const INDEX: &str = "index.xml";
 /// Longest description that is read.
 const INDEX_LIMIT: u64 = 1 << 20;
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let length = file.all.len() as u64;
-    let mut parts = Parts::open(file.path, file.format, Cursor::new(file.all), length)?;
+    let mut parts = Parts::open(Cursor::new(file.all), length)?;
     let text = parts.read(INDEX, |size| size <= INDEX_LIMIT)?;
     let text = String::from_utf8_lossy(&text);
-    let xml = Xml {
-        path: file.path,
-        format: file.format,
-        part: INDEX,
-    };
-    let Split { description, .. } = split(xml, &text)?;
-    let document = xml.parse(&description)?;
+    let Split { description, .. } = xml::split(INDEX, &text)?;
+    let document = xml::parse(INDEX, &description)?;
     let root = document.root_element();
-    let general = xml.child(root, "GENERAL")?;
-    let count = |name| -> Result<u64, ReadError> {
-        let text = xml.text(xml.child(general, name)?);
+    let general = xml::child(root, "GENERAL")?;
+    let count = |name| -> Result<u64, ReadProblem> {
+        let text = xml::child_text(general, name)?;
         text.parse().map_err(|_| {
-            xml.malformed(format_args!(
+            ReadProblem::malformed(format_args!(
                 "{name} is `{}`, but a positive whole number is needed",
                 short(text)
             ))
         })
     };
-    let step = |name| -> Result<Length, ReadError> {
-        let value = xml.number(name, xml.text(xml.child(general, name)?))?;
+    let step = |name| -> Result<Length, ReadProblem> {
+        let value = xml::number(name, xml::child_text(general, name)?)?;
         Ok(Length {
             value,
             unit: MICROMETRE,
@@ -56,12 +51,12 @@ pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
         .children()
         .filter(|node| node.tag_name().name().starts_with("LAYER_"))
         .count();
-    let layer = xml.child(root, "LAYER_0")?;
-    let part = parts.resolve(xml.text(xml.child(layer, "FILENAME_Z")?));
+    let layer = xml::child(root, "LAYER_0")?;
+    let part = parts.resolve(xml::child_text(layer, "FILENAME_Z")?);
 
     file.check_shape(shape)?;
     let kind = SampleKind::F32;
-    check_packed_claim(file.path, shape, kind.bytes() as u64, length)?;
+    check_packed_claim(shape, kind.bytes() as u64, length)?;
     let needed = shape[0] * shape[1] * kind.bytes() as u64;
     let layer = parts.read(&part, |size| size == needed)?;
     let heights = Bytes {

@@ -8,23 +8,23 @@
 
 use super::bytes::{Bytes, Raster};
 use super::measured::{Length, MILLIMETRE, Measured, note_on_channels};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::limits::room;
 
 /// Size of an entry of the directory.
 const ENTRY: usize = 24;
-/// Where the directory begins.
+/// Offset of the directory.
 const DIRECTORY: usize = 2;
 /// Types of blocks.
 const ARRAY: i16 = 3;
 /// Arrays of heights.
 const HEIGHTS: [&str; 5] = ["RAW_DATA", "RAW DATA", "OPD", "Raw", "SAMPLE_DATA"];
 
-pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadError> {
+pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let blocks = Blocks::read(file)?;
-    let (array, note) = blocks.heights(file)?;
+    let (array, note) = blocks.heights()?;
     let step = blocks.step(file)?;
     let array = Array::read(file, array.at)?;
     let aspect = blocks.number(file, "Aspect")?.unwrap_or(1.0);
@@ -54,13 +54,13 @@ struct Array {
 }
 
 impl Array {
-    fn read(file: &Bytes<'_>, at: usize) -> Result<Self, ReadError> {
+    fn read(file: &Bytes<'_>, at: usize) -> Result<Self, ReadProblem> {
         let [columns, rows] = [file.u16(at)?, file.u16(at + 2)?].map(u64::from);
         let (kind, missing) = match file.u16(at + 4)? {
             2 => (SampleKind::I16, 32766.0),
             4 => (SampleKind::F32, 1e38),
             other => {
-                return Err(file.unsupported(format_args!(
+                return Err(ReadProblem::unsupported(format_args!(
                     "its heights have {other} bytes each, but 2 or 4 are needed"
                 )));
             }
@@ -76,11 +76,11 @@ impl Array {
     }
 
     /// Heights row by row from the top, `step` for each unit of the numbers.
-    fn heights(&self, file: &Bytes<'_>, step: f64) -> Result<Vec<f64>, ReadError> {
+    fn heights(&self, file: &Bytes<'_>, step: f64) -> Result<Vec<f64>, ReadProblem> {
         let by_column = file.samples(&self.raster)?;
         let [rows, columns] = self.raster.shape;
         let [ny, nx] = [rows as usize, columns as usize];
-        let mut heights = room(file.path, columns, rows)?;
+        let mut heights = room(columns, rows)?;
         for iy in 0..ny {
             for ix in 0..nx {
                 let number = by_column[ix * ny + (ny - 1 - iy)];
@@ -102,13 +102,13 @@ struct Block {
 
 impl Block {
     /// The number in a block of one.
-    fn number(&self, file: &Bytes<'_>) -> Result<f64, ReadError> {
+    fn number(&self, file: &Bytes<'_>) -> Result<f64, ReadProblem> {
         match (self.kind, self.length) {
             (6 | 7, 2) => file.i16(self.at).map(f64::from),
             (6, 4) | (12, _) => file.i32(self.at).map(f64::from),
             (7, _) => file.f32(self.at),
             (8, _) => file.f64(self.at),
-            (kind, length) => Err(file.malformed(format_args!(
+            (kind, length) => Err(ReadProblem::malformed(format_args!(
                 "its block `{}` is of type {kind} and {length} bytes long, but a number is needed",
                 self.name
             ))),
@@ -119,13 +119,13 @@ impl Block {
 /// The directory.
 struct Blocks {
     all: Vec<Block>,
-    /// Where the last block ends.
+    /// Offset of the end of the last block.
     end: u64,
 }
 
 impl Blocks {
-    fn read(file: &Bytes<'_>) -> Result<Self, ReadError> {
-        let entry = |at: usize| -> Result<Block, ReadError> {
+    fn read(file: &Bytes<'_>) -> Result<Self, ReadProblem> {
+        let entry = |at: usize| -> Result<Block, ReadProblem> {
             Ok(Block {
                 name: file.text(at, 16)?,
                 kind: file.i16(at + 16)?,
@@ -152,14 +152,14 @@ impl Blocks {
     }
 
     /// The array of heights, and a note if there are others.
-    fn heights(&self, file: &Bytes<'_>) -> Result<(&Block, Option<String>), ReadError> {
+    fn heights(&self) -> Result<(&Block, Option<String>), ReadProblem> {
         let is_array = |block: &&Block| block.kind == ARRAY && block.length > 0;
         let arrays: Vec<&Block> = self.all.iter().filter(is_array).collect();
         let names: Vec<String> = arrays.iter().map(|block| block.name.clone()).collect();
         let is_height = |name: &String| HEIGHTS.contains(&name.as_str());
         match names.iter().position(is_height) {
             Some(chosen) => Ok((arrays[chosen], note_on_channels(chosen, &names))),
-            None => Err(file.unsupported(format_args!(
+            None => Err(ReadProblem::unsupported(format_args!(
                 "it has no array of heights ({})",
                 HEIGHTS.join(", ")
             ))),
@@ -167,22 +167,22 @@ impl Blocks {
     }
 
     /// The number in the block of that name, if it is there.
-    fn number(&self, file: &Bytes<'_>, name: &str) -> Result<Option<f64>, ReadError> {
+    fn number(&self, file: &Bytes<'_>, name: &str) -> Result<Option<f64>, ReadProblem> {
         let mut blocks = self.all.iter();
         let block = blocks.find(|block| block.name == name && block.length > 0);
         block.map(|block| block.number(file)).transpose()
     }
 
     /// Nanometres for each unit of the numbers.
-    fn step(&self, file: &Bytes<'_>) -> Result<f64, ReadError> {
+    fn step(&self, file: &Bytes<'_>) -> Result<f64, ReadProblem> {
         let wavelength = self.number(file, "Wavelength")?.ok_or_else(|| {
-            file.malformed("it has no block `Wavelength`, which scales its heights")
+            ReadProblem::malformed("it has no block `Wavelength`, which scales its heights")
         })?;
         let step = wavelength / self.number(file, "Mult")?.unwrap_or(1.0);
         if step.is_finite() && step > 0.0 {
             return Ok(step);
         }
-        Err(file.malformed(format_args!(
+        Err(ReadProblem::malformed(format_args!(
             "its wavelength of {wavelength} nm and its divisor `Mult` give no height"
         )))
     }

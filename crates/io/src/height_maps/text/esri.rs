@@ -9,12 +9,10 @@
 //! ```
 //! Heights and cell size are in one unit, which the format does not name. Place on the map is ignored.
 
-use std::path::Path;
-
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::text_lines::{Line, short};
 
-/// What marks a missing point unless the file says.
+/// Number that marks a missing point unless the file says.
 const DEFAULT_NODATA: f64 = -9999.0;
 
 /// The header, as far as it is there.
@@ -28,7 +26,7 @@ pub(super) struct Grid {
 
 impl Grid {
     /// Reads a line of the header; returns false if the line is not part of it.
-    pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<bool, ReadError> {
+    pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<bool, ReadProblem> {
         let Some((name, value)) = text.split_once(char::is_whitespace) else {
             return Ok(false);
         };
@@ -63,17 +61,12 @@ impl Grid {
     }
 
     /// Marks missing points; returns the spacing, or `None` without such a header.
-    pub(super) fn apply(
-        &self,
-        path: &Path,
-        heights: &mut [f64],
-    ) -> Result<Option<[f64; 2]>, ReadError> {
+    pub(super) fn apply(&self, heights: &mut [f64]) -> Result<Option<[f64; 2]>, ReadProblem> {
         if self.columns.is_none() && self.rows.is_none() {
             return Ok(None);
         }
         let [Some(dx), Some(dy)] = self.cell else {
-            return Err(ReadError::unsupported(
-                path,
+            return Err(ReadProblem::unsupported(
                 "its header has ncols and nrows, but no cellsize, or dx and dy",
             ));
         };

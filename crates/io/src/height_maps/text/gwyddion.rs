@@ -8,11 +8,9 @@
 //! Width and height are the extents of all pixels, so that the spacing is the width over the number of
 //! columns. Heights are converted to the unit of the width.
 
-use std::path::Path;
-
 use asperity_surface::LengthUnit;
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::text_lines::short;
 
@@ -42,10 +40,9 @@ impl Comments {
     /// Scales the heights of a map of this shape `[ny, nx]`; returns spacing and unit, or `None` without such comments.
     pub(super) fn apply(
         &self,
-        path: &Path,
         [ny, nx]: [usize; 2],
         heights: &mut [f64],
-    ) -> Result<Option<([f64; 2], LengthUnit)>, ReadError> {
+    ) -> Result<Option<([f64; 2], LengthUnit)>, ReadProblem> {
         let given = [&self.width, &self.height, &self.value_units];
         // One alone may be any comment
         if given.iter().filter(|value| value.is_some()).count() < 2 {
@@ -53,19 +50,18 @@ impl Comments {
         }
         let of = |name: &str, value: &Option<String>| match value {
             Some(value) => Ok(value.clone()),
-            None => Err(refuse(path, name, "is missing")),
+            None => Err(refuse(name, "is missing")),
         };
         let [width, height] = [("Width", &self.width), ("Height", &self.height)].map(
-            |(name, value)| -> Result<_, ReadError> {
+            |(name, value)| -> Result<_, ReadProblem> {
                 let value = of(name, value)?;
-                length(&value)
-                    .ok_or_else(|| refuse(path, name, format_args!("is `{}`", short(&value))))
+                length(&value).ok_or_else(|| refuse(name, format_args!("is `{}`", short(&value))))
             },
         );
         let ((width, width_unit), (height, height_unit)) = (width?, height?);
         let units = of("Value units", &self.value_units)?;
         let vertical = PowerOfMetre::parse(&units)
-            .ok_or_else(|| refuse(path, "Value units", format_args!("is `{}`", short(&units))))?;
+            .ok_or_else(|| refuse("Value units", format_args!("is `{}`", short(&units))))?;
         let unit = width_unit.kept_as();
         let converted = [width_unit, height_unit, vertical].map(|own| own.convert(unit));
         let [Some(along_x), Some(along_y), Some(up)] = converted else {
@@ -86,11 +82,8 @@ fn length(text: &str) -> Option<(f64, PowerOfMetre)> {
     (number.is_finite() && number > 0.0).then_some((number, PowerOfMetre::parse(unit)?))
 }
 
-fn refuse(path: &Path, name: &str, what: impl std::fmt::Display) -> ReadError {
-    ReadError::unsupported(
-        path,
-        format_args!(
-            "its comments say what its numbers are, but `{name}` {what}; needed are Width and Height, each a positive number and a unit of length, and Value units, a unit of length"
-        ),
-    )
+fn refuse(name: &str, what: impl std::fmt::Display) -> ReadProblem {
+    ReadProblem::unsupported(format_args!(
+        "its comments say what its numbers are, but `{name}` {what}; needed are Width and Height, each a positive number and a unit of length, and Value units, a unit of length"
+    ))
 }

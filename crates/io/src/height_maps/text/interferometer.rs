@@ -1,10 +1,8 @@
 //! Header of `name=value` lines, as interferometers write it.
 
-use std::path::Path;
-
 use asperity_surface::LengthUnit;
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::text_lines::{Line, short};
 
@@ -21,7 +19,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<(), ReadError> {
+    pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<(), ReadProblem> {
         let pair = |part: &str| -> Option<(String, String)> {
             let (name, value) = part.rsplit_once('=')?;
             Some((name.trim().to_ascii_lowercase(), value.trim().to_owned()))
@@ -41,7 +39,7 @@ impl Header {
         Ok(())
     }
 
-    fn take(&mut self, line: Line<'_>, name: &str, value: &str) -> Result<(), ReadError> {
+    fn take(&mut self, line: Line<'_>, name: &str, value: &str) -> Result<(), ReadProblem> {
         let refuse = |needed: &str| {
             line.refuse_at(
                 0,
@@ -99,11 +97,7 @@ impl Header {
     }
 
     /// Scales the heights; returns spacing and unit.
-    pub(super) fn apply(
-        &self,
-        path: &Path,
-        heights: &mut [f64],
-    ) -> Result<([f64; 2], LengthUnit), ReadError> {
+    pub(super) fn apply(&self, heights: &mut [f64]) -> Result<([f64; 2], LengthUnit), ReadProblem> {
         let scale = |heights: &mut [f64], by: &dyn Fn(f64) -> f64| {
             for height in heights {
                 *height = by(*height);
@@ -113,8 +107,7 @@ impl Header {
             return if self.data_unit.is_none() && self.conversion.is_none() {
                 Ok(([1.0, 1.0], LengthUnit::Arbitrary))
             } else {
-                Err(ReadError::unsupported(
-                    path,
+                Err(ReadProblem::unsupported(
                     "its header scales the heights but has no `pixel size`, which is needed too",
                 ))
             };
@@ -128,13 +121,10 @@ impl Header {
             }
             (None, Some(own)) => own,
             (None, None) => {
-                return Err(ReadError::unsupported(
-                    path,
-                    format_args!(
-                        "its heights are in `{}`, but without a `height conversion factor (-> m)` a unit of length is needed",
-                        self.data_unit.as_deref().map(short).unwrap_or_default()
-                    ),
-                ));
+                return Err(ReadProblem::unsupported(format_args!(
+                    "its heights are in `{}`, but without a `height conversion factor (-> m)` a unit of length is needed",
+                    self.data_unit.as_deref().map(short).unwrap_or_default()
+                )));
             }
         };
         let mut spacing = size;

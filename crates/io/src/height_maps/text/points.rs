@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_surface::RawHeightMap;
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::limits::room;
 
 /// Rows from which three columns are taken for a list of points in a file whose name leaves it open.
@@ -18,52 +18,47 @@ const MAX_PLACES_PER_POINT: usize = 2;
 /// Largest distance of a point from its place, in spacings: coordinates are rounded in a file.
 const TOLERANCE: f64 = 0.1;
 
-/// Whether a line names the columns of a list: `x y z`.
+/// Returns `true` if a line names the columns of a list: `x y z`.
 pub(super) fn is_heading(line: &str) -> bool {
     let names = line.split([' ', '\t', ',']).filter(|name| !name.is_empty());
     names.map(str::to_ascii_lowercase).eq(["x", "y", "z"])
 }
 
-/// Whether the name of the file says that it is a list.
+/// Returns `true` if the name of the file says that it is a list.
 pub(super) fn is_named_as_list(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ending.eq_ignore_ascii_case(LIST_ENDING))
 }
 
 /// The refusal of a file that is named as a list and has another number of columns.
-pub(super) fn wrong_columns(path: &Path, columns: usize) -> ReadError {
-    ReadError::unsupported(
-        path,
-        format_args!(
-            "its rows have {columns} numbers, but three are needed: .xyz holds points x, y, z, and matrices are read from .txt, .csv and .asc"
-        ),
-    )
+pub(super) fn wrong_columns(columns: usize) -> ReadProblem {
+    ReadProblem::unsupported(format_args!(
+        "its rows have {columns} numbers, but three are needed: .xyz holds points x, y, z, and matrices are read from .txt, .csv and .asc"
+    ))
 }
 
-/// The map of a list of rows x, y, z; `None` where they rather are a matrix of three columns.
+/// The map of a list of rows x, y, z; `None` where they rather are a matrix of three columns. `is_list` if the file is
+/// named as a list.
 ///
 /// Row 0 of the map has the least y. Places of the grid that no point is on are missing.
-pub(super) fn map_of(path: &Path, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadError> {
+pub(super) fn map_of(is_list: bool, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadProblem> {
     let (rows, _) = rows.as_chunks::<3>();
-    match placed(path, rows)? {
-        Some(Placed { heights, x, y }) => {
-            RawHeightMap::new(heights, [y.count, x.count], [x.step, y.step])
-                .map(Some)
-                .map_err(ReadError::surface(path))
-        }
-        None if rows.len() < MIN_ROWS_OF_LIST && !is_named_as_list(path) => Ok(None),
-        None => Err(ReadError::unsupported(
-            path,
-            format_args!(
-                "its {} rows of three numbers look like points x, y, z, but x and y do not lie on a regular grid, one point on each place; interpolate them on one first",
-                rows.len()
-            ),
-        )),
+    match placed(rows)? {
+        Some(Placed { heights, x, y }) => Ok(Some(RawHeightMap::new(
+            heights,
+            [y.count, x.count],
+            [x.step, y.step],
+        )?)),
+        None if rows.len() < MIN_ROWS_OF_LIST && !is_list => Ok(None),
+        None => Err(ReadProblem::unsupported(format_args!(
+            "its {} rows of three numbers look like points x, y, z, but x and y do not lie on a regular grid, one point on each place; interpolate them on one first",
+            rows.len()
+        ))),
     }
 }
 
 /// The points in the order of their grid; `None` if the points are on none.
-fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<Placed>, ReadError> {
+fn placed(rows: &[[f64; 3]]) -> Result<Option<Placed>, ReadProblem> {
     if rows.len() < MIN_POINTS {
         return Ok(None);
     }
@@ -75,7 +70,7 @@ fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<Placed>, ReadError> {
     if rows.len() > places || places > rows.len().saturating_mul(MAX_PLACES_PER_POINT) {
         return Ok(None);
     }
-    let mut heights = room(path, x.count as u64, y.count as u64)?;
+    let mut heights = room(x.count as u64, y.count as u64)?;
     heights.resize(places, f64::NAN);
     let mut taken = vec![false; places];
     for [px, py, z] in rows {

@@ -1,10 +1,9 @@
-//! What the tags of GeoTIFF 1.1 and of GDAL say of a grid: spacing, units, missing points, scale of heights.
+//! Tags of GeoTIFF 1.1 and of GDAL: spacing, units, missing points and scale of heights of a grid.
 //!
 //! Place and direction on the map are ignored, as is the vertical datum. A grid in degrees is refused, since its
 //! spacing is no length.
 
 use std::io::{Read, Seek};
-use std::path::Path;
 
 use ::tiff::TiffResult;
 use ::tiff::decoder::Decoder;
@@ -13,8 +12,7 @@ use ::tiff::tags::Tag;
 use asperity_surface::LengthUnit;
 
 use super::metadata::HeightScale;
-use super::{decoding, malformed};
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 
 /// The tag of GDAL with metadata as XML.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
@@ -45,22 +43,17 @@ pub(super) struct Georeference {
 }
 
 impl Georeference {
-    pub(super) fn read<R: Read + Seek>(
-        path: &Path,
-        decoder: &mut Decoder<R>,
-    ) -> Result<Self, ReadError> {
-        let spacing = spacing(path, decoder)?;
-        let keys = GeoKeys::read(path, decoder)?;
+    pub(super) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, ReadProblem> {
+        let spacing = spacing(decoder)?;
+        let keys = GeoKeys::read(decoder)?;
         match keys.value(MODEL_TYPE) {
             Some(GEOGRAPHIC) => {
-                return Err(ReadError::unsupported(
-                    path,
+                return Err(ReadProblem::unsupported(
                     "its grid is in degrees; bring it to a grid in metres first (gdalwarp -t_srs)",
                 ));
             }
             Some(GEOCENTRIC) => {
-                return Err(ReadError::unsupported(
-                    path,
+                return Err(ReadProblem::unsupported(
                     "its coordinates are geocentric, but a projected grid is needed",
                 ));
             }
@@ -74,7 +67,7 @@ impl Georeference {
                         "9001 (metre), 9002 (foot), 9003 (US survey foot) and 9036 (kilometre)";
                     let what =
                         format!("its unit of length has the EPSG code {code}; read are {known}");
-                    ReadError::unsupported(path, what)
+                    ReadProblem::unsupported(what)
                 })
             });
             metres.transpose()
@@ -89,9 +82,9 @@ impl Georeference {
             metres_per_height: is_metric.then_some(vertical.unwrap_or(1.0)),
             states_vertical_unit: vertical.is_some(),
             states_linear_unit: linear.is_some(),
-            nodata: nodata(path, decoder)?,
-            scale: match text(decoder, GDAL_METADATA).map_err(|e| decoding(path, e))? {
-                Some(xml) => HeightScale::parse(path, &xml)?,
+            nodata: nodata(decoder)?,
+            scale: match text(decoder, GDAL_METADATA)? {
+                Some(xml) => HeightScale::parse(&xml)?,
                 None => HeightScale::default(),
             },
         })
@@ -124,7 +117,7 @@ impl Georeference {
         }
     }
 
-    /// What is assumed because the file does not say.
+    /// Notes on units that are assumed because the file does not state them.
     pub(super) fn notes(&self) -> Vec<String> {
         let mut missing = Vec::new();
         if self.is_metric && !self.states_linear_unit {
@@ -155,28 +148,23 @@ fn metres_in(code: u16) -> Option<f64> {
 }
 
 /// `[dx, dy]` from the scale of pixels, or from the matrix that brings pixels to the map.
-fn spacing<R: Read + Seek>(
-    path: &Path,
-    decoder: &mut Decoder<R>,
-) -> Result<Option<[f64; 2]>, ReadError> {
-    let fail = |error| decoding(path, error);
-    if let Some(scale) = numbers(decoder, Tag::ModelPixelScaleTag).map_err(fail)? {
+fn spacing<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Option<[f64; 2]>, ReadProblem> {
+    if let Some(scale) = numbers(decoder, Tag::ModelPixelScaleTag)? {
         let [dx, dy, ..] = scale[..] else {
-            return Err(malformed(path, "its scale of pixels lacks numbers"));
+            return Err(ReadProblem::malformed("its scale of pixels lacks numbers"));
         };
         return Ok(Some([dx.abs(), dy.abs()]));
     }
-    let Some(matrix) = numbers(decoder, Tag::ModelTransformationTag).map_err(fail)? else {
+    let Some(matrix) = numbers(decoder, Tag::ModelTransformationTag)? else {
         return Ok(None);
     };
     let [x_column, x_row, _, _, y_column, y_row, ..] = matrix[..] else {
-        return Err(malformed(path, "its transformation lacks numbers"));
+        return Err(ReadProblem::malformed("its transformation lacks numbers"));
     };
     let [dx, dy] = [x_column.hypot(y_column), x_row.hypot(y_row)];
     let shear = (x_column * x_row + y_column * y_row).abs();
     if shear > MAX_SHEAR * dx * dy {
-        return Err(ReadError::unsupported(
-            path,
+        return Err(ReadProblem::unsupported(
             "the axes of its grid are not at right angles",
         ));
     }
@@ -184,15 +172,16 @@ fn spacing<R: Read + Seek>(
 }
 
 /// The number that marks missing points.
-fn nodata<R: Read + Seek>(path: &Path, decoder: &mut Decoder<R>) -> Result<Option<f64>, ReadError> {
-    let text = text(decoder, Tag::GdalNodata).map_err(|e| decoding(path, e))?;
+fn nodata<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Option<f64>, ReadProblem> {
+    let text = text(decoder, Tag::GdalNodata)?;
     let text = text
         .as_deref()
         .map(str::trim)
         .filter(|text| !text.is_empty());
     let parsed = text.map(|text| {
         let number = text.parse::<f64>();
-        number.map_err(|_| malformed(path, format_args!("GDAL_NODATA is `{text}`, no number")))
+        number
+            .map_err(|_| ReadProblem::malformed(format_args!("GDAL_NODATA is `{text}`, no number")))
     });
     parsed.transpose()
 }
@@ -212,12 +201,10 @@ fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> TiffResult<Opt
 struct GeoKeys(Vec<u16>);
 
 impl GeoKeys {
-    fn read<R: Read + Seek>(path: &Path, decoder: &mut Decoder<R>) -> Result<Self, ReadError> {
+    fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, ReadProblem> {
         let value = decoder.find_tag(Tag::GeoKeyDirectoryTag);
         let keys = value.and_then(|value| value.map(Value::into_u16_vec).transpose());
-        Ok(Self(
-            keys.map_err(|e| decoding(path, e))?.unwrap_or_default(),
-        ))
+        Ok(Self(keys?.unwrap_or_default()))
     }
 
     fn value(&self, key: u16) -> Option<u16> {

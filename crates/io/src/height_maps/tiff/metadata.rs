@@ -6,12 +6,9 @@
 //! </GDALMetadata>
 //! ```
 
-use std::path::Path;
-
 use roxmltree::{Document, ParsingOptions};
 
-use super::malformed;
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 
 /// Longest metadata that are parsed, bytes; most of their nodes.
 const MAX_LENGTH: usize = 1 << 16;
@@ -34,17 +31,17 @@ impl Default for HeightScale {
 
 impl HeightScale {
     /// Finds the items of the roles `scale` and `offset`, of the first sample.
-    pub(super) fn parse(path: &Path, xml: &str) -> Result<Self, ReadError> {
+    pub(super) fn parse(xml: &str) -> Result<Self, ReadProblem> {
         if xml.len() > MAX_LENGTH {
             let what = format!("its metadata have more than {MAX_LENGTH} bytes");
-            return Err(ReadError::unsupported(path, what));
+            return Err(ReadProblem::unsupported(what));
         }
         let options = ParsingOptions {
             nodes_limit: MAX_NODES,
             ..ParsingOptions::default()
         };
         let document = Document::parse_with_options(xml, options)
-            .map_err(|error| malformed(path, format_args!("its metadata: {error}")))?;
+            .map_err(|error| ReadProblem::malformed(format_args!("its metadata: {error}")))?;
         let mut found = Self::default();
         let items = document.descendants().filter(|node| {
             node.has_tag_name("Item") && matches!(node.attribute("sample"), None | Some("0"))
@@ -61,12 +58,9 @@ impl HeightScale {
                 .ok()
                 .filter(|number: &f64| number.is_finite())
                 .ok_or_else(|| {
-                    malformed(
-                        path,
-                        format_args!(
-                            "the {name} of its heights is `{text}`, but a number is needed"
-                        ),
-                    )
+                    ReadProblem::malformed(format_args!(
+                        "the {name} of its heights is `{text}`, but a number is needed"
+                    ))
                 })?;
         }
         Ok(found)

@@ -1,7 +1,6 @@
 //! Writing of X3P files.
 
 use std::io::{Cursor, Write};
-use std::path::Path;
 
 use asperity_surface::{HeightField, LengthUnit};
 use md5::{Digest, Md5};
@@ -9,25 +8,18 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::{CHECKSUM, MAIN};
-use crate::error::WriteError;
+use super::parts::{CHECKSUM, MAIN};
+use crate::error::WriteProblem;
 use crate::files::hex;
 use crate::height_maps::unit::power_of;
 
 const DATA: &str = "bindata/data.bin";
 const NAMESPACE: &str = "http://www.opengps.eu/2008/ISO5436_2";
 
-pub(crate) fn write<W: Write>(
-    path: &Path,
-    field: &HeightField,
-    out: &mut W,
-) -> Result<(), WriteError> {
-    let io = WriteError::io(path);
+pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), WriteProblem> {
     let to_metres = power_of(field.unit())
         .and_then(|unit| unit.convert(LengthUnit::Metre))
-        .ok_or_else(|| WriteError::NoUnit {
-            path: path.to_owned(),
-        })?;
+        .ok_or(WriteProblem::NoUnit)?;
     let samples = || field.heights().iter().map(|h| to_metres(*h).to_le_bytes());
     let mut digest = Md5::new();
     for sample in samples() {
@@ -41,23 +33,23 @@ pub(crate) fn write<W: Write>(
         .unix_permissions(0o644);
     // Only parts beyond 4 GiB need the longer form, which not every reader knows.
     let long = size_of_val(field.heights()) >= u32::MAX as usize;
-    let fail = |error: ZipError| io(error.into());
+    let fail = |error: ZipError| WriteProblem::Io(error.into());
     // In memory, since the archive writer, when dropped after an error of the disk, would try once
     // more and print its failure.
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     archive.start_file(MAIN, options).map_err(fail)?;
-    archive.write_all(xml.as_bytes()).map_err(&io)?;
+    archive.write_all(xml.as_bytes())?;
     archive
         .start_file(DATA, options.large_file(long))
         .map_err(fail)?;
     for sample in samples() {
-        archive.write_all(&sample).map_err(&io)?;
+        archive.write_all(&sample)?;
     }
     archive.start_file(CHECKSUM, options).map_err(fail)?;
     let checksum = hex(Md5::new_with_prefix(xml.as_bytes()));
-    writeln!(archive, "{checksum} *{MAIN}").map_err(&io)?;
+    writeln!(archive, "{checksum} *{MAIN}")?;
     let bytes = archive.finish().map_err(fail)?.into_inner();
-    out.write_all(&bytes).map_err(&io)
+    Ok(out.write_all(&bytes)?)
 }
 
 fn main_xml(field: &HeightField, [dx, dy]: [f64; 2], checksum: &str) -> String {

@@ -4,8 +4,7 @@
 //! scope, and its memory is a hundred times a short element. A description of a surface is short; the one
 //! long part, numbers of an inline `DataList` of X3P, is read here without a tree.
 
-use super::Xml;
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 
 /// Most elements outside the list of data; a description has about 40.
 const MAX_ELEMENTS: usize = 4096;
@@ -23,7 +22,7 @@ pub(crate) struct Split<'a> {
 }
 
 /// Splits the text of a part, and checks that its description is bounded.
-pub(crate) fn split<'a>(part: Xml<'_>, xml: &'a str) -> Result<Split<'a>, ReadError> {
+pub(crate) fn split<'a>(part: &str, xml: &'a str) -> Result<Split<'a>, ReadProblem> {
     let mut tags = Tags { xml, at: 0 };
     let mut counts = Counts::default();
     let mut list = None;
@@ -37,9 +36,8 @@ pub(crate) fn split<'a>(part: Xml<'_>, xml: &'a str) -> Result<Split<'a>, ReadEr
     let description = [&xml[..start], &xml[end..]].concat();
     if description.len() > MAX_DESCRIPTION {
         let length = description.len();
-        return Err(part.malformed(format_args!(
-            "its {} describes the surface in {length} bytes, but {MAX_DESCRIPTION} are allowed",
-            part.part
+        return Err(ReadProblem::malformed(format_args!(
+            "its {part} describes the surface in {length} bytes, but {MAX_DESCRIPTION} are allowed"
         )));
     }
     Ok(Split {
@@ -49,7 +47,7 @@ pub(crate) fn split<'a>(part: Xml<'_>, xml: &'a str) -> Result<Split<'a>, ReadEr
 }
 
 /// Moves past the end of the list of data; returns where the tag begins that ends it.
-fn data_end(part: Xml<'_>, tags: &mut Tags<'_>) -> Result<usize, ReadError> {
+fn data_end(part: &str, tags: &mut Tags<'_>) -> Result<usize, ReadProblem> {
     while let Some(tag) = tags.next(part)? {
         if tag.closes() && tag.name() == "DataList" {
             return Ok(tag.start);
@@ -60,10 +58,10 @@ fn data_end(part: Xml<'_>, tags: &mut Tags<'_>) -> Result<usize, ReadError> {
 
 /// The texts of the `Datum` elements in the content of a `DataList`.
 pub(crate) fn for_each_datum<'a>(
-    part: Xml<'_>,
+    part: &str,
     data: &'a str,
-    mut take: impl FnMut(&'a str) -> Result<(), ReadError>,
-) -> Result<(), ReadError> {
+    mut take: impl FnMut(&'a str) -> Result<(), ReadProblem>,
+) -> Result<(), ReadProblem> {
     let mut tags = Tags { xml: data, at: 0 };
     while let Some(tag) = tags.next(part)? {
         let is_datum = tag.name() == "Datum" && !tag.closes();
@@ -75,9 +73,9 @@ pub(crate) fn for_each_datum<'a>(
         let end = match tags.next(part)? {
             Some(end) if is_datum && end.closes() && end.name() == "Datum" => end,
             _ => {
-                return Err(
-                    part.malformed("its DataList holds elements other than Datum with a text")
-                );
+                return Err(ReadProblem::malformed(
+                    "its DataList holds elements other than Datum with a text",
+                ));
             }
         };
         take(data[start..end.start].trim())?;
@@ -85,7 +83,7 @@ pub(crate) fn for_each_datum<'a>(
     Ok(())
 }
 
-/// What has been seen of the description.
+/// Numbers of elements and namespaces so far.
 #[derive(Default)]
 struct Counts {
     elements: usize,
@@ -93,11 +91,10 @@ struct Counts {
 }
 
 impl Counts {
-    fn add(&mut self, part: Xml<'_>, tag: &Tag<'_>) -> Result<(), ReadError> {
+    fn add(&mut self, part: &str, tag: &Tag<'_>) -> Result<(), ReadProblem> {
         let most = |what: &str, most: usize| {
-            Err(part.malformed(format_args!(
-                "its {} has more than {most} {what}",
-                part.part
+            Err(ReadProblem::malformed(format_args!(
+                "its {part} has more than {most} {what}"
             )))
         };
         self.elements += usize::from(!tag.closes());
@@ -118,19 +115,19 @@ impl Counts {
 
 /// One tag.
 struct Tag<'a> {
-    /// Where it begins.
+    /// Offset of its `<` in the text.
     start: usize,
-    /// What stands between `<` and `>`.
+    /// Text between `<` and `>`.
     text: &'a str,
 }
 
 impl<'a> Tag<'a> {
-    /// Whether it is the first of an element that has a second.
+    /// Returns `true` for the start tag of an element that has an end tag.
     fn opens(&self) -> bool {
         !self.closes() && !self.text.ends_with('/')
     }
 
-    /// Whether it is the second tag of an element.
+    /// Returns `true` for an end tag.
     fn closes(&self) -> bool {
         self.text.starts_with('/')
     }
@@ -152,7 +149,7 @@ struct Tags<'a> {
 
 impl<'a> Tags<'a> {
     /// The next tag; [`Self::at`] is behind it.
-    fn next(&mut self, part: Xml<'_>) -> Result<Option<Tag<'a>>, ReadError> {
+    fn next(&mut self, part: &str) -> Result<Option<Tag<'a>>, ReadProblem> {
         while let Some(offset) = self.xml[self.at..].find('<') {
             let start = self.at + offset;
             let rest = &self.xml[start..];
@@ -194,6 +191,6 @@ fn tag_length(text: &str) -> Option<usize> {
     Some(end + 1)
 }
 
-fn cannot_be_parsed(part: Xml<'_>, what: impl std::fmt::Display) -> ReadError {
-    part.malformed(format_args!("its {} cannot be parsed ({what})", part.part))
+fn cannot_be_parsed(part: &str, what: impl std::fmt::Display) -> ReadProblem {
+    ReadProblem::malformed(format_args!("its {part} cannot be parsed ({what})"))
 }

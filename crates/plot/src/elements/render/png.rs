@@ -3,7 +3,7 @@
 use plotters::backend::BitMapBackend;
 use plotters::style::RGBColor;
 
-use super::{Joins, Replay, backend_error};
+use super::replay::{Joins, Replay, backend_error};
 use crate::PlotError;
 use crate::elements::scene::{Picture, Scene};
 use crate::elements::{text, theme};

@@ -2,7 +2,7 @@
 
 use plotters::backend::SVGBackend;
 
-use super::{Joins, Replay, backend_error};
+use super::replay::{Joins, Replay, backend_error};
 use crate::PlotError;
 use crate::elements::scene::{Picture, Scene};
 use crate::elements::theme;

@@ -1,6 +1,6 @@
 //! Items of an object: name, a letter for the type, value. Objects inside are read by who asks for them.
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::instruments::bytes::Bytes;
 
 /// A value, as far as readers of heights need it.
@@ -25,7 +25,7 @@ pub(super) struct Items<'a> {
 
 impl<'a> Items<'a> {
     /// The items of the container that the file is.
-    pub(super) fn of_file(file: &Bytes<'a>) -> Result<Self, ReadError> {
+    pub(super) fn of_file(file: &Bytes<'a>) -> Result<Self, ReadProblem> {
         let mut all = Self {
             file: *file,
             object: String::new(),
@@ -34,13 +34,13 @@ impl<'a> Items<'a> {
         };
         let container = all.take_object()?;
         if container.object != "GwyContainer" {
-            return Err(file.malformed("it holds no GwyContainer"));
+            return Err(ReadProblem::malformed("it holds no GwyContainer"));
         }
         Ok(container)
     }
 
     /// The next item and its name.
-    pub(super) fn next(&mut self) -> Result<Option<(String, Item<'a>)>, ReadError> {
+    pub(super) fn next(&mut self) -> Result<Option<(String, Item<'a>)>, ReadProblem> {
         if self.at >= self.end {
             return Ok(None);
         }
@@ -84,7 +84,7 @@ impl<'a> Items<'a> {
                 Item::Other
             }
             other => {
-                return Err(self.file.malformed(format_args!(
+                return Err(ReadProblem::malformed(format_args!(
                     "an item is of the unknown type `{}`",
                     char::from(other).escape_default()
                 )));
@@ -94,39 +94,40 @@ impl<'a> Items<'a> {
     }
 
     /// Moves on by `count` bytes; returns where they begin.
-    fn take(&mut self, count: usize) -> Result<usize, ReadError> {
+    fn take(&mut self, count: usize) -> Result<usize, ReadProblem> {
         let at = self.at;
         self.file.part(at, count)?;
         self.at += count;
         if self.at > self.end {
-            return Err(self
-                .file
-                .malformed("an item is longer than the object that holds it"));
+            return Err(ReadProblem::malformed(
+                "an item is longer than the object that holds it",
+            ));
         }
         Ok(at)
     }
 
-    fn skip(&mut self, count: usize) -> Result<Item<'a>, ReadError> {
+    fn skip(&mut self, count: usize) -> Result<Item<'a>, ReadProblem> {
         self.take(count)?;
         Ok(Item::Other)
     }
 
-    fn take_count(&mut self) -> Result<usize, ReadError> {
+    fn take_count(&mut self) -> Result<usize, ReadProblem> {
         let at = self.take(4)?;
         Ok(self.file.u32(at)? as usize)
     }
 
     /// A text up to its NUL byte.
-    fn take_text(&mut self) -> Result<String, ReadError> {
+    fn take_text(&mut self) -> Result<String, ReadProblem> {
         let rest = self.file.all.get(self.at..self.end).unwrap_or_default();
-        let length = rest.iter().position(|byte| *byte == 0).ok_or_else(|| {
-            ReadError::truncated(self.file.path, "a text does not end in a NUL byte")
-        })?;
+        let length = rest
+            .iter()
+            .position(|byte| *byte == 0)
+            .ok_or_else(|| ReadProblem::truncated("a text does not end in a NUL byte"))?;
         self.at += length + 1;
         Ok(String::from_utf8_lossy(&rest[..length]).into_owned())
     }
 
-    fn take_object(&mut self) -> Result<Items<'a>, ReadError> {
+    fn take_object(&mut self) -> Result<Items<'a>, ReadProblem> {
         let object = self.take_text()?;
         let count = self.take_count()?;
         let at = self.take(count)?;

@@ -1,6 +1,6 @@
 //! The header: sections of fields.
 
-use crate::error::ReadError;
+use crate::error::ReadProblem;
 use crate::height_maps::instruments::bytes::{Bytes, latin_1};
 use crate::height_maps::instruments::fields::Fields;
 use crate::text_lines::short;
@@ -59,9 +59,11 @@ pub(super) struct Header {
 }
 
 impl Header {
-    pub(super) fn read(file: &Bytes<'_>) -> Result<Self, ReadError> {
+    pub(super) fn read(file: &Bytes<'_>) -> Result<Self, ReadProblem> {
         if file.all.starts_with(b"?") {
-            return Err(file.unsupported("its numbers are text, but a binary file is needed"));
+            return Err(ReadProblem::unsupported(
+                "its numbers are text, but a binary file is needed",
+            ));
         }
         let text = latin_1(&file.all[..file.all.len().min(MAX_HEADER)]);
         let mut sections: Vec<Section> = Vec::new();
@@ -78,7 +80,7 @@ impl Header {
                     break;
                 }
                 if sections.len() == MAX_SECTIONS {
-                    return Err(file.malformed(format_args!(
+                    return Err(ReadProblem::malformed(format_args!(
                         "its header has more than {MAX_SECTIONS} sections"
                     )));
                 }
@@ -94,15 +96,14 @@ impl Header {
             }
         }
         if !is_whole {
-            return Err(ReadError::truncated(
-                file.path,
+            return Err(ReadProblem::truncated(
                 "its header does not end in `\\*File list end`",
             ));
         }
         let version = sections.first().and_then(|list| list.fields.get("Version"));
         let digits = version.unwrap_or_default();
         let version = u32::from_str_radix(digits.trim_start_matches("0x"), 16).map_err(|_| {
-            file.malformed(format_args!(
+            ReadProblem::malformed(format_args!(
                 "its version is `{}`, but a hexadecimal number is needed",
                 short(digits)
             ))
@@ -114,10 +115,10 @@ impl Header {
         self.sections.iter().filter(|section| section.is_channel())
     }
 
-    /// Where the last of the channels ends that say so.
-    pub(super) fn end_of_channels(&self, file: &Bytes<'_>) -> u64 {
+    /// Offset of the end of the last channel, among those that state one.
+    pub(super) fn end_of_channels(&self) -> u64 {
         let end = |channel: &Section| {
-            let whole = |name| channel.fields.whole(file, name).ok();
+            let whole = |name| channel.fields.whole(name).ok();
             whole("Data offset")?.checked_add(whole("Data length")?)
         };
         self.channels().filter_map(end).max().unwrap_or(0)

@@ -1,8 +1,7 @@
 //! The scale of heights: a full range in volts, and a sensitivity in nanometres per volt.
 
 use super::header::{Header, Section};
-use crate::error::ReadError;
-use crate::height_maps::instruments::bytes::Bytes;
+use crate::error::ReadProblem;
 use crate::height_maps::instruments::measured::length_unit;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::text_lines::short;
@@ -15,22 +14,18 @@ pub(super) struct HeightScale {
 
 impl HeightScale {
     /// The scale of a channel, or `None` if its numbers are no lengths.
-    pub(super) fn of(
-        file: &Bytes<'_>,
-        header: &Header,
-        channel: &Section,
-    ) -> Result<Option<Self>, ReadError> {
+    pub(super) fn of(header: &Header, channel: &Section) -> Result<Option<Self>, ReadProblem> {
         let fields = &channel.fields;
         let Some(text) = fields
             .get("@4:Z scale")
             .or_else(|| fields.get("@2:Z scale"))
         else {
-            return Err(file.unsupported(
+            return Err(ReadProblem::unsupported(
                 "its channels have no `@2:Z scale`; versions before 4.3 are not read",
             ));
         };
-        let bits = 8 * bytes_per_pixel(file, channel)?;
-        let range = Value::parse(file, text)?;
+        let bits = 8 * bytes_per_pixel(channel)?;
+        let range = Value::parse(text)?;
         let step = range.number / 2_f64.powi(bits as i32);
         let Some(name) = range.scaled_by else {
             return Ok(length_unit(range.unit).map(|unit| Self { step, unit }));
@@ -38,7 +33,7 @@ impl HeightScale {
         let Some(text) = header.sensitivity(&format!("@{name}")) else {
             return Ok(None);
         };
-        let sensitivity = Value::parse(file, text)?;
+        let sensitivity = Value::parse(text)?;
         // nm/V, for a range in V or mV
         let Some((length, per)) = sensitivity.unit.split_once('/') else {
             return Ok(None);
@@ -47,7 +42,7 @@ impl HeightScale {
             return Ok(None);
         };
         let [Some(of_range), Some(per)] = [range.unit, per].map(volts) else {
-            return Err(file.unsupported(format_args!(
+            return Err(ReadProblem::unsupported(format_args!(
                 "its heights are in `{}` and scaled by `{}`, but volts are needed",
                 short(range.unit),
                 short(sensitivity.unit)
@@ -61,14 +56,14 @@ impl HeightScale {
 }
 
 /// Bytes per number that the scale is of, 2 or 4.
-pub(super) fn bytes_per_pixel(file: &Bytes<'_>, channel: &Section) -> Result<u64, ReadError> {
+pub(super) fn bytes_per_pixel(channel: &Section) -> Result<u64, ReadProblem> {
     let Some(text) = channel.fields.get("Bytes/pixel") else {
         return Ok(2);
     };
     match text {
         "2" => Ok(2),
         "4" => Ok(4),
-        _ => Err(file.unsupported(format_args!(
+        _ => Err(ReadProblem::unsupported(format_args!(
             "its numbers have {} bytes, but 2 or 4 are needed",
             short(text)
         ))),
@@ -84,9 +79,9 @@ struct Value<'a> {
 }
 
 impl<'a> Value<'a> {
-    fn parse(file: &Bytes<'_>, text: &'a str) -> Result<Self, ReadError> {
+    fn parse(text: &'a str) -> Result<Self, ReadProblem> {
         let refuse = || {
-            file.malformed(format_args!(
+            ReadProblem::malformed(format_args!(
                 "its header has the value `{}`, but one like `V [Sens. Zsens] (0.0067 V/LSB) 2.91 V` is needed",
                 short(text)
             ))
@@ -114,7 +109,7 @@ impl<'a> Value<'a> {
     }
 }
 
-/// Where the parenthesis ends that `text` begins with; units may have some inside.
+/// Offset of the end of the parenthesis that `text` begins with; units may have some inside.
 fn parenthesis_end(text: &str) -> Option<usize> {
     let mut depth = 0;
     for (k, byte) in text.bytes().enumerate() {
