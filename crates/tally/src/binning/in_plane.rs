@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use asperity_optics::azimuth;
 use glam::DVec3;
 
-use crate::exit_columns::{ExitColumns, InSlice};
-use crate::filters::Half;
-use crate::finder::{MARGIN, TINY};
+use super::exit_columns::{ExitColumns, InSlice};
+use super::keys::{MARGIN, TINY};
+use crate::spec::filters::Half;
 
 /// All directions within an angle of the plane of incidence, on both its halves.
 #[derive(Clone, Copy, Debug)]
@@ -36,10 +36,8 @@ impl InPlaneSlice {
     #[inline]
     pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
         match self.by_products(wo.x, wo.y) {
-            InSlice::Neither => None,
-            InSlice::Forward => Some(Half::Forward),
-            InSlice::Backward => Some(Half::Backward),
             InSlice::Unsure => self.by_angles(wo),
+            decided => decided.half(),
         }
     }
 

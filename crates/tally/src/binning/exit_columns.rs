@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::places::Places;
-use crate::target::Target;
+use crate::spec::filters::Half;
+use crate::spec::offsets::{BinOffsets, Target};
 use crate::{EventPath, Exit, Polarimetry, Side};
 
 /// Light that left the surface, field by field, so that bins are found by loops that take vector instructions.
@@ -47,33 +47,11 @@ pub struct ExitColumns {
     pub(crate) batch: Vec<u32>,
     /// Measures over the flux, as many as are kept.
     pub(crate) measures: Vec<Vec<f64>>,
-    /// What was found by [`crate::Tallies::locate`].
+    /// Rings, sectors, halves of the in-plane slice and entries that [`crate::Tallies::locate`] has found.
     pub(crate) ring: Vec<u32>,
     pub(crate) sector: Vec<u32>,
     pub(crate) slice: Vec<InSlice>,
-    pub(crate) targets: TargetColumns,
-}
-
-/// Entries of exits, field by field.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct TargetColumns {
-    order: Vec<u32>,
-    path: Vec<u32>,
-    ring: Vec<u32>,
-    bin: Vec<u32>,
-}
-
-impl TargetColumns {
-    fn clear(&mut self) {
-        for column in [
-            &mut self.order,
-            &mut self.path,
-            &mut self.ring,
-            &mut self.bin,
-        ] {
-            column.clear();
-        }
-    }
+    pub(crate) targets: Vec<Target>,
 }
 
 /// Exits that are about to be written: the fields of [`Exit`].
@@ -95,7 +73,7 @@ pub struct ExitRows<'a> {
     pub measures: Vec<&'a mut [f64]>,
 }
 
-/// Which half of the in-plane slice contains a direction.
+/// Half of the in-plane slice that contains a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum InSlice {
@@ -104,6 +82,18 @@ pub(crate) enum InSlice {
     Backward,
     /// An edge is near: angles decide.
     Unsure,
+}
+
+impl InSlice {
+    /// The half; `None` where there is none, or where it is not decided.
+    #[inline(always)]
+    pub(crate) const fn half(self) -> Option<Half> {
+        match self {
+            Self::Forward => Some(Half::Forward),
+            Self::Backward => Some(Half::Backward),
+            Self::Neither | Self::Unsure => None,
+        }
+    }
 }
 
 impl ExitColumns {
@@ -118,38 +108,13 @@ impl ExitColumns {
 
     /// Computes the entries of all exits from their rings and sectors.
     #[inline(always)]
-    pub(crate) fn find_targets(&mut self, places: &Places) {
+    pub(crate) fn find_targets(&mut self, offsets: &BinOffsets) {
         let n = self.len();
-        let TargetColumns {
-            order,
-            path,
-            ring,
-            bin,
-        } = &mut self.targets;
-        let [order, path, ring, bin] = [order, path, ring, bin].map(|column| {
-            column.resize(n, 0);
-            &mut column[..n]
-        });
+        self.targets.resize(n, Target::default());
         let (sides, paths) = (&self.side[..n], &self.path[..n]);
         let (rings, sectors) = (&self.ring[..n], &self.sector[..n]);
-        for i in 0..n {
-            let side = u32::from(sides[i] == Side::Transmitted);
-            let target = places.target(side, paths[i], rings[i], sectors[i]);
-            order[i] = target.order;
-            path[i] = target.path;
-            ring[i] = target.ring;
-            bin[i] = target.bin;
-        }
-    }
-
-    /// The entries of exit number `i`, once they are found.
-    #[inline(always)]
-    pub(crate) fn target(&self, i: usize) -> Target {
-        Target {
-            order: self.targets.order[i],
-            path: self.targets.path[i],
-            ring: self.targets.ring[i],
-            bin: self.targets.bin[i],
+        for (i, target) in self.targets.iter_mut().enumerate() {
+            *target = offsets.target(sides[i], paths[i], rings[i], sectors[i]);
         }
     }
 

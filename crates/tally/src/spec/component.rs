@@ -4,16 +4,14 @@
 //! them. [`TallySpec`](crate::TallySpec) says which components a tally keeps for which quantity.
 //!
 //! To add a component, add a variant here with its row in [`Component::text`], its line in
-//! [`Component::accepts`] and its place in [`Component::place`], or define a [`ComponentFilter`] and pass it to
-//! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow
-//! from its names.
+//! [`Component::accepts`] and its place in [`Component::place`]. Columns, legends and JSON follow from its names.
 
 use std::borrow::Cow;
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use crate::exit::Exit;
+use crate::Exit;
 
 /// Highest order of scattering with an entry of its own in the list of orders, less one: higher orders
 /// share the last entry.
@@ -30,8 +28,6 @@ pub(crate) const FIRST_GROUPED_ORDER: u8 = 4;
 ///
 /// assert_eq!(Component::Multiple.name(), "multiple");
 /// assert_eq!(Component::Unscattered.label(), "never scattered inside");
-/// // Names are read back as they are written.
-/// assert_eq!(Component::from_name("once"), Some(Component::ScatteredOnce));
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub enum Component {
@@ -52,21 +48,6 @@ pub enum Component {
     ScatteredOnce,
     /// Light that the medium below the surface scattered more than once.
     ScatteredMore,
-    /// A component defined outside this crate.
-    Custom(&'static ComponentFilter),
-}
-
-/// A component defined by its user: which exits belong to it, and its names.
-#[derive(Clone, Copy, Debug)]
-pub struct ComponentFilter {
-    /// Name in files, in lower case; part of the headers of columns.
-    pub name: &'static str,
-    /// Name in tables and legends.
-    pub label: &'static str,
-    /// What light belongs to it, as a noun phrase.
-    pub description: &'static str,
-    /// Whether an exit belongs to the component.
-    pub accepts: fn(&Exit) -> bool,
 }
 
 /// The names of a component.
@@ -106,16 +87,6 @@ impl Component {
         Self::All,
     ];
 
-    /// Components with fixed names.
-    const NAMED: [Self; 6] = [
-        Self::All,
-        Self::Single,
-        Self::Multiple,
-        Self::Unscattered,
-        Self::ScatteredOnce,
-        Self::ScatteredMore,
-    ];
-
     /// Whether `exit` belongs to this component.
     #[inline]
     #[must_use]
@@ -130,7 +101,6 @@ impl Component {
             Self::Unscattered => exit.scatterings == 0,
             Self::ScatteredOnce => exit.scatterings == 1,
             Self::ScatteredMore => exit.scatterings > 1,
-            Self::Custom(filter) => (filter.accepts)(exit),
         }
     }
 
@@ -142,12 +112,6 @@ impl Component {
             Self::OrderAndAbove(n) => format!("order_{n}_and_above").into(),
             _ => self.text().name.into(),
         }
-    }
-
-    /// The component of that [`Component::name`]; `None` for lists of orders and custom components.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::NAMED.into_iter().find(|c| c.text().name == name)
     }
 
     /// Name in tables and legends: `single scattering`, `scattered inside once`.
@@ -187,7 +151,7 @@ impl Component {
             Self::All => 0,
             Self::Single | Self::Unscattered => 1,
             Self::Multiple | Self::ScatteredOnce => 2,
-            Self::ScatteredMore | Self::Custom(_) => 3,
+            Self::ScatteredMore => 3,
             Self::Order(order) | Self::OrderAndAbove(order) => order as usize,
         }
     }
@@ -201,15 +165,11 @@ impl Component {
         )
     }
 
-    /// The group of [`Component::ORDERS`] that holds light of this order.
-    #[inline]
-    pub(crate) const fn order_group(order: u32) -> usize {
-        match order {
-            0 | 1 => 0,
-            2 => 1,
-            3 => 2,
-            _ => 3,
-        }
+    /// Number of the component of [`Component::ORDERS`] that holds light of this order.
+    #[inline(always)]
+    pub(crate) const fn order_group(order: u32) -> u32 {
+        let before = if order == 0 { 0 } else { order - 1 };
+        if before < 3 { before } else { 3 }
     }
 
     /// Names of all but lists of orders.
@@ -248,7 +208,6 @@ impl Component {
                 "more often",
                 "light that was scattered inside the medium more often",
             ],
-            Self::Custom(filter) => [filter.name, filter.label, filter.label, filter.description],
         };
         Text {
             name,
@@ -259,8 +218,7 @@ impl Component {
     }
 }
 
-/// Components are equal if they accept the same exits; `Order(1)` equals `Single`. Custom components
-/// are told apart by their names.
+/// Components are equal if they accept the same exits; `Order(1)` equals `Single`.
 impl PartialEq for Component {
     fn eq(&self, other: &Self) -> bool {
         let canonical = |component: &Self| match *component {
@@ -273,7 +231,6 @@ impl PartialEq for Component {
             (Self::Order(a), Self::Order(b)) | (Self::OrderAndAbove(a), Self::OrderAndAbove(b)) => {
                 a == b
             }
-            (Self::Custom(a), Self::Custom(b)) => a.name == b.name,
             (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
         }
     }
@@ -323,17 +280,14 @@ mod tests {
                     let accepted = split.iter().filter(|c| c.accepts(&exit)).count();
                     assert_eq!(accepted, 1, "order {order}, {scatterings} scatterings");
                 }
-                let group = Component::ORDERS[Component::order_group(order)];
+                let group = Component::ORDERS[Component::order_group(order) as usize];
                 assert!(group.accepts(&exit));
             }
         }
     }
 
     #[test]
-    fn names_are_read_back_and_aliases_are_equal() {
-        for component in Component::NAMED {
-            assert_eq!(Component::from_name(&component.name()), Some(component));
-        }
+    fn components_that_accept_the_same_light_are_equal() {
         assert_eq!(Component::Order(1), Component::Single);
         assert_eq!(Component::OrderAndAbove(2), Component::Multiple);
         assert_ne!(Component::Order(2), Component::Order(3));

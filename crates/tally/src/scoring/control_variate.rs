@@ -1,8 +1,7 @@
 //! Control variate: unshadowed single scattering, whose mean is known before any light is traced.
 
-use crate::filters::Half;
-use crate::values::{TallyValues, single_path};
-use crate::{Component, Entry, Side, TallyResult, TallySpec};
+use crate::spec::filters::Half;
+use crate::{Side, SideFluxes, TallyResult, TallySpec, TallyValues};
 
 /// Mean fluxes of *unshadowed single scattering*: every facet that faces the light is lit and sends its
 /// light away undisturbed, those included that reflect downwards or refract upwards, which are left out.
@@ -105,24 +104,24 @@ impl ControlVariate {
                 expected[TallySpec::BUDGET.truncated] += of_side;
                 continue;
             }
-            for entry in first_order_totals(&spec, side) {
-                expected[entry] = of_side;
-            }
             let bins = &fluxes.bins[side.index() * grid.bins_per_side()..][..grid.bins_per_side()];
-            for component in FIRST_ORDER {
-                for (ring, fraction) in fractions.iter().enumerate() {
-                    expected[spec.ring_entries(side, component).get(ring)] = fraction * rings[ring];
-                    for half in Half::BOTH {
-                        let i = filter.number(ring, half);
-                        expected[spec.in_plane_entries(side, component).get(i)] =
-                            fraction * in_plane[i];
-                    }
-                }
-                let entries = &mut expected[spec.bin_entries(side, component)];
-                for (i, (entry, flux)) in entries.iter_mut().zip(bins).enumerate() {
-                    *entry = fractions[i / grid.n_phi()] * flux;
+            let of_bin = |(i, flux): (usize, &f64)| fractions[i / grid.n_phi()] * flux;
+            let mut weighted = SideFluxes {
+                total: of_side,
+                bins: bins.iter().enumerate().map(of_bin).collect(),
+                rings: fractions
+                    .iter()
+                    .zip(rings)
+                    .map(|(s, flux)| s * flux)
+                    .collect(),
+                in_plane: in_plane.clone(),
+            };
+            for (ring, fraction) in fractions.iter().enumerate() {
+                for half in Half::BOTH {
+                    weighted.in_plane[filter.number(ring, half)] *= fraction;
                 }
             }
+            expected.set_single_scattering(side, &weighted);
         }
         Self {
             fractions,
@@ -229,22 +228,10 @@ impl ControlVariate {
     }
 }
 
-/// Components that light of order one belongs to.
-const FIRST_ORDER: [Component; 2] = [Component::Single, Component::All];
-
-/// Entries that hold all light of `side` that is scattered once, alone or among others.
-pub(crate) fn first_order_totals(spec: &TallySpec, side: Side) -> [Entry; 3] {
-    [
-        spec.flux_entry(side, Component::All),
-        spec.flux_entry(side, Component::Single),
-        spec.event_path_entry(side, single_path(side)),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{HemisphereGrid, Sides};
+    use crate::{Component, HemisphereGrid, Sides};
 
     fn spec() -> TallySpec {
         TallySpec::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
@@ -276,7 +263,7 @@ mod tests {
         assert!(near(budget.absorbed, 0.18));
         for side in Side::BOTH {
             let of_side = expected.flux(side, Component::All);
-            for component in FIRST_ORDER {
+            for component in [Component::Single, Component::All] {
                 let rings = expected.rings(side, component).iter().sum::<f64>();
                 assert!(near(rings, of_side));
             }
@@ -305,7 +292,7 @@ mod tests {
         let control_variate = control_variate(spec());
         let mut tally = TallyValues::zeros(spec());
         // Of what is subtracted ray by ray, this is left.
-        for component in FIRST_ORDER {
+        for component in [Component::Single, Component::All] {
             tally[spec().flux_entry(Side::Reflected, component)] = 0.07;
         }
         control_variate.complete(&mut tally);

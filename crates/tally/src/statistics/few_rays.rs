@@ -5,10 +5,10 @@
 //! at all. An entry of fewer than [`FEW_RAYS`] rays therefore has an error of at least one more ray of the root mean square flux
 //! that rays carry to its side, times the root of the number of rays that are expected in it where that is below one.
 
-use crate::control_variate::{ControlVariate, first_order_totals};
-use crate::filters::Half;
-use crate::values::TallyValues;
-use crate::{Component, Entry, Estimate, Score, Side, TallyResult, TallySpec};
+use super::batches::Estimate;
+use crate::spec::filters::Half;
+use crate::values::single_path;
+use crate::{Component, ControlVariate, Entry, Score, Side, TallyResult, TallySpec, TallyValues};
 
 /// Rays from which on their own scatter is taken for the error.
 pub const FEW_RAYS: f64 = 20.0;
@@ -198,12 +198,14 @@ impl RayErrors<'_> {
             return;
         }
         let spec = *self.means.spec();
-        let entries = match rays.component {
-            Component::Single => first_order_totals(&spec, rays.side).to_vec(),
-            component => [component, Component::All]
-                .map(|component| spec.flux_entry(rays.side, component))
-                .to_vec(),
+        let path = match rays.component {
+            Component::Single => Some(spec.event_path_entry(rays.side, single_path(rays.side))),
+            _ => None,
         };
+        let entries = [rays.component, Component::All]
+            .map(|component| spec.flux_entry(rays.side, component))
+            .into_iter()
+            .chain(path);
         let expected = match self.expected(rays.component) {
             Some(_) => 1.0,
             None => rays.count.min(1.0),
