@@ -76,7 +76,7 @@ use asperity_tally::Estimate;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
-use crate::report::flux_support::patches;
+use crate::report::flux_basis::patches;
 
 pub use config::{
     AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun,

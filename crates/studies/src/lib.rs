@@ -77,7 +77,7 @@ pub use report::energies::energy_table;
 pub use report::error::ReportError;
 pub use report::figures::height_map_figure;
 pub use report::files::{verify_report, verify_summary};
-pub use report::flux_support::FluxSupport;
+pub use report::flux_basis::FluxBasis;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
 pub use surface_lengths::SurfaceLengths;

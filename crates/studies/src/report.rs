@@ -10,7 +10,7 @@ pub(crate) mod energies;
 pub(crate) mod error;
 pub(crate) mod figures;
 pub(crate) mod files;
-pub(crate) mod flux_support;
+pub(crate) mod flux_basis;
 pub(crate) mod flux_tables;
 pub(crate) mod fluxes;
 pub(crate) mod polarised;

@@ -48,7 +48,7 @@ pub use spec::polarimetry::{Measure, Polarimetry};
 pub use spec::{SpecError, TallySpec};
 pub use statistics::TallyStatistics;
 pub use statistics::batches::{BatchStatistics, Estimate};
-pub use statistics::few_rays::{FEW_RAYS, RayErrors, rests_on_few_rays};
+pub use statistics::few_rays::{FEW_RAYS, RayErrors, is_of_few_rays, zero_variance_limit};
 pub use statistics::mirror::Mirror;
 pub use values::numbers::Numbers;
 pub use values::side_fluxes::SideFluxes;
