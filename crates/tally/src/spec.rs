@@ -114,9 +114,7 @@ impl TallySpec {
         Ok(Self {
             grid,
             in_plane_half_width: half_width,
-            sides: Sides::Both,
-            components: &[],
-            polarimetry: Polarimetry::Nothing,
+            ..Self::default()
         })
     }
 

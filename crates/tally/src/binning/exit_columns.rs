@@ -133,28 +133,23 @@ impl ExitColumns {
     /// Adds light of batch number `batch` for [`crate::Tally::add_exit`].
     #[inline]
     pub fn push(&mut self, exit: &Exit, batch: u32) {
-        self.push_as(exit, batch, false);
+        self.push_as(exit, batch, false, &[]);
     }
 
-    /// The same with its measures over the flux, of which there are at least as many as are kept.
+    /// Adds light with its measures over the flux, of which there are at least as many as are kept.
     #[inline]
     pub fn push_measured(&mut self, exit: &Exit, batch: u32, measures: &[f64]) {
-        self.push_as(exit, batch, false);
-        for (column, measure) in self.measures.iter_mut().zip(measures) {
-            if let Some(last) = column.last_mut() {
-                *last = *measure;
-            }
-        }
+        self.push_as(exit, batch, false, measures);
     }
 
     /// Adds light of batch number `batch` for [`crate::Tally::add_masked`].
     #[inline]
     pub fn push_masked(&mut self, exit: &Exit, batch: u32) {
-        self.push_as(exit, batch, true);
+        self.push_as(exit, batch, true, &[]);
     }
 
     #[inline(always)]
-    fn push_as(&mut self, exit: &Exit, batch: u32, is_masked: bool) {
+    fn push_as(&mut self, exit: &Exit, batch: u32, is_masked: bool, measures: &[f64]) {
         for (column, w) in self.wo.iter_mut().zip(exit.wo.to_array()) {
             column.push(w);
         }
@@ -164,7 +159,9 @@ impl ExitColumns {
         self.scatterings.push(exit.scatterings);
         self.is_masked.push(is_masked);
         self.batch.push(batch);
-        self.measures.iter_mut().for_each(|column| column.push(0.0));
+        for (i, column) in self.measures.iter_mut().enumerate() {
+            column.push(measures.get(i).copied().unwrap_or_default());
+        }
     }
 
     /// Adds `count` exits, whose fields are about to be written.

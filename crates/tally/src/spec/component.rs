@@ -50,14 +50,6 @@ pub enum Component {
     ScatteredMore,
 }
 
-/// The names of a component.
-struct Text {
-    name: &'static str,
-    label: &'static str,
-    short_label: &'static str,
-    description: &'static str,
-}
-
 impl Component {
     /// Light split by what the medium below the surface did; these add up to [`Component::All`].
     pub const MEDIUM: [Self; 3] = [Self::Unscattered, Self::ScatteredOnce, Self::ScatteredMore];
@@ -110,7 +102,7 @@ impl Component {
         match self {
             Self::Order(n) => format!("order_{n}").into(),
             Self::OrderAndAbove(n) => format!("order_{n}_and_above").into(),
-            _ => self.text().name.into(),
+            _ => self.text()[0].into(),
         }
     }
 
@@ -120,7 +112,7 @@ impl Component {
         match self {
             Self::Order(n) => format!("order {n}").into(),
             Self::OrderAndAbove(n) => format!("order {n} and above").into(),
-            _ => self.text().label.into(),
+            _ => self.text()[1].into(),
         }
     }
 
@@ -130,7 +122,7 @@ impl Component {
         match self {
             Self::Order(n) => n.to_string().into(),
             Self::OrderAndAbove(n) => format!("{n} and above").into(),
-            _ => self.text().short_label.into(),
+            _ => self.text()[2].into(),
         }
     }
 
@@ -140,7 +132,7 @@ impl Component {
         match self {
             Self::Order(_) => "light that met the surface as often",
             Self::OrderAndAbove(_) => "light that met the surface as often or more often",
-            _ => self.text().description,
+            _ => self.text()[3],
         }
     }
 
@@ -172,9 +164,9 @@ impl Component {
         if before < 3 { before } else { 3 }
     }
 
-    /// Names of all but lists of orders.
-    const fn text(self) -> Text {
-        let [name, label, short_label, description] = match self {
+    /// Name, label, short label and description of all but lists of orders.
+    const fn text(self) -> [&'static str; 4] {
+        match self {
             Self::All | Self::OrderAndAbove(_) => {
                 ["all", "all orders", "all", "all light that leaves"]
             }
@@ -208,12 +200,6 @@ impl Component {
                 "more often",
                 "light that was scattered inside the medium more often",
             ],
-        };
-        Text {
-            name,
-            label,
-            short_label,
-            description,
         }
     }
 }
