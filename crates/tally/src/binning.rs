@@ -14,7 +14,7 @@ use keys::{MARGIN, SortedKeys, TINY};
 
 /// Keys of the rings of a side are between 0 and this, and those of transmitted light follow those of reflected light.
 const RING_KEYS: f64 = 1.0;
-/// The same for sectors.
+/// Keys of the sectors of a side are between 0 and this.
 const SECTOR_KEYS: f64 = 4.0;
 
 /// Exits of a block.

@@ -1,4 +1,4 @@
-//! Where light went: tallies over directions and components, their statistics, and the energy budget.
+//! Tallies: flux and rays by direction and component, their statistics, and the energy budget.
 //!
 //! A tally is a table of *scores* (flux, rays) by *filters* (side, component of the light, direction).
 //! [`TallySpec`] says what is kept, a [`Tally`] collects what one batch of rays did, and closing it gives
@@ -7,7 +7,7 @@
 //! add up.
 //!
 //! # Shapes
-//! Results are read by the views of [`TallyResult`], never by place:
+//! Results are read by the views of [`TallyResult`], never by position:
 //!
 //! | view | shape | geometry |
 //! |---|---|---|

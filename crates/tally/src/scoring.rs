@@ -20,7 +20,7 @@ pub enum Azimuth {
     /// The horizontal component of the light *travels* towards this azimuth, radians: that of `wi`
     /// plus half a turn.
     From(f64),
-    /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
+    /// No direction: every azimuth is as likely as any other, for example where light falls vertically on
     /// surfaces without a preferred direction. The azimuths of exits are ignored.
     ///
     /// When the tally is closed, the flux of a ring is spread evenly over its azimuths, and each half
@@ -42,8 +42,8 @@ const LOW_DIGITS: u32 = 62;
 /// Fluxes are added as integers of 128 bits, in units of `2^-75` of the largest weight of a path. Such sums are exact: no order of
 /// rays and no division of a batch into parts, which `+=` joins again, changes a bit of them.
 ///
-/// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
-/// scattered once counts with what its visible fraction leaves of it, and light that would be scattered
+/// Under a [`ControlVariate`] it holds the difference: visible light that is
+/// scattered once counts with one minus its visible fraction, and light that would be scattered
 /// so but is shadowed or masked counts with minus that fraction. [`ControlVariate::complete`] adds the
 /// mean of what was subtracted.
 ///
@@ -110,7 +110,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// The same under a control variate of the same spec, where there is one.
+    /// Returns a tally under a control variate of the same spec, where there is one.
     #[must_use]
     pub fn with_control_variate(self, control_variate: Option<&'c ControlVariate>) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// The same for contributions of at most `weight`, in place of one. It holds the sum of `2^51` of them, each to less than `2^-74` of
+    /// Returns a tally of contributions of at most `weight`, in place of one. It holds the sum of `2^51` of them, each to less than `2^-74` of
     /// the weight.
     ///
     /// # Panics
@@ -138,7 +138,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn records(&self, side: Side) -> bool {
         self.spec.records(side)
@@ -200,7 +200,7 @@ impl<'c> Tally<'c> {
     #[inline(always)]
     fn weight(&self, exit: &Exit, ring: usize) -> f64 {
         match self.control_variate {
-            Some(control) if exit.path.order() == 1 => 1.0 - control.fraction(exit.side, ring),
+            Some(one) if exit.path.order() == 1 => 1.0 - one.fraction(exit.side, ring),
             _ => 1.0,
         }
     }
@@ -213,12 +213,12 @@ impl<'c> Tally<'c> {
             Side::Transmitted => exit.wo.z < 0.0,
         };
         match self.control_variate {
-            Some(control) if is_away => -control.fraction(exit.side, ring),
+            Some(one) if is_away => -one.fraction(exit.side, ring),
             _ => 0.0,
         }
     }
 
-    /// Where an exit counts.
+    /// Finds the ring, the half of the in-plane slice and the entries of an exit.
     fn direction(&self, exit: &Exit) -> Direction {
         let ring = self.finder.ring(exit.side, exit.wo);
         // Without azimuths the first bin counts for its ring until the tally is closed.
@@ -375,7 +375,7 @@ impl<'c> Tally<'c> {
         self.fractions_of_batch(0, rays)
     }
 
-    /// The same of one of several batches.
+    /// Fractions of the incident flux in one of several batches.
     fn fractions_of_batch(&self, batch: usize, rays: u64) -> TallyValues {
         let sums = self.sums[batch..].iter().step_by(self.batches);
         let unit = 1.0 / (self.scale * LOW * rays as f64);
@@ -446,7 +446,7 @@ impl Direction {
 pub struct Tallies<'c>(Tally<'c>);
 
 impl<'c> Tallies<'c> {
-    /// As many empty tallies like `empty` as there are batches.
+    /// An empty tally like `empty` for each of several batches.
     #[must_use]
     pub fn new(empty: Tally<'c>, batches: usize) -> Self {
         Self(Tally {
@@ -456,7 +456,7 @@ impl<'c> Tallies<'c> {
         })
     }
 
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn records(&self, side: Side) -> bool {
         self.0.records(side)

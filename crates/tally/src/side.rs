@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// Back into the incident medium, `z > 0`.
+    /// Light that goes back into the incident medium, `z > 0`.
     Reflected,
-    /// Into the medium behind the surface, `z < 0`.
+    /// Light that goes into the medium behind the surface, `z < 0`.
     Transmitted,
 }
 
@@ -52,7 +52,7 @@ pub enum Sides {
 }
 
 impl Sides {
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn includes(self, side: Side) -> bool {
         match self {

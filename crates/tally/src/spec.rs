@@ -24,7 +24,7 @@ use grid::HemisphereGrid;
 use offsets::{BinOffsets, MAX_LISTED_PATH, PATH_ENTRIES};
 use polarimetry::{Measure, Polarimetry};
 
-/// Why a tally spec is invalid.
+/// Reason for which a tally spec is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpecError {
@@ -33,7 +33,7 @@ pub enum SpecError {
     BadHalfWidth(f64),
 }
 
-/// What a tally keeps: quantities, filtered by side, component and direction.
+/// Tally spec: the quantities that a tally keeps, filtered by side, component and direction.
 ///
 /// | score | filters |
 /// |---|---|
@@ -46,7 +46,7 @@ pub enum SpecError {
 /// | rays in bins | side; single, multiple; `[n_theta, n_phi]` |
 ///
 /// Each of [`TallySpec::components`] has flux, bins, rays, rings and in-plane bins besides. Entries of a
-/// side that is not recorded keep their places and stay zero.
+/// side that is not recorded keep their positions and stay zero.
 ///
 /// # Examples
 /// ```
@@ -118,7 +118,7 @@ impl TallySpec {
         })
     }
 
-    /// The same quantities over other bins, in an in-plane slice of at most `half_width` radians.
+    /// Returns a spec of these quantities over other bins, in an in-plane slice of at most `half_width` radians.
     ///
     /// # Panics
     /// Unless `half_width > 0`.
@@ -132,13 +132,13 @@ impl TallySpec {
         }
     }
 
-    /// The same entries, of which those of `sides` alone are filled.
+    /// Returns a spec of these entries, of which those of `sides` alone are filled.
     #[must_use]
     pub const fn with_sides(self, sides: Sides) -> Self {
         Self { sides, ..self }
     }
 
-    /// The same entries, followed by those of [`Component::MEDIUM`].
+    /// Returns a spec of these entries, followed by those of [`Component::MEDIUM`].
     #[must_use]
     pub const fn with_medium(self) -> Self {
         Self {
@@ -147,8 +147,8 @@ impl TallySpec {
         }
     }
 
-    /// The same entries, followed by what is kept of polarised light: in each place of flux, rings and in-plane bins
-    /// of [`Component::ORDERS`] and all light, and of bins of all light.
+    /// Returns a spec of these entries, followed by measures of polarised light: of flux, rings and in-plane bins of [`Component::RINGS`], and of
+    /// bins of all light.
     #[must_use]
     pub const fn with_polarimetry(self, polarimetry: Polarimetry) -> Self {
         Self {
@@ -157,7 +157,7 @@ impl TallySpec {
         }
     }
 
-    /// What is kept of polarised light.
+    /// Measures kept of polarised light.
     #[must_use]
     pub const fn polarimetry(&self) -> Polarimetry {
         self.polarimetry
@@ -176,14 +176,14 @@ impl TallySpec {
         self.components
     }
 
-    /// Whether [`Component::MEDIUM`] is recorded.
+    /// Returns `true` if [`Component::MEDIUM`] is recorded.
     #[must_use]
     pub fn has_medium(&self) -> bool {
         self.components.iter().any(|c| c.is_of_medium())
     }
 
-    /// The components that all light is split into, which add up to it: by what the medium did where
-    /// that is recorded, otherwise by what the surface did.
+    /// Components that all light is split into, which add up to it: by scatterings in the medium where these are recorded, otherwise by
+    /// interactions with the surface.
     #[must_use]
     pub fn split(&self) -> &'static [Component] {
         if self.has_medium() {
@@ -193,7 +193,7 @@ impl TallySpec {
         }
     }
 
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn records(&self, side: Side) -> bool {
         self.sides.includes(side)
@@ -267,7 +267,7 @@ impl TallySpec {
         self.offsets().len()
     }
 
-    /// Never: a spec has at least its budget.
+    /// Returns `false`: a spec has at least its budget.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false

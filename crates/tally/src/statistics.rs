@@ -1,4 +1,4 @@
-//! Means and standard errors of tallies over independent batches.
+//! Statistics: means and standard errors of tallies over independent batches.
 
 pub(crate) mod batches;
 pub(crate) mod few_rays;
@@ -37,7 +37,7 @@ pub struct TallyStatistics {
     squares: TallyValues,
     /// Co-moments of measures with what they are compared with, in the order of their entries: see [`TallyStatistics::over_flux`].
     products: Vec<f64>,
-    /// The flux entries of all places of measures.
+    /// Flux entries that have measures, in the order of these.
     #[serde(skip)]
     measured_fluxes: Vec<usize>,
     /// Errors below which none is reported, if any are.
@@ -100,26 +100,26 @@ impl TallyStatistics {
         add_batch(self.batches, means, self.squares.as_mut_slice(), batch);
     }
 
-    /// Adds a batch to the co-moments of measures and fluxes, before the means know of it.
+    /// Adds a batch to the co-moments of measures and fluxes, before it is added to the means.
     fn add_products(&mut self, batch: &[f64]) {
         let means = self.means.as_slice();
         let start = means.len() - self.products.len();
         let measures = self.spec().polarimetry().len().max(1);
         let weight = 1.0 - 1.0 / self.batches as f64;
-        for (place, &flux) in self.measured_fluxes.iter().enumerate() {
+        for (position, &flux) in self.measured_fluxes.iter().enumerate() {
             let flux = match self.spec().polarimetry() {
-                Polarimetry::Mueller => start + place * measures,
+                Polarimetry::Mueller => start + position * measures,
                 Polarimetry::Nothing | Polarimetry::Averaging => flux,
             };
             let of_flux = weight * (batch[flux] - means[flux]);
-            for number in place * measures..(place + 1) * measures {
+            for number in position * measures..(position + 1) * measures {
                 let entry = start + number;
                 self.products[number] += of_flux * (batch[entry] - means[entry]);
             }
         }
     }
 
-    /// A measure over the flux of its place; `None` where nothing has arrived, or the measure is not kept. Elements of a Mueller matrix are
+    /// A measure over the flux that it is kept with; `None` where nothing has arrived, or the measure is not kept. Elements of a Mueller matrix are
     /// taken over its first one.
     ///
     /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common.
@@ -143,7 +143,7 @@ impl TallyStatistics {
         })
     }
 
-    /// The same, which reports no standard error below those given: where rare events decide, batches
+    /// Returns statistics that report no standard error below those given: where rare events decide, batches
     /// may not scatter at all, and yet the mean is not exact.
     ///
     /// # Panics
@@ -185,7 +185,7 @@ impl TallyStatistics {
     }
 }
 
-/// Statistics as they are read, perhaps of values that do not go together.
+/// Statistics in their written form, perhaps of values that do not go together.
 #[derive(Deserialize)]
 struct SavedStatistics {
     batches: u64,

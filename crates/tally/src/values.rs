@@ -1,4 +1,4 @@
-//! Values by entry: one number, or one of anything else, for each entry of a spec.
+//! Values by entry: a number, or anything else, for each entry of a spec.
 
 pub(crate) mod numbers;
 pub(crate) mod side_fluxes;
@@ -21,7 +21,7 @@ pub struct ByEntry<T> {
     values: Vec<T>,
 }
 
-/// Values as they are written, and read, perhaps of another spec.
+/// Values in their written form, perhaps of another spec.
 #[derive(Serialize, Deserialize)]
 struct SavedValues<V> {
     spec: TallySpec,
@@ -76,7 +76,7 @@ impl<'de> Deserialize<'de> for ByEntry<Option<f64>> {
     }
 }
 
-/// Flux fractions by entry: what one batch or one surface did, what a model expects, or errors.
+/// Flux fractions by entry: of one batch or one surface, of a model, or errors.
 ///
 /// Flux fractions are relative to the flux that falls on the mean plane, so that they add up.
 pub type TallyValues = ByEntry<f64>;
@@ -112,7 +112,7 @@ impl<T> ByEntry<T> {
         self.values.iter_mut()
     }
 
-    /// Something else for each entry.
+    /// Applies a function to every value.
     #[must_use]
     pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> ByEntry<U> {
         ByEntry {
@@ -121,7 +121,7 @@ impl<T> ByEntry<T> {
         }
     }
 
-    /// Entry by entry something from two tallies.
+    /// Applies a function to the values of each entry in two tallies.
     ///
     /// # Panics
     /// If they are of different specs.
@@ -163,7 +163,7 @@ impl<T> ByEntry<T> {
 }
 
 impl<T: Clone> ByEntry<T> {
-    /// The same value in all entries.
+    /// One value in all entries.
     #[must_use]
     pub fn filled(spec: TallySpec, value: T) -> Self {
         Self {
@@ -247,14 +247,14 @@ impl TallyValues {
         }
     }
 
-    /// The same by the number of the bin among those of both sides.
+    /// Rays per incident ray that reached a bin, by its number among those of both sides.
     #[must_use]
     pub fn grid_hits(&self, component: Component, bin: usize) -> f64 {
         let of_a_side = self.spec.grid().bins_per_side();
         self.hits(Side::BOTH[bin / of_a_side], component, bin % of_a_side)
     }
 
-    /// Sets the rays in all bins to zero: in what nothing was traced for.
+    /// Sets the rays in all bins to zero, for values that were not traced.
     pub fn clear_hits(&mut self) {
         let components = self.spec.components().iter().copied();
         for component in Component::SURFACE.into_iter().chain(components) {
@@ -266,7 +266,7 @@ impl TallyValues {
     }
 
     /// Sets all entries that hold light of order one of `side` and no other, and those of all light:
-    /// what a model of single scattering expects.
+    /// the expectation of a model of single scattering.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.
@@ -300,7 +300,7 @@ impl TallyValues {
         }
     }
 
-    /// What a component of `side` adds where a tally keeps it.
+    /// Adds the fluxes of a component of `side` where the tally keeps it.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.

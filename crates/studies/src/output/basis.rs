@@ -29,10 +29,10 @@ pub(crate) enum Basis {
 pub(crate) struct EstimateWithLimit {
     #[serde(flatten)]
     estimate: Estimate,
-    /// Limit from above, at 95 %, of what was not seen.
+    /// Upper confidence limit, 95 %, of a mean of zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     below: Option<f64>,
-    /// Limit from below, at 95 %, of what was seen without exception.
+    /// Lower confidence limit, 95 %, of a mean of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     above: Option<f64>,
     /// `true` if the mean is proven.
@@ -69,7 +69,7 @@ impl EstimateWithLimit {
         self.estimate
     }
 
-    /// As text: with an error, as exact, as integrated, or with a limit.
+    /// Text: with an error, as exact, as integrated, or with a limit.
     pub(crate) fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
         match (se, self.below, self.above) {
@@ -170,7 +170,7 @@ mod tests {
         assert_eq!(unknown, json!({ "mean": 0.0, "se": null }));
     }
 
-    /// Where three events are expected, one run in twenty sees none.
+    /// If three events are expected, one run in twenty sees none.
     #[test]
     fn the_limit_holds_in_nineteen_of_twenty_runs() {
         let none_seen = (1.0 - zero_variance_limit(1e4)).powf(1e4);

@@ -1,4 +1,4 @@
-//! Exits field by field: light that left, collected by many paths before it is added to a tally.
+//! Exit columns: light that left, field by field, collected from many paths before it is added to a tally.
 
 use glam::DVec3;
 
@@ -69,7 +69,7 @@ pub struct ExitRows<'a> {
     pub scatterings: &'a mut [u32],
     /// Numbers of the batches among those that are traced together.
     pub batch: &'a mut [u32],
-    /// Measures over the flux: those of [`crate::Polarimetry`], in the order of a place.
+    /// Measures over the flux: those of [`crate::Polarimetry`], in the order of their numbers.
     pub measures: Vec<&'a mut [f64]>,
 }
 
@@ -124,7 +124,7 @@ impl ExitColumns {
         self.flux.len()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if there are none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.flux.is_empty()

@@ -31,7 +31,7 @@ impl InPlaneSlice {
         }
     }
 
-    /// The half of the slice that contains `wo`, if one does: the answer of [`InPlaneSlice::by_angles`], by
+    /// Half of the slice that contains `wo`, if one does: the result of [`InPlaneSlice::by_angles`], by
     /// products wherever no edge is near.
     #[inline]
     pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
@@ -41,7 +41,7 @@ impl InPlaneSlice {
         }
     }
 
-    /// The same for many directions.
+    /// Finds the halves of the slice that contain many directions.
     #[inline(always)]
     pub(crate) fn locate(&self, exits: &mut ExitColumns) {
         exits.slice.resize(exits.len(), InSlice::Neither);

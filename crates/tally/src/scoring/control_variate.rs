@@ -9,13 +9,13 @@ use crate::{Side, SideFluxes, TallyResult, TallySpec, TallyValues};
 /// Flux fractions, not yet weighted by any fraction; they may add to more than one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnshadowedFluxes {
-    /// Into the bins of the grid, in its order.
+    /// Flux into the bins of the grid, in its order.
     pub bins: Vec<f64>,
-    /// Into the theta bins of each side, from +z.
+    /// Flux into the rings of each side, from +z.
     pub rings: [Vec<f64>; 2],
-    /// Into the in-plane bins of each side.
+    /// Flux into the in-plane bins of each side.
     pub in_plane: [Vec<f64>; 2],
-    /// Absorbed at the first interaction.
+    /// Flux absorbed at the first interaction.
     pub absorbed: f64,
 }
 
@@ -57,9 +57,9 @@ impl UnshadowedFluxes {
 /// Any fractions leave the mean of an estimate as it is; the true ones make its variance least.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleFractions {
-    /// Neither shadowed nor masked, by side and ring of polar angle.
+    /// Fractions that are neither shadowed nor masked, by side and ring of polar angle.
     pub rings: [Vec<f64>; 2],
-    /// Not shadowed.
+    /// Fraction that is not shadowed.
     pub absorbed: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct ControlVariate {
 impl ControlVariate {
     /// The control variate of tallies of `spec`: `fluxes`, each weighted with its visible fraction.
     ///
-    /// What goes to a side that is not recorded is booked there, as light that is traced is.
+    /// Flux to a side that is not recorded is booked as such, like light that is traced.
     ///
     /// # Panics
     /// If fractions or fluxes are of other bins than the spec.
@@ -130,7 +130,7 @@ impl ControlVariate {
         }
     }
 
-    /// The same with all fractions, and so all that is added, times `factor`.
+    /// Multiplies all fractions, and so all that is added, with `factor`.
     #[must_use]
     pub fn weakened(mut self, factor: f64) -> Self {
         let rings = self.fractions.rings.iter_mut().flatten();
@@ -141,7 +141,7 @@ impl ControlVariate {
         self
     }
 
-    /// The same, where facets in the shadow of the first one are traced with `probability` only, and weighted
+    /// Returns a control variate under which facets in the shadow of the first one are traced with `probability` only, and weighted
     /// by its inverse.
     ///
     /// # Panics
@@ -182,10 +182,8 @@ impl ControlVariate {
         &self.fractions
     }
 
-    /// What is taken off completed tallies, on average, where the fluxes of what is traced are `fluxes`
-    /// in place of those that are expected: by how much these move the control variate, less what
-    /// [`ControlVariate::complete`] spreads so that the budget closes. The parts of the budget add to
-    /// zero.
+    /// Mean change of completed tallies if the traced fluxes are `fluxes` in place of those expected, with the opposite sign: the change of the
+    /// control variate, less the part that [`ControlVariate::complete`] spreads so that the budget closes. The parts of the budget add to zero.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.
@@ -203,7 +201,7 @@ impl ControlVariate {
         removed
     }
 
-    /// What is added to a tally.
+    /// Expected values, which are added to a tally.
     #[must_use]
     pub const fn expected(&self) -> &TallyValues {
         &self.expected

@@ -1,10 +1,10 @@
-//! Components of light: the one vocabulary for what a result is split into.
+//! Components of light: the parts that a result is split into, and their names.
 //!
-//! A component is a filter on exits. It says which exits count, and how tables, files and plots name
-//! them. [`TallySpec`](crate::TallySpec) says which components a tally keeps for which quantity.
+//! A component is a filter on exits: it selects those that count, and names them in tables, files and plots.
+//! [`TallySpec`](crate::TallySpec) selects the components that a tally keeps for each quantity.
 //!
 //! To add a component, add a variant here with its row in [`Component::text`], its line in
-//! [`Component::accepts`] and its place in [`Component::place`]. Columns, legends and JSON follow from its names.
+//! [`Component::accepts`] and its position in [`Component::place`]. Columns, legends and JSON follow from its names.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -67,10 +67,10 @@ impl Component {
         Self::OrderAndAbove(FIRST_GROUPED_ORDER),
     ];
 
-    /// What bins keep, in addition to components kept in full.
+    /// Components of bins, in addition to those kept in full.
     pub const BINS: [Self; 3] = [Self::Single, Self::Multiple, Self::All];
 
-    /// What rings and in-plane bins keep, in addition to components kept in full.
+    /// Components of rings and in-plane bins, in addition to those kept in full.
     pub const RINGS: [Self; 5] = [
         Self::Order(1),
         Self::Order(2),
@@ -79,7 +79,7 @@ impl Component {
         Self::All,
     ];
 
-    /// Whether `exit` belongs to this component.
+    /// Returns `true` if `exit` belongs to this component.
     #[inline]
     #[must_use]
     pub fn accepts(self, exit: &Exit) -> bool {
@@ -126,7 +126,7 @@ impl Component {
         }
     }
 
-    /// What light belongs to the component, as a noun phrase.
+    /// Light that belongs to the component, as a noun phrase.
     #[must_use]
     pub const fn description(self) -> &'static str {
         match self {
@@ -136,7 +136,7 @@ impl Component {
         }
     }
 
-    /// Place in the split that it belongs to, by which figures colour it: 0 for all light, then 1, 2, ...
+    /// Position in the split that it belongs to, by which figures colour it: 0 for all light, then 1, 2, ...
     #[must_use]
     pub const fn place(self) -> usize {
         match self {
@@ -148,7 +148,7 @@ impl Component {
         }
     }
 
-    /// Whether this is one of [`Component::MEDIUM`].
+    /// Returns `true` if this is one of [`Component::MEDIUM`].
     #[must_use]
     pub const fn is_of_medium(self) -> bool {
         matches!(

@@ -1,17 +1,17 @@
-//! Edges: where the bins of a side begin and end, where they are not all of equal angles.
+//! Edges: the limits of the bins of a side that are not all of equal angles.
 
 use std::f64::consts::TAU;
 use std::sync::{Mutex, PoisonError};
 
 use crate::Side;
 
-/// How near to an edge a direction counts as lying on it, in widths of the bin below.
+/// Distance from an edge within which a direction counts as lying on it, in widths of the bin below.
 const SNAP: f64 = 1e-9;
 
 /// Widest a full turn may be off 360 degrees, degrees: rounding.
 const ROUNDING_DEG: f64 = 1e-9;
 
-/// Why edges of bins are refused.
+/// Reason for which edges of bins are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SideEdgesError {
@@ -107,7 +107,7 @@ impl SideEdges {
     }
 }
 
-/// From where on an angle belongs to the bin after each of the inner edges.
+/// Angles from which on a direction belongs to the bin after each of the inner edges.
 fn starts(edges: &[f64]) -> Vec<f64> {
     let inner = edges.windows(2).take(edges.len() - 2);
     inner

@@ -1,6 +1,6 @@
 //! Filters by direction: the geometry of bins, rings and in-plane bins on one side of the surface.
 //!
-//! Each filter says how many entries it has and where they lie, by the edges of its grid. Views know their geometry through the filter
+//! Each filter has a number of entries and their edges, those of its grid. Views know their geometry through the filter
 //! alone, whether bins are of equal angles or refine around narrow lobes.
 
 use crate::{Bin, HemisphereGrid, Side};
@@ -31,7 +31,7 @@ impl BinFilter {
         self.grid.bins_per_side()
     }
 
-    /// Never: a grid has at least one bin per side.
+    /// Returns `false`: a grid has at least one bin per side.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -79,7 +79,7 @@ impl RingFilter {
         self.grid.n_theta()
     }
 
-    /// Never: a grid has at least one ring.
+    /// Returns `false`: a grid has at least one ring.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -91,7 +91,7 @@ impl RingFilter {
         [i, i + 1].map(|k| self.grid.theta_edge_deg(self.side, k))
     }
 
-    /// The same in radians.
+    /// Edges `[min, max]` of ring `i` in polar angle from +z, radians.
     #[must_use]
     pub fn theta(&self, i: usize) -> [f64; 2] {
         [i, i + 1].map(|k| self.grid.theta_edge(self.side, k))
@@ -115,7 +115,7 @@ impl InPlaneFilter {
         2 * self.grid.n_theta()
     }
 
-    /// Never: a grid has at least one ring.
+    /// Returns `false`: a grid has at least one ring.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -177,9 +177,9 @@ impl InPlaneFilter {
 /// A half of the plane of incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Half {
-    /// The one that the light travels towards.
+    /// The half that the light travels towards.
     Forward,
-    /// The one that it comes from.
+    /// The half that it comes from.
     Backward,
 }
 

@@ -1,4 +1,4 @@
-//! Bins over the two hemispheres of outgoing directions: of equal angles, or between edges that refine around narrow lobes.
+//! Grid: bins over the two hemispheres of outgoing directions, of equal angles or between edges that refine around narrow lobes.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::Side;
 use crate::spec::edges::{SideEdges, SideEdgesError, interned};
 
-/// Why a grid of bins is refused.
+/// Reason for which a grid of bins is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HemisphereGridError {
@@ -157,7 +157,7 @@ impl HemisphereGrid {
         2 * self.bins_per_side()
     }
 
-    /// Never: a grid has at least one bin per side.
+    /// Returns `false`: a grid has at least one bin per side.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false

@@ -1,4 +1,4 @@
-//! Means and standard errors from independent batches.
+//! Batches: means and standard errors of quantities over independent batches.
 
 use serde::{Deserialize, Serialize};
 

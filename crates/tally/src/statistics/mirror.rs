@@ -1,15 +1,15 @@
-//! Mirror: bins on either side of the plane of incidence, averaged where the light on both is the same on average.
+//! Mirror: bins on either side of the plane of incidence, averaged where light is equal on both on average.
 
 use std::f64::consts::TAU;
 
 use crate::{Component, Entries, HemisphereGrid, Measure, Side, TallyValues};
 
-/// How far the edges of bins may be from their mirror images, in widths of a bin: rounding of degrees and radians.
+/// Distance of edges from their mirror images that counts as rounding of degrees and radians, in widths of a bin.
 const ROUNDING: f64 = 1e-9;
 
 /// The plane of incidence as a mirror between bins: each has a partner at the mirrored azimuth.
 ///
-/// Where the statistics of a surface are symmetric about that plane, a bin and its partner have the same expected flux, and their
+/// If the statistics of a surface are symmetric about that plane, a bin and its partner have the same expected flux, and their
 /// average is one estimate with up to half the variance of either.
 ///
 /// # Examples
@@ -46,7 +46,7 @@ impl Mirror {
         (self.sum + sectors - sector) % sectors
     }
 
-    /// Replaces bins and their partners by their average. The rays of both count for each, since both estimates rest on all of
+    /// Replaces bins and their partners by their average. The rays of both count for each, since both estimates are of all of
     /// them. Elements of Mueller matrices that change sign in a mirror are averaged with the opposite sign.
     ///
     /// Sums of bins over a ring stay as they are but for those elements, whose sums vanish. All that is no bin stays as it is.
@@ -72,7 +72,7 @@ impl Mirror {
         }
     }
 
-    /// The same of what is kept of polarised light in the bins of a side.
+    /// Combines the measures of polarised light in each bin of a side and its partner.
     fn pair_measures(&self, values: &mut TallyValues, side: Side) {
         let spec = *values.spec();
         let (offsets, polarimetry) = (spec.offsets(), spec.polarimetry());
@@ -88,12 +88,12 @@ impl Mirror {
     }
 
     /// Combines the values of all sectors of one ring and their partners.
-    fn pair(&self, values: &mut TallyValues, place: impl Fn(usize) -> usize, pairing: Pairing) {
+    fn pair(&self, values: &mut TallyValues, entry: impl Fn(usize) -> usize, pairing: Pairing) {
         let sectors = values.spec().grid().n_phi();
         let values = values.as_mut_slice();
         for sector in 0..sectors {
             let partner = self.partner(sector, sectors);
-            let [a, b] = [sector, partner].map(&place);
+            let [a, b] = [sector, partner].map(&entry);
             match pairing {
                 // A sector of its own partner is as it was.
                 _ if sector > partner => {}
@@ -133,7 +133,7 @@ fn mirrored_sum(azimuth: f64, grid: &HemisphereGrid, side: Side) -> Option<usize
         .then_some((image + sectors - 1) % sectors)
 }
 
-/// What becomes of the values of a bin and its partner.
+/// Combination of the values of a bin and its partner.
 #[derive(Clone, Copy)]
 enum Pairing {
     /// Their average.

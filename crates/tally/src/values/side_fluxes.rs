@@ -1,17 +1,17 @@
-//! Side fluxes: the fluxes of one component on one side, as a model expects them.
+//! Side fluxes: the expectation of a model for one component on one side.
 
 use crate::{BinFilter, Score};
 
-/// Fluxes of one component on one side, as a model expects them.
+/// Fluxes that a model expects of one component on one side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideFluxes {
-    /// In all.
+    /// All flux of the component on the side.
     pub total: f64,
-    /// Into the bins, in the order of [`BinFilter`].
+    /// Flux into the bins, in the order of [`BinFilter`].
     pub bins: Vec<f64>,
-    /// Into the rings, from +z.
+    /// Flux into the rings, from +z.
     pub rings: Vec<f64>,
-    /// Into the in-plane bins.
+    /// Flux into the in-plane bins.
     pub in_plane: Vec<f64>,
 }
 
@@ -29,7 +29,7 @@ impl SideFluxes {
         }
     }
 
-    /// Zero in as many bins.
+    /// No flux in as many bins.
     #[must_use]
     pub fn zeros_like(&self) -> Self {
         Self {
