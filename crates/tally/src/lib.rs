@@ -38,7 +38,7 @@ pub use scoring::control_variate::{ControlVariate, UnshadowedFluxes, VisibleFrac
 pub use scoring::{Azimuth, Tallies, Tally};
 pub use side::{Side, Sides};
 pub use spec::budget::Budget;
-pub use spec::component::{Component, MAX_LISTED_ORDER};
+pub use spec::component::{Component, ComponentFilter, MAX_LISTED_ORDER};
 pub use spec::edges::{SideEdges, SideEdgesError};
 pub use spec::entry::{Entries, Entry, Score};
 pub use spec::filters::{BinFilter, InPlaneFilter, RingFilter};

@@ -138,13 +138,16 @@ impl TallySpec {
         Self { sides, ..self }
     }
 
+    /// Returns a spec of these entries, followed by those of each of `components`, which replace any given before.
+    #[must_use]
+    pub const fn with_components(self, components: &'static [Component]) -> Self {
+        Self { components, ..self }
+    }
+
     /// Returns a spec of these entries, followed by those of [`Component::MEDIUM`].
     #[must_use]
     pub const fn with_medium(self) -> Self {
-        Self {
-            components: &Component::MEDIUM,
-            ..self
-        }
+        self.with_components(&Component::MEDIUM)
     }
 
     /// Returns a spec of these entries, followed by measures of polarised light: of flux, rings and in-plane bins of [`Component::RINGS`], and of

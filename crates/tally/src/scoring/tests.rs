@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
-    Event, EventPath, ExitColumns, HemisphereGrid, Polarimetry, Sides, Tallies, TallyResult,
-    UnshadowedFluxes, VisibleFractions,
+    ComponentFilter, Event, EventPath, ExitColumns, HemisphereGrid, Polarimetry, Sides, Tallies,
+    TallyResult, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_optics::from_spherical;
 
@@ -181,28 +181,48 @@ fn components_of_the_medium_add_to_all_light() {
     }
 }
 
+/// A component that no other file knows: light that was transmitted an even number of times, but at
+/// least once.
+static BACK_AND_FORTH: ComponentFilter = ComponentFilter {
+    name: "back_and_forth",
+    label: "back and forth through the surface",
+    description: "light that was transmitted an even number of times, but at least once",
+    accepts: |exit| exit.path.code() != 0 && exit.path.code().count_ones() % 2 == 0,
+};
+
 #[test]
-fn a_component_of_the_medium_has_flux_rays_and_shape_of_its_own() {
-    const ONCE: Component = Component::ScatteredOnce;
-    let spec = TallySpec::default().with_medium();
-    let exit = |scatterings: u32| Exit {
-        scatterings,
-        ..exit(Side::Reflected, 12.0, 2.0, 1)
+fn a_component_is_added_in_one_place() {
+    const ADDED: Component = Component::Custom(&BACK_AND_FORTH);
+    let spec = TallySpec::default().with_components(&[ADDED]);
+    let exit = |events: &[Event], theta_deg: f64| Exit {
+        side: Side::Reflected,
+        wo: from_spherical(f64::to_radians(theta_deg), 0.1),
+        flux: 0.5,
+        path: events
+            .iter()
+            .fold(EventPath::default(), |path, &event| path.then(event)),
+        scatterings: 0,
     };
+    let (r, t) = (Event::Reflection, Event::Transmission);
     for azimuth in [Azimuth::From(0.0), Azimuth::Free] {
         let mut tally = Tally::new(spec, azimuth);
-        tally.add_exit(&exit(0));
-        tally.add_exit(&exit(1));
+        tally.add_exit(&exit(&[r], 12.0));
+        tally.add_exit(&exit(&[t, r, t], 12.0));
         let values = tally.into_fractions(1);
         let side = Side::Reflected;
         assert_eq!(values.flux(side, Component::All), 1.0);
-        assert_eq!(values.flux(side, ONCE), 0.5);
-        assert_eq!(values.rings(side, ONCE).get(2), 0.5);
-        assert!((values.bins(side, ONCE).iter().sum::<f64>() - 0.5).abs() < 1e-15);
-        let hits = (0..spec.bin_filter(side).len()).map(|i| values.hits(side, ONCE, i));
+        assert_eq!(values.flux(side, ADDED), 0.5);
+        assert_eq!(values.rings(side, ADDED).get(2), 0.5);
+        assert!((values.bins(side, ADDED).iter().sum::<f64>() - 0.5).abs() < 1e-15);
+        let hits = (0..spec.bin_filter(side).len()).map(|i| values.hits(side, ADDED, i));
         assert!((hits.sum::<f64>() - 1.0).abs() < 1e-12);
-        let [once, all] = [ONCE, Component::All].map(|c| values.in_plane(side, c).get(20));
-        assert!(all > 0.0 && once == 0.5 * all);
+        let in_plane = values.in_plane(side, ADDED);
+        assert_eq!(
+            in_plane.get(20),
+            0.5 * values.in_plane(side, Component::All).get(20)
+        );
+        // It names its columns and legends.
+        assert_eq!(spec.components()[0].name(), "back_and_forth");
     }
 }
 

@@ -4,7 +4,8 @@
 //! [`TallySpec`](crate::TallySpec) selects the components that a tally keeps for each quantity.
 //!
 //! To add a component, add a variant here with its row in [`Component::text`], its line in
-//! [`Component::accepts`] and its position in [`Component::place`]. Columns, legends and JSON follow from its names.
+//! [`Component::accepts`] and its position in [`Component::place`], or define a [`ComponentFilter`] and pass it to
+//! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow from its names.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -48,6 +49,21 @@ pub enum Component {
     ScatteredOnce,
     /// Light that the medium below the surface scattered more than once.
     ScatteredMore,
+    /// A component defined outside this crate.
+    Custom(&'static ComponentFilter),
+}
+
+/// A component defined by its user: its exits and its names.
+#[derive(Clone, Copy, Debug)]
+pub struct ComponentFilter {
+    /// Name in files, in lower case; part of the headers of columns.
+    pub name: &'static str,
+    /// Name in tables and legends.
+    pub label: &'static str,
+    /// Light that belongs to it, as a noun phrase.
+    pub description: &'static str,
+    /// Returns `true` if an exit belongs to the component.
+    pub accepts: fn(&Exit) -> bool,
 }
 
 impl Component {
@@ -93,6 +109,7 @@ impl Component {
             Self::Unscattered => exit.scatterings == 0,
             Self::ScatteredOnce => exit.scatterings == 1,
             Self::ScatteredMore => exit.scatterings > 1,
+            Self::Custom(filter) => (filter.accepts)(exit),
         }
     }
 
@@ -143,7 +160,7 @@ impl Component {
             Self::All => 0,
             Self::Single | Self::Unscattered => 1,
             Self::Multiple | Self::ScatteredOnce => 2,
-            Self::ScatteredMore => 3,
+            Self::ScatteredMore | Self::Custom(_) => 3,
             Self::Order(order) | Self::OrderAndAbove(order) => order as usize,
         }
     }
@@ -200,11 +217,12 @@ impl Component {
                 "more often",
                 "light that was scattered inside the medium more often",
             ],
+            Self::Custom(filter) => [filter.name, filter.label, filter.label, filter.description],
         }
     }
 }
 
-/// Components are equal if they accept the same exits; `Order(1)` equals `Single`.
+/// Components are equal if they accept the same exits; `Order(1)` equals `Single`. Custom components are equal if their names are.
 impl PartialEq for Component {
     fn eq(&self, other: &Self) -> bool {
         let canonical = |component: &Self| match *component {
@@ -217,6 +235,7 @@ impl PartialEq for Component {
             (Self::Order(a), Self::Order(b)) | (Self::OrderAndAbove(a), Self::OrderAndAbove(b)) => {
                 a == b
             }
+            (Self::Custom(a), Self::Custom(b)) => a.name == b.name,
             (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
         }
     }
