@@ -10,7 +10,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
-use asperity_studies::{FluxSupport, energy_table};
+use asperity_studies::{FluxBasis, energy_table};
 use asperity_surface::Border;
 use asperity_tracer::MeshSurface;
 
@@ -39,7 +39,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let case = Case::new(surface, Material::dielectric(1.5)?, light);
         for outcome in simulate(&[case], &settings, &Silent)? {
             println!("azimuth {azimuth_deg} deg");
-            let support = FluxSupport::of(&outcome);
+            let support = FluxBasis::of(&outcome);
             print!("{}", energy_table(&outcome.statistics, &support));
         }
     }

@@ -29,15 +29,14 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         effort: Effort::Rays { total, surfaces },
         ..Settings::default()
     };
+    let side = Side::Reflected;
     for outcome in simulate(&[case], &settings, &Silent)? {
-        let profile = outcome
-            .statistics
-            .in_plane(Side::Reflected, Component::Single);
+        let profile = outcome.statistics.in_plane(side, Component::Single);
         let bins = profile.filter();
         println!("angle / deg  explicit              model");
         for i in (0..bins.len()).step_by(3) {
             let edges = bins.theta_deg(i).map(f64::to_radians);
-            let (side, width) = (bins.side(), bins.half_width());
+            let width = bins.half_width();
             let expected = in_plane_flux(model.as_ref(), incidence, width, side, edges);
             let (angle, found) = (bins.centre_deg(i), profile.get(i));
             let (mean, se) = (found.mean, found.se.unwrap_or(f64::NAN));

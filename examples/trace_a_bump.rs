@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
-use asperity_studies::{FluxSupport, energy_table};
+use asperity_studies::{FluxBasis, energy_table};
 use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 
@@ -33,7 +33,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let glass = Material::dielectric(1.5)?;
     let case = Case::new(SurfaceSource::height_field(crate_of_eggs), glass, light);
     for outcome in simulate(&[case], &settings, &Silent)? {
-        let support = FluxSupport::of(&outcome);
+        let support = FluxBasis::of(&outcome);
         print!("{}", energy_table(&outcome.statistics, &support));
     }
     Ok(())

@@ -78,7 +78,7 @@ use asperity_tally::Estimate;
 use serde::Serialize;
 
 use crate::error::StudyError;
-use crate::report::flux_support::patches;
+use crate::report::flux_basis::patches;
 
 pub use config::{
     AttenuationConfig, AttenuationDirections, AttenuationOutput, AttenuationRun, AttenuationSurface,

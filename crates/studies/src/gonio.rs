@@ -28,8 +28,8 @@ use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
-use crate::output::{Supported, over, projected_solid_angle};
-use crate::report::flux_support::FluxSupport;
+use crate::output::{EstimateWithLimit, over, projected_solid_angle};
+use crate::report::flux_basis::FluxBasis;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study, finished};
@@ -66,10 +66,10 @@ impl Direction<'_> {
     }
 
     /// Flux of a component that left on `side`; `None` if it is not recorded or was not measured.
-    fn flux(&self, component: Component, side: Side) -> Option<Supported> {
+    fn flux(&self, component: Component, side: Side) -> Option<EstimateWithLimit> {
         let outcome = self.outcome.filter(|_| self.spec.records(side))?;
         let flux = outcome.statistics.flux(side, component);
-        Some(FluxSupport::of(outcome).flux(side, flux))
+        Some(FluxBasis::of(outcome).flux(side, flux))
     }
 
     /// Flux of a component into bin `bin` of the grid; `None` if its side is not recorded or it was not measured.
@@ -92,9 +92,9 @@ impl Direction<'_> {
     }
 
     /// Flux that was absorbed, truncated and lost.
-    fn endings(&self) -> Option<[Supported; 3]> {
+    fn endings(&self) -> Option<[EstimateWithLimit; 3]> {
         let outcome = self.outcome?;
-        let (support, budget) = (FluxSupport::of(outcome), outcome.statistics.budget());
+        let (support, budget) = (FluxBasis::of(outcome), outcome.statistics.budget());
         Some([
             support.absorbed(budget.absorbed),
             support.ended(budget.truncated),

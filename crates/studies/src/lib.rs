@@ -88,7 +88,7 @@ pub use report::areal_parameters::areal_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;
 pub use report::figures::height_map_figure;
-pub use report::flux_support::FluxSupport;
+pub use report::flux_basis::FluxBasis;
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
 pub use report::views::Views;

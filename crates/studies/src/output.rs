@@ -1,18 +1,19 @@
 //! Output: tables, numbers as text and places in result folders, for every study.
 
 mod align;
+mod basis;
 mod by_side;
 mod columns;
 mod head;
 mod number;
 mod place;
 mod summary_of_cases;
-mod support;
 mod table;
 
 pub(crate) use align::TEXT_WIDTH;
 pub use align::wrapped;
 pub(crate) use align::{aligned, indented, listed};
+pub(crate) use basis::{Basis, EstimateWithLimit};
 pub(crate) use by_side::BySide;
 pub(crate) use columns::{
     GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
@@ -22,6 +23,5 @@ pub(crate) use head::Head;
 pub(crate) use number::{cut_short, distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
-pub(crate) use support::{Support, Supported};
 pub(crate) use table::unit_of_lengths;
 pub(crate) use table::{Cell, Column, Format, Table};

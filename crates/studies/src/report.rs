@@ -8,7 +8,7 @@ pub(crate) mod distribution_table;
 pub(crate) mod energies;
 pub(crate) mod error;
 pub(crate) mod figures;
-pub(crate) mod flux_support;
+pub(crate) mod flux_basis;
 pub(crate) mod flux_tables;
 pub(crate) mod fluxes;
 pub(crate) mod polarised;

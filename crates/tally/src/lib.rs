@@ -1,4 +1,4 @@
-//! Where light went: tallies over directions and components, their statistics, and the energy budget.
+//! Tallies: flux and rays by direction and component, their statistics, and the energy budget.
 //!
 //! A tally is a table of *scores* (flux, rays) by *filters* (side, component of the light, direction).
 //! [`TallySpec`] says what is kept, a [`Tally`] collects what one batch of rays did, and closing it gives
@@ -7,7 +7,7 @@
 //! add up.
 //!
 //! # Shapes
-//! Results are read by the views of [`TallyResult`], never by place:
+//! Results are read by the views of [`TallyResult`], never by position:
 //!
 //! | view | shape | geometry |
 //! |---|---|---|
@@ -24,62 +24,33 @@
 //! surfaces) work on [`TallyValues`] as wholes, or walk over [`Entry`]s. The order of entries in memory
 //! is private.
 
-mod budget;
-mod closing;
-mod component;
-mod control_variate;
-mod describe;
-mod edge_finder;
-mod edges;
-mod entry;
-mod events;
+mod binning;
 mod exit;
-mod exit_columns;
-mod few_rays;
-mod filters;
-mod finder;
-mod grid;
-mod in_plane;
-
-mod measured_places;
-mod measures;
-mod mirror;
-mod numbers;
-mod places;
-mod polarimetry;
-mod result;
+mod scoring;
 mod side;
-mod sides;
 mod spec;
 mod statistics;
-mod tallies;
-mod tally;
-mod tally_statistics;
-mod target;
 mod values;
 
-pub use budget::Budget;
-pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
-pub use control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
-pub use edges::{SideEdges, SideEdgesError};
-pub use entry::{Entries, Entry, EntryDescription, Score};
-pub use events::{Event, EventPath};
-pub use exit::{Exit, Loss};
-pub use exit_columns::{ExitColumns, ExitRows};
-pub use few_rays::{FEW_RAYS, RayErrors, rests_on_few_rays};
-pub use filters::{BinFilter, InPlaneFilter, RingFilter};
-pub use grid::{Bin, HemisphereGrid, HemisphereGridError};
-
-pub use mirror::Mirror;
-pub use numbers::Numbers;
-pub use places::MAX_LISTED_PATH;
-pub use polarimetry::{Measure, Polarimetry};
-pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
-pub use side::Side;
-pub use sides::Sides;
+pub use binning::exit_columns::{ExitColumns, ExitRows};
+pub use exit::{Event, EventPath, Exit, Loss};
+pub use scoring::control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
+pub use scoring::{Azimuth, Tallies, Tally};
+pub use side::{Side, Sides};
+pub use spec::budget::Budget;
+pub use spec::component::{Component, ComponentFilter, MAX_LISTED_ORDER};
+pub use spec::edges::{SideEdges, SideEdgesError};
+pub use spec::entry::{Entries, Entry, Score};
+pub use spec::filters::{BinFilter, InPlaneFilter, RingFilter};
+pub use spec::grid::{Bin, HemisphereGrid, HemisphereGridError};
+pub use spec::offsets::MAX_LISTED_PATH;
+pub use spec::polarimetry::{Measure, Polarimetry};
 pub use spec::{SpecError, TallySpec};
-pub use statistics::{BatchStatistics, Estimate};
-pub use tallies::Tallies;
-pub use tally::{Azimuth, Tally};
-pub use tally_statistics::TallyStatistics;
-pub use values::{ByEntry, SideFluxes, TallyValues};
+pub use statistics::TallyStatistics;
+pub use statistics::batches::{BatchStatistics, Estimate};
+pub use statistics::few_rays::{FEW_RAYS, RayErrors, is_of_few_rays, zero_variance_limit};
+pub use statistics::mirror::Mirror;
+pub use values::numbers::Numbers;
+pub use values::side_fluxes::SideFluxes;
+pub use values::views::{BinView, InPlaneView, RingView, TallyResult, View};
+pub use values::{ByEntry, TallyValues};

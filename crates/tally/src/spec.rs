@@ -1,18 +1,30 @@
 //! Tally spec: which quantities a tally keeps, for which components, over which bins.
 //!
-//! The order of the entries is a private matter of this file.
+//! The order of the entries is private to this crate: see `spec/offsets.rs`.
+
+pub(crate) mod budget;
+pub(crate) mod component;
+pub(crate) mod edges;
+pub(crate) mod entry;
+pub(crate) mod filters;
+pub(crate) mod grid;
+pub(crate) mod offsets;
+pub(crate) mod polarimetry;
 
 use std::ops::Range;
 
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::component::MAX_LISTED_ORDER;
-use crate::entry::{Entries, Entry, Score};
-use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
-use crate::places::{MAX_LISTED_PATH, ORDERS_START, PATH_ENTRIES, PATHS_START, Places};
-use crate::{Budget, Component, EventPath, HemisphereGrid, Measure, Polarimetry, Side, Sides};
+use crate::{EventPath, Side, Sides};
+use budget::Budget;
+use component::{Component, MAX_LISTED_ORDER};
+use entry::{Entries, Entry, Score};
+use filters::{BinFilter, InPlaneFilter, RingFilter};
+use grid::HemisphereGrid;
+use offsets::{BinOffsets, MAX_LISTED_PATH, PATH_ENTRIES};
+use polarimetry::{Measure, Polarimetry};
 
-/// Why a tally spec is invalid.
+/// Reason for which a tally spec is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpecError {
@@ -21,7 +33,7 @@ pub enum SpecError {
     BadHalfWidth(f64),
 }
 
-/// What a tally keeps: quantities, filtered by side, component and direction.
+/// Tally spec: the quantities that a tally keeps, filtered by side, component and direction.
 ///
 /// | score | filters |
 /// |---|---|
@@ -34,7 +46,7 @@ pub enum SpecError {
 /// | rays in bins | side; single, multiple; `[n_theta, n_phi]` |
 ///
 /// Each of [`TallySpec::components`] has flux, bins, rays, rings and in-plane bins besides. Entries of a
-/// side that is not recorded keep their places and stay zero.
+/// side that is not recorded keep their positions and stay zero.
 ///
 /// # Examples
 /// ```
@@ -102,13 +114,11 @@ impl TallySpec {
         Ok(Self {
             grid,
             in_plane_half_width: half_width,
-            sides: Sides::Both,
-            components: &[],
-            polarimetry: Polarimetry::Nothing,
+            ..Self::default()
         })
     }
 
-    /// The same quantities over other bins, in an in-plane slice of at most `half_width` radians.
+    /// Returns a spec of these quantities over other bins, in an in-plane slice of at most `half_width` radians.
     ///
     /// # Panics
     /// Unless `half_width > 0`.
@@ -122,27 +132,26 @@ impl TallySpec {
         }
     }
 
-    /// The same entries, of which those of `sides` alone are filled.
+    /// Returns a spec of these entries, of which those of `sides` alone are filled.
     #[must_use]
     pub const fn with_sides(self, sides: Sides) -> Self {
         Self { sides, ..self }
     }
 
-    /// The same entries, followed by those of each of `components`, which take the place of any given
-    /// before.
+    /// Returns a spec of these entries, followed by those of each of `components`, which replace any given before.
     #[must_use]
     pub const fn with_components(self, components: &'static [Component]) -> Self {
         Self { components, ..self }
     }
 
-    /// The same entries, followed by those of [`Component::MEDIUM`].
+    /// Returns a spec of these entries, followed by those of [`Component::MEDIUM`].
     #[must_use]
     pub const fn with_medium(self) -> Self {
         self.with_components(&Component::MEDIUM)
     }
 
-    /// The same entries, followed by what is kept of polarised light: in each place of flux, rings and in-plane bins
-    /// of [`Component::ORDERS`] and all light, and of bins of all light.
+    /// Returns a spec of these entries, followed by measures of polarised light: of flux, rings and in-plane bins of [`Component::RINGS`], and of
+    /// bins of all light.
     #[must_use]
     pub const fn with_polarimetry(self, polarimetry: Polarimetry) -> Self {
         Self {
@@ -151,21 +160,17 @@ impl TallySpec {
         }
     }
 
-    /// What is kept of polarised light.
+    /// Measures kept of polarised light.
     #[must_use]
     pub const fn polarimetry(&self) -> Polarimetry {
         self.polarimetry
     }
 
-    /// A measure of polarised light in the place of a flux entry; `None` if it is not kept there.
+    /// A measure of polarised light that goes with a flux entry; `None` if it is not kept there.
     #[must_use]
     pub fn measure_entry(&self, flux: Entry, measure: Measure) -> Option<Entry> {
         let index = self.polarimetry.index(measure)?;
-        let places = self.places();
-        let place = places.place_of(flux)?;
-        Some(Entry(
-            places.measures_start() + place * self.polarimetry.len() + index,
-        ))
+        Some(Entry(self.offsets().measures_of(flux)? + index))
     }
 
     /// Components kept in full in addition to the surface's orders: [`Component::MEDIUM`] with a medium.
@@ -174,14 +179,14 @@ impl TallySpec {
         self.components
     }
 
-    /// Whether [`Component::MEDIUM`] is recorded.
+    /// Returns `true` if [`Component::MEDIUM`] is recorded.
     #[must_use]
     pub fn has_medium(&self) -> bool {
         self.components.iter().any(|c| c.is_of_medium())
     }
 
-    /// The components that all light is split into, which add up to it: by what the medium did where
-    /// that is recorded, otherwise by what the surface did.
+    /// Components that all light is split into, which add up to it: by scatterings in the medium where these are recorded, otherwise by
+    /// interactions with the surface.
     #[must_use]
     pub fn split(&self) -> &'static [Component] {
         if self.has_medium() {
@@ -191,7 +196,7 @@ impl TallySpec {
         }
     }
 
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn records(&self, side: Side) -> bool {
         self.sides.includes(side)
@@ -251,8 +256,8 @@ impl TallySpec {
         2 * self.grid.n_theta()
     }
 
-    pub(crate) const fn places(&self) -> Places {
-        Places {
+    pub(crate) const fn offsets(&self) -> BinOffsets {
+        BinOffsets {
             grid: self.grid,
             components: self.components,
             polarimetry: self.polarimetry,
@@ -262,10 +267,10 @@ impl TallySpec {
     /// Number of entries.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.places().len()
+        self.offsets().len()
     }
 
-    /// Never: a spec has at least its budget.
+    /// Returns `false`: a spec has at least its budget.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -276,17 +281,24 @@ impl TallySpec {
         Entries::new(0, self.len()).iter()
     }
 
-    /// Whether `score` is kept for `component`.
+    /// Returns `true` if `score` is kept for `component`.
     #[must_use]
     pub fn keeps(&self, score: Score, component: Component) -> bool {
-        let side = Side::Reflected;
-        match score {
-            Score::Flux => self.places().find_flux(side, component).is_some(),
-            Score::BinFlux => self.places().find_bins(side, component).is_some(),
-            Score::BinHits => self.places().find_hits(side, component).is_some(),
-            Score::RingFlux => self.places().find_rings(side, component).is_some(),
-            Score::InPlaneFlux => self.places().find_in_plane(side, component).is_some(),
-            _ => component == Component::All,
+        let found = self.offsets().find(score, Side::Reflected, component);
+        found.is_some()
+    }
+
+    /// Entries of a component that left on `side`: one of flux, and as many as there are bins, rings or in-plane bins.
+    ///
+    /// With [`crate::Azimuth::Free`] every bin of a ring has the same part of the ring's rays, which need not be a whole number of rays.
+    ///
+    /// # Panics
+    /// If the component is not kept; see the table above.
+    #[must_use]
+    pub fn component_entries(&self, score: Score, side: Side, component: Component) -> Entries {
+        match self.offsets().find(score, side, component) {
+            Some(entries) => entries,
+            None => panic!("the tally keeps no {score} of the component {component}"),
         }
     }
 
@@ -296,16 +308,14 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn flux_entry(&self, side: Side, component: Component) -> Entry {
-        let found = self.places().find_flux(side, component);
-        Entry(found.unwrap_or_else(|| not_kept("flux", component)))
+        self.component_entries(Score::Flux, side, component).get(0)
     }
 
     /// Flux of each order of scattering that left on `side`; the last is that of
     /// [`MAX_LISTED_ORDER`] and above.
     #[must_use]
     pub const fn order_entries(&self, side: Side) -> Entries {
-        let start = ORDERS_START + side.index() * MAX_LISTED_ORDER;
-        Entries::new(start, MAX_LISTED_ORDER)
+        BinOffsets::orders(side)
     }
 
     /// Flux of one order of scattering that left on `side`: orders above [`MAX_LISTED_ORDER`] share its
@@ -325,7 +335,7 @@ impl TallySpec {
         } else {
             PATH_ENTRIES - 1
         };
-        Entry(PATHS_START + side.index() * PATH_ENTRIES + entry)
+        BinOffsets::paths(side).get(entry)
     }
 
     /// All event paths with an entry of their own.
@@ -336,8 +346,8 @@ impl TallySpec {
 
     /// Entry of all event paths of `side` longer than [`MAX_LISTED_PATH`].
     #[must_use]
-    pub const fn longer_paths_entry(&self, side: Side) -> Entry {
-        Entry(PATHS_START + (side.index() + 1) * PATH_ENTRIES - 1)
+    pub fn longer_paths_entry(&self, side: Side) -> Entry {
+        BinOffsets::paths(side).get(PATH_ENTRIES - 1)
     }
 
     /// Flux into the bins of `side`, in the order of [`BinFilter`].
@@ -346,23 +356,16 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn bin_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.places().find_bins(side, component);
-        let start = found.unwrap_or_else(|| not_kept("bins", component));
-        Entries::new(start, self.grid.bins_per_side())
+        self.component_entries(Score::BinFlux, side, component)
     }
 
     /// Rays per incident ray that reached the bins of `side`.
-    ///
-    /// With [`crate::Azimuth::Free`] every bin of a ring has the same part of the ring's rays, which
-    /// need not be a whole number of rays.
     ///
     /// # Panics
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn hit_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.places().find_hits(side, component);
-        let start = found.unwrap_or_else(|| not_kept("rays in bins", component));
-        Entries::new(start, self.grid.bins_per_side())
+        self.component_entries(Score::BinHits, side, component)
     }
 
     /// Flux into the bins of both sides, in the order of [`HemisphereGrid`].
@@ -413,9 +416,7 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn ring_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.places().find_rings(side, component);
-        let start = found.unwrap_or_else(|| not_kept("rings", component));
-        Entries::new(start, self.grid.n_theta())
+        self.component_entries(Score::RingFlux, side, component)
     }
 
     /// Flux into the in-plane bins of `side`, in the order of [`InPlaneFilter`].
@@ -424,14 +425,8 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn in_plane_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.places().find_in_plane(side, component);
-        let start = found.unwrap_or_else(|| not_kept("in-plane bins", component));
-        Entries::new(start, self.in_plane_len())
+        self.component_entries(Score::InPlaneFlux, side, component)
     }
-}
-
-fn not_kept(score: &str, component: Component) -> usize {
-    panic!("the tally keeps no {score} of the component {component}")
 }
 
 impl Default for TallySpec {

@@ -1,52 +1,161 @@
-//! Means and standard errors from independent batches.
+//! Statistics: means and standard errors of tallies over independent batches.
+
+pub(crate) mod batches;
+pub(crate) mod few_rays;
+pub(crate) mod mirror;
 
 use serde::{Deserialize, Serialize};
 
-/// A mean with its standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Estimate {
-    /// The mean.
-    pub mean: f64,
-    /// Standard error of the mean; `None` where fewer than two batches were seen and nothing else is
-    /// known.
-    pub se: Option<f64>,
-}
+use crate::{Entry, Measure, Polarimetry, TallyResult, TallySpec, TallyValues};
+use batches::{Estimate, add_batch, standard_error};
 
-/// Running mean and variance of several quantities over equally weighted batches; of tallies,
-/// [`TallyStatistics`](crate::TallyStatistics).
+/// Running mean and variance of each entry over equally weighted tallies: ray blocks, or surfaces.
 ///
-/// Welford's recurrence, so that nothing cancels; batches are added in the order of their index, so
-/// that the bytes of the result do not depend on the number of threads.
-#[derive(Clone, Debug, Default)]
-pub struct BatchStatistics {
+/// Batches are added in the order of their index, so that the bytes of the result do not depend on the
+/// number of threads.
+///
+/// # Examples
+/// ```
+/// use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, TallyValues};
+///
+/// let spec = TallySpec::default();
+/// let mut statistics = TallyStatistics::new(spec);
+/// for flux in [0.1, 0.3] {
+///     let mut batch = TallyValues::zeros(spec);
+///     batch[spec.flux_entry(Side::Reflected, Component::Single)] = flux;
+///     statistics.push(&batch);
+/// }
+/// let estimate = statistics.flux(Side::Reflected, Component::Single);
+/// assert!((estimate.mean - 0.2).abs() < 1e-12);
+/// assert!((estimate.se.unwrap() - 0.1).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "SavedStatistics")]
+pub struct TallyStatistics {
     batches: u64,
-    mean: Vec<f64>,
-    squares: Vec<f64>,
+    means: TallyValues,
+    squares: TallyValues,
+    /// Co-moments of measures with what they are compared with, in the order of their entries: see [`TallyStatistics::over_flux`].
+    products: Vec<f64>,
+    /// Flux entries that have measures, in the order of these.
+    #[serde(skip)]
+    measured_fluxes: Vec<usize>,
+    /// Errors below which none is reported, if any are.
+    least_errors: Option<TallyValues>,
 }
 
-impl BatchStatistics {
-    /// Statistics of `len` quantities, without a batch yet.
+impl TallyStatistics {
+    /// Statistics without a batch yet.
     #[must_use]
-    pub fn new(len: usize) -> Self {
+    pub fn new(spec: TallySpec) -> Self {
         Self {
             batches: 0,
-            mean: vec![0.0; len],
-            squares: vec![0.0; len],
+            means: TallyValues::zeros(spec),
+            squares: TallyValues::zeros(spec),
+            products: vec![0.0; spec.len() - spec.offsets().measures_start()],
+            measured_fluxes: match spec.polarimetry() {
+                Polarimetry::Nothing => Vec::new(),
+                _ => spec.offsets().measured_fluxes().collect(),
+            },
+            least_errors: None,
         }
+    }
+
+    /// Analytic means, without any batch, with `errors` that they surely do not exceed.
+    ///
+    /// # Panics
+    /// If the two are of different specs.
+    #[must_use]
+    pub fn analytic(means: TallyValues, errors: TallyValues) -> Self {
+        let spec = *means.spec();
+        let squares = TallyValues::zeros(spec);
+        Self {
+            means,
+            squares,
+            ..Self::new(spec)
+        }
+        .with_least_errors(errors)
+    }
+
+    /// The spec.
+    #[must_use]
+    pub const fn spec(&self) -> &TallySpec {
+        self.means.spec()
     }
 
     /// Adds one batch.
     ///
     /// # Panics
-    /// If the number of quantities is another.
-    pub fn push(&mut self, batch: &[f64]) {
+    /// If it is of another spec.
+    pub fn push(&mut self, batch: &TallyValues) {
+        let batch = batch.as_slice();
         assert_eq!(
             batch.len(),
-            self.mean.len(),
-            "a batch of another tally spec"
+            self.means.as_slice().len(),
+            "a batch of another spec"
         );
         self.batches += 1;
-        add_batch(self.batches, &mut self.mean, &mut self.squares, batch);
+        self.add_products(batch);
+        let means = self.means.as_mut_slice();
+        add_batch(self.batches, means, self.squares.as_mut_slice(), batch);
+    }
+
+    /// Adds a batch to the co-moments of measures and fluxes, before it is added to the means.
+    fn add_products(&mut self, batch: &[f64]) {
+        let means = self.means.as_slice();
+        let start = means.len() - self.products.len();
+        let measures = self.spec().polarimetry().len().max(1);
+        let weight = 1.0 - 1.0 / self.batches as f64;
+        for (position, &flux) in self.measured_fluxes.iter().enumerate() {
+            let flux = match self.spec().polarimetry() {
+                Polarimetry::Mueller => start + position * measures,
+                Polarimetry::Nothing | Polarimetry::Averaging => flux,
+            };
+            let of_flux = weight * (batch[flux] - means[flux]);
+            for number in position * measures..(position + 1) * measures {
+                let entry = start + number;
+                self.products[number] += of_flux * (batch[entry] - means[entry]);
+            }
+        }
+    }
+
+    /// A measure over the flux that it is kept with; `None` where nothing has arrived, or the measure is not kept. Elements of a Mueller matrix are
+    /// taken over its first one.
+    ///
+    /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common.
+    #[must_use]
+    pub fn over_flux(&self, flux: Entry, measure: Measure) -> Option<Estimate> {
+        let entry = self.spec().measure_entry(flux, measure)?;
+        let first = Measure::Element { row: 0, column: 0 };
+        let flux = self.spec().measure_entry(flux, first).unwrap_or(flux);
+        let number = entry.0 - (self.means.as_slice().len() - self.products.len());
+        let (below, above) = (self.means[flux], self.means[entry]);
+        if below == 0.0 {
+            return None;
+        }
+        let ratio = above / below;
+        let square = self.squares[entry] - 2.0 * ratio * self.products[number]
+            + ratio * ratio * self.squares[flux];
+        let se = standard_error(self.batches, square.max(0.0), None);
+        Some(Estimate {
+            mean: ratio,
+            se: se.map(|se| se / below.abs()),
+        })
+    }
+
+    /// Returns statistics that report no standard error below those given: where rare events decide, batches
+    /// may not scatter at all, and yet the mean is not exact.
+    ///
+    /// # Panics
+    /// If they are of another spec.
+    #[must_use]
+    pub fn with_least_errors(self, errors: TallyValues) -> Self {
+        let [own, given] = [&self.means, &errors].map(|values| values.as_slice().len());
+        assert_eq!(own, given, "errors of another spec");
+        Self {
+            least_errors: Some(errors),
+            ..self
+        }
     }
 
     /// Number of batches.
@@ -55,96 +164,185 @@ impl BatchStatistics {
         self.batches
     }
 
-    /// Means of all quantities.
+    /// All means.
     #[must_use]
-    pub fn means(&self) -> &[f64] {
-        &self.mean
+    pub const fn means(&self) -> &TallyValues {
+        &self.means
     }
 
-    /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number with
-    /// fewer than two batches.
-    pub fn error_squares(&self) -> impl Iterator<Item = f64> {
+    /// All means, without the statistics.
+    #[must_use]
+    pub fn into_means(self) -> TallyValues {
+        self.means
+    }
+
+    /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number
+    /// with fewer than two batches.
+    #[must_use]
+    pub fn error_squares(&self) -> TallyValues {
         let n = self.batches as f64;
-        self.squares.iter().map(move |s| s / (n * (n - 1.0)))
+        self.squares.map(|s| s / (n * (n - 1.0)))
+    }
+}
+
+/// Statistics in their written form, perhaps of values that do not go together.
+#[derive(Deserialize)]
+struct SavedStatistics {
+    batches: u64,
+    means: TallyValues,
+    squares: TallyValues,
+    products: Vec<f64>,
+    least_errors: Option<TallyValues>,
+}
+
+impl TryFrom<SavedStatistics> for TallyStatistics {
+    type Error = String;
+
+    fn try_from(saved: SavedStatistics) -> Result<Self, String> {
+        let empty = Self::new(*saved.means.spec());
+        let others = [Some(&saved.squares), saved.least_errors.as_ref()];
+        let same_spec = |values: &TallyValues| values.spec() == empty.spec();
+        if !others.into_iter().flatten().all(same_spec)
+            || saved.products.len() != empty.products.len()
+        {
+            return Err("statistics of several tally specs".to_owned());
+        }
+        Ok(Self {
+            batches: saved.batches,
+            means: saved.means,
+            squares: saved.squares,
+            products: saved.products,
+            least_errors: saved.least_errors,
+            ..empty
+        })
+    }
+}
+
+/// Each entry has its mean and its standard error.
+impl TallyResult for TallyStatistics {
+    type Value = Estimate;
+
+    fn spec(&self) -> &TallySpec {
+        self.means.spec()
     }
 
-    /// Mean and standard error of quantity `i`.
-    #[must_use]
-    pub fn estimate(&self, i: usize) -> Estimate {
+    fn at(&self, entry: Entry) -> Estimate {
+        let least = self.least_errors.as_ref().map(|errors| errors[entry]);
         Estimate {
-            mean: self.mean[i],
-            se: standard_error(self.batches, self.squares[i], None),
+            mean: self.means[entry],
+            se: standard_error(self.batches, self.squares[entry], least),
         }
     }
-}
-
-/// Adds a batch, the `count`th, to means and sums of squared deviations: Welford's recurrence.
-pub(crate) fn add_batch(count: u64, means: &mut [f64], squares: &mut [f64], batch: &[f64]) {
-    let n = count as f64;
-    for ((mean, squares), &value) in means.iter_mut().zip(squares).zip(batch) {
-        let before = value - *mean;
-        *mean += before / n;
-        *squares += before * (value - *mean);
-    }
-}
-
-/// Standard error of the mean of `batches` batches whose squared deviations add to `squares`, and no
-/// less than `least`; without any batch `least` itself.
-pub(crate) fn standard_error(batches: u64, squares: f64, least: Option<f64>) -> Option<f64> {
-    if batches == 0 {
-        return least;
-    }
-    let n = batches as f64;
-    (batches > 1).then(|| {
-        let scatter = (squares / (n * (n - 1.0))).sqrt();
-        least.map_or(scatter, |least| scatter.max(least))
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Component, Side};
+    use crate::{HemisphereGrid, SideEdges, Sides};
 
     #[test]
-    fn agrees_with_the_textbook_formula() {
-        let mut statistics = BatchStatistics::new(2);
-        for x in [1.0, 2.0, 4.0] {
-            statistics.push(&[x, 5.0]);
+    fn a_ratio_has_the_error_of_what_both_do_not_share() {
+        let spec = TallySpec::default().with_polarimetry(Polarimetry::Mueller);
+        let flux = spec.flux_entry(Side::Reflected, Component::All);
+        let [first, m10] = [0, 1].map(|row| Measure::Element { row, column: 0 });
+        let entry = |measure| spec.measure_entry(flux, measure).unwrap();
+        let fluxes = [0.1, 0.2, 0.4, 0.3];
+        let noise = [0.01, -0.02, 0.015, -0.005];
+        let mut statistics = TallyStatistics::new(spec);
+        for (flux, noise) in fluxes.into_iter().zip(noise) {
+            let mut batch = TallyValues::zeros(spec);
+            batch[entry(first)] = flux;
+            batch[entry(m10)] = 0.5 * flux + noise;
+            statistics.push(&batch);
         }
-        let estimate = statistics.estimate(0);
-        assert!((estimate.mean - 7.0 / 3.0).abs() < 1e-15);
-        // Sample variance 7/3, standard error sqrt(7/9).
-        assert!((estimate.se.unwrap() - (7.0_f64 / 9.0).sqrt()).abs() < 1e-15);
-        assert_eq!(
-            statistics.estimate(1),
-            Estimate {
-                mean: 5.0,
-                se: Some(0.0)
-            }
-        );
+        let ratio = statistics.over_flux(flux, m10).unwrap();
+        assert!((ratio.mean - 0.5).abs() < 1e-15);
+        // Deviations from a line through zero: their squares over n (n - 1) and the mean.
+        let squares: f64 = noise.iter().map(|x| x * x).sum();
+        let expected = (squares / 12.0).sqrt() / 0.25;
+        assert!((ratio.se.unwrap() - expected).abs() < 1e-15, "{ratio:?}");
+        let one = statistics.over_flux(flux, first).unwrap();
+        assert_eq!((one.mean, one.se), (1.0, Some(0.0)));
+
+        // The same after saving; nothing of what is not kept, or where nothing has arrived.
+        let saved = serde_json::to_value(&statistics).unwrap();
+        let restored: TallyStatistics = serde_json::from_value(saved).unwrap();
+        assert_eq!(restored.over_flux(flux, m10), Some(ratio));
+        assert_eq!(statistics.over_flux(flux, Measure::Averaging), None);
+        let transmitted = spec.flux_entry(Side::Transmitted, Component::All);
+        assert_eq!(statistics.over_flux(transmitted, m10), None);
+    }
+
+    const LOST: Entry = TallySpec::BUDGET.lost;
+
+    fn batch(lost: f64) -> TallyValues {
+        let mut values = TallyValues::zeros(TallySpec::default());
+        values[LOST] = lost;
+        values
     }
 
     #[test]
-    fn one_batch_has_no_error() {
-        let mut statistics = BatchStatistics::new(1);
-        statistics.push(&[3.0]);
-        assert_eq!(
-            statistics.estimate(0),
-            Estimate {
-                mean: 3.0,
-                se: None
-            }
-        );
+    fn no_error_is_reported_below_the_least() {
+        let mut statistics = TallyStatistics::new(TallySpec::default());
+        statistics.push(&batch(1.0));
+        statistics.push(&batch(1.5));
+        assert_eq!(statistics.budget().lost.se, Some(0.25));
+        assert_eq!(statistics.error_squares()[LOST], 0.0625);
+        let errors = TallyValues::filled(TallySpec::default(), 0.5);
+        let budget = statistics.with_least_errors(errors).budget();
+        assert_eq!([budget.lost.se, budget.absorbed.se], [Some(0.5); 2]);
+        assert_eq!(budget.lost.mean, 1.25);
     }
 
     #[test]
-    fn small_spread_on_a_large_mean_survives() {
-        let mut statistics = BatchStatistics::new(1);
-        for i in 0..1000 {
-            statistics.push(&[1e9 + f64::from(i % 2)]);
+    fn saved_statistics_are_read_to_the_same_numbers_and_never_with_those_of_another_spec() {
+        let edges = [Side::Reflected, Side::Transmitted].map(|side| {
+            let start = 90.0 * side.index() as f64;
+            let theta = [0.0, 100.0 / 3.0, 90.0].map(|deg| start + deg).to_vec();
+            SideEdges::new(side, theta, vec![10.1, 200.0, 370.1]).unwrap()
+        });
+        let uneven = HemisphereGrid::with_edges(edges).unwrap();
+        for spec in [
+            TallySpec::default().with_sides(Sides::Reflected),
+            TallySpec::new(uneven, 0.1).unwrap().with_medium(),
+        ] {
+            let mut statistics = TallyStatistics::new(spec);
+            for lost in [1.0 / 3.0, 0.1] {
+                statistics.push(&TallyValues::filled(spec, lost));
+            }
+            let statistics = statistics.with_least_errors(TallyValues::filled(spec, 1e-300));
+            let mut saved = serde_json::to_value(&statistics).unwrap();
+            let read = |saved| serde_json::from_value::<TallyStatistics>(saved);
+            let restored = read(saved.clone()).unwrap();
+            // Also the bits of every number, since digits read back exactly.
+            assert_eq!(format!("{restored:?}"), format!("{statistics:?}"));
+            saved["squares"]["spec"]["in_plane_half_width"] = 0.05.into();
+            assert!(
+                read(saved.clone())
+                    .unwrap_err()
+                    .to_string()
+                    .contains("several")
+            );
+            saved["means"]["spec"]["grid"] = "2x1".into();
+            assert!(
+                read(saved)
+                    .unwrap_err()
+                    .to_string()
+                    .contains("of a tally of")
+            );
         }
-        let se = statistics.estimate(0).se.unwrap();
-        let expected = (0.25_f64 / 999.0).sqrt();
-        assert!((se / expected - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_analytic_mean_has_its_error_without_a_batch() {
+        let errors = TallyValues::filled(TallySpec::default(), 1e-6);
+        let statistics = TallyStatistics::analytic(batch(0.5), errors);
+        let expected = Estimate {
+            mean: 0.5,
+            se: Some(1e-6),
+        };
+        assert_eq!(statistics.at(LOST), expected);
+        assert_eq!(statistics.batches(), 0);
     }
 }

@@ -1,14 +1,18 @@
-//! Values by entry: one number, or one of anything else, for each entry of a spec.
+//! Values by entry: a number, or anything else, for each entry of a spec.
+
+pub(crate) mod numbers;
+pub(crate) mod side_fluxes;
+pub(crate) mod views;
 
 use std::ops::{AddAssign, Index, IndexMut};
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::entry::{Entries, Entry};
-use crate::filters::BinFilter;
-use crate::numbers::Numbers;
-use crate::{Component, Event, EventPath, Side, TallyResult, TallySpec};
+use crate::{Component, Entries, Entry, Event, EventPath, Score, Side, TallySpec};
+use numbers::Numbers;
+use side_fluxes::SideFluxes;
+use views::TallyResult;
 
 /// One `T` for each entry of a spec.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +21,7 @@ pub struct ByEntry<T> {
     values: Vec<T>,
 }
 
-/// Values as they are written, and read, perhaps of another spec.
+/// Values in their written form, perhaps of another spec.
 #[derive(Serialize, Deserialize)]
 struct SavedValues<V> {
     spec: TallySpec,
@@ -72,7 +76,7 @@ impl<'de> Deserialize<'de> for ByEntry<Option<f64>> {
     }
 }
 
-/// Flux fractions by entry: what one batch or one surface did, what a model expects, or errors.
+/// Flux fractions by entry: of one batch or one surface, of a model, or errors.
 ///
 /// Flux fractions are relative to the flux that falls on the mean plane, so that they add up.
 pub type TallyValues = ByEntry<f64>;
@@ -108,7 +112,7 @@ impl<T> ByEntry<T> {
         self.values.iter_mut()
     }
 
-    /// Something else for each entry.
+    /// Applies a function to every value.
     #[must_use]
     pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> ByEntry<U> {
         ByEntry {
@@ -117,7 +121,7 @@ impl<T> ByEntry<T> {
         }
     }
 
-    /// Entry by entry something from two tallies.
+    /// Applies a function to the values of each entry in two tallies.
     ///
     /// # Panics
     /// If they are of different specs.
@@ -159,7 +163,7 @@ impl<T> ByEntry<T> {
 }
 
 impl<T: Clone> ByEntry<T> {
-    /// The same value in all entries.
+    /// One value in all entries.
     #[must_use]
     pub fn filled(spec: TallySpec, value: T) -> Self {
         Self {
@@ -225,57 +229,6 @@ impl AddAssign<&Self> for TallyValues {
     }
 }
 
-/// Fluxes of one component on one side, as a model expects them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SideFluxes {
-    /// In all.
-    pub total: f64,
-    /// Into the bins, in the order of [`BinFilter`].
-    pub bins: Vec<f64>,
-    /// Into the rings, from +z.
-    pub rings: Vec<f64>,
-    /// Into the in-plane bins.
-    pub in_plane: Vec<f64>,
-}
-
-impl SideFluxes {
-    /// Rings and total of bins that hold all light of a side.
-    #[must_use]
-    pub fn from_bins(filter: &BinFilter, bins: Vec<f64>, in_plane: Vec<f64>) -> Self {
-        let [_, n_phi] = filter.shape();
-        let rings = bins.chunks_exact(n_phi).map(|ring| ring.iter().sum());
-        Self {
-            total: bins.iter().sum(),
-            rings: rings.collect(),
-            bins,
-            in_plane,
-        }
-    }
-
-    /// Zero in as many bins.
-    #[must_use]
-    pub fn zeros_like(&self) -> Self {
-        Self {
-            total: 0.0,
-            bins: vec![0.0; self.bins.len()],
-            rings: vec![0.0; self.rings.len()],
-            in_plane: vec![0.0; self.in_plane.len()],
-        }
-    }
-
-    /// These fluxes less those of `part`, bin by bin.
-    #[must_use]
-    pub fn without(&self, part: &Self) -> Self {
-        let less = |all: &[f64], part: &[f64]| all.iter().zip(part).map(|(a, b)| a - b).collect();
-        Self {
-            total: self.total - part.total,
-            bins: less(&self.bins, &part.bins),
-            rings: less(&self.rings, &part.rings),
-            in_plane: less(&self.in_plane, &part.in_plane),
-        }
-    }
-}
-
 impl TallyValues {
     /// Zero in all entries.
     #[must_use]
@@ -288,22 +241,20 @@ impl TallyValues {
     #[must_use]
     pub fn hits(&self, side: Side, component: Component, i: usize) -> f64 {
         let of = |component| self[self.spec.hit_entries(side, component).get(i)];
-        if component == Component::All {
-            let [single, multiple] = Component::SURFACE.map(of);
-            single + multiple
-        } else {
-            of(component)
+        match component {
+            Component::All => Component::SURFACE.map(of).iter().sum(),
+            component => of(component),
         }
     }
 
-    /// The same by the number of the bin among those of both sides.
+    /// Rays per incident ray that reached a bin, by its number among those of both sides.
     #[must_use]
     pub fn grid_hits(&self, component: Component, bin: usize) -> f64 {
         let of_a_side = self.spec.grid().bins_per_side();
         self.hits(Side::BOTH[bin / of_a_side], component, bin % of_a_side)
     }
 
-    /// Sets the rays in all bins to zero: in what nothing was traced for.
+    /// Sets the rays in all bins to zero, for values that were not traced.
     pub fn clear_hits(&mut self) {
         let components = self.spec.components().iter().copied();
         for component in Component::SURFACE.into_iter().chain(components) {
@@ -315,17 +266,16 @@ impl TallyValues {
     }
 
     /// Sets all entries that hold light of order one of `side` and no other, and those of all light:
-    /// what a model of single scattering expects.
+    /// the expectation of a model of single scattering.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.
     pub fn set_single_scattering(&mut self, side: Side, fluxes: &SideFluxes) {
         let spec = self.spec;
         for component in [Component::Single, Component::All] {
-            self[spec.flux_entry(side, component)] = fluxes.total;
-            self[spec.bin_entries(side, component)].copy_from_slice(&fluxes.bins);
-            self[spec.ring_entries(side, component)].copy_from_slice(&fluxes.rings);
-            self[spec.in_plane_entries(side, component)].copy_from_slice(&fluxes.in_plane);
+            for (score, fluxes) in fluxes.by_score() {
+                self[spec.component_entries(score, side, component)].copy_from_slice(fluxes);
+            }
         }
         self[spec.event_path_entry(side, single_path(side))] = fluxes.total;
     }
@@ -337,16 +287,10 @@ impl TallyValues {
     pub fn replace_single_scattering(&mut self, single: &Self) {
         let spec = self.spec;
         for side in Side::BOTH {
-            let of = |component| {
-                [
-                    spec.bin_entries(side, component),
-                    spec.ring_entries(side, component),
-                    spec.in_plane_entries(side, component),
-                    Entries::new(spec.flux_entry(side, component).0, 1),
-                ]
-            };
-            for (first, all) in of(Component::Single).iter().zip(of(Component::All)) {
-                for (first, all) in first.iter().zip(all.iter()) {
+            for score in Score::FLUXES {
+                let [firsts, all] = [Component::Single, Component::All]
+                    .map(|component| spec.component_entries(score, side, component));
+                for (first, all) in firsts.iter().zip(all) {
                     self[all] += single[first] - self[first];
                     self[first] = single[first];
                 }
@@ -356,29 +300,17 @@ impl TallyValues {
         }
     }
 
-    /// What a component of `side` adds where a tally keeps it.
+    /// Adds the fluxes of a component of `side` where the tally keeps it.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.
     pub fn add_component(&mut self, side: Side, component: Component, fluxes: &SideFluxes) {
-        let spec = self.spec;
-        let add = |entries: &mut [f64], fluxes: &[f64]| {
-            assert_eq!(entries.len(), fluxes.len(), "fluxes of other bins");
-            entries.iter_mut().zip(fluxes).for_each(|(a, b)| *a += b);
-        };
-        if let Some(start) = spec.places().find_flux(side, component) {
-            self.values[start] += fluxes.total;
-        }
-        for (start, fluxes) in [
-            (spec.places().find_bins(side, component), &fluxes.bins),
-            (spec.places().find_rings(side, component), &fluxes.rings),
-            (
-                spec.places().find_in_plane(side, component),
-                &fluxes.in_plane,
-            ),
-        ] {
-            if let Some(start) = start {
-                add(&mut self.values[start..start + fluxes.len()], fluxes);
+        let offsets = self.spec.offsets();
+        for (score, fluxes) in fluxes.by_score() {
+            if let Some(entries) = offsets.find(score, side, component) {
+                assert_eq!(entries.len(), fluxes.len(), "fluxes of other bins");
+                let pairs = self[entries].iter_mut().zip(fluxes);
+                pairs.for_each(|(sum, flux)| *sum += flux);
             }
         }
     }

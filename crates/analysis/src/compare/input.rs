@@ -1,5 +1,7 @@
 //! Input of a comparison: the fluxes that a model expects, and checks of all lists.
 
+use asperity_tally::FEW_RAYS;
+
 /// Fluxes that a model expects.
 #[derive(Clone, Copy, Debug)]
 pub enum Expected<'a> {
@@ -35,9 +37,6 @@ pub struct RayCount {
     pub flux: f64,
 }
 
-/// Rays that must be found or expected, and rays that must be missing, for a test.
-const ENOUGH_RAYS: f64 = 20.0;
-
 impl RayCount {
     /// Rays enough for any test.
     pub const UNLIMITED: Self = Self {
@@ -54,16 +53,16 @@ impl RayCount {
 
     /// Returns `true` if these residuals, one per surface, may be tested.
     ///
-    /// If fewer than 20 rays are missing, residuals must scatter by more than rays that are missing can explain: together by
+    /// If fewer than [`FEW_RAYS`] are missing, residuals must scatter by more than rays that are missing can explain: together by
     /// twice as many. Light that splits at a smooth surface has the same flux on every surface but for rare rays that stray; what
     /// no stray ray was seen of is no deviation. The condition is the same for residuals of either sign, so that a choice by it
     /// leaves the test exact.
     pub(crate) fn suffices(&self, residuals: impl Iterator<Item = f64>) -> bool {
-        if self.inside < ENOUGH_RAYS {
+        if self.inside < FEW_RAYS {
             return false;
         }
         let scatter = || residuals.map(f64::abs).sum::<f64>();
-        self.elsewhere >= ENOUGH_RAYS || scatter() >= 2.0 * ENOUGH_RAYS * self.flux
+        self.elsewhere >= FEW_RAYS || scatter() >= 2.0 * FEW_RAYS * self.flux
     }
 }
 

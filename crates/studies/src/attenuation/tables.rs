@@ -11,7 +11,7 @@ use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::output::{Column, Format, Support, Supported, Table, unit_of_lengths, wrapped};
+use crate::output::{Basis, Column, EstimateWithLimit, Format, Table, unit_of_lengths, wrapped};
 
 /// Description of the column `theta`.
 const THETA: &str = "polar angle of the light";
@@ -36,11 +36,11 @@ fn angle<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) ->
 fn supported<'a, R: 'a>(
     name: &'a str,
     about: &'static str,
-    support: impl Fn(&R) -> Support + 'a,
+    support: impl Fn(&R) -> Basis + 'a,
     value: fn(&R) -> Option<Estimate>,
 ) -> Column<'a, R> {
     Column::estimate(name, about, move |row| {
-        Some(Supported::new(value(row)?, support(row)))
+        Some(EstimateWithLimit::new(value(row)?, support(row)))
     })
 }
 
@@ -56,8 +56,8 @@ pub(super) fn attenuation(outcome: &AttenuationOutcome<'_>) -> Table<'static, At
     let independent = outcome.independent_points();
     // From straight above nothing is hidden.
     let unless = move |is_proven: bool| match is_proven {
-        true => Support::Proven,
-        false => Support::Samples(independent),
+        true => Basis::Proven,
+        false => Basis::Samples(independent),
     };
     let of_light = move |row: &Row| unless(row.light.is_vertical());
     let of_view = move |row: &Row| unless(row.view.is_vertical());
@@ -160,8 +160,8 @@ pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, Vis
     let unit = outcome.plan.config.surface.unit;
     let independent = outcome.independent_points();
     let support = move |row: &Row| match row.theta {
-        0.0 => Support::Proven,
-        _ => Support::Samples(independent.min(row.points).max(1.0)),
+        0.0 => Basis::Proven,
+        _ => Basis::Samples(independent.min(row.points).max(1.0)),
     };
     let x = "tan(theta) / s, the only parameter of the models";
     let points = "points of that height that face the light, per surface";

@@ -8,7 +8,7 @@ use asperity_plot::{
     Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
     ProfileGrid, Series, SharedColours,
 };
-use asperity_tally::{Component, Side, TallySpec, rests_on_few_rays};
+use asperity_tally::{Component, Side, TallySpec, is_of_few_rays};
 use rayon::prelude::*;
 
 use super::components::{component_names, components as components_of};
@@ -316,11 +316,7 @@ fn hemisphere(direction: &Direction<'_>, side: Side, component: Component) -> Op
             .map(|bin| bsdf(bin).map(Some))
             .collect::<Option<_>>()?,
         few_rays: (disc_bins(spec, side).enumerate())
-            .filter(|(_, bin)| {
-                direction
-                    .bin(component, *bin)
-                    .is_some_and(rests_on_few_rays)
-            })
+            .filter(|(_, bin)| direction.bin(component, *bin).is_some_and(is_of_few_rays))
             .map(|(place, _)| place)
             .collect(),
         light_deg: (!incidence.is_vertical()).then(|| incidence.phi_deg()),

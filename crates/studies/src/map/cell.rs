@@ -1,7 +1,9 @@
 //! What was found in one cell, and what follows from it.
 
 use asperity_analysis::Scope;
-use asperity_tally::{Component, Entry, Estimate, Measure, Side, TallyResult, TallySpec};
+use asperity_tally::{
+    Component, Entry, Estimate, Measure, Side, TallyResult, TallySpec, zero_variance_limit,
+};
 use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
@@ -12,10 +14,6 @@ use crate::comparison::peak::PeakDifference;
 
 /// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.
 pub(super) const FEWEST_SURFACES: u64 = 8;
-
-/// Rays of average flux that may have gone where none was seen: `n` independent rays miss an event of
-/// probability `3 / n`, named beforehand, in 5 % of cases (`0.05 = exp(-3)`, the rule of three).
-const UNOBSERVED_RAYS: f64 = 3.0;
 
 /// A lobe has a clear peak if it falls to half of it within so many degrees on either side; of a broader
 /// one the total variation tells.
@@ -290,7 +288,7 @@ impl CellResults {
         [self.rays, model.rays]
             .iter()
             .filter(|rays| **rays > 0)
-            .map(|rays| UNOBSERVED_RAYS / *rays as f64)
+            .map(|rays| zero_variance_limit(*rays as f64))
             .sum()
     }
 }

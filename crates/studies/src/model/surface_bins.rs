@@ -16,7 +16,7 @@ use crate::output::{
     BySide, Column, Head, Table, bin_columns, over, projected_solid_angle, solid_angle_column,
 };
 use crate::report::energies::energy_table;
-use crate::report::flux_support::FluxSupport;
+use crate::report::flux_basis::FluxBasis;
 use crate::report::summary::{Order, orders};
 
 /// Flux missing from the energies of all orders that no noise explains.
@@ -40,8 +40,8 @@ pub(super) struct SurfaceBins {
 
 impl SurfaceBins {
     /// What its fluxes rest on whose samples all agree.
-    fn support(&self) -> FluxSupport {
-        FluxSupport::of_model(self.model.as_ref(), self.expectation.rays())
+    fn support(&self) -> FluxBasis {
+        FluxBasis::of_model(self.model.as_ref(), self.expectation.rays())
     }
 
     pub(super) fn of(

@@ -14,7 +14,7 @@ use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
 
 use super::align::aligned;
-use super::support::Supported;
+use super::basis::EstimateWithLimit;
 
 /// A value of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub(crate) enum Cell {
     /// Text.
     Text(Cow<'static, str>),
     /// A mean and its standard error.
-    Estimate(Supported),
+    Estimate(EstimateWithLimit),
 }
 
 impl From<f64> for Cell {
@@ -67,8 +67,8 @@ impl From<Estimate> for Cell {
     }
 }
 
-impl From<Supported> for Cell {
-    fn from(value: Supported) -> Self {
+impl From<EstimateWithLimit> for Cell {
+    fn from(value: EstimateWithLimit) -> Self {
         Self::Estimate(value)
     }
 }

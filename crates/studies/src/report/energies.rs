@@ -9,7 +9,7 @@ use asperity_tally::{
 use asperity_tracer::PathSettings;
 
 use crate::output::{Column, Table, aligned, listed, two_digits, wrapped};
-use crate::report::flux_support::FluxSupport;
+use crate::report::flux_basis::FluxBasis;
 
 /// What light of the first order is called.
 pub(crate) const SINGLE_SCATTERING: &str = "single scattering";
@@ -25,7 +25,7 @@ pub(crate) fn recorded_orders(max_order: u32) -> String {
 }
 
 /// The light of one side by the components of a medium.
-fn by_medium(statistics: &TallyStatistics, support: &FluxSupport, side: Side) -> Option<String> {
+fn by_medium(statistics: &TallyStatistics, support: &FluxBasis, side: Side) -> Option<String> {
     let spec = statistics.spec();
     if !spec.has_medium() || statistics.means().flux(side, Component::All) == 0.0 {
         return None;
@@ -41,7 +41,7 @@ fn by_medium(statistics: &TallyStatistics, support: &FluxSupport, side: Side) ->
 /// The energies of one run, by side, order of scattering and number of scatterings inside a medium. `support`: what
 /// fluxes rest on whose samples all agree.
 #[must_use]
-pub fn energy_table(statistics: &TallyStatistics, support: &FluxSupport) -> String {
+pub fn energy_table(statistics: &TallyStatistics, support: &FluxBasis) -> String {
     let spec = statistics.spec();
     let energies = spec.sides().map(|side| {
         let all = spec.flux_entry(side, Component::All);
@@ -70,7 +70,7 @@ pub fn energy_table(statistics: &TallyStatistics, support: &FluxSupport) -> Stri
 }
 
 /// The light of one side by its order of scattering at the surface; `None` if there is none.
-fn by_order(statistics: &TallyStatistics, support: &FluxSupport, side: Side) -> Option<String> {
+fn by_order(statistics: &TallyStatistics, support: &FluxBasis, side: Side) -> Option<String> {
     let mut fluxes: Vec<String> = (1..=4)
         .map(|order| (order, statistics.order(side, order)))
         .filter(|(_, flux)| flux.mean != 0.0)

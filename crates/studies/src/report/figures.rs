@@ -274,7 +274,7 @@ fn density_line(
 /// at the edges between them, where the width is the mean of both.
 fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
     let filter = spec.in_plane_filter(side);
-    if spec.grid().edges(side).is_none() {
+    if spec.grid().has_equal_angles() {
         let width = 90.0 / spec.grid().n_theta() as f64;
         let steps = (90.0 / LINE_STEP_DEG) as i32;
         let places = (-steps..=steps).map(|i| f64::from(i) * LINE_STEP_DEG);

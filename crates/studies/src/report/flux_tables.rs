@@ -2,7 +2,7 @@
 
 use asperity_simulate::Outcome;
 use asperity_tally::{
-    Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics, rests_on_few_rays,
+    Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics, is_of_few_rays,
 };
 
 use crate::comparison::compared::{COMPARED, key};
@@ -62,7 +62,7 @@ pub(crate) fn histogram(outcome: &Outcome) -> Csv<'_> {
         .column(Column::new(
             "few_rays",
             "yes where the relative error of the flux is that of fewer than 20 rays, or larger",
-            move |bin: &usize| yes_or_no(rests_on_few_rays(total(bin))),
+            move |bin: &usize| yes_or_no(is_of_few_rays(total(bin))),
         ))
         .columns(fluxes.components(&Component::SURFACE, move |c, bin| entry(c)(bin)))
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))

@@ -5,8 +5,7 @@ use asperity_plot::{
     Point, SharedColours, Style,
 };
 use asperity_tally::{
-    Component, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
-    rests_on_few_rays,
+    Component, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics, is_of_few_rays,
 };
 use rayon::prelude::*;
 
@@ -163,7 +162,7 @@ fn hemispheres(case: &ShownCase<'_>, side: Side) -> Hemispheres {
     let entries = spec.grid_entries(Component::All);
     let vertical = case.incidence().is_vertical();
     let few_rays: Vec<usize> = (disc_bins(spec, side).enumerate())
-        .filter(|(_, bin)| rests_on_few_rays(statistics.at(entries.get(*bin))))
+        .filter(|(_, bin)| is_of_few_rays(statistics.at(entries.get(*bin))))
         .map(|(place, _)| place)
         .collect();
     let disc = |name: String, value: &dyn Fn(usize) -> Option<f64>| {

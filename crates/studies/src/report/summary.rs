@@ -7,8 +7,8 @@ use asperity_tally::{
 use serde::{Serialize, Serializer};
 
 use crate::config::lobes::BinnedLobe;
-use crate::output::{BySide, Head, Supported};
-use crate::report::flux_support::FluxSupport;
+use crate::output::{BySide, EstimateWithLimit, Head};
+use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_json;
 use crate::validity::Validity;
 
@@ -16,14 +16,14 @@ use crate::validity::Validity;
 struct Energy {
     /// `None` on a side that is not recorded.
     #[serde(flatten)]
-    sides: BySide<Option<Supported>>,
-    absorbed: Supported,
-    truncated: Supported,
-    lost: Supported,
+    sides: BySide<Option<EstimateWithLimit>>,
+    absorbed: EstimateWithLimit,
+    truncated: EstimateWithLimit,
+    lost: EstimateWithLimit,
     /// The part of truncated that left an open patch sideways.
-    left_patch: Supported,
+    left_patch: EstimateWithLimit,
     /// The part of truncated that went to a side that is not recorded.
-    not_recorded: Supported,
+    not_recorded: EstimateWithLimit,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -32,7 +32,7 @@ pub(crate) struct Order {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     and_above: bool,
     #[serde(flatten)]
-    flux: Supported,
+    flux: EstimateWithLimit,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -40,7 +40,7 @@ struct Path {
     events: String,
     side: Side,
     #[serde(flatten)]
-    flux: Supported,
+    flux: EstimateWithLimit,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -48,7 +48,7 @@ struct Inside {
     scatterings: Component,
     side: Side,
     #[serde(flatten)]
-    flux: Supported,
+    flux: EstimateWithLimit,
 }
 
 /// The contents of summary.json.
@@ -132,7 +132,7 @@ impl Summary {
     ) -> Self {
         let statistics = &outcome.statistics;
         let spec = statistics.spec();
-        let support = FluxSupport::of(outcome);
+        let support = FluxBasis::of(outcome);
         let energy = |side| {
             let recorded = spec.records(side);
             recorded.then(|| support.flux(side, statistics.flux(side, Component::All)))
@@ -181,11 +181,7 @@ impl Summary {
 }
 
 /// Fluxes by order of scattering, up to the last one that was seen.
-pub(crate) fn orders(
-    statistics: &TallyStatistics,
-    support: &FluxSupport,
-    side: Side,
-) -> Vec<Order> {
+pub(crate) fn orders(statistics: &TallyStatistics, support: &FluxBasis, side: Side) -> Vec<Order> {
     let mut orders: Vec<Order> = (1..)
         .zip(statistics.orders(side))
         .map(|(order, flux)| Order {
@@ -202,7 +198,7 @@ pub(crate) fn orders(
 }
 
 /// Fluxes of the components that are recorded in addition to the orders.
-fn of_components(statistics: &TallyStatistics, support: &FluxSupport) -> Vec<Inside> {
+fn of_components(statistics: &TallyStatistics, support: &FluxBasis) -> Vec<Inside> {
     let spec = statistics.spec();
     let of_side = |side| {
         let components = spec.components().iter();
@@ -216,7 +212,7 @@ fn of_components(statistics: &TallyStatistics, support: &FluxSupport) -> Vec<Ins
 }
 
 /// Fluxes by event path, those that were seen, the strongest first.
-fn paths(statistics: &TallyStatistics, support: &FluxSupport) -> Vec<Path> {
+fn paths(statistics: &TallyStatistics, support: &FluxBasis) -> Vec<Path> {
     let spec = statistics.spec();
     let mut found: Vec<Path> = Vec::new();
     for side in spec.sides() {

@@ -9,7 +9,7 @@ use super::TraceOutcome;
 use super::comparison_text::comparison_text;
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
-use crate::report::flux_support::FluxSupport;
+use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
 
 /// Surfaces and light, then energies, errors and notes.
@@ -21,7 +21,7 @@ pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
         light_line(&found.case),
         found.statistics.batches(),
         found.errors_from,
-        energy_table(&found.statistics, &FluxSupport::of(found)),
+        energy_table(&found.statistics, &FluxBasis::of(found)),
         polarised_text(&found.statistics),
         errors_table(&found.errors),
         work_line(&found.work),

@@ -14,10 +14,10 @@ use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
-use crate::output::{Column, Format, Supported, TEXT_WIDTH, Table, distance, wrapped};
+use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
-use crate::report::flux_support::FluxSupport;
+use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
 use crate::verify::VerifyOutcome;
 
@@ -173,7 +173,7 @@ fn cells_line(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
 /// A row of the table of fluxes.
 struct FluxRow {
     name: String,
-    explicit: Supported,
+    explicit: EstimateWithLimit,
     /// The component of the light that models may describe; `None` for light that does not leave.
     component: Option<(Side, Component)>,
 }
@@ -182,7 +182,7 @@ struct FluxRow {
 fn flux_table(case: &Judgement<'_>) -> String {
     let spec = case.spec();
     let statistics = &case.outcome.statistics;
-    let support = FluxSupport::of(case.outcome);
+    let support = FluxBasis::of(case.outcome);
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),

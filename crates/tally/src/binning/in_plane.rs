@@ -5,9 +5,9 @@ use std::f64::consts::{PI, TAU};
 use asperity_optics::azimuth;
 use glam::DVec3;
 
-use crate::exit_columns::{ExitColumns, InSlice};
-use crate::filters::Half;
-use crate::finder::{MARGIN, TINY};
+use super::exit_columns::{ExitColumns, InSlice};
+use super::keys::{MARGIN, TINY};
+use crate::spec::filters::Half;
 
 /// All directions within an angle of the plane of incidence, on both its halves.
 #[derive(Clone, Copy, Debug)]
@@ -31,19 +31,17 @@ impl InPlaneSlice {
         }
     }
 
-    /// The half of the slice that contains `wo`, if one does: the answer of [`InPlaneSlice::by_angles`], by
+    /// Half of the slice that contains `wo`, if one does: the result of [`InPlaneSlice::by_angles`], by
     /// products wherever no edge is near.
     #[inline]
     pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
         match self.by_products(wo.x, wo.y) {
-            InSlice::Neither => None,
-            InSlice::Forward => Some(Half::Forward),
-            InSlice::Backward => Some(Half::Backward),
-            InSlice::Unsure => self.by_angles(wo),
+            InSlice::Unsure => self.by_angles(wo).half(),
+            decided => decided.half(),
         }
     }
 
-    /// The same for many directions.
+    /// Finds the halves of the slice that contain many directions.
     #[inline(always)]
     pub(crate) fn locate(&self, exits: &mut ExitColumns) {
         exits.slice.resize(exits.len(), InSlice::Neither);
@@ -62,11 +60,7 @@ impl InPlaneSlice {
     fn locate_by_angles(&self, exits: &mut ExitColumns) {
         for i in 0..exits.len() {
             if exits.slice[i] == InSlice::Unsure {
-                exits.slice[i] = match self.by_angles(exits.wo(i)) {
-                    None => InSlice::Neither,
-                    Some(Half::Forward) => InSlice::Forward,
-                    Some(Half::Backward) => InSlice::Backward,
-                };
+                exits.slice[i] = self.by_angles(exits.wo(i));
             }
         }
     }
@@ -100,7 +94,7 @@ impl InPlaneSlice {
 
     /// The definition: within the half width of one of the two halves of the plane of incidence. A
     /// vertical direction lies in every plane, on the forward side of it.
-    fn by_angles(&self, wo: DVec3) -> Option<Half> {
+    fn by_angles(&self, wo: DVec3) -> InSlice {
         let vertical = wo.x == 0.0 && wo.y == 0.0;
         let azimuth = if vertical {
             self.forward_azimuth
@@ -109,11 +103,15 @@ impl InPlaneSlice {
         };
         let relative = (azimuth - self.forward_azimuth).rem_euclid(TAU);
         let (half, off_plane) = if (0.5 * PI..1.5 * PI).contains(&relative) {
-            (Half::Backward, (relative - PI).abs())
+            (InSlice::Backward, (relative - PI).abs())
         } else {
-            (Half::Forward, relative.min(TAU - relative))
+            (InSlice::Forward, relative.min(TAU - relative))
         };
-        (off_plane <= self.half_width).then_some(half)
+        if off_plane <= self.half_width {
+            half
+        } else {
+            InSlice::Neither
+        }
     }
 }
 
@@ -143,7 +141,11 @@ mod tests {
                 for phi in azimuths {
                     for theta in [1e-320, 1e-300, 1e-12, 0.3, 1.5, 3.0] {
                         let wo = from_spherical(theta, phi);
-                        assert_eq!(slice.half(wo), slice.by_angles(wo), "{slice:?} {wo:?}");
+                        assert_eq!(
+                            slice.half(wo),
+                            slice.by_angles(wo).half(),
+                            "{slice:?} {wo:?}"
+                        );
                     }
                 }
                 for wo in [DVec3::Z, DVec3::new(-0.0, 0.0, -1.0)] {

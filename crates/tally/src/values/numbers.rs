@@ -1,4 +1,4 @@
-//! Numbers: a list of numbers as it is written, as bytes where a format has these and nobody reads it.
+//! Numbers: the written form of a list of numbers, which is bytes in formats that nobody reads.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -27,7 +27,7 @@ impl Serialize for Numbers<'_> {
 }
 
 impl<'de> Deserialize<'de> for Numbers<'static> {
-    /// From either form.
+    /// Reads either form.
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
         if source.is_human_readable() {
             return Vec::deserialize(source).map(|numbers| Self(numbers.into()));

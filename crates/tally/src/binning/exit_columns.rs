@@ -1,9 +1,9 @@
-//! Exits field by field: light that left, collected by many paths before it is added to a tally.
+//! Exit columns: light that left, field by field, collected from many paths before it is added to a tally.
 
 use glam::DVec3;
 
-use crate::places::Places;
-use crate::target::Target;
+use crate::spec::filters::Half;
+use crate::spec::offsets::{BinOffsets, Target};
 use crate::{EventPath, Exit, Polarimetry, Side};
 
 /// Light that left the surface, field by field, so that bins are found by loops that take vector instructions.
@@ -47,33 +47,11 @@ pub struct ExitColumns {
     pub(crate) batch: Vec<u32>,
     /// Measures over the flux, as many as are kept.
     pub(crate) measures: Vec<Vec<f64>>,
-    /// What was found by [`crate::Tallies::locate`].
+    /// Rings, sectors, halves of the in-plane slice and entries that [`crate::Tallies::locate`] has found.
     pub(crate) ring: Vec<u32>,
     pub(crate) sector: Vec<u32>,
     pub(crate) slice: Vec<InSlice>,
-    pub(crate) targets: TargetColumns,
-}
-
-/// Entries of exits, field by field.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct TargetColumns {
-    order: Vec<u32>,
-    path: Vec<u32>,
-    ring: Vec<u32>,
-    bin: Vec<u32>,
-}
-
-impl TargetColumns {
-    fn clear(&mut self) {
-        for column in [
-            &mut self.order,
-            &mut self.path,
-            &mut self.ring,
-            &mut self.bin,
-        ] {
-            column.clear();
-        }
-    }
+    pub(crate) targets: Vec<Target>,
 }
 
 /// Exits that are about to be written: the fields of [`Exit`].
@@ -91,11 +69,11 @@ pub struct ExitRows<'a> {
     pub scatterings: &'a mut [u32],
     /// Numbers of the batches among those that are traced together.
     pub batch: &'a mut [u32],
-    /// Measures over the flux: those of [`crate::Polarimetry`], in the order of a place.
+    /// Measures over the flux: those of [`crate::Polarimetry`], in the order of their numbers.
     pub measures: Vec<&'a mut [f64]>,
 }
 
-/// Which half of the in-plane slice contains a direction.
+/// Half of the in-plane slice that contains a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum InSlice {
@@ -104,6 +82,18 @@ pub(crate) enum InSlice {
     Backward,
     /// An edge is near: angles decide.
     Unsure,
+}
+
+impl InSlice {
+    /// The half; `None` where there is none, or where it is not decided.
+    #[inline(always)]
+    pub(crate) const fn half(self) -> Option<Half> {
+        match self {
+            Self::Forward => Some(Half::Forward),
+            Self::Backward => Some(Half::Backward),
+            Self::Neither | Self::Unsure => None,
+        }
+    }
 }
 
 impl ExitColumns {
@@ -118,38 +108,13 @@ impl ExitColumns {
 
     /// Computes the entries of all exits from their rings and sectors.
     #[inline(always)]
-    pub(crate) fn find_targets(&mut self, places: &Places) {
+    pub(crate) fn find_targets(&mut self, offsets: &BinOffsets) {
         let n = self.len();
-        let TargetColumns {
-            order,
-            path,
-            ring,
-            bin,
-        } = &mut self.targets;
-        let [order, path, ring, bin] = [order, path, ring, bin].map(|column| {
-            column.resize(n, 0);
-            &mut column[..n]
-        });
+        self.targets.resize(n, Target::default());
         let (sides, paths) = (&self.side[..n], &self.path[..n]);
         let (rings, sectors) = (&self.ring[..n], &self.sector[..n]);
-        for i in 0..n {
-            let side = u32::from(sides[i] == Side::Transmitted);
-            let target = places.target(side, paths[i], rings[i], sectors[i]);
-            order[i] = target.order;
-            path[i] = target.path;
-            ring[i] = target.ring;
-            bin[i] = target.bin;
-        }
-    }
-
-    /// The entries of exit number `i`, once they are found.
-    #[inline(always)]
-    pub(crate) fn target(&self, i: usize) -> Target {
-        Target {
-            order: self.targets.order[i],
-            path: self.targets.path[i],
-            ring: self.targets.ring[i],
-            bin: self.targets.bin[i],
+        for (i, target) in self.targets.iter_mut().enumerate() {
+            *target = offsets.target(sides[i], paths[i], rings[i], sectors[i]);
         }
     }
 
@@ -159,7 +124,7 @@ impl ExitColumns {
         self.flux.len()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if there are none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.flux.is_empty()
@@ -168,28 +133,23 @@ impl ExitColumns {
     /// Adds light of batch number `batch` for [`crate::Tally::add_exit`].
     #[inline]
     pub fn push(&mut self, exit: &Exit, batch: u32) {
-        self.push_as(exit, batch, false);
+        self.push_as(exit, batch, false, &[]);
     }
 
-    /// The same with its measures over the flux, of which there are at least as many as are kept.
+    /// Adds light with its measures over the flux, of which there are at least as many as are kept.
     #[inline]
     pub fn push_measured(&mut self, exit: &Exit, batch: u32, measures: &[f64]) {
-        self.push_as(exit, batch, false);
-        for (column, measure) in self.measures.iter_mut().zip(measures) {
-            if let Some(last) = column.last_mut() {
-                *last = *measure;
-            }
-        }
+        self.push_as(exit, batch, false, measures);
     }
 
     /// Adds light of batch number `batch` for [`crate::Tally::add_masked`].
     #[inline]
     pub fn push_masked(&mut self, exit: &Exit, batch: u32) {
-        self.push_as(exit, batch, true);
+        self.push_as(exit, batch, true, &[]);
     }
 
     #[inline(always)]
-    fn push_as(&mut self, exit: &Exit, batch: u32, is_masked: bool) {
+    fn push_as(&mut self, exit: &Exit, batch: u32, is_masked: bool, measures: &[f64]) {
         for (column, w) in self.wo.iter_mut().zip(exit.wo.to_array()) {
             column.push(w);
         }
@@ -199,7 +159,9 @@ impl ExitColumns {
         self.scatterings.push(exit.scatterings);
         self.is_masked.push(is_masked);
         self.batch.push(batch);
-        self.measures.iter_mut().for_each(|column| column.push(0.0));
+        for (i, column) in self.measures.iter_mut().enumerate() {
+            column.push(measures.get(i).copied().unwrap_or_default());
+        }
     }
 
     /// Adds `count` exits, whose fields are about to be written.

@@ -1,13 +1,10 @@
-//! Entries: opaque places of single numbers in a tally.
+//! Entries: opaque positions of single numbers in a tally.
 //!
-//! An algorithm that treats all numbers alike walks over entries, and asks
-//! [`TallySpec::describe`](crate::TallySpec::describe) what one of them counts.
+//! An algorithm that treats all numbers alike walks over entries.
 
 use std::fmt;
 
-use crate::{Component, Measure, Side};
-
-/// The place of one number in all tallies of a spec.
+/// Position of one number in all tallies of a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Entry(pub(crate) usize);
 
@@ -30,13 +27,13 @@ impl Entries {
         Self { start, len }
     }
 
-    /// How many there are.
+    /// Number of entries.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there is none.
+    /// Returns `true` if there is none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
@@ -73,44 +70,36 @@ impl IntoIterator for Entries {
     }
 }
 
-/// What the number of an entry is.
+/// Quantity that is kept by component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Score {
     /// Flux that left on a side.
     Flux,
-    /// Flux of one event path, by the place of the path among those listed; the last for longer paths.
-    EventPathFlux,
     /// Flux into bins of the hemisphere.
     BinFlux,
+    /// Rays per incident ray that reached a bin of the hemisphere.
+    BinHits,
     /// Flux into rings of equal polar angle.
     RingFlux,
     /// Flux into bins along the in-plane slice.
     InPlaneFlux,
-    /// Rays per incident ray that reached a bin of the hemisphere.
-    BinHits,
-    /// Flux that was absorbed.
-    Absorbed,
-    /// Flux of paths that were ended.
-    Truncated,
-    /// Flux of paths that failed numerically.
-    Lost,
-    /// The part of truncated flux that left an open patch sideways.
-    LeftPatch,
-    /// The part of truncated flux that went to a side that is not recorded.
-    NotRecorded,
 }
 
-/// What an entry counts: a score, filtered by side and component.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct EntryDescription {
-    /// The score.
-    pub score: Score,
-    /// The side on which the light left; `None` for light that did not leave.
-    pub side: Option<Side>,
-    /// The component of the light.
-    pub component: Component,
-    /// What is kept besides the flux in the place of that score, if it is that.
-    pub measure: Option<Measure>,
-    /// Number of the bin, ring, in-plane bin or event path; zero elsewhere.
-    pub index: usize,
+impl Score {
+    /// All fluxes.
+    pub(crate) const FLUXES: [Self; 4] =
+        [Self::Flux, Self::BinFlux, Self::RingFlux, Self::InPlaneFlux];
+}
+
+/// Writes the quantity for messages.
+impl fmt::Display for Score {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Flux => "flux",
+            Self::BinFlux => "bins",
+            Self::BinHits => "rays in bins",
+            Self::RingFlux => "rings",
+            Self::InPlaneFlux => "in-plane bins",
+        })
+    }
 }

@@ -1,10 +1,10 @@
-//! Polarimetry: what a tally keeps of polarised light besides its flux.
+//! Polarimetry: quantities of polarised light that a tally keeps besides its flux.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What is kept of polarised light besides the flux.
+/// Quantities kept of polarised light besides the flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Polarimetry {
     /// Nothing.
@@ -17,7 +17,7 @@ pub enum Polarimetry {
     Mueller,
 }
 
-/// A quantity that is kept in each place besides the flux.
+/// A quantity of polarised light that is kept besides a flux.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Tracked flux minus averaged flux (s and p averaged at every interface).
@@ -26,7 +26,7 @@ pub enum Measure {
     Element {
         /// 0 for I, 1 for Q, 2 for U, 3 for V of the light that leaves.
         row: usize,
-        /// The same of the light that falls on the surface.
+        /// 0 for I, 1 for Q, 2 for U, 3 for V of the light that falls on the surface.
         column: usize,
     },
 }
@@ -42,13 +42,13 @@ impl Polarimetry {
         }
     }
 
-    /// Whether nothing is kept besides the flux.
+    /// Returns `true` if nothing is kept besides the flux.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// Number of a measure among those of a place, if it is kept: elements column by column.
+    /// Number of a measure among those of a flux entry, if it is kept: elements column by column.
     #[must_use]
     pub(crate) const fn index(self, measure: Measure) -> Option<usize> {
         match (self, measure) {

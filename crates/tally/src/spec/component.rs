@@ -1,19 +1,18 @@
-//! Components of light: the one vocabulary for what a result is split into.
+//! Components of light: the parts that a result is split into, and their names.
 //!
-//! A component is a filter on exits. It says which exits count, and how tables, files and plots name
-//! them. [`TallySpec`](crate::TallySpec) says which components a tally keeps for which quantity.
+//! A component is a filter on exits: it selects those that count, and names them in tables, files and plots.
+//! [`TallySpec`](crate::TallySpec) selects the components that a tally keeps for each quantity.
 //!
 //! To add a component, add a variant here with its row in [`Component::text`], its line in
-//! [`Component::accepts`] and its place in [`Component::place`], or define a [`ComponentFilter`] and pass it to
-//! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow
-//! from its names.
+//! [`Component::accepts`] and its position in [`Component::place`], or define a [`ComponentFilter`] and pass it to
+//! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow from its names.
 
 use std::borrow::Cow;
 use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use crate::exit::Exit;
+use crate::Exit;
 
 /// Highest order of scattering with an entry of its own in the list of orders, less one: higher orders
 /// share the last entry.
@@ -30,8 +29,6 @@ pub(crate) const FIRST_GROUPED_ORDER: u8 = 4;
 ///
 /// assert_eq!(Component::Multiple.name(), "multiple");
 /// assert_eq!(Component::Unscattered.label(), "never scattered inside");
-/// // Names are read back as they are written.
-/// assert_eq!(Component::from_name("once"), Some(Component::ScatteredOnce));
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub enum Component {
@@ -56,25 +53,17 @@ pub enum Component {
     Custom(&'static ComponentFilter),
 }
 
-/// A component defined by its user: which exits belong to it, and its names.
+/// A component defined by its user: its exits and its names.
 #[derive(Clone, Copy, Debug)]
 pub struct ComponentFilter {
     /// Name in files, in lower case; part of the headers of columns.
     pub name: &'static str,
     /// Name in tables and legends.
     pub label: &'static str,
-    /// What light belongs to it, as a noun phrase.
+    /// Light that belongs to it, as a noun phrase.
     pub description: &'static str,
-    /// Whether an exit belongs to the component.
+    /// Returns `true` if an exit belongs to the component.
     pub accepts: fn(&Exit) -> bool,
-}
-
-/// The names of a component.
-struct Text {
-    name: &'static str,
-    label: &'static str,
-    short_label: &'static str,
-    description: &'static str,
 }
 
 impl Component {
@@ -94,10 +83,10 @@ impl Component {
         Self::OrderAndAbove(FIRST_GROUPED_ORDER),
     ];
 
-    /// What bins keep, in addition to components kept in full.
+    /// Components of bins, in addition to those kept in full.
     pub const BINS: [Self; 3] = [Self::Single, Self::Multiple, Self::All];
 
-    /// What rings and in-plane bins keep, in addition to components kept in full.
+    /// Components of rings and in-plane bins, in addition to those kept in full.
     pub const RINGS: [Self; 5] = [
         Self::Order(1),
         Self::Order(2),
@@ -106,17 +95,7 @@ impl Component {
         Self::All,
     ];
 
-    /// Components with fixed names.
-    const NAMED: [Self; 6] = [
-        Self::All,
-        Self::Single,
-        Self::Multiple,
-        Self::Unscattered,
-        Self::ScatteredOnce,
-        Self::ScatteredMore,
-    ];
-
-    /// Whether `exit` belongs to this component.
+    /// Returns `true` if `exit` belongs to this component.
     #[inline]
     #[must_use]
     pub fn accepts(self, exit: &Exit) -> bool {
@@ -140,14 +119,8 @@ impl Component {
         match self {
             Self::Order(n) => format!("order_{n}").into(),
             Self::OrderAndAbove(n) => format!("order_{n}_and_above").into(),
-            _ => self.text().name.into(),
+            _ => self.text()[0].into(),
         }
-    }
-
-    /// The component of that [`Component::name`]; `None` for lists of orders and custom components.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::NAMED.into_iter().find(|c| c.text().name == name)
     }
 
     /// Name in tables and legends: `single scattering`, `scattered inside once`.
@@ -156,7 +129,7 @@ impl Component {
         match self {
             Self::Order(n) => format!("order {n}").into(),
             Self::OrderAndAbove(n) => format!("order {n} and above").into(),
-            _ => self.text().label.into(),
+            _ => self.text()[1].into(),
         }
     }
 
@@ -166,21 +139,21 @@ impl Component {
         match self {
             Self::Order(n) => n.to_string().into(),
             Self::OrderAndAbove(n) => format!("{n} and above").into(),
-            _ => self.text().short_label.into(),
+            _ => self.text()[2].into(),
         }
     }
 
-    /// What light belongs to the component, as a noun phrase.
+    /// Light that belongs to the component, as a noun phrase.
     #[must_use]
     pub const fn description(self) -> &'static str {
         match self {
             Self::Order(_) => "light that met the surface as often",
             Self::OrderAndAbove(_) => "light that met the surface as often or more often",
-            _ => self.text().description,
+            _ => self.text()[3],
         }
     }
 
-    /// Place in the split that it belongs to, by which figures colour it: 0 for all light, then 1, 2, ...
+    /// Position in the split that it belongs to, by which figures colour it: 0 for all light, then 1, 2, ...
     #[must_use]
     pub const fn place(self) -> usize {
         match self {
@@ -192,7 +165,7 @@ impl Component {
         }
     }
 
-    /// Whether this is one of [`Component::MEDIUM`].
+    /// Returns `true` if this is one of [`Component::MEDIUM`].
     #[must_use]
     pub const fn is_of_medium(self) -> bool {
         matches!(
@@ -201,20 +174,16 @@ impl Component {
         )
     }
 
-    /// The group of [`Component::ORDERS`] that holds light of this order.
-    #[inline]
-    pub(crate) const fn order_group(order: u32) -> usize {
-        match order {
-            0 | 1 => 0,
-            2 => 1,
-            3 => 2,
-            _ => 3,
-        }
+    /// Number of the component of [`Component::ORDERS`] that holds light of this order.
+    #[inline(always)]
+    pub(crate) const fn order_group(order: u32) -> u32 {
+        let before = if order == 0 { 0 } else { order - 1 };
+        if before < 3 { before } else { 3 }
     }
 
-    /// Names of all but lists of orders.
-    const fn text(self) -> Text {
-        let [name, label, short_label, description] = match self {
+    /// Name, label, short label and description of all but lists of orders.
+    const fn text(self) -> [&'static str; 4] {
+        match self {
             Self::All | Self::OrderAndAbove(_) => {
                 ["all", "all orders", "all", "all light that leaves"]
             }
@@ -249,18 +218,11 @@ impl Component {
                 "light that was scattered inside the medium more often",
             ],
             Self::Custom(filter) => [filter.name, filter.label, filter.label, filter.description],
-        };
-        Text {
-            name,
-            label,
-            short_label,
-            description,
         }
     }
 }
 
-/// Components are equal if they accept the same exits; `Order(1)` equals `Single`. Custom components
-/// are told apart by their names.
+/// Components are equal if they accept the same exits; `Order(1)` equals `Single`. Custom components are equal if their names are.
 impl PartialEq for Component {
     fn eq(&self, other: &Self) -> bool {
         let canonical = |component: &Self| match *component {
@@ -323,17 +285,14 @@ mod tests {
                     let accepted = split.iter().filter(|c| c.accepts(&exit)).count();
                     assert_eq!(accepted, 1, "order {order}, {scatterings} scatterings");
                 }
-                let group = Component::ORDERS[Component::order_group(order)];
+                let group = Component::ORDERS[Component::order_group(order) as usize];
                 assert!(group.accepts(&exit));
             }
         }
     }
 
     #[test]
-    fn names_are_read_back_and_aliases_are_equal() {
-        for component in Component::NAMED {
-            assert_eq!(Component::from_name(&component.name()), Some(component));
-        }
+    fn components_that_accept_the_same_light_are_equal() {
         assert_eq!(Component::Order(1), Component::Single);
         assert_eq!(Component::OrderAndAbove(2), Component::Multiple);
         assert_ne!(Component::Order(2), Component::Order(3));

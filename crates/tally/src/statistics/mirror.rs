@@ -1,16 +1,15 @@
-//! Mirror: bins on either side of the plane of incidence, averaged where the light on both is the same on average.
+//! Mirror: bins on either side of the plane of incidence, averaged where light is equal on both on average.
 
 use std::f64::consts::TAU;
 
-use crate::values::TallyValues;
-use crate::{Component, Entries, HemisphereGrid, Measure, Side};
+use crate::{Component, Entries, HemisphereGrid, Measure, Side, TallyValues};
 
-/// How far the edges of bins may be from their mirror images, in widths of a bin: rounding of degrees and radians.
+/// Distance of edges from their mirror images that counts as rounding of degrees and radians, in widths of a bin.
 const ROUNDING: f64 = 1e-9;
 
 /// The plane of incidence as a mirror between bins: each has a partner at the mirrored azimuth.
 ///
-/// Where the statistics of a surface are symmetric about that plane, a bin and its partner have the same expected flux, and their
+/// If the statistics of a surface are symmetric about that plane, a bin and its partner have the same expected flux, and their
 /// average is one estimate with up to half the variance of either.
 ///
 /// # Examples
@@ -36,19 +35,9 @@ impl Mirror {
     /// bins onto no edges.
     #[must_use]
     pub fn about(azimuth: f64, grid: &HemisphereGrid) -> Option<Self> {
-        if let [Some(reflected), Some(transmitted)] = Side::BOTH.map(|side| grid.edges(side)) {
-            let [a, b] = [reflected, transmitted].map(|edges| mirrored_sum(azimuth, edges.phi()));
-            return a.filter(|_| a == b).map(|sum| Self { sum });
-        }
-        let sectors = grid.n_phi() as f64;
-        // The edge at azimuth zero is mapped onto this one, counted from itself.
-        let image = 2.0 * azimuth / TAU * sectors;
-        if !(image - image.round()).abs().le(&ROUNDING) {
-            return None;
-        }
-        Some(Self {
-            sum: (image.round() - 1.0).rem_euclid(sectors) as usize,
-        })
+        let [reflected, transmitted] = Side::BOTH.map(|side| mirrored_sum(azimuth, grid, side));
+        let sum = reflected.filter(|_| reflected == transmitted)?;
+        Some(Self { sum })
     }
 
     /// The sector of azimuth that is mirrored onto `sector`, out of `sectors`.
@@ -57,7 +46,7 @@ impl Mirror {
         (self.sum + sectors - sector) % sectors
     }
 
-    /// Replaces bins and their partners by their average. The rays of both count for each, since both estimates rest on all of
+    /// Replaces bins and their partners by their average. The rays of both count for each, since both estimates are of all of
     /// them. Elements of Mueller matrices that change sign in a mirror are averaged with the opposite sign.
     ///
     /// Sums of bins over a ring stay as they are but for those elements, whose sums vanish. All that is no bin stays as it is.
@@ -83,29 +72,28 @@ impl Mirror {
         }
     }
 
-    /// The same of what is kept of polarised light in the bins of a side.
+    /// Combines the measures of polarised light in each bin of a side and its partner.
     fn pair_measures(&self, values: &mut TallyValues, side: Side) {
         let spec = *values.spec();
-        let (places, grid, polarimetry) = (spec.places(), spec.grid(), spec.polarimetry());
-        for row in 0..grid.n_theta() {
-            let first = (side.index() * grid.n_theta() + row) * grid.n_phi();
+        let (offsets, polarimetry) = (spec.offsets(), spec.polarimetry());
+        let bins = spec.bin_entries(side, Component::All).range();
+        for ring in bins.step_by(spec.grid().n_phi()) {
             for measure in 0..polarimetry.len() {
-                let place = |sector: usize| {
-                    let bin = places.measured_bins(first + sector);
-                    places.measures_start() + bin * polarimetry.len() + measure
+                let entry = |sector: usize| {
+                    offsets.measures_at(offsets.bin_position(ring + sector)) + measure
                 };
-                self.pair(values, place, Pairing::of(polarimetry.measure(measure)));
+                self.pair(values, entry, Pairing::of(polarimetry.measure(measure)));
             }
         }
     }
 
     /// Combines the values of all sectors of one ring and their partners.
-    fn pair(&self, values: &mut TallyValues, place: impl Fn(usize) -> usize, pairing: Pairing) {
+    fn pair(&self, values: &mut TallyValues, entry: impl Fn(usize) -> usize, pairing: Pairing) {
         let sectors = values.spec().grid().n_phi();
         let values = values.as_mut_slice();
         for sector in 0..sectors {
             let partner = self.partner(sector, sectors);
-            let [a, b] = [sector, partner].map(&place);
+            let [a, b] = [sector, partner].map(&entry);
             match pairing {
                 // A sector of its own partner is as it was.
                 _ if sector > partner => {}
@@ -127,16 +115,17 @@ impl Mirror {
     }
 }
 
-/// The sum of the numbers of two sectors that mirror each other at a plane, modulo their number, if all edges are mirrored onto edges.
-fn mirrored_sum(azimuth: f64, edges: &[f64]) -> Option<usize> {
-    let sectors = edges.len() - 1;
+/// Sum of the numbers of two sectors of `side` that mirror each other at a plane, modulo their number, if all edges are mirrored onto edges.
+fn mirrored_sum(azimuth: f64, grid: &HemisphereGrid, side: Side) -> Option<usize> {
+    let sectors = grid.n_phi();
+    let edge = |k: usize| grid.phi_edge(side, k);
     let turns = |angle: f64| angle / TAU - (angle / TAU).round();
-    // How far the image of edge `k` is from edge `to`.
-    let off = |k: usize, to: usize| TAU * turns(2.0 * azimuth - edges[k] - edges[to]).abs();
+    // Distance of the image of edge `k` from edge `to`
+    let off = |k: usize, to: usize| TAU * turns(2.0 * azimuth - edge(k) - edge(to)).abs();
     let image = (0..sectors).min_by(|&a, &b| off(0, a).total_cmp(&off(0, b)))?;
     let is_mirrored = |k: usize| {
         let to = (image + sectors - k) % sectors;
-        let width = (edges[k + 1] - edges[k]).min(edges[to + 1] - edges[to]);
+        let width = (edge(k + 1) - edge(k)).min(edge(to + 1) - edge(to));
         off(k, to) <= ROUNDING * width
     };
     (0..sectors)
@@ -144,7 +133,7 @@ fn mirrored_sum(azimuth: f64, edges: &[f64]) -> Option<usize> {
         .then_some((image + sectors - 1) % sectors)
 }
 
-/// What becomes of the values of a bin and its partner.
+/// Combination of the values of a bin and its partner.
 #[derive(Clone, Copy)]
 enum Pairing {
     /// Their average.
@@ -279,8 +268,8 @@ mod tests {
                 }
             }
         }
-        let measures = spec.places().measures_start();
-        let bins = measures + 16 * spec.places().measured_bins(0);
+        let all = spec.bin_entries(Side::Reflected, Component::All);
+        let bins = spec.offsets().measures_of(all.get(0)).unwrap();
         for (i, changed) in changed.iter().enumerate().take(bins) {
             assert!(
                 *changed || after.as_slice()[i] == before.as_slice()[i],

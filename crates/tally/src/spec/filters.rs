@@ -1,6 +1,6 @@
 //! Filters by direction: the geometry of bins, rings and in-plane bins on one side of the surface.
 //!
-//! Each filter says how many entries it has and where they lie, by the edges of its grid. Views know their geometry through the filter
+//! Each filter has a number of entries and their edges, those of its grid. Views know their geometry through the filter
 //! alone, whether bins are of equal angles or refine around narrow lobes.
 
 use crate::{Bin, HemisphereGrid, Side};
@@ -19,18 +19,6 @@ impl BinFilter {
         Self { grid, side }
     }
 
-    /// The side.
-    #[must_use]
-    pub const fn side(&self) -> Side {
-        self.side
-    }
-
-    /// The grid of both sides.
-    #[must_use]
-    pub const fn grid(&self) -> HemisphereGrid {
-        self.grid
-    }
-
     /// Rings of polar angle by sectors of azimuth.
     #[must_use]
     pub const fn shape(&self) -> [usize; 2] {
@@ -43,7 +31,7 @@ impl BinFilter {
         self.grid.bins_per_side()
     }
 
-    /// Never: a grid has at least one bin per side.
+    /// Returns `false`: a grid has at least one bin per side.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -55,26 +43,18 @@ impl BinFilter {
         self.grid.bin(self.side.index() * self.len() + i)
     }
 
-    /// All bins in order.
-    pub fn bins(&self) -> impl Iterator<Item = Bin> + use<> {
-        let filter = *self;
-        (0..self.len()).map(move |i| filter.bin(i))
-    }
-
     /// Edges `[min, max]` of bin `i` in polar angle from +z, degrees; exact.
     #[must_use]
     pub fn theta_deg(&self, i: usize) -> [f64; 2] {
-        RingFilter::from(*self).theta_deg(i / self.grid.n_phi())
+        let ring = i / self.grid.n_phi();
+        [ring, ring + 1].map(|k| self.grid.theta_edge_deg(self.side, k))
     }
 
     /// Edges `[min, max]` of bin `i` in azimuth, degrees; exact.
     #[must_use]
     pub fn phi_deg(&self, i: usize) -> [f64; 2] {
         let sector = i % self.grid.n_phi();
-        match self.grid.edges(self.side) {
-            Some(edges) => [edges.phi_deg()[sector], edges.phi_deg()[sector + 1]],
-            None => [sector, sector + 1].map(|k| 360.0 * k as f64 / self.grid.n_phi() as f64),
-        }
+        [sector, sector + 1].map(|k| self.grid.phi_edge_deg(self.side, k))
     }
 
     /// Solid angle of bin `i` weighted with the mean `|cos theta|`, steradians: flux over it is a BSDF.
@@ -92,29 +72,14 @@ pub struct RingFilter {
     pub(crate) side: Side,
 }
 
-impl From<BinFilter> for RingFilter {
-    fn from(bins: BinFilter) -> Self {
-        Self {
-            grid: bins.grid,
-            side: bins.side,
-        }
-    }
-}
-
 impl RingFilter {
-    /// The side.
-    #[must_use]
-    pub const fn side(&self) -> Side {
-        self.side
-    }
-
     /// Number of rings.
     #[must_use]
     pub const fn len(&self) -> usize {
         self.grid.n_theta()
     }
 
-    /// Never: a grid has at least one ring.
+    /// Returns `false`: a grid has at least one ring.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -123,17 +88,13 @@ impl RingFilter {
     /// Edges `[min, max]` of ring `i` in polar angle from +z, degrees; exact.
     #[must_use]
     pub fn theta_deg(&self, i: usize) -> [f64; 2] {
-        if let Some(edges) = self.grid.edges(self.side) {
-            return [edges.theta_deg()[i], edges.theta_deg()[i + 1]];
-        }
-        let start = 90.0 * self.side.index() as f64;
-        [i, i + 1].map(|k| start + 90.0 * k as f64 / self.grid.n_theta() as f64)
+        [i, i + 1].map(|k| self.grid.theta_edge_deg(self.side, k))
     }
 
-    /// The same in radians.
+    /// Edges `[min, max]` of ring `i` in polar angle from +z, radians.
     #[must_use]
     pub fn theta(&self, i: usize) -> [f64; 2] {
-        self.grid.ring_edges(self.side, i)
+        [i, i + 1].map(|k| self.grid.theta_edge(self.side, k))
     }
 }
 
@@ -148,19 +109,13 @@ pub struct InPlaneFilter {
 }
 
 impl InPlaneFilter {
-    /// The side.
-    #[must_use]
-    pub const fn side(&self) -> Side {
-        self.side
-    }
-
     /// Number of bins: twice that of rings.
     #[must_use]
     pub const fn len(&self) -> usize {
         2 * self.grid.n_theta()
     }
 
-    /// Never: a grid has at least one ring.
+    /// Returns `false`: a grid has at least one ring.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -176,19 +131,16 @@ impl InPlaneFilter {
     #[must_use]
     pub fn theta_deg(&self, i: usize) -> [f64; 2] {
         let rings = self.grid.n_theta();
-        if let Some(edges) = self.grid.edges(self.side) {
-            // Angles from the side's own normal, with the sign of the half of the plane.
-            let from_normal = |k: usize| match self.side {
-                Side::Reflected => edges.theta_deg()[k],
-                Side::Transmitted => 180.0 - edges.theta_deg()[rings - k],
-            };
-            return [i, i + 1].map(|k| match k.checked_sub(rings) {
-                Some(k) => from_normal(k),
-                None => -from_normal(rings - k),
-            });
-        }
-        let n = rings as f64;
-        [i, i + 1].map(|k| 90.0 * (k as f64 - n) / n)
+        let from_normal = |k: usize| match self.side {
+            // Not by the angle from +z: bins of equal angles are the same on both sides.
+            _ if self.grid.has_equal_angles() => 90.0 * k as f64 / rings as f64,
+            Side::Reflected => self.grid.theta_edge_deg(self.side, k),
+            Side::Transmitted => 180.0 - self.grid.theta_edge_deg(self.side, rings - k),
+        };
+        [i, i + 1].map(|k| match k.checked_sub(rings) {
+            Some(k) => from_normal(k),
+            None => -from_normal(rings - k),
+        })
     }
 
     /// The middle of bin `i`, signed degrees.
@@ -225,9 +177,9 @@ impl InPlaneFilter {
 /// A half of the plane of incidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Half {
-    /// The one that the light travels towards.
+    /// The half that the light travels towards.
     Forward,
-    /// The one that it comes from.
+    /// The half that it comes from.
     Backward,
 }
 

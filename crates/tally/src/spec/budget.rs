@@ -1,6 +1,6 @@
-//! The energy budget: where all flux went, in parts with names.
+//! Energy budget: the destinations of all flux, by name.
 
-/// Where the incident flux went. The five parts `reflected`, `transmitted`, `absorbed`, `truncated` and
+/// Destinations of the incident flux. The five parts `reflected`, `transmitted`, `absorbed`, `truncated` and
 /// `lost` add to one; the other two are parts of `truncated`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget<T> {
@@ -34,7 +34,7 @@ impl<T: Copy> Budget<T> {
         ]
     }
 
-    /// The same budget of something else.
+    /// Applies a function to every part.
     #[must_use]
     pub fn map<U>(&self, f: impl Fn(T) -> U) -> Budget<U> {
         Budget {

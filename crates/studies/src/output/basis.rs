@@ -1,62 +1,58 @@
-//! Support: what a mean rests on whose samples all agree, which have no scatter to take an error from.
+//! Basis of an estimate: gives a zero-variance estimate, whose samples all agree, its confidence limit.
 
 use asperity_simulate::short;
-use asperity_tally::Estimate;
+use asperity_tally::{Estimate, zero_variance_limit};
 use serde::Serialize;
 
 use super::number::{two_digits, with_error};
 
-/// Upper limit, with a probability of 95 %, of the expected number of what was not seen once: `-ln 0.05`, as the rule of
-/// three has it.
-const UNSEEN: f64 = 3.0;
-
 /// Means this near to one are of samples that are all one, but for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What a mean rests on whose samples all agree.
+/// Basis of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Support {
-    /// It is proven.
+pub(crate) enum Basis {
+    /// A proof.
     Proven,
     /// Quadrature, whose error is far below the digits that are printed.
     Quadrature,
-    /// Nothing: it is not computed, and zero stands in its place.
+    /// None: it is not computed, and zero stands in its place.
     NotComputed,
     /// The number of independent samples, each between zero and one.
     Samples(f64),
-    /// Nothing that gives a limit.
+    /// None that gives a limit.
     Unknown,
 }
 
-/// A mean with its standard error, or with the limit that holds where its samples all agree.
+/// A mean with its standard error, or with its confidence limit if its variance is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct Supported {
+pub(crate) struct EstimateWithLimit {
     #[serde(flatten)]
     estimate: Estimate,
-    /// Limit from above, at 95 %, of what was not seen.
+    /// Upper confidence limit, 95 %, of a mean of zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     below: Option<f64>,
-    /// Limit from below, at 95 %, of what was seen without exception.
+    /// Lower confidence limit, 95 %, of a mean of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     above: Option<f64>,
-    /// Whether the mean is proven.
+    /// `true` if the mean is proven.
     #[serde(rename = "exact", skip_serializing_if = "is_false")]
     is_exact: bool,
     #[serde(skip)]
-    support: Support,
+    basis: Basis,
 }
 
-impl From<Estimate> for Supported {
+impl From<Estimate> for EstimateWithLimit {
     fn from(estimate: Estimate) -> Self {
-        Self::new(estimate, Support::Unknown)
+        Self::new(estimate, Basis::Unknown)
     }
 }
 
-impl Supported {
-    pub(crate) fn new(estimate: Estimate, support: Support) -> Self {
+impl EstimateWithLimit {
+    pub(crate) fn new(estimate: Estimate, basis: Basis) -> Self {
         let agree = estimate.se == Some(0.0);
-        let limit = match support {
-            Support::Samples(count) if agree => Some((UNSEEN / count).min(1.0)),
+        let limit = match basis {
+            Basis::Samples(count) if agree => Some(zero_variance_limit(count).min(1.0)),
             _ => None,
         };
         let is_one = (estimate.mean - 1.0).abs() < ROUNDING;
@@ -64,8 +60,8 @@ impl Supported {
             estimate,
             below: limit.filter(|_| estimate.mean == 0.0),
             above: limit.filter(|_| is_one).map(|limit| 1.0 - limit),
-            is_exact: agree && support == Support::Proven,
-            support,
+            is_exact: agree && basis == Basis::Proven,
+            basis,
         }
     }
 
@@ -73,7 +69,7 @@ impl Supported {
         self.estimate
     }
 
-    /// As text: with an error, as exact, as integrated, or with a limit.
+    /// Text: with an error, as exact, as integrated, or with a limit.
     pub(crate) fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
         match (se, self.below, self.above) {
@@ -81,11 +77,11 @@ impl Supported {
             (Some(0.0), _, Some(limit)) => {
                 format!("1, all seen, above 1 - {}", two_digits(1.0 - limit))
             }
-            (Some(0.0), ..) => match self.support {
-                Support::Proven => format!("{} (exact)", short(mean)),
-                Support::Quadrature => format!("{} (quadrature)", short(mean)),
-                Support::NotComputed => "not computed".to_owned(),
-                Support::Samples(_) | Support::Unknown => with_error(self.estimate),
+            (Some(0.0), ..) => match self.basis {
+                Basis::Proven => format!("{} (exact)", short(mean)),
+                Basis::Quadrature => format!("{} (quadrature)", short(mean)),
+                Basis::NotComputed => "not computed".to_owned(),
+                Basis::Samples(_) | Basis::Unknown => with_error(self.estimate),
             },
             _ => with_error(self.estimate),
         }
@@ -106,16 +102,16 @@ mod tests {
 
     use super::*;
 
-    fn agreed(mean: f64, support: Support) -> Supported {
+    fn agreed(mean: f64, basis: Basis) -> EstimateWithLimit {
         let se = Some(0.0);
-        Supported::new(Estimate { mean, se }, support)
+        EstimateWithLimit::new(Estimate { mean, se }, basis)
     }
 
     #[test]
     fn only_what_is_proven_is_exact() {
         let texts = |mean| {
-            let supports = [Support::Proven, Support::Samples(1e4), Support::Unknown];
-            supports.map(|support| agreed(mean, support).text())
+            let bases = [Basis::Proven, Basis::Samples(1e4), Basis::Unknown];
+            bases.map(|basis| agreed(mean, basis).text())
         };
         assert_eq!(
             texts(0.0),
@@ -133,54 +129,51 @@ mod tests {
             texts(0.04),
             ["0.04 (exact)", "0.04 (no scatter)", "0.04 (no scatter)"]
         );
-        assert_eq!(
-            agreed(0.04, Support::Quadrature).text(),
-            "0.04 (quadrature)"
-        );
+        assert_eq!(agreed(0.04, Basis::Quadrature).text(), "0.04 (quadrature)");
         let scattered = Estimate {
             mean: 0.5,
             se: Some(0.1),
         };
-        for support in [Support::Proven, Support::Quadrature, Support::Samples(1e4)] {
-            let supported = Supported::new(scattered, support);
-            assert_eq!(supported.text(), "0.50 +- 0.10");
-            assert_eq!(json!(supported), json!({ "mean": 0.5, "se": 0.1 }));
+        for basis in [Basis::Proven, Basis::Quadrature, Basis::Samples(1e4)] {
+            let found = EstimateWithLimit::new(scattered, basis);
+            assert_eq!(found.text(), "0.50 +- 0.10");
+            assert_eq!(json!(found), json!({ "mean": 0.5, "se": 0.1 }));
         }
     }
 
     #[test]
     fn limits_are_numbers_too_and_never_beyond_what_is_possible() {
-        let value = |mean, support| json!(agreed(mean, support));
+        let value = |mean, basis| json!(agreed(mean, basis));
         assert_eq!(
-            value(0.0, Support::Samples(1e4)),
+            value(0.0, Basis::Samples(1e4)),
             json!({ "mean": 0.0, "se": 0.0, "below": 3e-4 })
         );
         assert_eq!(
-            value(1.0, Support::Samples(1e4)),
+            value(1.0, Basis::Samples(1e4)),
             json!({ "mean": 1.0, "se": 0.0, "above": 1.0 - 3e-4 })
         );
-        assert_eq!(value(0.0, Support::Samples(2.0))["below"], 1.0);
+        assert_eq!(value(0.0, Basis::Samples(2.0))["below"], 1.0);
         assert_eq!(
-            value(0.0, Support::Proven),
+            value(0.0, Basis::Proven),
             json!({ "mean": 0.0, "se": 0.0, "exact": true })
         );
         // Neither zero nor one, and without scatter
         assert_eq!(
-            value(0.5, Support::Samples(1e4)),
+            value(0.5, Basis::Samples(1e4)),
             json!({ "mean": 0.5, "se": 0.0 })
         );
         let unknown = Estimate {
             mean: 0.0,
             se: None,
         };
-        let unknown = json!(Supported::new(unknown, Support::Samples(9.0)));
+        let unknown = json!(EstimateWithLimit::new(unknown, Basis::Samples(9.0)));
         assert_eq!(unknown, json!({ "mean": 0.0, "se": null }));
     }
 
-    /// Where three events are expected, one run in twenty sees none.
+    /// If three events are expected, one run in twenty sees none.
     #[test]
     fn the_limit_holds_in_nineteen_of_twenty_runs() {
-        let none_seen = (1.0 - UNSEEN / 1e4_f64).powf(1e4);
+        let none_seen = (1.0 - zero_variance_limit(1e4)).powf(1e4);
         assert!((0.045..0.05).contains(&none_seen), "{none_seen}");
     }
 }

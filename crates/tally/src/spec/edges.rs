@@ -1,17 +1,17 @@
-//! Edges: where the bins of a side begin and end, where they are not all of equal angles.
+//! Edges: the limits of the bins of a side that are not all of equal angles.
 
 use std::f64::consts::TAU;
 use std::sync::{Mutex, PoisonError};
 
-use crate::side::Side;
+use crate::Side;
 
-/// How near to an edge a direction counts as lying on it, in widths of the bin below.
+/// Distance from an edge within which a direction counts as lying on it, in widths of the bin below.
 const SNAP: f64 = 1e-9;
 
 /// Widest a full turn may be off 360 degrees, degrees: rounding.
 const ROUNDING_DEG: f64 = 1e-9;
 
-/// Why edges of bins are refused.
+/// Reason for which edges of bins are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SideEdgesError {
@@ -41,13 +41,17 @@ pub enum SideEdgesError {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideEdges {
-    theta_deg: Vec<f64>,
-    phi_deg: Vec<f64>,
-    theta: Vec<f64>,
-    phi: Vec<f64>,
-    /// From where on a polar angle belongs to the ring after the first, the second and so on, radians.
+    /// Edges of the rings, degrees from +z.
+    pub(crate) theta_deg: Vec<f64>,
+    /// Edges of the sectors, degrees; those beyond 360 are a turn further.
+    pub(crate) phi_deg: Vec<f64>,
+    /// Edges of the rings, radians from +z.
+    pub(crate) theta: Vec<f64>,
+    /// Edges of the sectors, radians.
+    pub(crate) phi: Vec<f64>,
+    /// Polar angles from which on a direction belongs to the ring after the first, the second and so on, radians.
     ring_starts: Vec<f64>,
-    /// The same of sectors, by the azimuth from the first edge; the last one is the full turn.
+    /// Azimuths from the first edge from which on a direction belongs to the next sector; the last one is the full turn.
     sector_starts: Vec<f64>,
 }
 
@@ -88,28 +92,6 @@ impl SideEdges {
         })
     }
 
-    /// Edges of the rings, degrees from +z.
-    #[must_use]
-    pub fn theta_deg(&self) -> &[f64] {
-        &self.theta_deg
-    }
-
-    /// Edges of the sectors, degrees; those beyond 360 are a turn further.
-    #[must_use]
-    pub fn phi_deg(&self) -> &[f64] {
-        &self.phi_deg
-    }
-
-    /// The same in radians.
-    pub(crate) fn theta(&self) -> &[f64] {
-        &self.theta
-    }
-
-    /// The same in radians.
-    pub(crate) fn phi(&self) -> &[f64] {
-        &self.phi
-    }
-
     /// Number of the ring that holds the polar angle `theta`.
     pub(crate) fn ring_of(&self, theta: f64) -> usize {
         self.ring_starts.partition_point(|start| *start <= theta)
@@ -125,7 +107,7 @@ impl SideEdges {
     }
 }
 
-/// From where on an angle belongs to the bin after each of the inner edges.
+/// Angles from which on a direction belongs to the bin after each of the inner edges.
 fn starts(edges: &[f64]) -> Vec<f64> {
     let inner = edges.windows(2).take(edges.len() - 2);
     inner

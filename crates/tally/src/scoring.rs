@@ -1,24 +1,26 @@
-//! Tally: collects what one batch of rays did.
+//! Scoring: tallies, which sum the flux and the rays of batches.
+
+pub(crate) mod closing;
+pub(crate) mod control_variate;
 
 use std::ops::AddAssign;
 
-use crate::closing::close;
-use crate::exit::{Exit, Loss};
-use crate::exit_columns::{ExitColumns, InSlice};
-use crate::filters::Half;
-use crate::finder::BinFinder;
-use crate::in_plane::InPlaneSlice;
-use crate::target::Target;
-use crate::values::TallyValues;
-use crate::{Component, ControlVariate, Side, TallySpec};
+use crate::binning::BinFinder;
+use crate::binning::exit_columns::ExitColumns;
+use crate::binning::in_plane::InPlaneSlice;
+use crate::spec::filters::Half;
+use crate::spec::offsets::{BinOffsets, Target};
+use crate::{Component, Exit, Loss, Score, Side, TallySpec, TallyValues};
+use closing::close;
+use control_variate::ControlVariate;
 
-/// What the azimuths of exits are counted from.
+/// Direction from which the azimuths of exits are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Azimuth {
     /// The horizontal component of the light *travels* towards this azimuth, radians: that of `wi`
     /// plus half a turn.
     From(f64),
-    /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
+    /// No direction: every azimuth is as likely as any other, for example where light falls vertically on
     /// surfaces without a preferred direction. The azimuths of exits are ignored.
     ///
     /// When the tally is closed, the flux of a ring is spread evenly over its azimuths, and each half
@@ -40,8 +42,8 @@ const LOW_DIGITS: u32 = 62;
 /// Fluxes are added as integers of 128 bits, in units of `2^-75` of the largest weight of a path. Such sums are exact: no order of
 /// rays and no division of a batch into parts, which `+=` joins again, changes a bit of them.
 ///
-/// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
-/// scattered once counts with what its visible fraction leaves of it, and light that would be scattered
+/// Under a [`ControlVariate`] it holds the difference: visible light that is
+/// scattered once counts with one minus its visible fraction, and light that would be scattered
 /// so but is shadowed or masked counts with minus that fraction. [`ControlVariate::complete`] adds the
 /// mean of what was subtracted.
 ///
@@ -69,11 +71,11 @@ const LOW_DIGITS: u32 = 62;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Tally<'c> {
-    pub(crate) spec: TallySpec,
+    spec: TallySpec,
     control_variate: Option<&'c ControlVariate>,
     finder: BinFinder,
     /// `None` where the azimuth is free.
-    pub(crate) slice: Option<InPlaneSlice>,
+    slice: Option<InPlaneSlice>,
     /// Exact sums of all batches, in units of flux: those of one entry side by side, since paths that start side by side often end in
     /// the same bin.
     sums: Vec<i128>,
@@ -108,7 +110,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// The same under a control variate of the same spec, where there is one.
+    /// Returns a tally under a control variate of the same spec, where there is one.
     #[must_use]
     pub fn with_control_variate(self, control_variate: Option<&'c ControlVariate>) -> Self {
         Self {
@@ -117,7 +119,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// The same for contributions of at most `weight`, in place of one. It holds the sum of `2^51` of them, each to less than `2^-74` of
+    /// Returns a tally of contributions of at most `weight`, in place of one. It holds the sum of `2^51` of them, each to less than `2^-74` of
     /// the weight.
     ///
     /// # Panics
@@ -136,7 +138,7 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// Whether light that leaves on `side` is recorded.
+    /// Returns `true` if light that leaves on `side` is recorded.
     #[must_use]
     pub const fn records(&self, side: Side) -> bool {
         self.spec.records(side)
@@ -165,17 +167,17 @@ impl<'c> Tally<'c> {
 
     /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.
     #[inline(always)]
-    pub(crate) fn locate(&self, exits: &mut ExitColumns) {
+    fn locate(&self, exits: &mut ExitColumns) {
         self.finder.locate(exits, self.slice.is_some());
         if let Some(slice) = &self.slice {
             slice.locate(exits);
         }
-        exits.find_targets(&self.spec.places());
+        exits.find_targets(&self.spec.offsets());
     }
 
     /// Adds exit number `i` to the bins that [`Tally::locate`] has found: as [`Tally::add_exit`] and [`Tally::add_masked`] do.
     #[inline(always)]
-    pub(crate) fn add_located(&mut self, exits: &ExitColumns, i: usize) {
+    fn add_located(&mut self, exits: &ExitColumns, i: usize) {
         let exit = exits.exit(i);
         let ring = exits.ring[i] as usize;
         let weight = if exits.is_masked[i] {
@@ -183,15 +185,10 @@ impl<'c> Tally<'c> {
         } else {
             self.weight(&exit, ring)
         };
-        let half = match exits.slice.get(i) {
-            Some(InSlice::Forward) => Some(Half::Forward),
-            Some(InSlice::Backward) => Some(Half::Backward),
-            _ => None,
-        };
         let at = Direction {
             ring,
-            half,
-            target: exits.target(i),
+            half: exits.slice.get(i).and_then(|slice| slice.half()),
+            target: exits.targets[i],
         };
         self.book(&exit, weight * exit.flux, &at);
         if !exits.measures.is_empty() && !exits.is_masked[i] {
@@ -203,7 +200,7 @@ impl<'c> Tally<'c> {
     #[inline(always)]
     fn weight(&self, exit: &Exit, ring: usize) -> f64 {
         match self.control_variate {
-            Some(control) if exit.path.order() == 1 => 1.0 - control.fraction(exit.side, ring),
+            Some(one) if exit.path.order() == 1 => 1.0 - one.fraction(exit.side, ring),
             _ => 1.0,
         }
     }
@@ -216,12 +213,12 @@ impl<'c> Tally<'c> {
             Side::Transmitted => exit.wo.z < 0.0,
         };
         match self.control_variate {
-            Some(control) if is_away => -control.fraction(exit.side, ring),
+            Some(one) if is_away => -one.fraction(exit.side, ring),
             _ => 0.0,
         }
     }
 
-    /// Where an exit counts.
+    /// Finds the ring, the half of the in-plane slice and the entries of an exit.
     fn direction(&self, exit: &Exit) -> Direction {
         let ring = self.finder.ring(exit.side, exit.wo);
         // Without azimuths the first bin counts for its ring until the tally is closed.
@@ -229,12 +226,11 @@ impl<'c> Tally<'c> {
             None => (0, None),
             Some(slice) => (self.finder.sector(exit.side, exit.wo), slice.half(exit.wo)),
         };
-        let places = self.spec.places();
-        let side = exit.side.index() as u32;
+        let offsets = self.spec.offsets();
         Direction {
             ring,
             half,
-            target: places.target(side, exit.path, ring as u32, sector as u32),
+            target: offsets.target(exit.side, exit.path, ring as u32, sector as u32),
         }
     }
 
@@ -250,7 +246,7 @@ impl<'c> Tally<'c> {
             self.add_loss(Loss::NotRecorded, flux);
             return;
         }
-        let target = at.target;
+        let (target, offsets) = (at.target, spec.offsets());
         let bin = target.bin as usize;
         let flux = self.units(flux);
         self.add(target.order as usize, flux);
@@ -259,11 +255,9 @@ impl<'c> Tally<'c> {
         if self.slice.is_some() {
             self.add(bin, flux);
         }
-        self.add(spec.places().hits_of_bin(bin), self.hit);
-        if let Some(in_plane) = at.in_plane(&spec, exit.side) {
-            let group = Component::order_group(exit.path.order());
-            let start = spec.places().in_plane_start(exit.side, group);
-            self.add(start + in_plane, flux);
+        self.add(bin - offsets.bins(0) + offsets.hits(0), self.hit);
+        if let Some(entry) = at.in_plane_entry(&spec, exit) {
+            self.add(entry, flux);
         }
         if !spec.components().is_empty() {
             self.book_components(exit, flux, at);
@@ -272,27 +266,56 @@ impl<'c> Tally<'c> {
 
     /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
     fn book_components(&mut self, exit: &Exit, flux: i128, at: &Direction) {
-        let spec = self.spec;
-        let side = exit.side;
-        let bin = at.bin(&spec, exit);
-        let in_plane = at.in_plane(&spec, side);
-        for (place, component) in spec.components().iter().enumerate() {
+        let (offsets, grid) = (self.spec.offsets(), self.spec.grid());
+        let side = exit.side.index();
+        let bin = at.bin(&self.spec, exit);
+        let ring = side * grid.n_theta() + at.ring;
+        let in_plane = at.in_plane(&self.spec, exit.side);
+        for (number, component) in self.spec.components().iter().enumerate() {
             if !component.accepts(exit) {
                 continue;
             }
-            let start = spec.places().component_start(place);
-            self.add(start + side.index(), flux);
-            self.add(
-                spec.places().rings_of_component(start, side) + at.ring,
-                flux,
-            );
-            let bins = start + 2;
-            self.add(bins + spec.grid().len() + bin, self.hit);
+            let start = |score| offsets.of_component(number, score);
+            self.add(start(Score::Flux) + side, flux);
+            self.add(start(Score::RingFlux) + ring, flux);
+            self.add(start(Score::BinHits) + bin, self.hit);
             if self.slice.is_some() {
-                self.add(bins + bin, flux);
+                self.add(start(Score::BinFlux) + bin, flux);
             }
             if let Some(i) = in_plane {
-                self.add(spec.places().in_plane_of_component(start, side) + i, flux);
+                self.add(
+                    start(Score::InPlaneFlux) + side * 2 * grid.n_theta() + i,
+                    flux,
+                );
+            }
+        }
+    }
+
+    /// Adds the measures of exit number `i`, which no control variate has a part in.
+    fn book_measures(&mut self, exit: &Exit, measures: &[Vec<f64>], i: usize, at: &Direction) {
+        let spec = self.spec;
+        if !spec.records(exit.side) {
+            return;
+        }
+        let offsets = spec.offsets();
+        let group = Component::order_group(exit.path.order()) as usize;
+        let all_light = offsets.bins(2);
+        let bin = self
+            .slice
+            .is_some()
+            .then(|| all_light + at.bin(&spec, exit));
+        let bins = [
+            Some(at.target.ring as usize),
+            at.in_plane_entry(&spec, exit),
+            bin,
+        ];
+        let bins = bins.into_iter().flatten();
+        let positions = bins.map(|flux| offsets.bin_position(flux));
+        let positions = positions.chain([BinOffsets::flux_position(exit.side, group)]);
+        for (measure, column) in measures.iter().enumerate() {
+            let units = self.units(column[i] * exit.flux);
+            for position in positions.clone() {
+                self.add(offsets.measures_at(position) + measure, units);
             }
         }
     }
@@ -316,50 +339,34 @@ impl<'c> Tally<'c> {
 
     /// Adds flux that ended without an exit.
     pub fn add_loss(&mut self, loss: Loss, flux: f64) {
-        const BUDGET: crate::Budget<crate::Entry> = TallySpec::BUDGET;
+        let budget = TallySpec::BUDGET;
         let flux = self.units(flux);
         match loss {
-            Loss::Absorbed => self.add(BUDGET.absorbed.0, flux),
-            Loss::Truncated => self.add(BUDGET.truncated.0, flux),
-            Loss::Lost => self.add(BUDGET.lost.0, flux),
+            Loss::Absorbed => self.add(budget.absorbed.0, flux),
+            Loss::Truncated => self.add(budget.truncated.0, flux),
+            Loss::Lost => self.add(budget.lost.0, flux),
             Loss::LeftPatch => {
-                self.add(BUDGET.truncated.0, flux);
-                self.add(BUDGET.left_patch.0, flux);
+                self.add(budget.truncated.0, flux);
+                self.add(budget.left_patch.0, flux);
             }
             Loss::NotRecorded => {
-                self.add(BUDGET.truncated.0, flux);
-                self.add(BUDGET.not_recorded.0, flux);
+                self.add(budget.truncated.0, flux);
+                self.add(budget.not_recorded.0, flux);
             }
         }
     }
 
     /// A flux in units, of which sums are made.
     #[inline(always)]
-    pub(crate) fn units(&self, flux: f64) -> i128 {
+    fn units(&self, flux: f64) -> i128 {
         units(flux, self.scale)
     }
 
     /// Adds units to the sum of an entry.
     #[inline(always)]
-    pub(crate) fn add(&mut self, entry: usize, units: i128) {
+    fn add(&mut self, entry: usize, units: i128) {
         let sum = &mut self.sums[entry * self.batches + self.batch];
         *sum += units;
-    }
-
-    /// The same for several batches: an empty tally of each.
-    pub(crate) fn for_batches(self, batches: usize) -> Self {
-        Self {
-            sums: vec![0; self.spec.len() * batches],
-            batches,
-            ..self
-        }
-    }
-
-    /// Has what follows added to the sums of a batch.
-    #[inline(always)]
-    pub(crate) fn turn_to(&mut self, batch: usize) {
-        assert!(batch < self.batches, "no tally of batch {batch}");
-        self.batch = batch;
     }
 
     /// Closes the tally: fractions of the incident flux, for a batch of `rays` rays of flux one.
@@ -368,8 +375,8 @@ impl<'c> Tally<'c> {
         self.fractions_of_batch(0, rays)
     }
 
-    /// The same of one of several batches.
-    pub(crate) fn fractions_of_batch(&self, batch: usize, rays: u64) -> TallyValues {
+    /// Fractions of the incident flux in one of several batches.
+    fn fractions_of_batch(&self, batch: usize, rays: u64) -> TallyValues {
         let sums = self.sums[batch..].iter().step_by(self.batches);
         let unit = 1.0 / (self.scale * LOW * rays as f64);
         let fractions = sums.map(|&sum| sum as f64 * unit).collect();
@@ -403,25 +410,108 @@ fn units(flux: f64, scale: f64) -> i128 {
     (i128::from(high) << LOW_DIGITS) + i128::from(low)
 }
 
-/// Where an exit counts: its ring, the half of the in-plane slice that holds it, and its entries.
+/// Direction of an exit: its ring, the half of the in-plane slice that holds it, and its entries.
 #[derive(Clone, Copy)]
-pub(crate) struct Direction {
-    pub(crate) ring: usize,
-    pub(crate) half: Option<Half>,
-    pub(crate) target: Target,
+struct Direction {
+    ring: usize,
+    half: Option<Half>,
+    target: Target,
 }
 
 impl Direction {
     /// Number of its bin among those of both sides.
-    pub(crate) fn bin(&self, spec: &TallySpec, exit: &Exit) -> usize {
+    fn bin(&self, spec: &TallySpec, exit: &Exit) -> usize {
         let multiple = usize::from(exit.path.order() > 1);
-        self.target.bin as usize - spec.places().bins_start(multiple)
+        self.target.bin as usize - spec.offsets().bins(multiple)
     }
 
     /// Number of its in-plane bin, if it has one.
-    pub(crate) fn in_plane(&self, spec: &TallySpec, side: Side) -> Option<usize> {
+    #[inline(always)]
+    fn in_plane(&self, spec: &TallySpec, side: Side) -> Option<usize> {
         let number = |half| spec.in_plane_filter(side).number(self.ring, half);
         self.half.map(number)
+    }
+
+    /// Entry of the flux of its order in its in-plane bin, if it has one.
+    #[inline(always)]
+    fn in_plane_entry(&self, spec: &TallySpec, exit: &Exit) -> Option<usize> {
+        let group = Component::order_group(exit.path.order()) as usize;
+        let start = spec.offsets().in_plane(exit.side, group);
+        Some(start + self.in_plane(spec, exit.side)?)
+    }
+}
+
+/// One [`Tally`] for each of several batches, all of the same spec, azimuth and control variate.
+#[derive(Clone, Debug)]
+pub struct Tallies<'c>(Tally<'c>);
+
+impl<'c> Tallies<'c> {
+    /// An empty tally like `empty` for each of several batches.
+    #[must_use]
+    pub fn new(empty: Tally<'c>, batches: usize) -> Self {
+        Self(Tally {
+            sums: vec![0; empty.spec.len() * batches],
+            batches,
+            ..empty
+        })
+    }
+
+    /// Returns `true` if light that leaves on `side` is recorded.
+    #[must_use]
+    pub const fn records(&self, side: Side) -> bool {
+        self.0.records(side)
+    }
+
+    /// The control variate, under which shadowed and masked light counts too.
+    #[must_use]
+    pub const fn control_variate(&self) -> Option<&'c ControlVariate> {
+        self.0.control_variate()
+    }
+
+    /// The tally of batch number `batch`.
+    ///
+    /// # Panics
+    /// If there are not so many batches.
+    #[inline(always)]
+    pub fn of(&mut self, batch: u32) -> &mut Tally<'c> {
+        let batch = batch as usize;
+        assert!(batch < self.0.batches, "no tally of batch {batch}");
+        self.0.batch = batch;
+        &mut self.0
+    }
+
+    /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.
+    #[inline(always)]
+    pub fn locate(&self, exits: &mut ExitColumns) {
+        self.0.locate(exits);
+    }
+
+    /// Adds exits to the bins that [`Tallies::locate`] has found, in the tallies of their batches, and removes them: as [`Tally::add_exit`] and
+    /// [`Tally::add_masked`] do.
+    pub fn add_located(&mut self, exits: &mut ExitColumns) {
+        for i in 0..exits.len() {
+            self.of(exits.batch[i]).add_located(exits, i);
+        }
+        exits.clear();
+    }
+
+    /// Closes the tallies: fractions of the incident flux, for batches of `rays` rays of flux one each.
+    #[must_use]
+    pub fn into_fractions(self, rays: u64) -> Vec<TallyValues> {
+        let batches = 0..self.0.batches;
+        batches
+            .map(|batch| self.0.fractions_of_batch(batch, rays))
+            .collect()
+    }
+}
+
+/// Adds the sums of other rays of the same batches, in any order.
+///
+/// # Panics
+/// If the tallies are of different specs, batches or largest weights.
+impl AddAssign<&Self> for Tallies<'_> {
+    fn add_assign(&mut self, other: &Self) {
+        self.0 += &other.0;
     }
 }
 

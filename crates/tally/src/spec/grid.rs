@@ -1,4 +1,4 @@
-//! Bins over the two hemispheres of outgoing directions: of equal angles, or between edges that refine around narrow lobes.
+//! Grid: bins over the two hemispheres of outgoing directions, of equal angles or between edges that refine around narrow lobes.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
@@ -8,10 +8,10 @@ use asperity_optics::{azimuth, polar_angle};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::edges::{SideEdges, SideEdgesError, interned};
-use crate::side::Side;
+use crate::Side;
+use crate::spec::edges::{SideEdges, SideEdgesError, interned};
 
-/// Why a grid of bins is refused.
+/// Reason for which a grid of bins is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HemisphereGridError {
@@ -108,7 +108,7 @@ impl HemisphereGrid {
     pub fn with_edges(edges: [SideEdges; 2]) -> Result<Self, HemisphereGridError> {
         let [reflected, transmitted] = edges
             .each_ref()
-            .map(|side| [side.theta_deg().len() - 1, side.phi_deg().len() - 1]);
+            .map(|side| [side.theta_deg.len() - 1, side.phi_deg.len() - 1]);
         if reflected != transmitted {
             return Err(HemisphereGridError::UnequalSides {
                 reflected,
@@ -122,9 +122,14 @@ impl HemisphereGrid {
         })
     }
 
-    /// The edges of `side`, unless all bins are of equal angles.
+    /// Returns `true` if all bins are of equal angles.
     #[must_use]
-    pub fn edges(&self, side: Side) -> Option<&'static SideEdges> {
+    pub const fn has_equal_angles(&self) -> bool {
+        self.edges.is_none()
+    }
+
+    /// Edges of `side`, unless all bins are of equal angles.
+    fn edges(&self, side: Side) -> Option<&'static SideEdges> {
         self.edges.map(|edges| &edges[side.index()])
     }
 
@@ -152,7 +157,7 @@ impl HemisphereGrid {
         2 * self.bins_per_side()
     }
 
-    /// Never: a grid has at least one bin per side.
+    /// Returns `false`: a grid has at least one bin per side.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false
@@ -167,19 +172,18 @@ impl HemisphereGrid {
             + self.sector_of(side, wo)
     }
 
-    /// Number of the ring that holds the unit vector `wo`, from +z, among those of `side`.
+    /// Number of the ring of `side`, from +z, that holds the unit vector `wo`.
     pub(crate) fn ring_of(&self, side: Side, wo: DVec3) -> usize {
         let theta = polar_angle(wo);
         if let Some(edges) = self.edges(side) {
             return edges.ring_of(theta);
         }
-        match side {
-            Side::Reflected => ring_index(theta / FRAC_PI_2, self.n_theta),
-            Side::Transmitted => ring_index((theta - FRAC_PI_2) / FRAC_PI_2, self.n_theta),
-        }
+        let fraction = (theta - FRAC_PI_2 * side.index() as f64) / FRAC_PI_2;
+        // The pole and the horizon are in range.
+        snapped_floor(fraction.max(0.0) * self.n_theta as f64).min(self.n_theta - 1)
     }
 
-    /// Number of the sector of azimuth of `side` that holds `wo`.
+    /// Number of the sector of `side` that holds `wo`.
     pub(crate) fn sector_of(&self, side: Side, wo: DVec3) -> usize {
         if let Some(edges) = self.edges(side) {
             return edges.sector_of(azimuth(wo));
@@ -200,16 +204,10 @@ impl HemisphereGrid {
             self.len()
         );
         let (row, sector) = (index / self.n_phi, index % self.n_phi);
-        let (side, ring) = if row < self.n_theta {
-            (Side::Reflected, row)
-        } else {
-            (Side::Transmitted, row - self.n_theta)
-        };
-        let theta = self.ring_edges(side, ring);
-        let phi = match self.edges(side) {
-            Some(edges) => [edges.phi()[sector], edges.phi()[sector + 1]],
-            None => [sector, sector + 1].map(|i| TAU * i as f64 / self.n_phi as f64),
-        };
+        let side = Side::BOTH[row / self.n_theta];
+        let ring = row % self.n_theta;
+        let theta = [ring, ring + 1].map(|k| self.theta_edge(side, k));
+        let phi = [sector, sector + 1].map(|k| self.phi_edge(side, k));
         // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel near the pole.
         let band = 2.0 * (0.5 * (theta[0] + theta[1])).sin() * (0.5 * (theta[1] - theta[0])).sin();
         Bin {
@@ -223,24 +221,44 @@ impl HemisphereGrid {
         }
     }
 
-    /// Edges `[min, max]` of a ring of `side` in polar angle from +z, radians.
-    pub(crate) fn ring_edges(&self, side: Side, ring: usize) -> [f64; 2] {
-        if let Some(edges) = self.edges(side) {
-            return [edges.theta()[ring], edges.theta()[ring + 1]];
+    /// Edge number `k` of the rings of `side`, radians from +z.
+    pub(crate) fn theta_edge(&self, side: Side, k: usize) -> f64 {
+        match self.edges(side) {
+            Some(edges) => edges.theta[k],
+            // One multiplication and one division: the last edge is exact.
+            None => FRAC_PI_2 * side.index() as f64 + FRAC_PI_2 * k as f64 / self.n_theta as f64,
         }
-        let start = match side {
-            Side::Reflected => 0.0,
-            Side::Transmitted => FRAC_PI_2,
-        };
-        // One multiplication and one division: the last edge is exact, and neighbours share theirs.
-        [ring, ring + 1].map(|i| start + FRAC_PI_2 * i as f64 / self.n_theta as f64)
+    }
+
+    /// Edge number `k` of the sectors of `side`, radians.
+    pub(crate) fn phi_edge(&self, side: Side, k: usize) -> f64 {
+        match self.edges(side) {
+            Some(edges) => edges.phi[k],
+            None => TAU * k as f64 / self.n_phi as f64,
+        }
+    }
+
+    /// Edge number `k` of the rings of `side`, degrees from +z.
+    pub(crate) fn theta_edge_deg(&self, side: Side, k: usize) -> f64 {
+        match self.edges(side) {
+            Some(edges) => edges.theta_deg[k],
+            None => 90.0 * side.index() as f64 + 90.0 * k as f64 / self.n_theta as f64,
+        }
+    }
+
+    /// Edge number `k` of the sectors of `side`, degrees.
+    pub(crate) fn phi_edge_deg(&self, side: Side, k: usize) -> f64 {
+        match self.edges(side) {
+            Some(edges) => edges.phi_deg[k],
+            None => 360.0 * k as f64 / self.n_phi as f64,
+        }
     }
 
     /// The part of `of_ring` that falls into a sector of `side`, if it is spread evenly over azimuth.
     #[must_use]
     pub fn part_of_ring(&self, side: Side, sector: usize, of_ring: f64) -> f64 {
         match self.edges(side) {
-            Some(edges) => of_ring * (edges.phi()[sector + 1] - edges.phi()[sector]) / TAU,
+            Some(edges) => of_ring * (edges.phi[sector + 1] - edges.phi[sector]) / TAU,
             None => of_ring / self.n_phi as f64,
         }
     }
@@ -253,12 +271,8 @@ impl HemisphereGrid {
     /// Edges of the theta bins of `side` in degrees, `n_theta + 1` of them, ascending.
     #[must_use]
     pub fn theta_edges_deg(&self, side: Side) -> Vec<f64> {
-        if let Some(edges) = self.edges(side) {
-            return edges.theta_deg().to_vec();
-        }
-        let start = 90.0 * side.index() as f64;
         (0..=self.n_theta)
-            .map(|i| start + 90.0 * i as f64 / self.n_theta as f64)
+            .map(|k| self.theta_edge_deg(side, k))
             .collect()
     }
 
@@ -266,11 +280,8 @@ impl HemisphereGrid {
     /// be 0 where bins are not of equal angles.
     #[must_use]
     pub fn phi_edges_deg(&self, side: Side) -> Vec<f64> {
-        if let Some(edges) = self.edges(side) {
-            return edges.phi_deg().to_vec();
-        }
         (0..=self.n_phi)
-            .map(|i| 360.0 * i as f64 / self.n_phi as f64)
+            .map(|k| self.phi_edge_deg(side, k))
             .collect()
     }
 }
@@ -326,8 +337,8 @@ impl From<HemisphereGrid> for SavedGrid {
         match grid.edges {
             None => Self::Even(grid.to_string()),
             Some(edges) => Self::Edges(edges.each_ref().map(|side| SavedEdges {
-                theta_deg: side.theta_deg().to_vec(),
-                phi_deg: side.phi_deg().to_vec(),
+                theta_deg: side.theta_deg.clone(),
+                phi_deg: side.phi_deg.clone(),
             })),
         }
     }
@@ -347,11 +358,6 @@ impl TryFrom<SavedGrid> for HemisphereGrid {
             of(Side::Transmitted, transmitted)?,
         ])
     }
-}
-
-/// Ring of a fraction in `[0, 1]` of the quarter turn; the pole and the horizon are in range.
-fn ring_index(fraction: f64, n_theta: usize) -> usize {
-    snapped_floor(fraction.max(0.0) * n_theta as f64).min(n_theta - 1)
 }
 
 /// Whole part of `x >= 0`, where anything within 1e-9 below a whole number counts as that number.

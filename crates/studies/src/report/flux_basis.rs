@@ -1,77 +1,64 @@
-//! Support of fluxes: which are proven, and how many independent samples the others rest on.
+//! Basis of fluxes: which are proven, and how many independent samples the others have.
 
 use asperity_analysis::ScatteringModel;
 use asperity_optics::Material;
 use asperity_simulate::{Outcome, SurfaceSource};
 use asperity_tally::{Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
-use serde::{Deserialize, Serialize};
 
-use crate::output::{Support, Supported};
+use crate::output::{Basis, EstimateWithLimit};
 
-/// What fluxes rest on whose samples all agree.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FluxSupport {
-    basis: Basis,
-    /// Whether something below the surface is left to chance.
-    has_medium: bool,
-    /// Whether light can be absorbed, and transmitted.
+/// Basis of the fluxes of a result, which gives them their limits where all samples agree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FluxBasis {
+    /// Basis of fluxes that are zero.
+    zero: Basis,
+    /// Basis of all others.
+    nonzero: Basis,
+    /// `true` if light can be absorbed.
     absorbs: bool,
+    /// `true` if light can be transmitted.
     transmits: bool,
 }
 
-/// Where fluxes come from.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Basis {
-    /// A bound, without tracing.
-    Bound,
-    /// Rays on rough surfaces: the number of independent ones.
-    Samples(f64),
-    /// Rays on a level surface, which all meet the same facet at the same angle: their number.
-    LevelSamples(f64),
-    /// Quadrature of a model.
-    Quadrature,
-    /// Single scattering by quadrature, multiple scattering by random paths of the model: their number.
-    QuadratureAndRays(f64),
-}
-
-impl FluxSupport {
-    /// Of a run.
+impl FluxBasis {
+    /// Basis of the fluxes of a run: a bound, without tracing; or rays. All rays on a level surface meet the same facet at the same angle, and
+    /// do the same unless light is scattered below it.
     #[must_use]
     pub fn of(outcome: &Outcome) -> Self {
         let case = &outcome.case;
-        let basis = match (outcome.deviation_bound, case.surface.is_level()) {
-            (Some(_), _) => Basis::Bound,
-            (None, false) => Basis::Samples(independent_samples(outcome)),
-            (None, true) => Basis::LevelSamples(independent_samples(outcome)),
+        let samples = Basis::Samples(independent_samples(outcome));
+        let has_medium = case.layer.is_some();
+        let bases = match outcome.deviation_bound {
+            Some(_) => [Basis::Proven; 2],
+            None if !case.surface.is_level() => [samples; 2],
+            None if has_medium => [samples, Basis::Proven],
+            None => [Basis::Proven; 2],
         };
-        let surface = Self::of_surface(basis, case.material);
-        match case.layer.is_some() {
-            false => surface,
-            true => Self {
-                has_medium: true,
-                absorbs: true,
-                transmits: true,
-                ..surface
-            },
+        let surface = Self::of_surface(bases, case.material);
+        Self {
+            absorbs: surface.absorbs || has_medium,
+            transmits: surface.transmits || has_medium,
+            ..surface
         }
     }
 
-    /// Of the fluxes of a model. `rays`: number of random paths that it followed; zero if all fluxes come from quadrature.
+    /// Basis of the fluxes of a model. `rays`: number of random paths that it followed, of multiple scattering alone if it has a density;
+    /// zero if all fluxes come from quadrature.
     #[must_use]
     pub fn of_model(model: &dyn ScatteringModel, rays: u64) -> Self {
-        let basis = match (rays, model.density()) {
-            (0, _) => Basis::Quadrature,
-            (rays, Some(_)) => Basis::QuadratureAndRays(rays as f64),
-            (rays, None) => Basis::Samples(rays as f64),
+        let samples = Basis::Samples(rays as f64);
+        let bases = match (rays, model.density()) {
+            (0, _) => [Basis::Quadrature; 2],
+            (_, Some(_)) => [samples, Basis::Quadrature],
+            (_, None) => [samples; 2],
         };
-        Self::of_surface(basis, model.material())
+        Self::of_surface(bases, model.material())
     }
 
-    fn of_surface(basis: Basis, material: Material) -> Self {
+    fn of_surface([zero, nonzero]: [Basis; 2], material: Material) -> Self {
         Self {
-            basis,
-            has_medium: false,
+            zero,
+            nonzero,
             absorbs: match material {
                 Material::Conductor { .. } => true,
                 Material::Lambertian { reflectance } => reflectance < 1.0,
@@ -82,27 +69,31 @@ impl FluxSupport {
     }
 
     /// Flux that left on `side`, or a part of it.
-    pub(crate) fn flux(&self, side: Side, flux: Estimate) -> Supported {
+    pub(crate) fn flux(&self, side: Side, flux: Estimate) -> EstimateWithLimit {
         let is_possible = side == Side::Reflected || self.transmits;
-        self.supported(is_possible, flux)
+        self.with_limit(is_possible, flux)
     }
 
     /// Flux that was absorbed.
-    pub(crate) fn absorbed(&self, flux: Estimate) -> Supported {
-        if self.absorbs && self.basis == Basis::Quadrature {
+    pub(crate) fn absorbed(&self, flux: Estimate) -> EstimateWithLimit {
+        if self.absorbs && self.zero == Basis::Quadrature {
             // Closed forms are of light that leaves.
-            return Supported::new(flux, Support::NotComputed);
+            return EstimateWithLimit::new(flux, Basis::NotComputed);
         }
-        self.supported(self.absorbs, flux)
+        self.with_limit(self.absorbs, flux)
     }
 
     /// Flux that ended otherwise, as no light does in quadrature.
-    pub(crate) fn ended(&self, flux: Estimate) -> Supported {
-        self.supported(self.basis != Basis::Quadrature, flux)
+    pub(crate) fn ended(&self, flux: Estimate) -> EstimateWithLimit {
+        self.with_limit(self.zero != Basis::Quadrature, flux)
     }
 
     /// An entry of the budget.
-    pub(crate) fn of_budget(&self, statistics: &TallyStatistics, entry: Entry) -> Supported {
+    pub(crate) fn of_budget(
+        &self,
+        statistics: &TallyStatistics,
+        entry: Entry,
+    ) -> EstimateWithLimit {
         let flux = statistics.at(entry);
         let budget = TallySpec::BUDGET;
         if entry == budget.absorbed {
@@ -116,18 +107,13 @@ impl FluxSupport {
         }
     }
 
-    fn supported(&self, is_possible: bool, flux: Estimate) -> Supported {
-        let is_zero = flux.mean == 0.0;
-        let support = match self.basis {
-            _ if !is_possible => Support::Proven,
-            Basis::Bound => Support::Proven,
-            // Light that does not scatter below does the same everywhere.
-            Basis::LevelSamples(_) if !is_zero || !self.has_medium => Support::Proven,
-            Basis::Samples(count) | Basis::LevelSamples(count) => Support::Samples(count),
-            Basis::QuadratureAndRays(count) if is_zero => Support::Samples(count),
-            Basis::Quadrature | Basis::QuadratureAndRays(_) => Support::Quadrature,
+    fn with_limit(&self, is_possible: bool, flux: Estimate) -> EstimateWithLimit {
+        let basis = match flux.mean == 0.0 {
+            _ if !is_possible => Basis::Proven,
+            true => self.zero,
+            false => self.nonzero,
         };
-        Supported::new(flux, support)
+        EstimateWithLimit::new(flux, basis)
     }
 }
 
@@ -161,21 +147,23 @@ mod tests {
         mean: 0.0,
         se: Some(0.0),
     };
-    const GLASS: FluxSupport = FluxSupport {
-        basis: Basis::Samples(1e4),
-        has_medium: false,
+    const SAMPLES: Basis = Basis::Samples(1e4);
+    const GLASS: FluxBasis = FluxBasis {
+        zero: SAMPLES,
+        nonzero: SAMPLES,
         absorbs: false,
         transmits: true,
     };
-    const LEVEL: FluxSupport = FluxSupport {
-        basis: Basis::LevelSamples(1e4),
+    const LEVEL: FluxBasis = FluxBasis {
+        zero: Basis::Proven,
+        nonzero: Basis::Proven,
         ..GLASS
     };
     const EXACT: &str = "0 (exact)";
     const UNSEEN: &str = "none seen, below 3.0e-4";
 
     /// Reflected, transmitted, absorbed and lost.
-    fn texts(support: FluxSupport) -> [String; 4] {
+    fn texts(support: FluxBasis) -> [String; 4] {
         [
             support.flux(Side::Reflected, NONE),
             support.flux(Side::Transmitted, NONE),
@@ -188,24 +176,19 @@ mod tests {
     #[test]
     fn what_no_ray_did_is_exact_only_where_none_can() {
         assert_eq!(texts(GLASS), [UNSEEN, UNSEEN, EXACT, UNSEEN]);
-        let gold = FluxSupport {
+        let gold = FluxBasis {
             absorbs: true,
             transmits: false,
             ..GLASS
         };
         assert_eq!(texts(gold), [UNSEEN, EXACT, UNSEEN, UNSEEN]);
         assert_eq!(texts(LEVEL), [EXACT; 4]);
-        let over_medium = FluxSupport {
-            has_medium: true,
+        let over_medium = FluxBasis {
+            zero: SAMPLES,
             absorbs: true,
             ..LEVEL
         };
         assert_eq!(texts(over_medium), [UNSEEN; 4]);
-        let untraced = FluxSupport {
-            basis: Basis::Bound,
-            ..GLASS
-        };
-        assert_eq!(texts(untraced), [EXACT; 4]);
     }
 
     /// A model may do what its material does, whether it is integrated or followed.
@@ -223,13 +206,13 @@ mod tests {
                 let of = |is_possible| if is_possible { possible } else { EXACT };
                 [possible, of(transmitted), of(absorbed), lost]
             };
-            let integrated = FluxSupport::of_surface(Basis::Quadrature, material);
+            let integrated = FluxBasis::of_surface([Basis::Quadrature; 2], material);
             let mut of_integral = expected(quadrature, EXACT);
             if absorbed {
                 of_integral[2] = "not computed";
             }
             assert_eq!(texts(integrated), of_integral);
-            let followed = FluxSupport::of_surface(Basis::QuadratureAndRays(1e4), material);
+            let followed = FluxBasis::of_surface([SAMPLES, Basis::Quadrature], material);
             assert_eq!(texts(followed), expected(UNSEEN, UNSEEN));
             // Single scattering, which rays do not add to
             let once = Estimate { mean: 0.25, ..NONE };
@@ -249,7 +232,7 @@ mod tests {
         tally[TallySpec::BUDGET.reflected] = 0.25;
         let mut statistics = TallyStatistics::new(spec);
         (0..2).for_each(|_| statistics.push(&tally));
-        let model = FluxSupport::of_surface(Basis::Quadrature, Material::Mirror);
+        let model = FluxBasis::of_surface([Basis::Quadrature; 2], Material::Mirror);
         let text = |entry| model.of_budget(&statistics, entry).text();
         let budget = TallySpec::BUDGET;
         assert_eq!(text(budget.reflected), "0.25 (quadrature)");
@@ -260,12 +243,12 @@ mod tests {
 
     #[test]
     fn light_that_a_level_surface_reflects_is_exact_over_a_medium_too() {
-        let over_medium = FluxSupport {
-            has_medium: true,
+        let over_medium = FluxBasis {
+            zero: SAMPLES,
             ..LEVEL
         };
         let first_order = Estimate { mean: 0.04, ..NONE };
-        let text = |support: FluxSupport| support.flux(Side::Reflected, first_order).text();
+        let text = |support: FluxBasis| support.flux(Side::Reflected, first_order).text();
         assert_eq!(text(over_medium), "0.04 (exact)");
         assert_eq!(text(GLASS), "0.04 (no scatter)");
     }

@@ -1,14 +1,15 @@
-//! Tally results: typed views on whatever has a value for each entry of a spec.
+//! Tally results: typed views on anything with a value for each entry of a spec.
 
-use crate::entry::{Entries, Entry};
-use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
-use crate::{Budget, Component, EventPath, Side, TallySpec};
+use crate::{
+    BinFilter, Budget, Component, Entries, Entry, EventPath, InPlaneFilter, RingFilter, Score,
+    Side, TallySpec,
+};
 
 /// Something with a value for each entry of a spec: flux fractions, means with errors, error budgets.
 ///
 /// A source of values gives `spec` and `at`; all views follow.
 pub trait TallyResult {
-    /// What an entry has.
+    /// Value of an entry.
     type Value;
 
     /// The spec.
@@ -47,7 +48,7 @@ pub trait TallyResult {
         self.at(self.spec().longer_paths_entry(side))
     }
 
-    /// Where all flux went.
+    /// The energy budget.
     fn budget(&self) -> Budget<Self::Value> {
         TallySpec::BUDGET.map(|entry| self.at(entry))
     }
@@ -57,12 +58,8 @@ pub trait TallyResult {
     where
         Self: Sized,
     {
-        View {
-            result: self,
-            filter: self.spec().bin_filter(side),
-            entries: self.spec().bin_entries(side, component),
-            component,
-        }
+        let filter = self.spec().bin_filter(side);
+        View::new(self, filter, Score::BinFlux, side, component)
     }
 
     /// Flux into the rings of a side, `[n_theta]`.
@@ -70,12 +67,8 @@ pub trait TallyResult {
     where
         Self: Sized,
     {
-        View {
-            result: self,
-            filter: self.spec().ring_filter(side),
-            entries: self.spec().ring_entries(side, component),
-            component,
-        }
+        let filter = self.spec().ring_filter(side);
+        View::new(self, filter, Score::RingFlux, side, component)
     }
 
     /// Flux into the in-plane bins of a side, `[2 n_theta]`.
@@ -83,12 +76,8 @@ pub trait TallyResult {
     where
         Self: Sized,
     {
-        View {
-            result: self,
-            filter: self.spec().in_plane_filter(side),
-            entries: self.spec().in_plane_entries(side, component),
-            component,
-        }
+        let filter = self.spec().in_plane_filter(side);
+        View::new(self, filter, Score::InPlaneFlux, side, component)
     }
 }
 
@@ -109,6 +98,15 @@ pub type RingView<'a, R> = View<'a, R, RingFilter>;
 pub type InPlaneView<'a, R> = View<'a, R, InPlaneFilter>;
 
 impl<'a, R: TallyResult, F: Copy> View<'a, R, F> {
+    fn new(result: &'a R, filter: F, score: Score, side: Side, component: Component) -> Self {
+        Self {
+            result,
+            filter,
+            entries: result.spec().component_entries(score, side, component),
+            component,
+        }
+    }
+
     /// The component.
     #[must_use]
     pub const fn component(&self) -> Component {
@@ -133,7 +131,7 @@ impl<'a, R: TallyResult, F: Copy> View<'a, R, F> {
         self.entries.len()
     }
 
-    /// Whether there is none.
+    /// Returns `true` if there is none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.entries.is_empty()

@@ -1,25 +1,40 @@
-//! Few rays: standard errors below which no result that rests on few rays is reported.
+//! Few rays: the errors and confidence limits of estimates whose scatter says little.
 //!
 //! The scatter of few rays says little of how far they may be off. Where one ray in fifty carries half of the flux, eight rays
 //! without it agree well with each other and lie far too low. Where no ray was seen to deviate from a control variate, nothing scatters
 //! at all. An entry of fewer than [`FEW_RAYS`] rays therefore has an error of at least one more ray of the root mean square flux
 //! that rays carry to its side, times the root of the number of rays that are expected in it where that is below one.
+//!
+//! An estimate of zero variance has no such error where all samples may have missed a rare event: [`zero_variance_limit`] bounds its
+//! probability.
 
-use crate::control_variate::{ControlVariate, first_order_totals};
-use crate::filters::Half;
-use crate::values::TallyValues;
-use crate::{Component, Entry, Estimate, Score, Side, TallyResult, TallySpec};
+use std::ops::Range;
+
+use super::batches::Estimate;
+use crate::spec::filters::Half;
+use crate::values::single_path;
+use crate::{Component, ControlVariate, Entry, Score, Side, TallyResult, TallySpec, TallyValues};
 
 /// Rays from which on their own scatter is taken for the error.
 pub const FEW_RAYS: f64 = 20.0;
 
-/// Whether an estimate has the relative standard error of fewer than [`FEW_RAYS`] rays of equal weight, or a larger one.
+/// Upper limit, at 95 %, of the expected number of events of which none was seen: `-ln 0.05`, as the rule of three has it.
+const UNSEEN: f64 = 3.0;
+
+/// Returns `true` if an estimate has the relative standard error of fewer than [`FEW_RAYS`] rays of equal weight, or a larger one.
 ///
 /// An exact value does not, nor does one without light and without error. A value of zero with an error does.
 #[must_use]
-pub fn rests_on_few_rays(estimate: Estimate) -> bool {
+pub fn is_of_few_rays(estimate: Estimate) -> bool {
     let few = |se: f64| se > estimate.mean.abs() / FEW_RAYS.sqrt();
     estimate.se.is_some_and(few)
+}
+
+/// Confidence limit of a zero-variance estimate: the probability, at 95 %, that an event which none of `samples` independent samples
+/// showed does not exceed. It may exceed one.
+#[must_use]
+pub fn zero_variance_limit(samples: f64) -> f64 {
+    UNSEEN / samples
 }
 
 /// A result of rays, as far as its errors depend on their number.
@@ -31,7 +46,7 @@ pub struct RayErrors<'a> {
     pub squares: &'a TallyValues,
     /// Incident rays.
     pub rays: u64,
-    /// Whether bins are averaged with their mirror images, whose rays count for both.
+    /// `true` if bins are averaged with their mirror images, whose rays count for both.
     pub folded: bool,
     /// The control variate, with which rays of order one are counted only where they deviate from it.
     pub control_variate: Option<&'a ControlVariate>,
@@ -77,8 +92,9 @@ impl RayErrors<'_> {
     fn on_side(&self, side: Side, component: Component) -> SideRays {
         let spec = self.means.spec();
         let rays = self.rays as f64;
-        let of_bins = 0..spec.grid().bins_per_side();
-        let hits: f64 = of_bins.map(|i| self.means.hits(side, component, i)).sum();
+        let hits: f64 = self
+            .hits(side, component, 0..spec.grid().bins_per_side())
+            .sum();
         let count = if self.folded { 0.5 } else { 1.0 } * hits * rays;
         let flux = spec.flux_entry(side, component);
         let square = match self.expected(component) {
@@ -98,17 +114,28 @@ impl RayErrors<'_> {
         }
     }
 
-    /// Rays that are expected in an entry, at least: those found there or, of a control variate, the part of those that deviate, and of
+    /// Rays that are expected in an entry, at most one: those found there or, of a control variate, the part of those that deviate, and of
     /// one more, that would be there if they deviated anywhere alike.
     fn expected_rays(&self, rays: &SideRays, entry: Entry, found: f64) -> f64 {
-        match self.expected(rays.component) {
+        let expected = match self.expected(rays.component) {
             Some(expected) => {
                 let of_side = expected[self.means.spec().flux_entry(rays.side, rays.component)];
                 let part = expected[entry] / of_side;
                 found.max((rays.count + 1.0) * if part.is_nan() { 0.0 } else { part })
             }
             None => found,
-        }
+        };
+        expected.min(1.0)
+    }
+
+    /// Rays per incident ray in bins of a side. Bins and their mirror images have all rays of both.
+    fn hits(
+        &self,
+        side: Side,
+        component: Component,
+        bins: Range<usize>,
+    ) -> impl Iterator<Item = f64> {
+        bins.map(move |i| self.means.hits(side, component, i))
     }
 
     fn add_bins(&self, squares: &mut TallyValues, rays: &SideRays) {
@@ -116,30 +143,26 @@ impl RayErrors<'_> {
         let sectors = spec.grid().n_phi();
         // A ray counts half in its own bin and half in the mirror image.
         let square = if self.folded { 0.25 } else { 1.0 } * rays.square;
-        let bins = spec.bin_entries(rays.side, rays.component);
-        let all = spec.bin_entries(rays.side, Component::All);
+        let [bins, all] = [rays.component, Component::All].map(|c| spec.bin_entries(rays.side, c));
         for ring in 0..spec.grid().n_theta() {
-            let found = |sector: usize| {
-                let hits = self
-                    .means
-                    .hits(rays.side, rays.component, ring * sectors + sector);
-                hits * self.rays as f64
-            };
-            let in_ring = (0..sectors).map(found).sum::<f64>();
-            for sector in 0..sectors {
+            let hits = self.hits(
+                rays.side,
+                rays.component,
+                ring * sectors..(ring + 1) * sectors,
+            );
+            let in_bins: Vec<f64> = hits.map(|hits| hits * self.rays as f64).collect();
+            let in_ring = in_bins.iter().sum::<f64>();
+            for (sector, &found) in in_bins.iter().enumerate() {
                 let of_ring = spec.grid().part_of_ring(rays.side, sector, in_ring);
                 let i = ring * sectors + sector;
-                let found = found(sector);
-                if found >= FEW_RAYS {
-                    continue;
-                }
                 let by_ring = match self.expected(rays.component) {
                     Some(_) => found,
                     None => found.max(of_ring),
                 };
-                let expected = self.expected_rays(rays, bins.get(i), by_ring).min(1.0);
-                for entry in [bins.get(i), all.get(i)] {
-                    squares[entry] += square * expected;
+                if found < FEW_RAYS {
+                    let expected = self.expected_rays(rays, bins.get(i), by_ring);
+                    squares[bins.get(i)] += square * expected;
+                    squares[all.get(i)] += square * expected;
                 }
             }
         }
@@ -156,10 +179,13 @@ impl RayErrors<'_> {
             .into_iter()
             .filter(|&component| spec.keeps(Score::RingFlux, component));
         for ring in 0..spec.grid().n_theta() {
-            let hits = (ring * sectors..(ring + 1) * sectors)
-                .map(|i| self.means.hits(rays.side, rays.component, i))
-                .sum::<f64>();
-            let in_ring = if self.folded { 0.5 } else { 1.0 } * hits * self.rays as f64;
+            let hits = self.hits(
+                rays.side,
+                rays.component,
+                ring * sectors..(ring + 1) * sectors,
+            );
+            let in_ring =
+                if self.folded { 0.5 } else { 1.0 } * hits.sum::<f64>() * self.rays as f64;
             let ring_of = |component| spec.ring_entries(rays.side, component).get(ring);
             let of_all = ring_of(Component::All);
             self.add(squares, rays, in_ring, of_all, kept.clone().map(ring_of));
@@ -178,7 +204,17 @@ impl RayErrors<'_> {
         }
     }
 
-    /// Adds the square of the error of few rays to `entries`, of which `of_all` is that of light of all orders.
+    fn add_totals(&self, squares: &mut TallyValues, rays: &SideRays) {
+        let spec = *self.means.spec();
+        let of_side = spec.flux_entry(rays.side, rays.component);
+        let path = spec.event_path_entry(rays.side, single_path(rays.side));
+        let entries = [of_side, spec.flux_entry(rays.side, Component::All)];
+        let path = (rays.component == Component::Single).then_some(path);
+        let entries = entries.into_iter().chain(path);
+        self.add(squares, rays, rays.count, of_side, entries);
+    }
+
+    /// Adds the square of the error of few rays to `entries`. `found`: rays of them; `of_all`: the entry that tells how many are expected.
     fn add(
         &self,
         squares: &mut TallyValues,
@@ -188,28 +224,8 @@ impl RayErrors<'_> {
         entries: impl Iterator<Item = Entry>,
     ) {
         if found < FEW_RAYS {
-            let expected = self.expected_rays(rays, of_all, found).min(1.0);
-            entries.for_each(|entry| squares[entry] += rays.square * expected);
-        }
-    }
-
-    fn add_totals(&self, squares: &mut TallyValues, rays: &SideRays) {
-        if rays.count >= FEW_RAYS {
-            return;
-        }
-        let spec = *self.means.spec();
-        let entries = match rays.component {
-            Component::Single => first_order_totals(&spec, rays.side).to_vec(),
-            component => [component, Component::All]
-                .map(|component| spec.flux_entry(rays.side, component))
-                .to_vec(),
-        };
-        let expected = match self.expected(rays.component) {
-            Some(_) => 1.0,
-            None => rays.count.min(1.0),
-        };
-        for entry in entries {
-            squares[entry] += rays.square * expected;
+            let square = rays.square * self.expected_rays(rays, of_all, found);
+            entries.for_each(|entry| squares[entry] += square);
         }
     }
 
@@ -282,12 +298,12 @@ mod tests {
     #[test]
     fn few_rays_are_known_by_their_relative_error() {
         let estimate = |mean, se| Estimate { mean, se };
-        assert!(rests_on_few_rays(estimate(1.0, Some(0.23))));
-        assert!(!rests_on_few_rays(estimate(1.0, Some(0.22))));
-        assert!(!rests_on_few_rays(estimate(1.0, Some(1.7e-5))));
-        assert!(rests_on_few_rays(estimate(0.0, Some(1e-9))));
-        assert!(!rests_on_few_rays(estimate(0.0, Some(0.0))));
-        assert!(!rests_on_few_rays(estimate(1.0, None)));
+        assert!(is_of_few_rays(estimate(1.0, Some(0.23))));
+        assert!(!is_of_few_rays(estimate(1.0, Some(0.22))));
+        assert!(!is_of_few_rays(estimate(1.0, Some(1.7e-5))));
+        assert!(is_of_few_rays(estimate(0.0, Some(1e-9))));
+        assert!(!is_of_few_rays(estimate(0.0, Some(0.0))));
+        assert!(!is_of_few_rays(estimate(1.0, None)));
     }
 
     #[test]

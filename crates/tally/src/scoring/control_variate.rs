@@ -1,8 +1,7 @@
 //! Control variate: unshadowed single scattering, whose mean is known before any light is traced.
 
-use crate::filters::Half;
-use crate::values::{TallyValues, single_path};
-use crate::{Component, Entry, Side, TallyResult, TallySpec};
+use crate::spec::filters::Half;
+use crate::{Side, SideFluxes, TallyResult, TallySpec, TallyValues};
 
 /// Mean fluxes of *unshadowed single scattering*: every facet that faces the light is lit and sends its
 /// light away undisturbed, those included that reflect downwards or refract upwards, which are left out.
@@ -10,13 +9,13 @@ use crate::{Component, Entry, Side, TallyResult, TallySpec};
 /// Flux fractions, not yet weighted by any fraction; they may add to more than one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnshadowedFluxes {
-    /// Into the bins of the grid, in its order.
+    /// Flux into the bins of the grid, in its order.
     pub bins: Vec<f64>,
-    /// Into the theta bins of each side, from +z.
+    /// Flux into the rings of each side, from +z.
     pub rings: [Vec<f64>; 2],
-    /// Into the in-plane bins of each side.
+    /// Flux into the in-plane bins of each side.
     pub in_plane: [Vec<f64>; 2],
-    /// Absorbed at the first interaction.
+    /// Flux absorbed at the first interaction.
     pub absorbed: f64,
 }
 
@@ -58,9 +57,9 @@ impl UnshadowedFluxes {
 /// Any fractions leave the mean of an estimate as it is; the true ones make its variance least.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleFractions {
-    /// Neither shadowed nor masked, by side and ring of polar angle.
+    /// Fractions that are neither shadowed nor masked, by side and ring of polar angle.
     pub rings: [Vec<f64>; 2],
-    /// Not shadowed.
+    /// Fraction that is not shadowed.
     pub absorbed: f64,
 }
 
@@ -79,7 +78,7 @@ pub struct ControlVariate {
 impl ControlVariate {
     /// The control variate of tallies of `spec`: `fluxes`, each weighted with its visible fraction.
     ///
-    /// What goes to a side that is not recorded is booked there, as light that is traced is.
+    /// Flux to a side that is not recorded is booked as such, like light that is traced.
     ///
     /// # Panics
     /// If fractions or fluxes are of other bins than the spec.
@@ -105,24 +104,24 @@ impl ControlVariate {
                 expected[TallySpec::BUDGET.truncated] += of_side;
                 continue;
             }
-            for entry in first_order_totals(&spec, side) {
-                expected[entry] = of_side;
-            }
             let bins = &fluxes.bins[side.index() * grid.bins_per_side()..][..grid.bins_per_side()];
-            for component in FIRST_ORDER {
-                for (ring, fraction) in fractions.iter().enumerate() {
-                    expected[spec.ring_entries(side, component).get(ring)] = fraction * rings[ring];
-                    for half in Half::BOTH {
-                        let i = filter.number(ring, half);
-                        expected[spec.in_plane_entries(side, component).get(i)] =
-                            fraction * in_plane[i];
-                    }
-                }
-                let entries = &mut expected[spec.bin_entries(side, component)];
-                for (i, (entry, flux)) in entries.iter_mut().zip(bins).enumerate() {
-                    *entry = fractions[i / grid.n_phi()] * flux;
+            let of_bin = |(i, flux): (usize, &f64)| fractions[i / grid.n_phi()] * flux;
+            let mut weighted = SideFluxes {
+                total: of_side,
+                bins: bins.iter().enumerate().map(of_bin).collect(),
+                rings: fractions
+                    .iter()
+                    .zip(rings)
+                    .map(|(s, flux)| s * flux)
+                    .collect(),
+                in_plane: in_plane.clone(),
+            };
+            for (ring, fraction) in fractions.iter().enumerate() {
+                for half in Half::BOTH {
+                    weighted.in_plane[filter.number(ring, half)] *= fraction;
                 }
             }
+            expected.set_single_scattering(side, &weighted);
         }
         Self {
             fractions,
@@ -131,7 +130,7 @@ impl ControlVariate {
         }
     }
 
-    /// The same with all fractions, and so all that is added, times `factor`.
+    /// Multiplies all fractions, and so all that is added, with `factor`.
     #[must_use]
     pub fn weakened(mut self, factor: f64) -> Self {
         let rings = self.fractions.rings.iter_mut().flatten();
@@ -142,7 +141,7 @@ impl ControlVariate {
         self
     }
 
-    /// The same, where facets in the shadow of the first one are traced with `probability` only, and weighted
+    /// Returns a control variate under which facets in the shadow of the first one are traced with `probability` only, and weighted
     /// by its inverse.
     ///
     /// # Panics
@@ -183,10 +182,8 @@ impl ControlVariate {
         &self.fractions
     }
 
-    /// What is taken off completed tallies, on average, where the fluxes of what is traced are `fluxes`
-    /// in place of those that are expected: by how much these move the control variate, less what
-    /// [`ControlVariate::complete`] spreads so that the budget closes. The parts of the budget add to
-    /// zero.
+    /// Mean change of completed tallies if the traced fluxes are `fluxes` in place of those expected, with the opposite sign: the change of the
+    /// control variate, less the part that [`ControlVariate::complete`] spreads so that the budget closes. The parts of the budget add to zero.
     ///
     /// # Panics
     /// If `fluxes` are of other bins than the spec.
@@ -204,7 +201,7 @@ impl ControlVariate {
         removed
     }
 
-    /// What is added to a tally.
+    /// Expected values, which are added to a tally.
     #[must_use]
     pub const fn expected(&self) -> &TallyValues {
         &self.expected
@@ -229,22 +226,10 @@ impl ControlVariate {
     }
 }
 
-/// Components that light of order one belongs to.
-const FIRST_ORDER: [Component; 2] = [Component::Single, Component::All];
-
-/// Entries that hold all light of `side` that is scattered once, alone or among others.
-pub(crate) fn first_order_totals(spec: &TallySpec, side: Side) -> [Entry; 3] {
-    [
-        spec.flux_entry(side, Component::All),
-        spec.flux_entry(side, Component::Single),
-        spec.event_path_entry(side, single_path(side)),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{HemisphereGrid, Sides};
+    use crate::{Component, HemisphereGrid, Sides};
 
     fn spec() -> TallySpec {
         TallySpec::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
@@ -276,7 +261,7 @@ mod tests {
         assert!(near(budget.absorbed, 0.18));
         for side in Side::BOTH {
             let of_side = expected.flux(side, Component::All);
-            for component in FIRST_ORDER {
+            for component in [Component::Single, Component::All] {
                 let rings = expected.rings(side, component).iter().sum::<f64>();
                 assert!(near(rings, of_side));
             }
@@ -305,7 +290,7 @@ mod tests {
         let control_variate = control_variate(spec());
         let mut tally = TallyValues::zeros(spec());
         // Of what is subtracted ray by ray, this is left.
-        for component in FIRST_ORDER {
+        for component in [Component::Single, Component::All] {
             tally[spec().flux_entry(Side::Reflected, component)] = 0.07;
         }
         control_variate.complete(&mut tally);
