@@ -7,7 +7,7 @@
 //! |---|---|
 //! | start new paths | `emission.rs`, `surface_starts.rs`, `visibility.rs` |
 //! | search for the facets that segments meet | `search.rs` |
-//! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `scatter_polarised.rs`, `branch.rs`, `roulette.rs` |
+//! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `branch.rs`, `roulette.rs` |
 //! | fly and scatter inside the layer below | `flight.rs`, `flights.rs`, `lookout.rs`, `medium.rs`, `bottom.rs` |
 //! | find what escapes, and tally it | `escape.rs` |
 //!
@@ -21,7 +21,6 @@ mod batch;
 mod beam;
 mod bottom;
 mod branch;
-mod diffuse;
 mod emission;
 mod escape;
 mod flight;
@@ -35,7 +34,6 @@ mod medium;
 mod random_pairs;
 mod roulette;
 mod scatter;
-mod scatter_polarised;
 mod search;
 mod segments;
 mod sightlines;

@@ -15,6 +15,7 @@
 mod amplitudes;
 mod camera;
 mod division;
+mod facet;
 mod fields;
 mod interface;
 mod next_event;

@@ -68,6 +68,24 @@ pub(crate) trait CarriedLight<const N: usize> {
     fn depolarised(light: [f64; N]) -> [f64; N];
 }
 
+/// Nothing: light counts as unpolarised at every interface.
+pub(crate) struct AveragedLight;
+
+impl CarriedLight<0> for AveragedLight {
+    #[inline(always)]
+    fn after(_: [f64; 0], passage: &Passage) -> Passed<0> {
+        Passed {
+            fraction: passage.facet.m00,
+            light: [],
+        }
+    }
+
+    #[inline(always)]
+    fn depolarised(_: [f64; 0]) -> [f64; 0] {
+        []
+    }
+}
+
 /// Normalised Stokes parameters Q/I, U/I, V/I.
 pub(crate) struct TrackedLight;
 

@@ -3,6 +3,7 @@
 use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 
 use super::arrivals::Arrivals;
+use super::bottom::BottomArrivals;
 use super::flights::{Flights, Numbers};
 use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
@@ -75,6 +76,8 @@ pub(super) struct Batch<'r, F> {
     pub(super) starts: Vec<Start>,
     /// Facets that light has arrived at.
     pub(super) arrivals: Arrivals<F>,
+    /// Light that has arrived at the bottom of the layer.
+    pub(super) at_bottom: BottomArrivals,
     /// Light that begins inside the layer, in the coordinates of the upper surface, before its free flights.
     pub(super) entering: Segments,
     /// Flights inside the layer.
@@ -125,6 +128,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             sightlines: Sightlines::new(kept),
             starts: Vec::new(),
             arrivals: Arrivals::new(kept),
+            at_bottom: BottomArrivals::new(kept),
             entering: Segments::new(kept),
             flights: Flights::new(kept),
             exits: ExitColumns::new(polarisation.polarimetry()),

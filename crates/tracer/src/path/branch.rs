@@ -4,7 +4,7 @@ use super::scatter::ScatteredLight;
 use super::segments::{Segments, copy_column};
 use crate::vector::Stage;
 
-/// Makes of each segment that has arrived the reflected or the transmitted one, picked by their shares.
+/// Makes of each segment that has arrived the reflected or the transmitted one, picked by their fractions.
 pub(super) struct PickBranches<'a> {
     pub(super) at: &'a mut Segments,
     pub(super) scattered: &'a ScatteredLight,
@@ -17,37 +17,30 @@ impl Stage for PickBranches<'_> {
     fn run(self) {
         let n = self.at.len;
         let ScatteredLight {
-            reflected, wo, wt, ..
+            transmitted,
+            reflected,
         } = self.scattered;
-        let (reflected, pairs) = (&reflected[..n], &self.pairs[..n]);
-        for axis in 0..3 {
-            let (wo, wt) = (&wo[axis][..n], &wt[axis][..n]);
-            let direction = &mut self.at.direction[axis][..n];
-            for i in 0..n {
-                let is_reflected = pairs[i][0] < reflected[i];
-                direction[i] = if is_reflected { wo[i] } else { wt[i] };
-            }
-        }
-        let [reflected_light, transmitted_light] = &self.scattered.light;
-        let columns = reflected_light.iter().zip(transmitted_light);
-        for (number, (reflected_light, transmitted_light)) in self.at.light.iter_mut().zip(columns)
+        let (fraction, pairs) = (&reflected.flux[..n], &self.pairs[..n]);
+        let columns = self.at.direction.iter_mut().chain(&mut self.at.light);
+        let from_reflected = reflected.direction.iter().chain(&reflected.light);
+        let from_transmitted = transmitted.direction.iter().chain(&transmitted.light);
+        for ((column, reflected), transmitted) in columns.zip(from_reflected).zip(from_transmitted)
         {
-            let number = &mut number[..n];
-            let (reflected_light, transmitted_light) =
-                (&reflected_light[..n], &transmitted_light[..n]);
+            let column = &mut column[..n];
+            let (reflected, transmitted) = (&reflected[..n], &transmitted[..n]);
             for i in 0..n {
-                let is_reflected = pairs[i][0] < reflected[i];
-                number[i] = if is_reflected {
-                    reflected_light[i]
+                let is_reflected = pairs[i][0] < fraction[i];
+                column[i] = if is_reflected {
+                    reflected[i]
                 } else {
-                    transmitted_light[i]
+                    transmitted[i]
                 };
             }
         }
         let (side, order) = (&mut self.at.side[..n], &mut self.at.order[..n]);
         let events = &mut self.at.events[..n];
         for i in 0..n {
-            let is_reflected = pairs[i][0] < reflected[i];
+            let is_reflected = pairs[i][0] < fraction[i];
             let bit = transmission_bit(order[i]);
             events[i] |= if is_reflected { 0 } else { bit };
             side[i] = if is_reflected { side[i] } else { -side[i] };
@@ -70,27 +63,28 @@ impl Stage for SplitBranches<'_> {
     fn run(self) {
         let Self {
             at,
-            scattered,
+            scattered:
+                ScatteredLight {
+                    transmitted,
+                    reflected,
+                },
             transmitted: which,
         } = self;
         let n = at.len;
         at.copy_paths(which);
         let end = at.len;
-        for axis in 0..3 {
-            let (reflected, transmitted) = at.direction[axis][..end].split_at_mut(n);
-            reflected.copy_from_slice(&scattered.wo[axis][..n]);
-            copy_column(transmitted, &scattered.wt[axis][..n], which);
+        let columns = at.direction.iter_mut().chain(&mut at.light);
+        let columns = columns.chain([&mut at.flux]);
+        let from_reflected = reflected.direction.iter().chain(&reflected.light);
+        let from_transmitted = transmitted.direction.iter().chain(&transmitted.light);
+        let from_reflected = from_reflected.chain([&reflected.flux]);
+        let from_transmitted = from_transmitted.chain([&transmitted.flux]);
+        for ((column, reflected), transmitted) in columns.zip(from_reflected).zip(from_transmitted)
+        {
+            let (first, behind) = column[..end].split_at_mut(n);
+            first.copy_from_slice(&reflected[..n]);
+            copy_column(behind, &transmitted[..n], which);
         }
-        let [reflected_light, transmitted_light] = &scattered.light;
-        let columns = reflected_light.iter().zip(transmitted_light);
-        for (number, (reflected_light, transmitted_light)) in at.light.iter_mut().zip(columns) {
-            let (reflected, transmitted) = number[..end].split_at_mut(n);
-            reflected.copy_from_slice(&reflected_light[..n]);
-            copy_column(transmitted, &transmitted_light[..n], which);
-        }
-        let (fluxes, transmitted) = at.flux[..end].split_at_mut(n);
-        fluxes.copy_from_slice(&scattered.reflected[..n]);
-        copy_column(transmitted, &scattered.transmitted[..n], which);
         let (sides, transmitted) = at.side[..end].split_at_mut(n);
         copy_column(transmitted, sides, which);
         transmitted.iter_mut().for_each(|side| *side = -*side);
@@ -102,7 +96,7 @@ impl Stage for SplitBranches<'_> {
     }
 }
 
-/// What is set in [`asperity_tally::EventPath::code`] where interaction number `order` transmits.
+/// The bit of [`asperity_tally::EventPath::code`] that is set where interaction number `order` transmits.
 #[inline(always)]
 fn transmission_bit(order: u32) -> u32 {
     // A shift by 32 or more is by its low bits.

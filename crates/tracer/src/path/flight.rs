@@ -3,8 +3,10 @@
 //! Each round takes all flights one on: to a facet (`lookout.rs`), to the flat bottom (`bottom.rs`), or to where the
 //! medium scatters them (`medium.rs`).
 
+use asperity_optics::Bottom;
 use asperity_surface::Border;
 use asperity_tally::Loss;
+use glam::DVec3;
 
 use super::Tracer;
 use super::batch::Batch;
@@ -13,6 +15,7 @@ use super::state::{Departure, PathState, Region};
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::{Heading, wrap};
+use crate::ray::HalfSpace;
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Takes all flights inside the layer one on.
@@ -25,6 +28,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let mut flown = std::mem::take(&mut batch.flown);
         self.look_ahead(layer, &mut flown, batch);
         self.fly(layer, &flown, batch);
+        self.interact_at_bottom(batch);
         flown.at.len = 0;
         batch.flown = flown;
     }
@@ -103,7 +107,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Lets those of the flights from number `first` on interact with the flat bottom that end there.
+    /// Ends those of the flights from number `first` on that come to the flat bottom, where they interact or leave.
     fn end_at_flat_bottom(
         &self,
         layer: &TracedLayer<'_, G>,
@@ -120,7 +124,13 @@ impl<G: Geometry> Tracer<'_, G> {
             let (mut heading, state) = (at.heading(i), at.state(i));
             at.flux[i] = 0.0;
             layer.put_onto_bottom(&mut heading.origin);
-            self.interact_at_flat_bottom(heading, &state, batch);
+            if layer.bottom() == Some(Bottom::Open) {
+                self.push_exit(&below_the_bottom(&heading, state), batch);
+            } else {
+                batch
+                    .at_bottom
+                    .push(&heading, HalfSpace::Above, DVec3::Z, &state);
+            }
         }
     }
 
@@ -147,7 +157,7 @@ impl<G: Geometry> Tracer<'_, G> {
 }
 
 /// A ray that goes down below the bottom of the layer for ever.
-pub(super) fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
+fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
     Departure {
         region: Region::inside(Interface::Bottom).behind(),
         direction: heading.world_direction(),

@@ -14,6 +14,7 @@ use glam::DVec3;
 pub(super) type Numbers = [Vec<f64>; 6];
 
 /// Straight flights through the layer. As in [`Segments`], columns are longer than there are flights.
+#[derive(Default)]
 pub(super) struct Flights {
     /// Their segments, in the coordinates of the upper surface; of flux zero where a path has ended.
     pub(super) at: Segments,
@@ -28,21 +29,11 @@ pub(super) struct Flights {
     is_outside: Vec<bool>,
 }
 
-impl Default for Flights {
-    fn default() -> Self {
-        Self::new(Kept::NOTHING)
-    }
-}
-
 impl Flights {
     pub(super) fn new(kept: Kept) -> Self {
         Self {
             at: Segments::new(kept),
-            length: Vec::new(),
-            clear_of: Vec::new(),
-            reach: Vec::new(),
-            ends_at_bottom: Vec::new(),
-            is_outside: Vec::new(),
+            ..Self::default()
         }
     }
 

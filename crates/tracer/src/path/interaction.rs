@@ -1,26 +1,22 @@
-//! Interaction: what happens to light at the facets at which it has arrived, from scattering to Russian roulette.
+//! Interaction: scatters light at the interfaces at which it has arrived, and decides which branches continue.
 
-use asperity_optics::Material;
+use asperity_optics::{Bottom, Material};
 use asperity_tally::{Loss, Tallies};
 
 use super::Tracer;
 use super::arrivals::{Arrivals, Move};
 use super::batch::{Batch, Interactions};
 use super::branch::{PickBranches, SplitBranches};
-use super::diffuse::ScatterDiffusely;
 use super::random_pairs::DrawPairs;
 use super::roulette::Roulette;
 use super::scatter::Scatter;
-use super::scatter_polarised::ScatterPolarised;
 use super::segments::Segments;
 use super::state::{Arrival, PathState, Region};
 use crate::geometry::Geometry;
-use crate::interaction::facet::{Scattered, scatter};
-use crate::interaction::layer::Interface;
-use crate::interaction::polarised::{BothLight, MuellerLight, TrackedLight};
-use crate::random::PathStream;
+use crate::interaction::layer::{Interface, TracedLayer};
+use crate::random::{PathStream, Use};
 use crate::ray::HalfSpace;
-use crate::settings::{Branching, Polarisation};
+use crate::settings::Branching;
 use crate::vector::Stage;
 
 /// Adds segments to those that begin inside the layer, by their numbers.
@@ -37,133 +33,122 @@ impl Stage for Enter<'_> {
     }
 }
 
-impl<'a, G: Geometry> Tracer<'a, G> {
-    /// Lets a path interact with the facet at which it has arrived: at the upper surface with all others of the round.
-    pub(super) fn interact(
-        &self,
-        at: &Arrival<G::Facet>,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet>,
-    ) {
-        match at.region.interface {
-            Interface::Top => batch.arrivals.push(at, state),
-            Interface::Bottom => self.interact_at_bottom(at, state, batch),
-        }
-    }
-
-    /// Lets all paths interact that have arrived at the upper surface; `batch.segments` then holds what leaves it.
+impl<G: Geometry> Tracer<'_, G> {
+    /// Lets all paths interact that have arrived at the upper surface; `batch.segments` then holds the segments that leave it.
     pub(super) fn interact_at_surface(&self, batch: &mut Batch<'_, G::Facet>) {
-        self.truncate_at_highest_order(batch);
-
-        // Scatter at the facets
         batch.instructions.run(Move {
             geometry: self.geometry,
             arrivals: &mut batch.arrivals,
         });
-        self.scatter_arrivals(batch);
-        let divides = self.material.transmitting_index().is_some();
-        if !divides {
-            self.absorb(batch);
-        }
-
-        // Look for shadowed facets behind the first one
         if batch.traces_shadows {
             self.trace_behind_first_facets(batch);
         }
-
-        // Make the branches that survive
-        let picks = divides && self.settings.branching == Branching::Pick;
-        if picks {
-            self.pick_branches(batch);
-        } else {
-            self.split_branches(batch);
-        }
-        std::mem::swap(&mut batch.segments, &mut batch.arrivals.at);
+        let mut at = std::mem::take(&mut batch.arrivals.at);
+        let normal = std::mem::take(&mut batch.arrivals.normal);
+        self.interact(Interface::Top, &mut at, &normal, batch);
+        batch.arrivals.normal = normal;
+        batch.arrivals.at = std::mem::replace(&mut batch.segments, at);
         batch.arrivals.clear();
         if self.layer.is_some() {
             self.enter_layer(batch);
         }
     }
 
-    /// Computes what becomes of all arrivals: diffuse facets depolarise, others go by what is known of the polarisation.
-    fn scatter_arrivals(&self, batch: &mut Batch<'_, G::Facet>) {
-        let arrivals = &batch.arrivals;
-        let incident = self.incident.sign();
-        let material = self.material;
-        let into = &mut batch.interactions.scattered;
-        let instructions = batch.instructions;
-        if let Material::Lambertian { reflectance } = material {
-            instructions.run(ScatterDiffusely {
-                arrivals,
-                reflectance,
-                stream: batch.stream,
-                into,
-            });
-            return;
-        }
-        match self.settings.polarisation {
-            Polarisation::Averaged => instructions.run(Scatter {
-                arrivals,
-                incident,
-                material,
-                into,
-            }),
-            Polarisation::Tracked => {
-                ScatterPolarised::<_, TrackedLight, 3>::new(arrivals, incident, into)
-                    .run(material, instructions);
-            }
-            Polarisation::Both => {
-                ScatterPolarised::<_, BothLight, 4>::new(arrivals, incident, into)
-                    .run(material, instructions);
-            }
-            Polarisation::Mueller => {
-                ScatterPolarised::<_, MuellerLight, 15>::new(arrivals, incident, into)
-                    .run(material, instructions);
-            }
-        }
-    }
+    /// Lets segments interact with an interface at points of the given upward unit normals; `at` then holds the segments that
+    /// leave it.
+    pub(super) fn interact(
+        &self,
+        interface: Interface,
+        at: &mut Segments,
+        normal: &[Vec<f64>; 3],
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        self.truncate_at_highest_order(at, batch);
 
-    /// Ends paths that have reached the highest order.
-    fn truncate_at_highest_order(&self, batch: &mut Batch<'_, G::Facet>) {
-        let at = &mut batch.arrivals.at;
-        for i in 0..at.len {
-            if at.order[i] >= self.settings.max_order {
-                let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
-                tally.add_loss(Loss::Truncated, at.flux[i]);
-                at.flux[i] = 0.0;
-            }
-        }
-    }
-
-    /// Tallies what an opaque material absorbs.
-    fn absorb(&self, batch: &mut Batch<'_, G::Facet>) {
-        let Arrivals { at, .. } = &batch.arrivals;
-        for i in 0..at.len {
-            let absorbed = at.flux[i] * (1.0 - batch.interactions.scattered.reflected[i]);
-            let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
-            if at.order[i] == 0 {
-                tally.add_first_absorbed(absorbed);
-            } else {
-                tally.add_loss(Loss::Absorbed, absorbed);
-            }
-        }
-    }
-
-    /// Goes on along one branch of each interaction, which is picked by its share and carries all flux.
-    fn pick_branches(&self, batch: &mut Batch<'_, G::Facet>) {
+        // Scatter at the facets
+        let (material, outer) = self.material_of(interface);
         let Interactions {
             scattered,
             which,
             pairs,
             ..
         } = &mut batch.interactions;
-        let at = &mut batch.arrivals.at;
+        pairs.clear();
+        if material.is_diffuse() {
+            which.clear();
+            which.extend(0..at.len as u32);
+            batch.instructions.run(DrawPairs {
+                stream: batch.stream,
+                segments: at,
+                which,
+                of: Use::Diffuse,
+                pairs,
+            });
+        }
+        Scatter {
+            at,
+            normal,
+            material,
+            outer: outer.sign(),
+            incident: self.incident.sign(),
+            numbers: pairs,
+            into: scattered,
+        }
+        .run(batch.instructions);
+
+        // Make the branches that survive
+        let divides = material.transmitting_index().is_some();
+        if !divides {
+            absorb(at, batch);
+        }
+        if divides && self.settings.branching == Branching::Pick {
+            self.pick_branches(at, batch);
+        } else {
+            self.split_branches(at, batch);
+        }
+    }
+
+    /// The material of an interface, and the half space to whose medium its indices are relative.
+    fn material_of(&self, interface: Interface) -> (Material, HalfSpace) {
+        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
+        let material = match (interface, bottom) {
+            (Interface::Top, _) => return (self.material, self.incident),
+            (_, Some(Bottom::Interface { eta })) => Material::Dielectric { eta },
+            (_, Some(Bottom::Mirror)) => Material::Mirror,
+            (_, Some(Bottom::Lambertian { reflectance })) => Material::Lambertian { reflectance },
+            // It absorbs all light.
+            _ => Material::Lambertian { reflectance: 0.0 },
+        };
+        (material, HalfSpace::Above)
+    }
+
+    /// Ends paths that have reached the highest order.
+    fn truncate_at_highest_order(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        for i in 0..at.len {
+            if at.order[i] >= self.settings.max_order {
+                batch
+                    .tally_of(at.ray[i])
+                    .add_loss(Loss::Truncated, at.flux[i]);
+                at.flux[i] = 0.0;
+            }
+        }
+    }
+
+    /// Continues along one branch of each interaction, which is picked by its fraction and carries all flux.
+    fn pick_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            ..
+        } = &mut batch.interactions;
         which.clear();
         which.extend(0..at.len as u32);
         batch.instructions.run(DrawPairs {
             stream: batch.stream,
             segments: at,
             which,
+            of: Use::Interaction,
             pairs,
         });
         batch.instructions.run(PickBranches {
@@ -180,27 +165,24 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Goes on along both branches of each interaction.
-    fn split_branches(&self, batch: &mut Batch<'_, G::Facet>) {
+    /// Continues along both branches of each interaction.
+    fn split_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
         let Interactions {
             scattered,
             which,
             pairs,
             transmitting,
         } = &mut batch.interactions;
-        let at = &mut batch.arrivals.at;
         let n = at.len;
-        let fluxes = at.flux[..n].iter();
-        let shares = scattered
-            .transmitted
-            .iter_mut()
-            .zip(&mut scattered.reflected);
-        fluxes
-            .zip(shares)
-            .for_each(|(flux, (transmitted, reflected))| {
-                *transmitted *= flux;
-                *reflected *= flux;
-            });
+        let [transmitted, reflected] = [
+            &mut scattered.transmitted.flux,
+            &mut scattered.reflected.flux,
+        ];
+        for branch in [&mut *transmitted, &mut *reflected] {
+            for (fraction, flux) in branch.iter_mut().zip(&at.flux[..n]) {
+                *fraction *= flux;
+            }
+        }
 
         // Decide by Russian roulette over branches of little flux
         let roulette = self.roulette(&batch.tallies);
@@ -208,8 +190,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         which.extend((0..n as u32).filter(|&i| {
             let i = i as usize;
             let is_first = at.order[i] == 0;
-            let fluxes = [scattered.transmitted[i], scattered.reflected[i]];
-            fluxes
+            [transmitted[i], reflected[i]]
                 .into_iter()
                 .any(|flux| roulette.decides(flux, is_first))
         }));
@@ -217,12 +198,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             stream: batch.stream,
             segments: at,
             which,
+            of: Use::Interaction,
             pairs,
         });
         for (&i, pair) in which.iter().zip(&*pairs) {
             let i = i as usize;
             let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
-            let fluxes = [&mut scattered.transmitted[i], &mut scattered.reflected[i]];
+            let fluxes = [&mut transmitted[i], &mut reflected[i]];
             for (flux, u) in fluxes.into_iter().zip(pair) {
                 if roulette.decides(*flux, at.order[i] == 0) {
                     *flux = roulette.play(*flux, *u, tally);
@@ -234,7 +216,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let mut count = 0;
         for i in 0..n {
             transmitting[count] = i as u32;
-            count += usize::from(scattered.transmitted[i] > 0.0);
+            count += usize::from(transmitted[i] > 0.0);
         }
         at.make_room(n + count);
         batch.instructions.run(SplitBranches {
@@ -276,14 +258,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// What a facet of the surface does with light that has arrived at it.
-    pub(super) fn scattered(&self, at: &Arrival<G::Facet>) -> Scattered {
-        let half_space = at.region.half_space;
-        let m = half_space.sign() * self.geometry.normal_at(at.facet, at.heading.origin);
-        let wi = -at.heading.direction;
-        scatter(self.material, half_space == self.incident, wi, m)
-    }
-
     /// The arrival number `i` of the round at the upper surface.
     pub(super) fn arrival(
         &self,
@@ -297,5 +271,19 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             facet: facets[i],
         };
         (arrival, at.state(i))
+    }
+}
+
+/// Tallies the light that an opaque material absorbs.
+fn absorb<F: Copy>(at: &Segments, batch: &mut Batch<'_, F>) {
+    let reflected = &batch.interactions.scattered.reflected.flux;
+    for (i, reflected) in reflected.iter().enumerate() {
+        let absorbed = at.flux[i] * (1.0 - reflected);
+        let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+        if at.order[i] == 0 {
+            tally.add_first_absorbed(absorbed);
+        } else {
+            tally.add_loss(Loss::Absorbed, absorbed);
+        }
     }
 }

@@ -3,7 +3,8 @@
 use asperity_optics::{Stokes, Turn};
 
 use crate::interaction::polarised::{
-    BothLight, CarriedLight, MAX_NUMBERS, MuellerLight, Passage, Passed, TrackedLight,
+    AveragedLight, BothLight, CarriedLight, MAX_NUMBERS, MuellerLight, Passage, Passed,
+    TrackedLight,
 };
 use crate::settings::Polarisation;
 
@@ -77,7 +78,7 @@ impl LightState {
     #[inline]
     pub(super) fn after(self, polarisation: Polarisation, passage: &Passage) -> (Self, f64) {
         match polarisation {
-            Polarisation::Averaged => (self, passage.facet.m00),
+            Polarisation::Averaged => self.after_as::<AveragedLight, 0>(passage),
             Polarisation::Tracked => self.after_as::<TrackedLight, 3>(passage),
             Polarisation::Both => self.after_as::<BothLight, 4>(passage),
             Polarisation::Mueller => self.after_as::<MuellerLight, MAX_NUMBERS>(passage),

@@ -9,7 +9,7 @@ use super::Tracer;
 use super::arrivals::Take;
 use super::batch::Batch;
 use super::flights::{FindOutside, FindReach, Flights};
-use super::state::{Arrival, PathState, RayKind, Region, SingleSegment};
+use super::state::{Arrival, RayKind, Region, SingleSegment};
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin};
@@ -96,7 +96,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 Ahead::Clear => {}
                 Ahead::Met(hit) => {
                     batch.work.segments_skipped += 1;
-                    self.arrive(layer, lookout, (number, hit), flights, batch);
+                    self.meet_ahead(layer, lookout, (number, hit), flights, batch);
                 }
                 Ahead::Unknown => batch.searched_flights.push(number),
                 Ahead::Lost => {
@@ -111,7 +111,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Lets a flight end at what it meets; at the upper surface with all others, by [`Tracer::take_met`].
-    fn arrive(
+    fn meet_ahead(
         &self,
         layer: &TracedLayer<'_, G>,
         lookout: &Lookout<'_>,
@@ -125,31 +125,20 @@ impl<G: Geometry> Tracer<'_, G> {
             batch.arrivals.ts.push(hit.t);
             return;
         }
-        let i = number as usize;
-        let heading = layer.to_interface(Interface::Bottom, flights.at.heading(i));
-        self.arrive_at_bottom(heading, &hit, &flights.at.state(i), batch);
-        flights.at.flux[i] = 0.0;
-    }
-
-    /// Lets light interact that comes along `heading`, in the coordinates of the bottom, to a facet of it.
-    fn arrive_at_bottom(
-        &self,
-        heading: Heading,
-        hit: &Hit<G::Facet>,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet>,
-    ) {
         let Some(geometry) = self.geometry_of(Interface::Bottom) else {
             return;
         };
+        let i = number as usize;
+        let heading = layer.to_interface(Interface::Bottom, flights.at.heading(i));
         let region = Region::inside(Interface::Bottom);
         let query = heading.query(geometry, region.half_space);
         let at = Arrival {
             region,
-            heading: Traversal::begin(&heading).arrival(geometry, &query, hit),
+            heading: Traversal::begin(&heading).arrival(geometry, &query, &hit),
             facet: hit.facet,
         };
-        self.interact(&at, state, batch);
+        self.arrive(&at, &flights.at.state(i), batch);
+        flights.at.flux[i] = 0.0;
     }
 
     /// Adds the flights whose numbers are in `batch.met` to the arrivals, whose facets are already there.
@@ -194,7 +183,7 @@ impl<G: Geometry> Tracer<'_, G> {
             match *hit {
                 Some(hit) if hit.t <= flights.reach[i] => {
                     batch.work.segments += 1;
-                    self.arrive(layer, lookout, (number, hit), flights, batch);
+                    self.meet_ahead(layer, lookout, (number, hit), flights, batch);
                 }
                 // It meets the interface only after its flight has ended.
                 Some(_) => flights.clear_of[i] = lookout.place + 1,
@@ -258,7 +247,7 @@ impl<G: Geometry> Tracer<'_, G> {
                     heading: segment.traversal.arrival(geometry, &segment.query, &hit),
                     facet: hit.facet,
                 };
-                self.interact(&at, &segment.state, batch);
+                self.arrive(&at, &segment.state, batch);
                 return;
             }
             // It meets the interface only after its flight has ended.

@@ -1,14 +1,16 @@
 //! Shadowing and masking: visibility rays towards the light, and what the control variate needs to know of light
 //! that is shadowed before its first facet or masked behind it.
 
-use asperity_tally::Loss;
+use asperity_tally::{Event, Loss};
 
 use super::Tracer;
 use super::batch::Batch;
 use super::sightlines::turned_round;
 use super::state::{Arrival, Departure, PathRay, PathState, RayKind, SingleSegment};
 use crate::geometry::Geometry;
+use crate::interaction::facet::{Incident, scatter};
 use crate::interaction::layer::Interface;
+use crate::interaction::polarised::AveragedLight;
 use crate::periodic::{Traversal, TraversalEnd, begin};
 use crate::random::{PathStream, Use};
 
@@ -107,14 +109,23 @@ impl<G: Geometry> Tracer<'_, G> {
         if batch.tallies.control_variate().is_none() {
             return;
         }
-        let scattered = self.scattered(at);
-        for branch in scattered.branches {
-            if branch.fraction > 0.0 {
-                let ray = at.leave(&branch, branch.fraction, state);
+        let half_space = at.region.half_space;
+        let m = half_space.sign() * self.geometry.normal_at(at.facet, at.heading.origin);
+        let light = Incident::averaged(half_space == self.incident, -at.heading.direction, m);
+        let scattered = scatter::<AveragedLight, 0>(self.material, &light);
+        for (event, out) in scattered.branches() {
+            if out.passed.fraction > 0.0 {
                 let exit = self.exit(&Departure {
-                    region: ray.region,
-                    direction: ray.heading.world_direction(),
-                    state: ray.state,
+                    region: match event {
+                        Event::Reflection => at.region,
+                        Event::Transmission => at.region.behind(),
+                    },
+                    direction: at.heading.to_world(out.direction),
+                    state: PathState {
+                        flux: state.flux * out.passed.fraction,
+                        events: state.events.then(event),
+                        ..*state
+                    },
                 });
                 batch
                     .exits

@@ -203,7 +203,10 @@ impl<G: Geometry> Tracer<'_, G> {
         for (k, i) in rows.enumerate() {
             let mut heading = at.heading(i);
             let light = at.light_state(i);
-            let handedness = self.handedness(&heading);
+            // Images that are mirrored along both axes are turned, not mirrored.
+            let [x, y] = heading.mirrored;
+            let incident = self.incident.sign();
+            let handedness = if x == y { incident } else { -incident };
             let numbers = [u[k], azimuth[k], choice[k]];
             let scattered =
                 scatter_rayleigh(heading.direction, light.stokes(), handedness, numbers);

@@ -4,11 +4,12 @@ use super::segments::Segments;
 use crate::random::{PathStream, Step, Use};
 use crate::vector::Stage;
 
-/// Draws the two numbers of the interactions of those of `segments` whose numbers are in `which`.
+/// Draws the two numbers of a use at those of `segments` whose numbers are in `which`.
 pub(super) struct DrawPairs<'a> {
     pub(super) stream: PathStream,
     pub(super) segments: &'a Segments,
     pub(super) which: &'a [u32],
+    pub(super) of: Use,
     pub(super) pairs: &'a mut Vec<[f64; 2]>,
 }
 
@@ -29,7 +30,7 @@ impl Stage for DrawPairs<'_> {
             }
             for (pair, (ray, number, events)) in pairs.iter_mut().zip(places) {
                 let step = Step { number, events };
-                *pair = self.stream.pair(ray, step, Use::Interaction);
+                *pair = self.stream.pair(ray, step, self.of);
             }
         }
     }

@@ -1,106 +1,246 @@
-//! Scatter: what facets of the upper surface do with the light that has arrived, many at a time.
+//! Scatter: the light that facets reflect and transmit, many at a time, by [`crate::interaction::facet::scatter`].
 //!
-//! The same as [`crate::interaction::facet::scatter`], which tests hold against it.
+//! Arrivals are taken in blocks of a few rows, which are copied to arrays, so that the compiler sees that nothing overlaps, and
+//! makes vector instructions of plain code for one row.
 
-use asperity_optics::{Material, dielectric, reflect, refract};
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use asperity_optics::Material;
 use glam::DVec3;
 
-use super::arrivals::Arrivals;
-use crate::vector::Stage;
+use super::segments::Segments;
+use crate::interaction::facet::{Incident, Outgoing, scatter};
+use crate::interaction::polarised::{
+    AveragedLight, BothLight, CarriedLight, MuellerLight, TrackedLight,
+};
+use crate::settings::Polarisation;
+use crate::vector::{Instructions, Stage};
 
-/// Shares of the flux that facets reflect and transmit, and where to.
+/// Rows of a block.
+const BLOCK: usize = 32;
+
+/// Light that facets have scattered.
 #[derive(Default)]
 pub(super) struct ScatteredLight {
-    pub(super) reflected: Vec<f64>,
-    pub(super) transmitted: Vec<f64>,
-    /// Unit vectors in the orientation of the tile; of no meaning where nothing is transmitted.
-    pub(super) wo: [Vec<f64>; 3],
-    pub(super) wt: [Vec<f64>; 3],
-    /// What paths carry of reflected and of transmitted light, as [`super::segments::Segments::light`] keeps it.
-    pub(super) light: [Vec<Vec<f64>>; 2],
+    pub(super) transmitted: Branches,
+    pub(super) reflected: Branches,
 }
 
-impl ScatteredLight {
-    /// Resizes all columns to `n` arrivals.
-    pub(super) fn resize(&mut self, n: usize) {
-        let columns = self.wo.iter_mut().chain(&mut self.wt);
-        for column in columns.chain([&mut self.reflected, &mut self.transmitted]) {
+/// Transmitted or reflected light, field by field.
+#[derive(Default)]
+pub(super) struct Branches {
+    /// Fraction of the flux that has arrived; later the flux.
+    pub(super) flux: Vec<f64>,
+    /// Unit vectors in the orientation of the tile; of no meaning where there is no flux.
+    pub(super) direction: [Vec<f64>; 3],
+    /// Numbers of its polarisation, as in [`Segments::light`].
+    pub(super) light: Vec<Vec<f64>>,
+}
+
+impl Branches {
+    fn resize(&mut self, n: usize, numbers: usize) {
+        self.light.resize(numbers, Vec::new());
+        let columns = self.direction.iter_mut().chain(&mut self.light);
+        for column in columns.chain([&mut self.flux]) {
             column.resize(n, 0.0);
         }
     }
 }
 
-/// Computes what becomes of all arrivals.
-pub(super) struct Scatter<'a, F> {
-    pub(super) arrivals: &'a Arrivals<F>,
-    /// Sign of the half space of the light.
-    pub(super) incident: f64,
+/// Scatters all light that has arrived at an interface.
+pub(super) struct Scatter<'a> {
+    pub(super) at: &'a Segments,
+    /// Unit normals, upwards.
+    pub(super) normal: &'a [Vec<f64>; 3],
     pub(super) material: Material,
+    /// Sign of the half space to whose medium the indices of the material are relative.
+    pub(super) outer: f64,
+    /// Sign of the half space of the incident light, in which +z of its polarisation points.
+    pub(super) incident: f64,
+    /// Random numbers of each arrival at diffuse facets; empty at others.
+    pub(super) numbers: &'a [[f64; 2]],
     pub(super) into: &'a mut ScatteredLight,
 }
 
-impl<F: Copy> Stage for Scatter<'_, F> {
+impl<'a> Scatter<'a> {
+    /// Runs the stage for the polarisation that the paths carry.
+    pub(super) fn run(self, instructions: Instructions) {
+        match self.at.kept.polarisation {
+            Polarisation::Averaged => instructions.run(self.of_light::<AveragedLight, 0>()),
+            Polarisation::Tracked => instructions.run(self.of_light::<TrackedLight, 3>()),
+            Polarisation::Both => instructions.run(self.of_light::<BothLight, 4>()),
+            Polarisation::Mueller => instructions.run(self.of_light::<MuellerLight, 15>()),
+        }
+    }
+
+    const fn of_light<L, const N: usize>(self) -> ScatterLight<'a, L, N> {
+        ScatterLight {
+            stage: self,
+            light: PhantomData,
+        }
+    }
+}
+
+/// The stage for light of kind `L`, whose paths carry `N` numbers of polarisation.
+struct ScatterLight<'a, L, const N: usize> {
+    stage: Scatter<'a>,
+    light: PhantomData<L>,
+}
+
+impl<L: CarriedLight<N>, const N: usize> Stage for ScatterLight<'_, L, N> {
     #[inline(always)]
     fn run(self) {
-        let n = self.arrivals.len();
-        self.into.resize(n);
+        // A loop for each kind of material
+        match self.stage.material {
+            Material::Dielectric { eta } => self.scatter(Material::Dielectric { eta }),
+            Material::Conductor { eta, kappa } => self.scatter(Material::Conductor { eta, kappa }),
+            Material::Lambertian { reflectance } => {
+                self.scatter(Material::Lambertian { reflectance });
+            }
+            _ => self.scatter(Material::Mirror),
+        }
+    }
+}
+
+impl<L: CarriedLight<N>, const N: usize> ScatterLight<'_, L, N> {
+    #[inline(always)]
+    fn scatter(self, material: Material) {
+        let stage = self.stage;
         let ScatteredLight {
-            reflected,
             transmitted,
-            wo,
-            wt,
-            ..
-        } = self.into;
-        let at = &self.arrivals.at;
-        let [dx, dy, dz] = at.direction.each_ref().map(|column| &column[..n]);
-        let [mx, my, mz] = self.arrivals.normal.each_ref().map(|column| &column[..n]);
-        let side = &at.side[..n];
-        let (reflected, transmitted) = (&mut reflected[..n], &mut transmitted[..n]);
-        let [ox, oy, oz] = wo.each_mut().map(|column| &mut column[..n]);
-        let [tx, ty, tz] = wt.each_mut().map(|column| &mut column[..n]);
-        // What a facet sees of the light that has arrived: where it comes from, and the normal on its side
-        macro_rules! facing {
-            ($i:ident) => {{
-                let q = side[$i];
-                let wi = DVec3::new(-dx[$i], -dy[$i], -dz[$i]);
-                let m = DVec3::new(q * mx[$i], q * my[$i], q * mz[$i]);
-                let cos_theta_i = wi.dot(m);
-                let cos_theta_i = if cos_theta_i > 0.0 { cos_theta_i } else { 0.0 };
-                let cos_theta_i = if cos_theta_i < 1.0 { cos_theta_i } else { 1.0 };
-                (wi, m, cos_theta_i)
-            }};
-        }
-        // Reflect by the Fresnel equations of the material
-        match self.material {
-            Material::Dielectric { eta } => {
-                let etas = [eta, 1.0 / eta];
-                for i in 0..n {
-                    let (wi, m, cos_theta_i) = facing!(i);
-                    let is_entering = side[i] == self.incident;
-                    let eta = if is_entering { etas[0] } else { etas[1] };
-                    let fresnel = dielectric(cos_theta_i, eta);
-                    reflected[i] = fresnel.reflected;
-                    transmitted[i] = fresnel.transmitted;
-                    let direction = refract(wi, m, eta, fresnel.cos_theta_t);
-                    tx[i] = direction.x;
-                    ty[i] = direction.y;
-                    tz[i] = direction.z;
-                }
+            reflected,
+        } = &mut *stage.into;
+        let n = stage.at.len;
+        transmitted.resize(n, N);
+        reflected.resize(n, N);
+        let mut rows = Rows::<N>::EMPTY;
+        let [mut transmitted_rows, mut reflected_rows] = [const { OutgoingRows::<N>::EMPTY }; 2];
+        for first in (0..n).step_by(BLOCK) {
+            let block = first..(first + BLOCK).min(n);
+            rows.load(
+                stage.at,
+                stage.normal,
+                stage.numbers,
+                stage.incident,
+                block.clone(),
+            );
+            for j in 0..BLOCK {
+                let scattered = scatter::<L, N>(material, &rows.row(j, stage.outer));
+                transmitted_rows.set(j, scattered.transmitted);
+                reflected_rows.set(j, scattered.reflected);
             }
-            material => {
-                transmitted.fill(0.0);
-                for (i, reflected) in reflected.iter_mut().enumerate() {
-                    let (_, _, cos_theta_i) = facing!(i);
-                    *reflected = material.fresnel(cos_theta_i).reflected;
-                }
+            transmitted_rows.store(transmitted, block.clone());
+            reflected_rows.store(reflected, block);
+        }
+    }
+}
+
+/// Some arrivals, field by field.
+struct Rows<const N: usize> {
+    k: [[f64; BLOCK]; 3],
+    normal: [[f64; BLOCK]; 3],
+    side: [f64; BLOCK],
+    handedness: [f64; BLOCK],
+    numbers: [[f64; 2]; BLOCK],
+    light: [[f64; BLOCK]; N],
+}
+
+impl<const N: usize> Rows<N> {
+    const EMPTY: Self = Self {
+        k: [[0.0; BLOCK]; 3],
+        normal: [[0.0; BLOCK]; 3],
+        side: [0.0; BLOCK],
+        handedness: [0.0; BLOCK],
+        numbers: [[0.0; 2]; BLOCK],
+        light: [[0.0; BLOCK]; N],
+    };
+
+    /// Takes some arrivals; rows behind them keep what they hold.
+    #[inline(always)]
+    fn load(
+        &mut self,
+        at: &Segments,
+        normal: &[Vec<f64>; 3],
+        numbers: &[[f64; 2]],
+        incident: f64,
+        block: Range<usize>,
+    ) {
+        let len = block.len();
+        let vectors = [(&mut self.k, &at.direction), (&mut self.normal, normal)];
+        for (rows, columns) in vectors {
+            for (row, column) in rows.iter_mut().zip(columns) {
+                row[..len].copy_from_slice(&column[block.clone()]);
             }
         }
-        for i in 0..n {
-            let (wi, m, _) = facing!(i);
-            let direction = reflect(wi, m);
-            ox[i] = direction.x;
-            oy[i] = direction.y;
-            oz[i] = direction.z;
+        self.side[..len].copy_from_slice(&at.side[block.clone()]);
+        for (row, column) in self.light.iter_mut().zip(&at.light) {
+            row[..len].copy_from_slice(&column[block.clone()]);
+        }
+        if let Some(numbers) = numbers.get(block.clone()) {
+            self.numbers[..len].copy_from_slice(numbers);
+        }
+        for (handedness, mirrored) in self.handedness.iter_mut().zip(&at.mirrored[block]) {
+            // Images that are mirrored along both axes are turned, not mirrored.
+            let is_mirrored = (mirrored ^ mirrored >> 1) & 1 == 1;
+            *handedness = if is_mirrored { -incident } else { incident };
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, j: usize, outer: f64) -> Incident<N> {
+        let mut light = [0.0; N];
+        for (number, column) in light.iter_mut().zip(&self.light) {
+            *number = column[j];
+        }
+        let normal = DVec3::new(self.normal[0][j], self.normal[1][j], self.normal[2][j]);
+        Incident {
+            k: DVec3::new(self.k[0][j], self.k[1][j], self.k[2][j]),
+            m: self.side[j] * normal,
+            is_entering: self.side[j] == outer,
+            handedness: self.handedness[j],
+            numbers: self.numbers[j],
+            light,
+        }
+    }
+}
+
+/// Transmitted or reflected light of some arrivals, field by field.
+struct OutgoingRows<const N: usize> {
+    direction: [[f64; BLOCK]; 3],
+    fraction: [f64; BLOCK],
+    light: [[f64; BLOCK]; N],
+}
+
+impl<const N: usize> OutgoingRows<N> {
+    const EMPTY: Self = Self {
+        direction: [[0.0; BLOCK]; 3],
+        fraction: [0.0; BLOCK],
+        light: [[0.0; BLOCK]; N],
+    };
+
+    #[inline(always)]
+    fn set(&mut self, j: usize, out: Outgoing<N>) {
+        let Outgoing { direction, passed } = out;
+        self.direction[0][j] = direction.x;
+        self.direction[1][j] = direction.y;
+        self.direction[2][j] = direction.z;
+        self.fraction[j] = passed.fraction;
+        for (column, number) in self.light.iter_mut().zip(passed.light) {
+            column[j] = number;
+        }
+    }
+
+    /// Writes the rows of a block to their columns.
+    #[inline(always)]
+    fn store(&self, into: &mut Branches, block: Range<usize>) {
+        let len = block.len();
+        for (column, row) in into.direction.iter_mut().zip(&self.direction) {
+            column[block.clone()].copy_from_slice(&row[..len]);
+        }
+        into.flux[block.clone()].copy_from_slice(&self.fraction[..len]);
+        for (column, row) in into.light.iter_mut().zip(&self.light) {
+            column[block.clone()].copy_from_slice(&row[..len]);
         }
     }
 }

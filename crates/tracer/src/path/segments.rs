@@ -65,6 +65,12 @@ pub(super) struct Segments {
     pub(super) kept: Kept,
 }
 
+impl Default for Segments {
+    fn default() -> Self {
+        Self::new(Kept::NOTHING)
+    }
+}
+
 impl Segments {
     /// No segments.
     pub(super) fn new(kept: Kept) -> Self {

@@ -1,11 +1,10 @@
 //! Path state and path segments: what a path carries, where its rays are, and what they are traced for.
 
-use asperity_tally::{Event, EventPath};
+use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
 use super::beam::axes_turned;
 use super::light_state::LightState;
-use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, Traversal};
 use crate::random::Step;
@@ -30,16 +29,6 @@ pub(super) struct PathState {
 }
 
 impl PathState {
-    /// The state after an interaction, along `branch`, with a `fraction` of the flux, as polarised as before.
-    #[inline(always)]
-    pub(super) fn after(&self, branch: &Branch, fraction: f64) -> Self {
-        Self {
-            flux: self.flux * fraction,
-            events: self.events.then(branch.event),
-            ..*self
-        }
-    }
-
     /// Its light where it leaves along `wo`, in axes that follow the azimuth of the light that has fallen on the surface.
     pub(super) fn light_that_leaves(&self, wo: DVec3, polarisation: Polarisation) -> LightState {
         let is_vertical = wo.truncate() == DVec2::ZERO;
@@ -111,24 +100,6 @@ pub(super) struct Arrival<F> {
     /// At the facet, in the direction of the ray.
     pub(super) heading: Heading,
     pub(super) facet: F,
-}
-
-impl<F> Arrival<F> {
-    /// The ray that leaves the facet along `branch`, with a `fraction` of the flux of `state`.
-    #[inline(always)]
-    pub(super) fn leave(&self, branch: &Branch, fraction: f64, state: &PathState) -> PathRay {
-        PathRay {
-            region: match branch.event {
-                Event::Reflection => self.region,
-                Event::Transmission => self.region.behind(),
-            },
-            heading: Heading {
-                direction: branch.direction,
-                ..self.heading
-            },
-            state: state.after(branch, fraction),
-        }
-    }
 }
 
 /// A ray that leaves its region without meeting the surface, or would if nothing stood in its way.

@@ -4,7 +4,7 @@ use asperity_tally::Loss;
 
 use super::Tracer;
 use super::batch::Batch;
-use super::state::{Arrival, Departure, PathRay, RayKind, Region, SingleSegment};
+use super::state::{Arrival, Departure, PathRay, PathState, RayKind, Region, SingleSegment};
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Traversal, TraversalEnd, begin};
@@ -27,16 +27,17 @@ impl<G: Geometry> Tracer<'_, G> {
             batch.entering.push(&heading, HalfSpace::Below, &ray.state);
             return;
         }
+        let departure = |ray: &PathRay| Departure {
+            region,
+            direction: ray.heading.world_direction(),
+            state: ray.state,
+        };
         let Some(geometry) = self.geometry_of(region.interface) else {
-            return;
+            // Nothing lies below a flat bottom.
+            return self.push_exit(&departure(&ray), batch);
         };
         if let Some(end) = begin(geometry, &mut ray.heading, region.half_space) {
-            let departure = Departure {
-                region,
-                direction: ray.heading.world_direction(),
-                state: ray.state,
-            };
-            self.end(end, &departure, &kind, batch);
+            self.end(end, &departure(&ray), &kind, batch);
         } else if matches!(kind, RayKind::Path) && region.interface == Interface::Top {
             let segments = &mut batch.segments;
             segments.make_room(segments.len + 1);
@@ -51,6 +52,23 @@ impl<G: Geometry> Tracer<'_, G> {
                 kind,
                 flight: f64::INFINITY,
             });
+        }
+    }
+
+    /// Takes a path to the facet at which it has arrived, to interact there with all others of the round.
+    pub(super) fn arrive(
+        &self,
+        at: &Arrival<G::Facet>,
+        state: &PathState,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        match (at.region.interface, self.geometry_of(Interface::Bottom)) {
+            (Interface::Bottom, Some(geometry)) => {
+                let normal = geometry.normal_at(at.facet, at.heading.origin);
+                let half_space = at.region.half_space;
+                batch.at_bottom.push(&at.heading, half_space, normal, state);
+            }
+            _ => batch.arrivals.push(at, state),
         }
     }
 
@@ -70,7 +88,7 @@ impl<G: Geometry> Tracer<'_, G> {
                     state: *state,
                 };
                 self.tally_masked(&departure, batch);
-                self.interact(&at, state, batch);
+                self.arrive(&at, state, batch);
             }
             RayKind::Visibility(lit) => self.tally_shadowed(lit, state, batch),
             RayKind::BehindFirstFacet => {

@@ -5,8 +5,8 @@
 use glam::DVec3;
 
 use super::amplitudes::Amplitudes;
+use super::facet::{Branch, Scattered};
 use super::fields::{Deflection, Fields};
-use crate::interaction::facet::{Branch, Scattered};
 use crate::periodic::Heading;
 
 /// What an interface does with the light of a path, as fractions of its flux.

@@ -7,12 +7,11 @@
 //! refracting surface. Beams end after some tiles, so that few of them contain any one point; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
-use asperity_optics::Material;
+use asperity_optics::{Material, dielectric, refract};
 use asperity_surface::Border;
 use glam::DVec3;
 
 use crate::geometry::{Geometry, Triangles};
-use crate::interaction::facet::scatter;
 use crate::periodic::can_traverse;
 use crate::sampling::morton::morton_code;
 
@@ -239,13 +238,14 @@ impl<G: Geometry> LightBeams<G> {
         if cos_theta_i <= 0.0 || !self.is_up {
             return None;
         }
-        let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
-        if transmitted.fraction <= 0.0 {
+        let fresnel = dielectric(cos_theta_i.min(1.0), eta);
+        if fresnel.transmitted <= 0.0 {
             return None;
         }
-        let cos_theta_t = -transmitted.direction.dot(m);
-        let fraction = transmitted.fraction * cos_theta_i / (eta * eta * cos_theta_t);
-        Some((transmitted.direction, fraction))
+        let direction = refract(self.towards, m, eta, fresnel.cos_theta_t);
+        let cos_theta_t = -direction.dot(m);
+        let fraction = fresnel.transmitted * cos_theta_i / (eta * eta * cos_theta_t);
+        Some((direction, fraction))
     }
 
     fn of_leaf(&self, leaf: usize) -> &[G::Facet] {
