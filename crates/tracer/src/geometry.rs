@@ -4,6 +4,7 @@
 //! `shape.rs` any of them, and `export.rs` writes a list of triangles.
 
 mod blocks;
+mod culling;
 pub(crate) mod export;
 pub(crate) mod grid;
 mod height_bounds;
@@ -11,7 +12,6 @@ pub(crate) mod height_field;
 mod horizon_bounds;
 pub(crate) mod mesh;
 mod nearby;
-mod outlooks;
 pub(crate) mod shape;
 pub(crate) mod smooth;
 mod windows;
@@ -113,16 +113,16 @@ pub trait Geometry: Sized + Send + Sync {
     /// What is known of each of many rays before it is searched: the same as [`Geometry::escapes`] for rays that
     /// begin in the tile, between the lowest and the highest point.
     #[inline(always)]
-    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        for (i, outlook) in outlooks.iter_mut().enumerate() {
+    fn culling_classes(&self, rays: RayColumns<'_>, classes: &mut [CullingClass]) {
+        for (i, class) in classes.iter_mut().enumerate() {
             let Query { ray, half_space } = rays.query(i);
-            *outlook = if !self.is_in_tile(ray.origin) {
-                Outlook::Elsewhere
+            *class = if !self.is_in_tile(ray.origin) {
+                CullingClass::Elsewhere
             } else {
                 match self.escapes(&ray, half_space) {
-                    None => Outlook::Unknown,
-                    Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                    Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
+                    None => CullingClass::Unknown,
+                    Some(Escape::SteeperThanAll) => CullingClass::SteeperThanAll,
+                    Some(Escape::AboveHorizon) => CullingClass::AboveHorizon,
                 }
             };
         }
@@ -181,7 +181,7 @@ pub(crate) fn bounds_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
 /// What is known of a ray before it is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Outlook {
+pub enum CullingClass {
     /// A search must tell what it meets.
     Unknown,
     /// It escapes: [`Escape::SteeperThanAll`].

@@ -54,7 +54,7 @@ pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
-pub use geometry::{Escape, Geometry, Nearby, Outlook, Triangles};
+pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
 pub use interaction::below::{BottomSurface, LayerBelow, SearchedSurface};
 pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};

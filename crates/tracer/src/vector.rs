@@ -6,10 +6,10 @@
 //! [`lanes::Lanes`], where lanes go different ways, as in searches.
 
 #[cfg(target_arch = "x86_64")]
+pub(crate) mod interleaved;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod lanes;
 mod stage;
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod twice;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 

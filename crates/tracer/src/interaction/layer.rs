@@ -290,12 +290,12 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         }
     }
 
-    /// The interface that comes as number `place` of those with a surface, from zero, to light inside that rises by `dz`.
+    /// The interface that comes as number `rank` of those with a surface, from zero, to light inside that rises by `dz`.
     #[inline(always)]
-    pub(crate) fn interface_ahead(&self, dz: f64, place: u32) -> Interface {
+    pub(crate) fn interface_ahead(&self, dz: f64, rank: u32) -> Interface {
         let is_top = match self.shape {
             BottomShape::Flat => true,
-            BottomShape::Surface { .. } => (place == 0) == (dz <= 0.0),
+            BottomShape::Surface { .. } => (rank == 0) == (dz <= 0.0),
         };
         if is_top {
             Interface::Top
@@ -304,9 +304,9 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         }
     }
 
-    /// As which of those interfaces `interface` comes.
+    /// The rank of `interface` among those interfaces.
     #[inline]
-    pub(crate) fn place_ahead(&self, dz: f64, interface: Interface) -> u32 {
+    pub(crate) fn rank_ahead(&self, dz: f64, interface: Interface) -> u32 {
         u32::from(self.interface_ahead(dz, 0) != interface)
     }
 }

@@ -6,8 +6,6 @@ use serde::{Deserialize, Serialize};
 use crate::sampling::Sampling;
 use crate::settings::Polarisation;
 
-use super::window::Window;
-
 /// Where the paths of a batch start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -57,8 +55,27 @@ impl Illumination {
 
     /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes to which its polarisation or a
     /// Mueller matrix refers.
-    pub(super) fn turns(&self, polarisation: Polarisation) -> bool {
+    pub(crate) fn turns(&self, polarisation: Polarisation) -> bool {
         let has_axes = polarisation == Polarisation::Mueller || self.stokes != [0.0; 3];
         self.any_azimuth && (has_axes || !self.incidence.is_vertical())
     }
+}
+
+/// A rectangle of the period of a surface, in fractions of the period along x and y, each from 0 to 1.
+///
+/// A mirrored tile and its images make a period of two tiles along each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The corner with the lower coordinates.
+    pub from: [f64; 2],
+    /// The corner with the higher coordinates.
+    pub to: [f64; 2],
+}
+
+impl Window {
+    /// The whole period.
+    pub const WHOLE: Self = Self {
+        from: [0.0; 2],
+        to: [1.0; 2],
+    };
 }

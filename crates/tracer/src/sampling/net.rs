@@ -70,7 +70,7 @@ impl Iterator for Net {
     fn next(&mut self) -> Option<Start> {
         let (number, point) = self.points.next()?;
         Some(Start {
-            place: point.map(f64::from),
+            position: point.map(f64::from),
             ray: number as u32,
         })
     }

@@ -137,7 +137,7 @@ impl Iterator for Strata {
         let ray = PathStream::ray(self.batch, self.number);
         self.batch += 1;
         Some(Start {
-            place: [column, row, 0.0],
+            position: [column, row, 0.0],
             ray,
         })
     }
@@ -146,10 +146,10 @@ impl Iterator for Strata {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::{Places, Sampling};
+    use crate::sampling::{Positions, Sampling};
 
     fn starts(rays: &BatchedRays, stream: PathStream) -> Vec<Start> {
-        Places::new(Sampling::Stratified, rays, false, stream).draw_all()
+        Positions::new(Sampling::Stratified, rays, false, stream).draw_all()
     }
 
     /// Each batch has the starts that it has alone, whatever it is traced with and however its strata are divided.

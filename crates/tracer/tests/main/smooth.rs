@@ -2,8 +2,9 @@
 
 use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Escape, Geometry, HalfSpace, Hit,
-    Instructions, Nearby, Outlook, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, CullingClass, Escape, Geometry,
+    HalfSpace, Hit, Instructions, Nearby, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface,
+    TileRay,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -189,10 +190,10 @@ fn rays_that_escape_by_bounds_meet_nothing() {
     for (name, surface) in surfaces() {
         let queries = rays(&surface, 3000, 4);
         let batch: RayBatch = queries.iter().collect();
-        let mut outlooks = vec![Outlook::Unknown; queries.len()];
-        surface.outlooks(batch.columns(), &mut outlooks);
+        let mut classes = vec![CullingClass::Unknown; queries.len()];
+        surface.culling_classes(batch.columns(), &mut classes);
         let mut escaped = 0;
-        for (query, outlook) in queries.iter().zip(&outlooks) {
+        for (query, class) in queries.iter().zip(&classes) {
             let escape = surface.escapes(&query.ray, query.half_space);
             if escape.is_some() {
                 let hit = BruteForce.closest_hit(&surface, query);
@@ -200,12 +201,12 @@ fn rays_that_escape_by_bounds_meet_nothing() {
                 escaped += 1;
             }
             let expected = match escape {
-                None => Outlook::Unknown,
-                Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
+                None => CullingClass::Unknown,
+                Some(Escape::SteeperThanAll) => CullingClass::SteeperThanAll,
+                Some(Escape::AboveHorizon) => CullingClass::AboveHorizon,
             };
-            if *outlook != Outlook::Elsewhere {
-                assert_eq!(*outlook, expected, "{name}: {query:?}");
+            if *class != CullingClass::Elsewhere {
+                assert_eq!(*class, expected, "{name}: {query:?}");
             }
         }
         assert!(escaped > 100, "{name}: {escaped}");

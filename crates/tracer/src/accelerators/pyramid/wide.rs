@@ -11,8 +11,8 @@ use super::bounds::{Bounds, MAX_LEVELS};
 use super::cells::SearchedGrid;
 use super::lane_state::{LanesExit, State};
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
+use crate::vector::interleaved::Interleaved;
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
-use crate::vector::twice::Twice;
 
 /// The search of all rays, for any lanes.
 pub(super) struct SearchAll<'a, S> {
@@ -28,7 +28,7 @@ impl<S: SearchedGrid> Task for SearchAll<'_, S> {
             // A test of twice as many lanes would not fit into registers
             Search::new(lanes, self.bounds).run::<S>(self.rays);
         } else {
-            Search::new(Twice(lanes), self.bounds).run::<S>(self.rays);
+            Search::new(Interleaved(lanes), self.bounds).run::<S>(self.rays);
         }
     }
 }
