@@ -7,8 +7,8 @@ use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, die
 use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
-    PathSettings, PathStream, Polarisation, TracedLayer, Tracer,
+    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd, PathSettings,
+    PathStream, Polarisation, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -219,7 +219,7 @@ fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Inci
         PathSettings::default().with_polarisation(Polarisation::Averaged),
     );
     if let Some(layer) = layer {
-        let flat = BottomShape::Flat;
+        let flat = None;
         tracer = tracer.over(TracedLayer::new(surface, layer, flat, 100_000).unwrap());
     }
     let mut sums = BatchStatistics::new(1);
@@ -446,7 +446,7 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
     // The same plane, but chance alone finds the sun.
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-    let medium = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
+    let medium = TracedLayer::new(&surface, &layer, None, 100_000).unwrap();
     let paths = settings.paths.with_polarisation(Polarisation::Averaged);
     let integrator = PathIntegrator::new(&surface, &*hits, GLASS, paths, Some(medium));
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);

@@ -12,4 +12,4 @@ pub(crate) mod mesh_bvh;
 mod obvhs_ray;
 pub(crate) mod pyramid;
 
-pub(crate) use accelerator::Accelerator;
+pub(crate) use accelerator::{Accelerator, SearchedSurface};

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use asperity_optics::Material;
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
 
-use crate::accelerators::Accelerator;
 use crate::accelerators::accelerator::BuildError;
 use crate::accelerators::chooser::BuildAccelerator;
 use crate::accelerators::kind::AcceleratorKind;
+use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::geometry::shape::Shape;
-use crate::interaction::below::{LayerBelow, SearchedSurface};
+use crate::interaction::below::LayerBelow;
 use crate::interaction::layer::TracedLayerError;
 use crate::path::{Illumination, Tracer, Work};
 use crate::random::PathStream;

@@ -41,7 +41,7 @@ mod settings;
 mod vector;
 mod visibility;
 
-pub use accelerators::accelerator::{Accelerator, BuildError};
+pub use accelerators::accelerator::{Accelerator, BuildError, SearchedSurface};
 pub use accelerators::brute_force::BruteForce;
 pub use accelerators::chooser::BuildAccelerator;
 pub use accelerators::flat::Flat;
@@ -55,8 +55,8 @@ pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
-pub use interaction::below::{BottomSurface, LayerBelow, SearchedSurface};
-pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
+pub use interaction::below::{BottomSurface, LayerBelow};
+pub use interaction::layer::{DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Window, Work};
 pub use periodic::{

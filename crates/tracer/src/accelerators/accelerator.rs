@@ -50,6 +50,22 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     }
 }
 
+/// A surface, and how hits on it are found.
+pub struct SearchedSurface<'a, G: Geometry> {
+    /// The surface.
+    pub geometry: &'a G,
+    /// How hits on it are found.
+    pub accelerator: &'a dyn Accelerator<G>,
+}
+
+impl<G: Geometry> Clone for SearchedSurface<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G: Geometry> Copy for SearchedSurface<'_, G> {}
+
 /// Height range, in columns, up to which surfaces are traced: beyond, single precision would no
 /// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
 pub(super) const MAX_HEIGHT_RANGE: f64 = 1e5;

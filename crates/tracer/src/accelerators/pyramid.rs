@@ -16,7 +16,6 @@
 mod bounds;
 mod build;
 mod cells;
-mod exit;
 mod facet_cells;
 mod instructions;
 #[cfg(target_arch = "x86_64")]

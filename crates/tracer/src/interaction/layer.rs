@@ -4,27 +4,15 @@ use asperity_optics::{Bottom, Layer, PhaseFunction, ln_of_normal};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::accelerators::Accelerator;
+use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
 
-/// The shape of a layer's bottom.
-pub enum BottomShape<'a, G: Geometry> {
-    /// A plane.
-    Flat,
-    /// A surface of its own, over the same tile as the one above.
-    Surface {
-        /// The surface.
-        geometry: &'a G,
-        /// How hits on it are found.
-        accelerator: &'a dyn Accelerator<G>,
-    },
-}
-
 /// A layer below a surface, in the tile coordinates of that surface.
 pub struct TracedLayer<'a, G: Geometry> {
-    shape: BottomShape<'a, G>,
+    /// The surface that the layer ends on; `None` for a plane.
+    surface: Option<SearchedSurface<'a, G>>,
     bottom: Option<Bottom>,
     /// z of the mean plane of the bottom; far below everything if there is none.
     bottom_z: f64,
@@ -127,14 +115,14 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     pub fn new(
         top: &G,
         layer: &Layer,
-        shape: BottomShape<'a, G>,
+        surface: Option<SearchedSurface<'a, G>>,
         max_scatterings: u32,
     ) -> Result<Self, TracedLayerError> {
         top.prepare_nearby();
         let unit = top.unit();
         let medium = layer.medium();
         let mut traced = Self {
-            shape,
+            surface: surface.filter(|_| layer.end().is_some()),
             bottom: None,
             bottom_z: f64::NEG_INFINITY,
             shift: 0.0,
@@ -145,8 +133,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         };
         let extent = top.extent().into_iter().fold(0.0, f64::max);
         let [low, high] = top.z_range();
-        let has_shape =
-            matches!(&traced.shape, BottomShape::Surface { .. }) && layer.end().is_some();
+        let has_shape = traced.surface.is_some();
         let range = LengthRange {
             extent,
             unit,
@@ -158,7 +145,6 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
             range.check("the mean free path", traced.mean_free_path, least, most)?;
         }
         let Some(slab) = layer.end() else {
-            traced.shape = BottomShape::Flat;
             return Ok(traced);
         };
         let most = if has_shape { MAX_DEPTH } else { MAX_LENGTH } * extent;
@@ -166,11 +152,11 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         traced.bottom = Some(slab.bottom);
         traced.bottom_z = top.mean_plane() - slab.thickness / unit;
         let mut height = 0.0;
-        if let BottomShape::Surface { geometry, .. } = &traced.shape {
+        if let Some(SearchedSurface { geometry, .. }) = traced.surface {
             if slab.bottom == Bottom::Open {
                 return Err(TracedLayerError::OpenShape);
             }
-            check_tile(top, *geometry)?;
+            check_tile(top, geometry)?;
             geometry.prepare_nearby();
             traced.shift = geometry.mean_plane() - traced.bottom_z;
             height = geometry.z_range()[1] - geometry.mean_plane();
@@ -192,14 +178,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     }
 
     /// The bottom where it is a surface of its own.
-    pub(crate) const fn surface(&self) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
-        match self.shape {
-            BottomShape::Flat => None,
-            BottomShape::Surface {
-                geometry,
-                accelerator,
-            } => Some((geometry, accelerator)),
-        }
+    pub(crate) const fn surface(&self) -> Option<SearchedSurface<'a, G>> {
+        self.surface
     }
 
     /// Fraction of an interaction inside that scatters.
@@ -247,8 +227,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     pub(crate) fn to_flat_bottom(&self, z: f64, dz: f64) -> f64 {
         let to_plane = (z - self.bottom_z) / -dz;
         let to_plane = if to_plane > 0.0 { to_plane } else { 0.0 };
-        match self.shape {
-            BottomShape::Flat if dz < 0.0 => to_plane,
+        match self.surface {
+            None if dz < 0.0 => to_plane,
             _ => f64::INFINITY,
         }
     }
@@ -284,20 +264,16 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     /// How many interfaces have a surface.
     #[inline]
     pub(crate) const fn interfaces(&self) -> u32 {
-        match self.shape {
-            BottomShape::Flat => 1,
-            BottomShape::Surface { .. } => 2,
+        match self.surface {
+            None => 1,
+            Some(_) => 2,
         }
     }
 
     /// The interface that comes as number `rank` of those with a surface, from zero, to light inside that rises by `dz`.
     #[inline(always)]
     pub(crate) fn interface_ahead(&self, dz: f64, rank: u32) -> Interface {
-        let is_top = match self.shape {
-            BottomShape::Flat => true,
-            BottomShape::Surface { .. } => (rank == 0) == (dz <= 0.0),
-        };
-        if is_top {
+        if self.surface.is_none() || (rank == 0) == (dz <= 0.0) {
             Interface::Top
         } else {
             Interface::Bottom

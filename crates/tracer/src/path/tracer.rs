@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use asperity_optics::Material;
 use asperity_tally::{Azimuth, ControlVariate, Tallies, Tally, TallySpec, TallyValues};
 
-use crate::accelerators::Accelerator;
+use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::illumination::{Illumination, Starts};
@@ -201,9 +201,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// The surface that is an interface, and how hits on it are found; `None` for a flat bottom.
     #[inline]
-    pub(super) fn surface(&self, interface: Interface) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
+    pub(super) fn surface(&self, interface: Interface) -> Option<SearchedSurface<'a, G>> {
         match interface {
-            Interface::Top => Some((self.geometry, self.accelerator)),
+            Interface::Top => Some(SearchedSurface {
+                geometry: self.geometry,
+                accelerator: self.accelerator,
+            }),
             Interface::Bottom => self.layer.as_ref().and_then(TracedLayer::surface),
         }
     }

@@ -39,7 +39,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     pub(super) fn normal(&self, hit: &InterfaceHit<G::Facet>, space: Space) -> DVec3 {
         let bottom = self.layer.as_ref().and_then(TracedLayer::surface);
         let geometry = match (hit.interface, bottom) {
-            (Interface::Bottom, Some((bottom, _))) => bottom,
+            (Interface::Bottom, Some(bottom)) => bottom.geometry,
             _ => self.geometry,
         };
         let is_above = match hit.interface {

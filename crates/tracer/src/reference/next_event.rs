@@ -117,7 +117,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 return Err(None);
             };
             heading = layer.to_interface(interface, heading);
-            (geometry, accelerator) = bottom;
+            (geometry, accelerator) = (bottom.geometry, bottom.accelerator);
         }
         let found = |facet, heading, t| {
             let heading = match &self.layer {

@@ -8,8 +8,8 @@ use asperity_optics::{
 use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, CameraContribution, FlightSearch, Geometry,
-    LightBeams, PathEnd, PathIntegrator, PathSettings, Surface, TracedLayer,
+    AcceleratorKind, BuildAccelerator, CameraContribution, FlightSearch, Geometry, LightBeams,
+    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -96,12 +96,12 @@ fn trace(case: Case) -> Found {
     let white = Bottom::Lambertian { reflectance: 0.8 };
     let layer = Layer::slab(medium, 2.4 * height, white).unwrap();
     let shape = if case.rough_bottom {
-        BottomShape::Surface {
+        Some(SearchedSurface {
             geometry: &bottom,
             accelerator: &*bottom_hits,
-        }
+        })
     } else {
-        BottomShape::Flat
+        None
     };
     let layer = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
     let glass = Material::dielectric(case.eta).unwrap();

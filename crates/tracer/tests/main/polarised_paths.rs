@@ -6,8 +6,8 @@ use asperity_optics::{
 };
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult,
-    PathSettings, Polarisation, Surface, TracedLayer,
+    AcceleratorKind, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult, PathSettings,
+    Polarisation, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -57,9 +57,10 @@ impl Scene {
     /// Traces `paths` paths from random starting points.
     fn trace(&self, paths: u64) -> Vec<PathResult> {
         let hits = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let layer = self.layer.as_ref().map(|layer| {
-            TracedLayer::new(&self.surface, layer, BottomShape::Flat, 100_000).unwrap()
-        });
+        let layer = self
+            .layer
+            .as_ref()
+            .map(|layer| TracedLayer::new(&self.surface, layer, None, 100_000).unwrap());
         let settings = PathSettings::default().with_polarisation(self.polarisation);
         let integrator = PathIntegrator::new(&self.surface, &*hits, self.material, settings, layer);
         let ([cx, cy], [_, high]) = (self.starts, self.surface.z_range());

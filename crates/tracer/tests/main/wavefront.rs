@@ -6,9 +6,9 @@ use asperity_tally::{
     ControlVariate, Side, Tallies, TallySpec, TallyValues, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_tracer::{
-    AcceleratorKind, BatchedRays, BottomShape, Branching, BuildAccelerator, CullingClass, Escape,
-    Geometry, HalfSpace, Illumination, Instructions, PathSettings, PathStream, Polarisation, Query,
-    RayBatch, Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
+    AcceleratorKind, BatchedRays, Branching, BuildAccelerator, CullingClass, Escape, Geometry,
+    HalfSpace, Illumination, Instructions, PathSettings, PathStream, Polarisation, Query, RayBatch,
+    Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -84,8 +84,7 @@ impl Scene {
                 ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Rayleigh);
             let bottom = Bottom::Lambertian { reflectance: 0.5 };
             let layer = Layer::slab(medium.unwrap(), 20.0, bottom).unwrap();
-            tracer = tracer
-                .over(TracedLayer::new(&self.surface, &layer, BottomShape::Flat, 1000).unwrap());
+            tracer = tracer.over(TracedLayer::new(&self.surface, &layer, None, 1000).unwrap());
         }
         let stream = PathStream::new(3, 1).from_batch(first);
         tracer.batches(&self.light, rays, self.spec(), control_variate, stream)

@@ -7,8 +7,7 @@
 //! a ray that comes nearer to a decision than that is doubtful, and left to `quadtree.rs`.
 
 use super::bounds::Bounds;
-use super::cells::SearchedGrid;
-use super::exit::{Exit, Test, least};
+use super::cells::{Exit, SearchedGrid, Test, least};
 use super::rays::{DOUBTFUL, NOTHING, Ray, Rays};
 
 /// Searches all rays, one after the other.

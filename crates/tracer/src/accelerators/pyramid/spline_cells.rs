@@ -7,8 +7,7 @@
 //! first coefficient there, which is left out.
 
 use super::bounds::{Bounds, Table};
-use super::cells::SearchedGrid;
-use super::exit::{Exit, Test, least};
+use super::cells::{Exit, SearchedGrid, Test, least};
 #[cfg(target_arch = "x86_64")]
 use super::lane_state::{CellsMet, LanesExit, State};
 use super::rays::Ray;

@@ -13,7 +13,7 @@ use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Departure, PathState, Region};
-use crate::path::state::segments::{Segments, gather_column};
+use crate::path::state::segments::{Segments, gather_column, rows_of, rows_of_mut};
 use crate::path::tracer::Tracer;
 use crate::periodic::{Heading, wrap};
 use crate::random::{PathStream, Step, Use};
@@ -79,16 +79,8 @@ impl Stage for FlyOn<'_> {
             self.which,
         );
         into.clear_of[rows.clone()].fill(0);
-        let [x, y, z] = into
-            .at
-            .origin
-            .each_mut()
-            .map(|column| &mut column[rows.clone()]);
-        let [dx, dy, dz] = into
-            .at
-            .direction
-            .each_ref()
-            .map(|column| &column[rows.clone()]);
+        let [x, y, z] = rows_of_mut(&mut into.at.origin, rows.clone());
+        let [dx, dy, dz] = rows_of(&into.at.direction, rows.clone());
         for i in 0..n {
             x[i] += reach[i] * dx[i];
             y[i] += reach[i] * (dy[i] * self.aspect);

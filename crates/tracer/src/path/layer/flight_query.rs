@@ -6,13 +6,14 @@
 use asperity_tally::Loss;
 use glam::DVec3;
 
-use crate::accelerators::Accelerator;
+use crate::accelerators::SearchedSurface;
 use crate::geometry::{Geometry, Nearby, is_outside};
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::state::arrivals::Take;
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Arrival, RayKind, Region, SingleSegment};
+use crate::path::state::segments::rows_of;
 use crate::path::tracer::Tracer;
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin};
 use crate::ray::{HalfSpace, Hit, RayBatch, TileRay};
@@ -22,8 +23,7 @@ use crate::vector::Stage;
 struct FlightQuery<'a, 'g, G: Geometry> {
     layer: &'a TracedLayer<'g, G>,
     interface: Interface,
-    geometry: &'a G,
-    accelerator: &'a dyn Accelerator<G>,
+    surface: SearchedSurface<'a, G>,
     rank: u32,
     /// Numbers of the flights.
     which: &'a [u32],
@@ -48,13 +48,8 @@ impl<G: Geometry> Stage for FindReach<'_, '_, G> {
     #[inline(always)]
     fn run(self) {
         let n = self.flights.at.len;
-        let [_, _, z] = self.flights.at.origin.each_ref().map(|column| &column[..n]);
-        let [_, _, dz] = self
-            .flights
-            .at
-            .direction
-            .each_ref()
-            .map(|column| &column[..n]);
+        let [_, _, z] = rows_of(&self.flights.at.origin, 0..n);
+        let [_, _, dz] = rows_of(&self.flights.at.direction, 0..n);
         let length = &self.flights.length[..n];
         let reach = &mut self.flights.reach[..n];
         let ends_at_bottom = &mut self.flights.ends_at_bottom[..n];
@@ -82,13 +77,8 @@ impl<G: Geometry> Stage for FindOutside<'_, '_, G> {
     #[inline(always)]
     fn run(self) {
         let n = self.flights.at.len;
-        let [_, _, z] = self.flights.at.origin.each_ref().map(|column| &column[..n]);
-        let [_, _, dz] = self
-            .flights
-            .at
-            .direction
-            .each_ref()
-            .map(|column| &column[..n]);
+        let [_, _, z] = rows_of(&self.flights.at.origin, 0..n);
+        let [_, _, dz] = rows_of(&self.flights.at.direction, 0..n);
         let reach = &self.flights.reach[..n];
         let outside = &mut self.flights.is_outside[..n];
         let range = self.geometry.z_range();
@@ -116,12 +106,12 @@ impl<G: Geometry> Tracer<'_, G> {
         let mut which = std::mem::take(&mut batch.elsewhere);
         for rank in 0..layer.interfaces() {
             for interface in [Interface::Top, Interface::Bottom] {
-                let Some((geometry, accelerator)) = self.surface(interface) else {
+                let Some(surface) = self.surface(interface) else {
                     continue;
                 };
                 batch.instructions.run(FindOutside {
                     layer,
-                    geometry,
+                    geometry: surface.geometry,
                     interface,
                     flights,
                 });
@@ -129,8 +119,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 let query = FlightQuery {
                     layer,
                     interface,
-                    geometry,
-                    accelerator,
+                    surface,
                     rank,
                     which: &which,
                 };
@@ -153,7 +142,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let &FlightQuery {
             layer,
             interface,
-            geometry,
+            surface: SearchedSurface { geometry, .. },
             ..
         } = query;
         let half_space = interface.inner_side();
@@ -208,10 +197,10 @@ impl<G: Geometry> Tracer<'_, G> {
             .layer
             .to_interface(Interface::Bottom, flights.at.heading(i));
         let region = Region::inside(Interface::Bottom);
-        let ray = heading.query(query.geometry, region.half_space);
+        let ray = heading.query(query.surface.geometry, region.half_space);
         let at = Arrival {
             region,
-            heading: Traversal::begin(&heading).arrival(query.geometry, &ray, &hit),
+            heading: Traversal::begin(&heading).arrival(query.surface.geometry, &ray, &hit),
             facet: hit.facet,
         };
         self.arrive(&at, &flights.at.state(i), batch);
@@ -225,18 +214,20 @@ impl<G: Geometry> Tracer<'_, G> {
         flights: &mut Flights,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        let geometry = query.geometry;
+        let geometry = query.surface.geometry;
         let searched = std::mem::take(&mut batch.searched_flights);
         let mut hits = std::mem::take(&mut batch.hits);
         if query.interface == Interface::Top {
             let rays = flights.at.rays(geometry.aspect());
             query
+                .surface
                 .accelerator
                 .closest_hits(geometry, rays, &searched, &mut hits);
         } else {
             let rays = &mut batch.single_search.rays;
             let all = collect_at_bottom(query, flights, &searched, rays);
             query
+                .surface
                 .accelerator
                 .closest_hits(geometry, rays.columns(), &all, &mut hits);
         }
@@ -272,14 +263,14 @@ impl<G: Geometry> Tracer<'_, G> {
         let heading = query.layer.to_interface(interface, flights.at.heading(i));
         let segment = SingleSegment {
             interface,
-            query: heading.query(query.geometry, interface.inner_side()),
+            query: heading.query(query.surface.geometry, interface.inner_side()),
             traversal: Traversal::begin(&heading),
             state: flights.at.state(i),
             kind: RayKind::Path,
             flight: flights.length[i],
         };
         flights.at.flux[i] = 0.0;
-        self.advance_inside(query.layer, query.geometry, segment, None, batch);
+        self.advance_inside(query.layer, query.surface.geometry, segment, None, batch);
     }
 
     /// Continues a segment inside the layer after the search in its current tile.
@@ -387,7 +378,7 @@ fn collect_at_bottom<G: Geometry>(
         let heading = query
             .layer
             .to_interface(Interface::Bottom, flights.at.heading(i as usize));
-        rays.push(&heading.query(query.geometry, Interface::Bottom.inner_side()));
+        rays.push(&heading.query(query.surface.geometry, Interface::Bottom.inner_side()));
     }
     (0..which.len() as u32).collect()
 }

@@ -13,7 +13,7 @@ use crate::path::scatter::roulette::Roulette;
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::{Flights, Numbers};
 use crate::path::state::light_state::LightState;
-use crate::path::state::segments::Segments;
+use crate::path::state::segments::{Segments, rows_of_mut};
 use crate::path::tracer::Tracer;
 use crate::random::{PathStream, Step, Use};
 use crate::settings::Polarisation;
@@ -94,10 +94,7 @@ impl Turn<'_> {
         let n = self.rows.len();
         let [_, u, v, ..] = self.numbers;
         let (u, v) = (&u[..n], &v[..n]);
-        let direction = &mut self.segments.direction;
-        let [x, y, z] = direction
-            .each_mut()
-            .map(|column| &mut column[self.rows.clone()]);
+        let [x, y, z] = rows_of_mut(&mut self.segments.direction, self.rows.clone());
         for i in 0..n {
             let w = scattered(DVec3::new(x[i], y[i], z[i]), [u[i], v[i]]);
             (x[i], y[i], z[i]) = (w.x, w.y, w.z);

@@ -13,7 +13,7 @@ use crate::path::start::surface_starts::StartOnSurface;
 use crate::path::state::batch::{Batch, MAX_IN_FLIGHT};
 use crate::path::state::light_state::LightState;
 use crate::path::state::path_state::{PathRay, PathState, RayKind, Region, axes_turned};
-use crate::path::state::segments::{IncidentState, Segments};
+use crate::path::state::segments::{IncidentState, Segments, rows_of, rows_of_mut};
 use crate::path::tracer::Tracer;
 use crate::sampling::{Positions, Start};
 use crate::vector::Stage;
@@ -32,16 +32,8 @@ impl Stage for Emit<'_> {
     #[inline(always)]
     fn run(self) {
         let rows = self.into.add_starts(self.starts, self.light);
-        let [x, y, z] = self
-            .into
-            .origin
-            .each_mut()
-            .map(|column| &mut column[rows.clone()]);
-        let [dx, dy, _] = self
-            .into
-            .direction
-            .each_ref()
-            .map(|column| &column[rows.clone()]);
+        let [x, y, z] = rows_of_mut(&mut self.into.origin, rows.clone());
+        let [dx, dy, _] = rows_of(&self.into.direction, rows.clone());
         let in_tile = |position: f64, size: f64| position - (position / size).floor() * size;
         let [size_x, size_y] = self.extent;
         for (i, start) in self.starts.iter().enumerate() {

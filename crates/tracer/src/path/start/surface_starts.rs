@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::geometry::Geometry;
 use crate::path::start::beam::Beam;
 use crate::path::state::arrivals::{Arrivals, Move};
-use crate::path::state::segments::{IncidentState, Segments};
+use crate::path::state::segments::{IncidentState, Segments, rows_of};
 use crate::periodic::mirror_image;
 use crate::sampling::Start;
 use crate::vector::Stage;
@@ -67,8 +67,8 @@ impl<G: Geometry> Stage for StartOnSurface<'_, G> {
         // Find the flux that falls on them
         let Arrivals { at, normal, .. } = into;
         let n = at.len;
-        let [wx, wy, wz] = at.direction.each_ref().map(|column| &column[..n]);
-        let [mx, my, mz] = normal.each_ref().map(|column| &column[..n]);
+        let [wx, wy, wz] = rows_of(&at.direction, 0..n);
+        let [mx, my, mz] = rows_of(normal, 0..n);
         let flux = &mut at.flux[..n];
         for i in 0..n {
             let (wi, m) = (

@@ -2,7 +2,7 @@
 
 use crate::geometry::Geometry;
 use crate::path::state::path_state::{Arrival, PathState};
-use crate::path::state::segments::{Kept, Segments};
+use crate::path::state::segments::{Kept, Segments, rows_of, rows_of_mut};
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
 use crate::vector::Stage;
@@ -116,9 +116,9 @@ impl<G: Geometry> Stage for Move<'_, G> {
         self.geometry.arrive(
             facets,
             ts,
-            at.origin.each_mut().map(|column| &mut column[..n]),
-            at.direction.each_ref().map(|column| &column[..n]),
-            normal.each_mut().map(|column| &mut column[..n]),
+            rows_of_mut(&mut at.origin, 0..n),
+            rows_of(&at.direction, 0..n),
+            rows_of_mut(normal, 0..n),
         );
     }
 }

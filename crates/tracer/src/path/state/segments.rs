@@ -97,30 +97,61 @@ impl Segments {
             return;
         }
         let room = len.next_power_of_two();
-        let rays = self.origin.iter_mut().chain(&mut self.direction);
-        let floats = rays.chain(&mut self.light);
-        for column in floats.chain([&mut self.side, &mut self.flux]) {
+        for column in self.floats_mut() {
             column.resize(room, 0.0);
         }
-        let turn = self.turn.iter_mut().filter(|_| self.kept.turn);
-        turn.for_each(|column| column.resize(room, 0.0));
-        for column in [
+        for column in self.integers_mut() {
+            column.resize(room, 0);
+        }
+    }
+
+    /// All columns of numbers that have rows.
+    #[inline(always)]
+    fn floats(&self) -> impl Iterator<Item = &Vec<f64>> {
+        let turns = if self.kept.turn { 2 } else { 0 };
+        let rays = self.origin.iter().chain(&self.direction);
+        let rays = rays.chain([&self.side, &self.flux]);
+        rays.chain(self.turn.iter().take(turns)).chain(&self.light)
+    }
+
+    #[inline(always)]
+    fn floats_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let turns = if self.kept.turn { 2 } else { 0 };
+        let rays = self.origin.iter_mut().chain(&mut self.direction);
+        let rays = rays.chain([&mut self.side, &mut self.flux]);
+        let turn = self.turn.iter_mut().take(turns);
+        rays.chain(turn).chain(&mut self.light)
+    }
+
+    /// All columns of integers, [`Segments::mirrored`] last.
+    #[inline(always)]
+    const fn integers(&self) -> [&Vec<u32>; 5] {
+        [
+            &self.order,
+            &self.events,
+            &self.scatterings,
+            &self.ray,
+            &self.mirrored,
+        ]
+    }
+
+    #[inline(always)]
+    const fn integers_mut(&mut self) -> [&mut Vec<u32>; 5] {
+        [
             &mut self.order,
             &mut self.events,
             &mut self.scatterings,
             &mut self.ray,
             &mut self.mirrored,
-        ] {
-            column.resize(room, 0);
-        }
+        ]
     }
 
     /// All rays, as physical directions over a tile of the given aspect ratio.
     #[inline(always)]
     pub(crate) fn rays(&self, aspect: f64) -> RayColumns<'_> {
         RayColumns {
-            origin: self.origin.each_ref().map(|column| &column[..self.len]),
-            direction: self.direction.each_ref().map(|column| &column[..self.len]),
+            origin: rows_of(&self.origin, 0..self.len),
+            direction: rows_of(&self.direction, 0..self.len),
             side: &self.side[..self.len],
             aspect,
         }
@@ -248,37 +279,12 @@ impl Segments {
     pub(crate) fn gather(&mut self, from: &Self, which: &[u32]) {
         let rows = self.len..self.len + which.len();
         self.len = rows.end;
-        for axis in 0..3 {
-            gather_column(
-                &mut self.origin[axis][rows.clone()],
-                &from.origin[axis],
-                which,
-            );
-            gather_column(
-                &mut self.direction[axis][rows.clone()],
-                &from.direction[axis],
-                which,
-            );
+        for (into, from) in self.floats_mut().zip(from.floats()) {
+            gather_column(&mut into[rows.clone()], from, which);
         }
-        gather_column(&mut self.side[rows.clone()], &from.side, which);
-        gather_column(&mut self.flux[rows.clone()], &from.flux, which);
-        if self.kept.turn {
-            for axis in 0..2 {
-                gather_column(&mut self.turn[axis][rows.clone()], &from.turn[axis], which);
-            }
+        for (into, from) in self.integers_mut().into_iter().zip(from.integers()) {
+            gather_column(&mut into[rows.clone()], from, which);
         }
-        for (column, from) in self.light.iter_mut().zip(&from.light) {
-            gather_column(&mut column[rows.clone()], from, which);
-        }
-        gather_column(&mut self.order[rows.clone()], &from.order, which);
-        gather_column(&mut self.events[rows.clone()], &from.events, which);
-        gather_column(
-            &mut self.scatterings[rows.clone()],
-            &from.scatterings,
-            which,
-        );
-        gather_column(&mut self.ray[rows.clone()], &from.ray, which);
-        gather_column(&mut self.mirrored[rows], &from.mirrored, which);
     }
 
     /// Adds copies of those of its own first `n` segments whose numbers are in `which`, but for direction, side, flux and
@@ -293,13 +299,7 @@ impl Segments {
                 copy_column(&mut rows[..end - n], from, which);
             }
         }
-        for column in [
-            &mut self.order,
-            &mut self.events,
-            &mut self.scatterings,
-            &mut self.ray,
-            &mut self.mirrored,
-        ] {
+        for column in self.integers_mut() {
             let (from, rows) = column.split_at_mut(n);
             copy_column(&mut rows[..end - n], from, which);
         }
@@ -325,4 +325,19 @@ pub(crate) fn copy_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]) 
     for (entry, &i) in into.iter_mut().zip(which) {
         *entry = column[i as usize];
     }
+}
+
+/// The same rows of some columns.
+#[inline(always)]
+pub(crate) fn rows_of<const N: usize>(columns: &[Vec<f64>; N], rows: Range<usize>) -> [&[f64]; N] {
+    columns.each_ref().map(|column| &column[rows.clone()])
+}
+
+/// The same rows of some columns, to be changed.
+#[inline(always)]
+pub(crate) fn rows_of_mut<const N: usize>(
+    columns: &mut [Vec<f64>; N],
+    rows: Range<usize>,
+) -> [&mut [f64]; N] {
+    columns.each_mut().map(|column| &mut column[rows.clone()])
 }

@@ -1,5 +1,6 @@
 //! Search: which facets the segments in flight meet, and what follows for those that meet none.
 
+use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::path::state::arrivals::Take;
@@ -159,7 +160,11 @@ impl<G: Geometry> Tracer<'_, G> {
         std::mem::swap(&mut singles, &mut batch.singles);
         hits.resize(singles.len(), None);
         for interface in [Interface::Top, Interface::Bottom] {
-            let Some((geometry, accelerator)) = self.surface(interface) else {
+            let Some(SearchedSurface {
+                geometry,
+                accelerator,
+            }) = self.surface(interface)
+            else {
                 continue;
             };
             rays.clear();
@@ -198,7 +203,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let region = single.region();
-        let Some((geometry, _)) = self.surface(region.interface) else {
+        let Some(SearchedSurface { geometry, .. }) = self.surface(region.interface) else {
             return;
         };
         if let Some(layer) = &self.layer

@@ -2,6 +2,7 @@
 
 use asperity_tally::Loss;
 
+use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::path::state::batch::Batch;
@@ -34,7 +35,7 @@ impl<G: Geometry> Tracer<'_, G> {
             direction: ray.heading.world_direction(),
             state: ray.state,
         };
-        let Some((geometry, _)) = self.surface(region.interface) else {
+        let Some(SearchedSurface { geometry, .. }) = self.surface(region.interface) else {
             // Nothing lies below a flat bottom.
             return self.push_exit(&departure(&ray), batch);
         };
@@ -65,7 +66,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         match (at.region.interface, self.surface(Interface::Bottom)) {
-            (Interface::Bottom, Some((geometry, _))) => {
+            (Interface::Bottom, Some(SearchedSurface { geometry, .. })) => {
                 let normal = geometry.normal_at(at.facet, at.heading.origin);
                 let half_space = at.region.half_space;
                 batch.at_bottom.push(&at.heading, half_space, normal, state);
