@@ -67,8 +67,8 @@ fn mean(values: &[f64]) -> f64 {
 const ORTHOGRAPHIC: Projection = Projection::Orthographic;
 const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.5 };
 
-/// In a furnace nothing can be told from anything else, since all that does not absorb passes on the same
-/// radiance. What a limit ends is dark, and said. Roulette alone makes noise, of some 0.001 in the mean.
+/// In a furnace nothing can be distinguished, since everything that does not absorb passes on equal
+/// radiance. Light that a limit ends is dark, and reported. Roulette alone makes noise, of some 0.001 in the mean.
 #[test]
 fn a_white_furnace_shows_nothing() {
     let furnace = Lights::new(1.0, 1.0, None).unwrap();

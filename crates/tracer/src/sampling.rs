@@ -1,4 +1,4 @@
-//! Where in the mean plane, and from which azimuth, rays are sent: random, stratified or quasi-random.
+//! Sampling: start positions of rays in the mean plane, and their azimuths; random, stratified or quasi-random.
 
 use std::fmt;
 use std::str::FromStr;
@@ -22,7 +22,7 @@ mod strata;
 pub use self::strata::BatchedRays;
 use self::strata::Strata;
 
-/// How the rays of a batch are spread over the mean plane and, where it is free, over azimuth.
+/// Distribution of the rays of a batch over the mean plane and, where it is free, over azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sampling {
@@ -41,7 +41,7 @@ impl Sampling {
     /// 24 MiB while they are drawn and 12 MiB afterwards.
     pub const MAX_QUASI_RANDOM_STRATA: u32 = 1 << 10;
 
-    /// Whether a batch of quasi-random rays may have `strata` along a side: powers of two up to
+    /// Returns `true` if a batch of quasi-random rays may have `strata` along a side: powers of two up to
     /// [`Sampling::MAX_QUASI_RANDOM_STRATA`]. Other batches may have any number.
     #[must_use]
     pub const fn quasi_random_strata(strata: u32) -> bool {
@@ -74,7 +74,7 @@ impl FromStr for Sampling {
     }
 }
 
-/// Where a path starts.
+/// Start of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
     /// `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions of the period along x and y, and
@@ -110,7 +110,7 @@ impl Positions {
     /// Positions of the paths of `stream`, from its first on.
     ///
     /// # Panics
-    /// As [`crate::Tracer::batches`].
+    /// For the reasons of [`crate::Tracer::batches`].
     pub(crate) fn new(
         sampling: Sampling,
         rays: &BatchedRays,

@@ -1,4 +1,4 @@
-//! The one interface behind which rays are intersected with a tile.
+//! Accelerator: the interface by which rays are intersected with a tile.
 
 use super::kind::AcceleratorKind;
 use crate::geometry::Geometry;
@@ -23,8 +23,8 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
 
-    /// The same for those of many `rays` whose numbers are in `which`: `hits` is cleared and gets an entry for each of
-    /// them.
+    /// Finds the hits of those of many `rays` whose numbers are in `which`. `hits` is cleared and gets one entry per
+    /// number.
     fn closest_hits(
         &self,
         geometry: &G,
@@ -37,7 +37,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
         hits.extend(which.iter().map(|i| self.closest_hit(geometry, &query(i))));
     }
 
-    /// The same for rays one by one; `hits` is cleared and gets one entry per query.
+    /// Finds the hits of rays given one by one. `hits` is cleared and gets one entry per query.
     fn closest_hits_of(
         &self,
         geometry: &G,
@@ -54,7 +54,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
 pub struct SearchedSurface<'a, G: Geometry> {
     /// The surface.
     pub geometry: &'a G,
-    /// How hits on it are found.
+    /// Accelerator that finds hits on it.
     pub accelerator: &'a dyn Accelerator<G>,
 }
 
@@ -70,7 +70,7 @@ impl<G: Geometry> Copy for SearchedSurface<'_, G> {}
 /// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
 pub(super) const MAX_HEIGHT_RANGE: f64 = 1e5;
 
-/// Why an accelerator cannot be built.
+/// Error of an accelerator that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {

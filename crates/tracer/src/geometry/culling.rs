@@ -1,11 +1,11 @@
-//! Outlooks: what is known of rays over a height field before they are searched, by what they have horizon.
+//! Culling: classes of rays over a height field before they are searched, by bounds on the horizon.
 
 use super::blocks::bound;
 use super::horizon_bounds::{BOUNDS, HorizonBounds};
 use super::{CullingClass, Escape, Geometry};
 use crate::ray::{HalfSpace, RayColumns, TileRay};
 
-/// Why a ray in `half_space` cannot meet a facet of a height field, if that is known: see [`Geometry::escapes`].
+/// The bound by which a ray in `half_space` hits no facet of a height field, if one does: see [`Geometry::escapes`].
 #[inline(always)]
 pub(crate) fn escapes_by<G: Geometry>(
     horizon: &HorizonBounds,

@@ -1,4 +1,4 @@
-//! The meshed surface: facets, their normals, and where a ray meets one of them.
+//! Height field: the facets of a meshed surface, their normals, and their intersection with a ray.
 
 mod cell;
 mod many;
@@ -130,7 +130,7 @@ impl Surface {
         self.scale.z(self.field.height(ix, iy))
     }
 
-    /// Whether all heights are equal.
+    /// Returns `true` if all heights are equal.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.field.is_flat()

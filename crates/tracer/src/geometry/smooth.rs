@@ -1,4 +1,4 @@
-//! The smooth surface: cells of a bicubic B-spline, where a ray meets one of them, and the normals there.
+//! Smooth surface: cells of a bicubic B-spline, their intersection with a ray, and the normals there.
 //!
 //! Along a ray, the height over a patch is a polynomial of degree six. In Bernstein form, over the stretch of the
 //! ray above the cell, its coefficients are weighted means, so rounding is that of the heights. The first place where

@@ -1,4 +1,4 @@
-//! What lies below a surface: a layer, and the shape of its bottom.
+//! Below the surface: a layer, and the shape of its bottom.
 
 use std::fmt;
 use std::str::FromStr;

@@ -16,7 +16,7 @@ pub struct TracedLayer<'a, G: Geometry> {
     bottom: Option<Bottom>,
     /// z of the mean plane of the bottom; far below everything if there is none.
     bottom_z: f64,
-    /// What is added to z to come from the coordinates of the upper surface to those of the bottom.
+    /// Offset of z from the coordinates of the upper surface to those of the bottom.
     shift: f64,
     mean_free_path: f64,
     albedo: f64,
@@ -35,7 +35,7 @@ fn rounded_up(length: f64) -> f64 {
     format!("{:.5e}", digits * unit).parse().unwrap_or(length)
 }
 
-/// Why a layer does not fit below a surface.
+/// Error of a layer that does not fit below a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TracedLayerError {
@@ -47,9 +47,9 @@ pub enum TracedLayerError {
     TooThin {
         /// Between both mean planes.
         thickness: f64,
-        /// How far the surface goes down.
+        /// Depth of the lowest point of the surface below its mean plane.
         depth: f64,
-        /// How far the bottom rises.
+        /// Height of the highest point of the bottom above its mean plane.
         height: f64,
     },
     /// A length out of proportion to the tile.
@@ -59,7 +59,7 @@ pub enum TracedLayerError {
     OutOfProportion {
         /// The mean free path or the thickness.
         what: &'static str,
-        /// What was given.
+        /// The given length.
         value: f64,
         /// The longer side of the tile, in the same unit.
         extent: f64,
@@ -75,11 +75,11 @@ pub enum TracedLayerError {
     OtherTile {
         /// Extent of the surface along x and y.
         top: [f64; 2],
-        /// How the surface continues beyond its border.
+        /// Continuation of the surface beyond its border.
         top_border: asperity_surface::Border,
         /// Extent of the bottom.
         bottom: [f64; 2],
-        /// How the bottom continues beyond its border.
+        /// Continuation of the bottom beyond its border.
         bottom_border: asperity_surface::Border,
     },
     /// An open bottom is no interface.
@@ -90,11 +90,12 @@ pub enum TracedLayerError {
 /// Mean free paths over the largest coordinate, at the least: shorter steps would drown in its rounding.
 const MIN_FREE_PATH: f64 = 1e-12;
 
-/// Mean free paths and thicknesses over the tile, at the most: of a place so far away it is still known over which
+/// Mean free paths and thicknesses over the tile, at the most: of a point so far away rounding still tells over which
 /// part of a column it lies. Flat faces are alike everywhere, and have no such limit.
 const MAX_LENGTH: f64 = 1e10;
 
-/// The same of a thickness down to a bottom with a shape, whose heights are told from its depth.
+/// Largest thickness above a bottom with a shape, over the tile. The heights of such a bottom are rounded in proportion
+/// to its depth.
 const MAX_DEPTH: f64 = 1e6;
 
 /// Scatterings inside a layer after which a path is truncated unless another number is given.
@@ -172,7 +173,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         Ok(traced)
     }
 
-    /// What the layer ends on, if it ends.
+    /// Bottom of the layer; `None` for a half space.
     pub(crate) const fn bottom(&self) -> Option<Bottom> {
         self.bottom
     }
@@ -187,7 +188,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.albedo
     }
 
-    /// How the medium scatters.
+    /// Phase function of the medium.
     pub(crate) const fn phase(&self) -> PhaseFunction {
         self.phase
     }
@@ -197,8 +198,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.max_scatterings
     }
 
-    /// How far light goes before it interacts, tile coordinates: exponentially distributed, by a uniform number in
-    /// `[0, 1)` that is a multiple of `2^-53`.
+    /// Length of a free flight, tile coordinates: exponentially distributed, by a uniform number in `[0, 1)` that is a
+    /// multiple of `2^-53`.
     #[inline(always)]
     pub(crate) fn free_flight(&self, u: f64) -> f64 {
         // One minus a number below one is above zero.
@@ -245,14 +246,14 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         heading
     }
 
-    /// The same heading in the coordinates of the upper surface.
+    /// A heading in the coordinates of `interface`, in those of the upper surface.
     #[inline]
     pub(crate) fn to_upper_surface(&self, interface: Interface, mut heading: Heading) -> Heading {
         heading.origin.z -= self.shift_to(interface);
         heading
     }
 
-    /// What is added to z to come from the coordinates of the upper surface to those of `interface`.
+    /// Offset of z from the coordinates of the upper surface to those of `interface`.
     #[inline(always)]
     pub(crate) const fn shift_to(&self, interface: Interface) -> f64 {
         match interface {
@@ -261,7 +262,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         }
     }
 
-    /// How many interfaces have a surface.
+    /// Number of interfaces that have a surface.
     #[inline]
     pub(crate) const fn interfaces(&self) -> u32 {
         match self.surface {
@@ -292,7 +293,7 @@ struct LengthRange {
     /// The longer side of the tile.
     extent: f64,
     unit: f64,
-    /// Whether there is a largest length: flat interfaces are alike everywhere, and have none.
+    /// `true` if there is a largest length. Flat interfaces are alike everywhere, and have none.
     is_limited: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Unshadowed single scattering of one surface: the sum over all of its facets.
+//! Unshadowed single scattering: the sum over all facets of one surface.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -20,8 +20,8 @@ use crate::ray::HalfSpace;
 /// Facets that are summed over at a time.
 const FACETS_OF_PART: usize = 1 << 14;
 
-/// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
-/// `incident` medium if nothing is in its way, before or after: flux fractions, summed in parallel.
+/// Unshadowed single scattering of the `facets` given by their numbers, of light from `incidence` through the `incident`
+/// medium: flux fractions, summed in parallel. Nothing blocks the light before or after the facet.
 ///
 /// Sums over parts of the facets add up to that over all; [`unshadowed_fluxes`] reads the sum.
 #[must_use]

@@ -1,4 +1,4 @@
-//! The light, and where its paths start.
+//! Illumination: the light, and the start points of its paths.
 
 use asperity_optics::Incidence;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::sampling::Sampling;
 use crate::settings::Polarisation;
 
-/// Where the paths of a batch start.
+/// Start points of the paths of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {
@@ -21,16 +21,15 @@ pub enum Starts {
 /// Light that falls on a surface, and how its rays are chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Illumination {
-    /// Where it comes from.
+    /// Direction of incidence.
     pub incidence: Incidence,
-    /// Whether each ray comes from an azimuth of its own, uniformly drawn; what leaves is turned back, so
-    /// that its azimuths are as if the light had come from that of `incidence`. Of vertical light all
-    /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
-    /// ([`asperity_tally::Azimuth::Free`]).
+    /// `true` if each ray comes from an azimuth of its own, uniformly drawn. Light that leaves is turned back, so that
+    /// its azimuths are as if the light had come from that of `incidence`. All azimuths of vertical light are one: none
+    /// is drawn, and light that leaves is spread evenly over azimuth ([`asperity_tally::Azimuth::Free`]).
     pub any_azimuth: bool,
-    /// How they are spread over the mean plane and, where it is free, over azimuth.
+    /// Distribution of the rays over the mean plane and, where it is free, over azimuth.
     pub sampling: Sampling,
-    /// Where paths start.
+    /// Start points of the paths.
     pub starts: Starts,
     /// Q, U and V over I of the light, in the axes of its ray; zeros for unpolarised light. Paths that average ignore it, and a
     /// Mueller matrix holds for any.
@@ -53,8 +52,8 @@ impl Illumination {
         }
     }
 
-    /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes to which its polarisation or a
-    /// Mueller matrix refers.
+    /// Returns `true` if each ray has an azimuth of its own. Vertical light has none to draw, except for the axes to
+    /// which its polarisation or a Mueller matrix refers.
     pub(crate) fn turns(&self, polarisation: Polarisation) -> bool {
         let has_axes = polarisation == Polarisation::Mueller || self.stokes != [0.0; 3];
         self.any_azimuth && (has_axes || !self.incidence.is_vertical())

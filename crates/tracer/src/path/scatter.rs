@@ -1,4 +1,4 @@
-//! Scatter: what facets do with the light that has arrived, and which branches continue.
+//! Scatter: reflects and transmits the light that has arrived, and decides which branches continue.
 
 pub(crate) mod branch;
 pub(crate) mod facets;

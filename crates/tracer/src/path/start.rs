@@ -1,4 +1,4 @@
-//! Start: where the paths of a batch begin, at the highest point or at points of the surface that the light reaches.
+//! Start: begins the paths of a batch, at the highest point or at points of the surface that the light reaches.
 
 pub(crate) mod beam;
 pub(crate) mod emission;

@@ -77,7 +77,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// The same with a layer of medium below the surface.
+    /// This tracer with a layer of medium below the surface.
     ///
     /// # Panics
     /// Unless the light comes from above onto a dielectric: there is no medium elsewhere.
@@ -93,7 +93,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// The same with the given instructions, or portably where the machine lacks them.
+    /// This tracer with the given instructions, or portably if the machine lacks them.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
@@ -105,7 +105,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Traces one batch of `strata * strata` rays: as [`Tracer::batches`].
     ///
     /// # Panics
-    /// As [`Tracer::batches`] and [`BatchedRays::of_one`].
+    /// For the reasons of [`Tracer::batches`] and [`BatchedRays::of_one`].
     pub fn batch(
         &self,
         illumination: &Illumination,

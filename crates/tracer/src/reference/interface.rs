@@ -1,4 +1,4 @@
-//! Interface: moves a path to an interface, and says what the interface does with its light.
+//! Interface: moves a path to an interface, and divides its light there.
 
 use asperity_optics::{Bottom, Material};
 use glam::DVec3;
@@ -52,7 +52,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         })
     }
 
-    /// What an interface does with the light of a path that has come to it, at a place of normal `m`.
+    /// Divides the light of a path that has come to an interface, at a point of normal `m`.
     pub(super) fn divided<R: Rng>(
         &self,
         interface: Interface,
@@ -78,7 +78,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         }
     }
 
-    /// What an interface is for light that comes through `space`.
+    /// Kind of an interface for light that comes through `space`.
     fn face(&self, interface: Interface, space: Space) -> Face {
         let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
         let (material, incident) = match (interface, bottom) {
@@ -96,7 +96,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     }
 }
 
-/// What a path meets at an interface.
+/// Kind of an interface that a path has come to.
 #[derive(Clone, Copy)]
 enum Face {
     /// A facet that reflects and refracts, of that material for the light that comes.

@@ -1,4 +1,4 @@
-//! Positions of the plane in an order that keeps neighbours together.
+//! Morton order: positions of the plane in an order that keeps neighbours together.
 
 use std::ops::Range;
 

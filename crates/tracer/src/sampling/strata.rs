@@ -25,7 +25,7 @@ impl BatchedRays {
     /// All rays of one batch of `strata * strata` rays.
     ///
     /// # Panics
-    /// As [`BatchedRays::new`].
+    /// For the reasons of [`BatchedRays::new`].
     #[must_use]
     pub fn of_one(strata: u32) -> Self {
         Self::new(strata, 1, 0..strata * strata)
@@ -82,7 +82,7 @@ impl BatchedRays {
         (self.strata as u64).pow(2)
     }
 
-    /// Whether these are all rays of a single batch.
+    /// Returns `true` if these are all rays of a single batch.
     #[must_use]
     pub fn is_one_batch(&self) -> bool {
         self.batches == 1 && (0..self.strata * self.strata) == self.part

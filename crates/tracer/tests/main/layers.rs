@@ -53,13 +53,12 @@ impl Scene {
             .bottom
             .as_ref()
             .map(|bottom| (bottom, bottom.accelerator(self.accelerator).unwrap()));
-        let shape = match &below {
-            None => None,
-            Some((geometry, accelerator)) => Some(SearchedSurface {
+        let shape = below
+            .as_ref()
+            .map(|(geometry, accelerator)| SearchedSurface {
                 geometry: *geometry,
                 accelerator: &**accelerator,
-            }),
-        };
+            });
         let layer =
             TracedLayer::new(&self.surface, &self.layer, shape, self.max_scatterings).unwrap();
         let tracer = Tracer::new(

@@ -51,7 +51,7 @@ const COS_RADIUS: f64 = 0.85;
 /// each, 3.76 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
 const BOUND: f64 = 3.85;
 
-/// What comes straight out of the medium of a sun of radiance one, seen along lines from above.
+/// Light straight out of the medium, of a sun of radiance one, seen along lines from above.
 struct Found {
     /// By beams, and by chance.
     sums: BatchStatistics,

@@ -31,7 +31,7 @@ struct Scene {
     theta_deg: f64,
     polarisation: Polarisation,
     incident: Stokes,
-    /// Where paths begin: above the tile up to here, tile coordinates.
+    /// Upper limits of start positions, above the tile, tile coordinates.
     starts: [f64; 2],
     seed: u64,
 }
@@ -295,7 +295,7 @@ fn a_mirrored_border_is_a_surface_with_its_mirror_images() {
     }
 }
 
-/// What was scattered once leaves polarised across the plane of scattering, by `(1 - mu^2) / (1 + mu^2)`.
+/// Light scattered once leaves polarised across the plane of scattering, by `(1 - mu^2) / (1 + mu^2)`.
 #[test]
 fn rayleigh_scattering_polarises_across_its_plane() {
     let scene = Scene {

@@ -184,7 +184,7 @@ fn powers_of_two_of_scale_change_nothing() {
     }
 }
 
-/// What bounds on slopes and heights tell of a ray is true, and the same for many rays as for one.
+/// Bounds on slopes and heights decide correctly for a ray, and alike for many rays and for one.
 #[test]
 fn rays_that_escape_by_bounds_meet_nothing() {
     for (name, surface) in surfaces() {
@@ -213,7 +213,7 @@ fn rays_that_escape_by_bounds_meet_nothing() {
     }
 }
 
-/// What heights nearby tell of a short stretch is what brute force finds on it.
+/// Heights nearby decide for a short stretch as brute force does.
 #[test]
 fn what_is_told_of_a_short_stretch_is_true() {
     for (name, surface) in surfaces() {

@@ -1,4 +1,4 @@
-//! Cells: what the searches in f32 ask of the kind of cells that a surface consists of, one file for each kind.
+//! Cells: the tests of a kind of cells that the searches in f32 need, implemented in one file per kind.
 
 use super::bounds::{Bounds, Table};
 #[cfg(target_arch = "x86_64")]
@@ -14,10 +14,10 @@ pub(super) trait SearchedGrid: Grid {
     /// times as much, so that rays first try the bound of a cell, and wait for others that have to be tested.
     const LOWEST_LEVEL: usize;
 
-    /// Whether cells are divided along the diagonal, so that a ray that begins near it is near two facets.
+    /// `true` if cells are divided along the diagonal, so that a ray that begins near it is near two facets.
     const HAS_DIAGONAL: bool;
 
-    /// What tests read.
+    /// Table that tests of cells read.
     fn table(&self) -> Table;
 
     /// Writes the bounds of the lowest level.
@@ -26,7 +26,7 @@ pub(super) trait SearchedGrid: Grid {
     /// Tests the cell that a ray enters at `t`.
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test;
 
-    /// The same for all lanes. Lanes that are not at cells return unspecified values.
+    /// Tests the cells of all lanes. Lanes that are not at cells return unspecified values.
     #[cfg(target_arch = "x86_64")]
     fn test_lanes<L: Lanes>(
         lanes: L,
@@ -36,12 +36,12 @@ pub(super) trait SearchedGrid: Grid {
     ) -> CellsMet<L>;
 }
 
-/// Where a ray leaves the node that it is in.
+/// Exit of a ray from the node that it is in.
 pub(super) struct Exit {
     pub(super) t: f32,
     /// Height there.
     pub(super) z: f32,
-    /// Whether through the edge across x.
+    /// `true` if it leaves through the edge across x.
     pub(super) across_x: bool,
     /// Column and row ahead, at the level of the node.
     pub(super) ahead: [i32; 2],
@@ -49,7 +49,7 @@ pub(super) struct Exit {
     pub(super) margin: f32,
 }
 
-/// What a ray finds in a node or cell.
+/// Result of the test of a node or cell.
 pub(super) enum Test {
     /// The surface in the cell.
     Met,

@@ -1,4 +1,4 @@
-//! Flights inside the layer below a surface: from interaction to interaction, all of a round together.
+//! Flights: take light inside the layer from interaction to interaction, all of a round together.
 //!
 //! Each round takes all flights one on: to a facet (`query.rs`), to the flat bottom (`bottom.rs`), or to where the
 //! medium scatters them (`medium.rs`).

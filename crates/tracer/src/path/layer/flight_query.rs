@@ -355,7 +355,7 @@ fn ahead<G: Geometry>(
     }
 }
 
-/// Whether flight number `i` ends in the tile in which it was searched.
+/// Returns `true` if flight number `i` ends in the tile in which it was searched.
 fn ends_in_tile<G: Geometry>(geometry: &G, flights: &Flights, i: usize) -> bool {
     let heading = flights.at.heading(i);
     let end = heading

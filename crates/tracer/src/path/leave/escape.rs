@@ -1,4 +1,4 @@
-//! Escape: which segments leave without a search, and how light that leaves for good is told to the tally.
+//! Escape: finds the segments that leave without a search, and adds light that leaves for good to the tally.
 
 use asperity_tally::{EventPath, Exit, ExitColumns, Loss, Side, Tallies};
 use glam::{DVec2, DVec3};
@@ -323,7 +323,7 @@ mod tests {
             Elsewhere,
         ];
         let flux = [1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 1.0, 0.0];
-        // What was there before goes.
+        // Earlier entries are removed.
         let [mut searched, mut escaped, mut elsewhere] = [vec![7; 20], vec![7; 20], vec![7; 20]];
         let mut work = Work::default();
         let into = [&mut searched, &mut escaped, &mut elsewhere];

@@ -1,5 +1,4 @@
-//! Shadowing and masking: visibility rays towards the light, and what the control variate needs to know of light
-//! that is shadowed before its first facet or masked behind it.
+//! Shadowing and masking: tallies, for the control variate, light that is shadowed before its first facet or masked behind it.
 
 use asperity_tally::Event;
 

@@ -1,4 +1,4 @@
-//! Branches: makes of all light that facets have scattered the segments that leave them, in place.
+//! Branches: turns scattered light into the segments that leave the facets, in place.
 
 use crate::path::state::scattered::ScatteredLight;
 use crate::path::state::segments::{Segments, copy_column};

@@ -1,4 +1,4 @@
-//! Scatter: the light that facets reflect and transmit, many at a time, by [`crate::interaction::facet::scatter`].
+//! Facets: reflect and transmit light, many at a time, by [`crate::interaction::facet::scatter`].
 //!
 //! Arrivals are taken in blocks of a few rows, which are copied to arrays, so that the compiler sees that nothing overlaps, and
 //! makes vector instructions of plain code for one row.

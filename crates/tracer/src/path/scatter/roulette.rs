@@ -20,7 +20,7 @@ impl Roulette {
         }
     }
 
-    /// The same, but for the branches that leave a first interaction.
+    /// Russian roulette that spares the branches of a first interaction.
     pub(crate) const fn sparing_first(self) -> Self {
         Self {
             spares_first: true,
@@ -28,7 +28,7 @@ impl Roulette {
         }
     }
 
-    /// Whether it decides on a branch; `is_first`: the branch leaves the first interaction.
+    /// Returns `true` if it decides on a branch; `is_first`: the branch leaves the first interaction.
     #[inline(always)]
     pub(crate) fn decides(&self, flux: f64, is_first: bool) -> bool {
         (flux > 0.0) & (flux < self.threshold) & !(self.spares_first & is_first)

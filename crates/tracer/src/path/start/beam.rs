@@ -1,4 +1,4 @@
-//! Beam: the collimated light that falls on a surface, and where its rays start.
+//! Beam: the collimated light that falls on a surface, and the start points of its rays.
 
 use asperity_optics::Incidence;
 use asperity_surface::Border;
@@ -63,7 +63,7 @@ impl Beam {
         self.wi
     }
 
-    /// Whether its rays are vertical.
+    /// Returns `true` if its rays are vertical.
     pub(crate) fn is_vertical(&self) -> bool {
         self.wi.truncate() == DVec2::ZERO
     }
@@ -79,7 +79,7 @@ impl Beam {
         }
     }
 
-    /// Where the ray of that position begins whose direction has the components `[dx, dy]`.
+    /// Start point of the ray at that position whose direction has the components `[dx, dy]`.
     #[inline(always)]
     pub(crate) fn origin(&self, position: [f64; 2], [dx, dy]: [f64; 2]) -> DVec3 {
         let [x, y] = self.position(position);
@@ -90,7 +90,7 @@ impl Beam {
         )
     }
 
-    /// Where `[u, v]` of the window is.
+    /// Point `[u, v]` of the window, tile coordinates.
     #[inline(always)]
     pub(crate) fn position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let ([x, y], [width, depth]) = (self.corner, self.size);

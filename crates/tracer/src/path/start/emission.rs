@@ -1,4 +1,4 @@
-//! Emission: where the paths of a batch start.
+//! Emission: starts the paths of a batch.
 
 use std::ops::Range;
 
@@ -85,7 +85,7 @@ impl<G: Geometry> Tracer<'_, G> {
         self.turn_polarisation(beam, batch.stokes, rows, &mut batch.segments);
     }
 
-    /// Starts paths at points of the surface that see the light.
+    /// Starts paths at points of the surface that the light reaches.
     fn start_on_surface(&self, beam: &Beam, starts: &[Start], batch: &mut Batch<'_, G::Facet>) {
         batch.instructions.run(StartOnSurface {
             geometry: self.geometry,
@@ -99,7 +99,7 @@ impl<G: Geometry> Tracer<'_, G> {
         self.begin_visibility_rays(batch);
     }
 
-    /// What rays carry that start with `direction`.
+    /// State of the rays that start with `direction`.
     fn incident_state(&self, direction: DVec3, batch: &Batch<'_, G::Facet>) -> IncidentState {
         IncidentState {
             direction,
@@ -108,8 +108,8 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// How light from an azimuth turned by `turn` is polarised, in the axes of its ray. Those of vertical rays do not turn
-    /// with the azimuth, so the light does.
+    /// Polarisation of light from an azimuth turned by `turn`, in the axes of its ray. Those of vertical rays do not
+    /// turn with the azimuth, so the light does.
     fn incident_light(&self, beam: &Beam, turn: DVec2, stokes: [f64; 3]) -> LightState {
         let polarisation = self.settings.polarisation;
         let light = LightState::incident(polarisation, stokes);
@@ -119,7 +119,7 @@ impl<G: Geometry> Tracer<'_, G> {
         light.turned(polarisation, axes_turned(DVec3::NEG_Z, turn).inverse())
     }
 
-    /// Sets what [`Tracer::incident_light`] says of each of the segments in `rows`, which carry the light of azimuth zero.
+    /// Sets the polarisation of each of the segments in `rows` by [`Tracer::incident_light`]; they carry that of azimuth zero.
     fn turn_polarisation(
         &self,
         beam: &Beam,

@@ -1,4 +1,4 @@
-//! Visibility: rays from points of the surface towards the light, which tell where paths start that begin on the surface.
+//! Visibility: rays from points of the surface towards the light, which decide whether paths start there.
 
 use asperity_tally::Loss;
 

@@ -1,4 +1,4 @@
-//! Arrivals: light at the facets of the upper surface that it has met, field by field.
+//! Arrivals: light at the facets that it has hit, field by field.
 
 use crate::geometry::Geometry;
 use crate::path::state::path_state::{Arrival, PathState};

@@ -61,15 +61,15 @@ pub(crate) struct Batch<'r, F> {
     pub(crate) instructions: Instructions,
     /// Q, U and V over I of the light that falls on the surface.
     pub(crate) stokes: [f64; 3],
-    /// Whether light is followed on behind the first facet that it has met, to shadowed facets.
+    /// `true` if light is followed on behind the first facet that it has met, to shadowed facets.
     pub(crate) traces_shadows: bool,
     /// Segments of paths in their first tile.
     pub(crate) segments: Segments,
-    /// Those of them that are searched in this round.
+    /// Segments that are searched in this round.
     pub(crate) searched: Vec<u32>,
     /// All other segments that are searched.
     pub(crate) singles: Vec<SingleSegment<F>>,
-    /// Lines of sight of this round from starts on the surface.
+    /// Visibility rays of this round from starts on the surface.
     pub(crate) visibility_rays: VisibilityRays<F>,
     /// Starts of this round.
     pub(crate) starts: Vec<Start>,
@@ -90,7 +90,7 @@ pub(crate) struct Batch<'r, F> {
     pub(crate) met: Vec<u32>,
     pub(crate) escaped: Vec<u32>,
     pub(crate) elsewhere: Vec<u32>,
-    /// Whether each of the segments elsewhere escapes.
+    /// `true` for each of the segments elsewhere that escapes.
     pub(crate) escape: Vec<bool>,
     pub(crate) single_search: SingleSearch<F>,
     pub(crate) interactions: Interactions,
@@ -156,13 +156,13 @@ impl<'r, F: Copy> Batch<'r, F> {
         self.tally_of(of.ray).add_loss(loss, flux);
     }
 
-    /// Number of segments in flight, without the lines of sight.
+    /// Number of segments in flight, without the visibility rays.
     pub(crate) fn in_flight(&self) -> usize {
         let inside = self.flights.at.len + self.entering.len;
         self.searched.len() + self.singles.len() + self.arrivals.len() + inside
     }
 
-    /// Whether no segment is left.
+    /// Returns `true` if no segment is left.
     pub(crate) fn is_finished(&self) -> bool {
         self.in_flight() == 0 && self.visibility_rays.need_no_search()
     }

@@ -1,4 +1,4 @@
-//! Flights: segments inside the layer below a surface, field by field, and the stages that move them.
+//! Flights: segments inside the layer below a surface, field by field.
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
@@ -15,14 +15,14 @@ pub(crate) type Numbers = [Vec<f64>; 6];
 pub(crate) struct Flights {
     /// Their segments, in the coordinates of the upper surface; of flux zero where a path has ended.
     pub(crate) at: Segments,
-    /// How far each goes before it interacts with the medium.
+    /// Length of each flight up to its interaction with the medium.
     pub(crate) length: Vec<f64>,
-    /// How many of the interfaces ahead it is known not to meet, by searches.
+    /// Number of interfaces ahead that searches have excluded.
     pub(crate) clear_of: Vec<u32>,
-    /// How far each goes at the most: to its end or to a flat bottom.
+    /// Largest distance that each can fly: to its end or to a flat bottom.
     pub(crate) reach: Vec<f64>,
     pub(crate) ends_at_bottom: Vec<bool>,
-    /// Whether each lies beyond all heights of the interface that is looked at.
+    /// `true` for each flight that lies beyond all heights of the interface under test.
     pub(crate) is_outside: Vec<bool>,
 }
 

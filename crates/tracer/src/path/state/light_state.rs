@@ -8,7 +8,7 @@ use crate::interaction::polarised::{
 };
 use crate::settings::Polarisation;
 
-/// What a single path carries: as many numbers as its treatment of polarisation needs, and zeros.
+/// Polarisation of a single path: as many numbers as its treatment requires, then zeros.
 #[derive(Clone, Copy)]
 pub(crate) struct LightState(pub(crate) [f64; MAX_NUMBERS]);
 
@@ -28,7 +28,7 @@ impl LightState {
         }
     }
 
-    /// The same light in axes that are turned about its ray.
+    /// This light in axes that are turned about its ray.
     pub(crate) fn turned(mut self, polarisation: Polarisation, turn: Turn) -> Self {
         let [q, u, v, rest @ ..] = self.0;
         if polarisation != Polarisation::Mueller {
@@ -52,7 +52,7 @@ impl LightState {
         [q, u, v]
     }
 
-    /// How many numbers a path carries.
+    /// Number of numbers that a path carries.
     #[inline]
     pub(crate) const fn len(polarisation: Polarisation) -> usize {
         match polarisation {

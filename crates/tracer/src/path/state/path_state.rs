@@ -1,4 +1,4 @@
-//! Path state and path segments: what a path carries, where its rays are, and what they are traced for.
+//! Path state: the quantities that a single path carries, its ray, and the purpose of that ray.
 
 use asperity_optics::{Turn, reference_axes};
 use asperity_tally::EventPath;
@@ -11,20 +11,20 @@ use crate::random::Step;
 use crate::ray::{HalfSpace, Query};
 use crate::settings::Polarisation;
 
-/// What a path carries from one interaction to the next.
+/// State of a path from one interaction to the next.
 #[derive(Clone, Copy)]
 pub(crate) struct PathState {
     /// Flux, as a fraction of that of the incident ray: the throughput of the path.
     pub(crate) flux: f64,
     /// Its interactions with interfaces.
     pub(crate) events: EventPath,
-    /// How often it was scattered inside the layer.
+    /// Number of scatterings inside the layer.
     pub(crate) scatterings: u32,
     /// Number of the path in its batch.
     pub(crate) ray: u32,
     /// Cosine and sine of the angle by which exit directions are turned about the vertical.
     pub(crate) turn: DVec2,
-    /// How its light is polarised, in the axes of its ray in the world.
+    /// Polarisation of its light, in the axes of its ray in the world.
     pub(crate) light: LightState,
 }
 
@@ -40,7 +40,7 @@ impl PathState {
         self.light.turned(polarisation, axes_turned(wo, back))
     }
 
-    /// Where along its path the next random numbers are used.
+    /// Step of its path at which the next random numbers are used.
     #[inline(always)]
     pub(crate) const fn step(&self) -> Step {
         Step {
@@ -50,7 +50,7 @@ impl PathState {
     }
 }
 
-/// Where a ray is: at which interface, and on which side of it.
+/// Region of a ray: the interface, and the side of it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Region {
     pub(crate) interface: Interface,
@@ -110,7 +110,7 @@ pub(crate) struct Departure {
     pub(crate) state: PathState,
 }
 
-/// What a ray is traced for.
+/// Purpose of a ray.
 pub(crate) enum RayKind<F> {
     /// The light of a path.
     Path,
@@ -134,7 +134,7 @@ pub(crate) struct SingleSegment<F> {
 }
 
 impl<F> SingleSegment<F> {
-    /// Where the ray is.
+    /// Region of the ray.
     #[inline]
     pub(crate) const fn region(&self) -> Region {
         Region {

@@ -1,4 +1,4 @@
-//! Segments: path segments field by field, so that stages over many of them take vector instructions.
+//! Segments: path segments as a structure of arrays, so that stages over many of them take vector instructions.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use crate::ray::{HalfSpace, RayColumns};
 use crate::sampling::Start;
 use crate::settings::Polarisation;
 
-/// What paths keep besides their rays and their flux.
+/// Quantities that paths keep besides their rays and their flux.
 #[derive(Clone, Copy)]
 pub(crate) struct Kept {
     /// The light comes from any azimuth, and exits are turned back.
     pub(crate) turn: bool,
-    /// What is known of the polarisation.
+    /// Polarisation that paths carry.
     pub(crate) polarisation: Polarisation,
 }
 
@@ -28,7 +28,7 @@ impl Kept {
     };
 }
 
-/// What all starts have in common, before they are turned by their azimuths.
+/// State that all starts share, before they are turned by their azimuths.
 pub(crate) struct IncidentState {
     /// Unit vector in physical lengths, before it is turned by the azimuth of a start.
     pub(crate) direction: DVec3,
@@ -157,7 +157,7 @@ impl Segments {
         }
     }
 
-    /// Where segment `i` begins and goes.
+    /// Heading with which segment `i` begins.
     pub(crate) fn heading(&self, i: usize) -> Heading {
         let at = |[x, y, z]: &[Vec<f64>; 3]| DVec3::new(x[i], y[i], z[i]);
         Heading {
@@ -172,7 +172,7 @@ impl Segments {
         HalfSpace::from_sign(self.side[i])
     }
 
-    /// What the path of segment `i` carries.
+    /// State of the path of segment `i`.
     pub(crate) fn state(&self, i: usize) -> PathState {
         PathState {
             flux: self.flux[i],
@@ -188,7 +188,7 @@ impl Segments {
         }
     }
 
-    /// How the light of segment `i` is polarised.
+    /// Polarisation of the light of segment `i`.
     pub(crate) fn light_state(&self, i: usize) -> LightState {
         let mut state = LightState::NONE;
         for (number, column) in state.0.iter_mut().zip(&self.light) {
@@ -234,7 +234,7 @@ impl Segments {
                 let turn = start.turn();
                 let direction = turned(light.direction, turn);
                 (dx[i], dy[i]) = (direction.x, direction.y);
-                // What leaves is turned back
+                // Light that leaves is turned back
                 (cos[i], sin[i]) = (turn.x, -turn.y);
             }
         }
@@ -319,7 +319,7 @@ pub(crate) fn gather_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]
     }
 }
 
-/// The same of a column of any length.
+/// Copies the entries of a column of any length whose numbers are in `which`.
 #[inline(always)]
 pub(crate) fn copy_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]) {
     for (entry, &i) in into.iter_mut().zip(which) {
@@ -327,13 +327,13 @@ pub(crate) fn copy_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]) 
     }
 }
 
-/// The same rows of some columns.
+/// Some rows of several columns.
 #[inline(always)]
 pub(crate) fn rows_of<const N: usize>(columns: &[Vec<f64>; N], rows: Range<usize>) -> [&[f64]; N] {
     columns.each_ref().map(|column| &column[rows.clone()])
 }
 
-/// The same rows of some columns, to be changed.
+/// Some rows of several columns, to be changed.
 #[inline(always)]
 pub(crate) fn rows_of_mut<const N: usize>(
     columns: &mut [Vec<f64>; N],

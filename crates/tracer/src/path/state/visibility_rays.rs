@@ -1,4 +1,4 @@
-//! VisibilityRays: lines of sight from points of the surface towards the light, field by field.
+//! Visibility rays: rays from points of the surface towards the light, field by field.
 
 use crate::geometry::CullingClass;
 use crate::path::state::arrivals::Arrivals;
@@ -6,15 +6,15 @@ use crate::path::state::path_state::{Arrival, PathState, Region};
 use crate::path::state::segments::Kept;
 use crate::periodic::Heading;
 
-/// Lines of sight of one round, field by field.
+/// Visibility rays of one round, field by field.
 pub(crate) struct VisibilityRays<F> {
-    /// Paths at the points where they start if these are lit, with rays towards the light; the flux is zero where the facet faces
-    /// away from it.
+    /// Paths at the points where they start unless these are shadowed, with rays towards the light. The flux is zero where the
+    /// facet faces away from it.
     pub(crate) from: Arrivals<F>,
     pub(crate) classes: Vec<CullingClass>,
-    /// Those that have to be searched.
+    /// Rays that have to be searched.
     pub(crate) searched: Vec<u32>,
-    /// Those that see the light.
+    /// Rays that reach the light.
     pub(crate) visible: Vec<u32>,
 }
 
@@ -34,7 +34,7 @@ impl<F: Copy> VisibilityRays<F> {
         }
     }
 
-    /// Whether none has to be searched.
+    /// Returns `true` if none has to be searched.
     pub(crate) fn need_no_search(&self) -> bool {
         self.searched.is_empty()
     }
@@ -56,7 +56,7 @@ impl<F: Copy> VisibilityRays<F> {
     }
 }
 
-/// The other way.
+/// A heading in the opposite direction.
 pub(crate) fn reversed(heading: &Heading) -> Heading {
     Heading {
         direction: -heading.direction,

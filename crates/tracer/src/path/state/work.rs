@@ -1,11 +1,11 @@
-//! Work: counts what a batch took.
+//! Work: counts of the work that a batch took.
 
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::Escape;
 use crate::periodic::TraversalEnd;
 
-/// What was done, counted.
+/// Counts of the work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Work {
     /// Incident rays.
@@ -14,7 +14,8 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search, free flights inside a medium among them.
     pub segments_skipped: u64,
-    /// Those of them skipped by bounds on slopes and heights ahead, not by the steepest facets of the whole surface.
+    /// Segments skipped by bounds on slopes and heights ahead, not by the steepest facets of the whole surface; counted
+    /// in `segments_skipped` too.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_recorded: u64,

@@ -1,4 +1,4 @@
-//! Search: which facets the segments in flight meet, and what follows for those that meet none.
+//! Search: finds the facets that the segments in flight hit, and continues the segments that hit none.
 
 use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;

@@ -1,4 +1,4 @@
-//! Traversal: where rays begin, what they meet, and how they end that are traced one by one.
+//! Single rays: begin, hit and end of rays that are traced one by one.
 
 use asperity_tally::Loss;
 
@@ -75,7 +75,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// What follows from a facet that a single segment has met, by the kind of its ray.
+    /// Continues a single segment at the facet that it has hit, by the kind of its ray.
     pub(crate) fn meet(
         &self,
         single: &SingleSegment<G::Facet>,

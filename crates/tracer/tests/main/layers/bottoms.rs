@@ -1,4 +1,4 @@
-//! What a layer may end on.
+//! Bottoms on which a layer may end.
 
 use asperity_optics::{Bottom, dielectric};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
