@@ -57,7 +57,7 @@ pub fn around(axis: DVec3, mu: f64, turn: f64) -> DVec3 {
     w * (1.5 - 0.5 * w.length_squared())
 }
 
-/// Why a direction of incidence is refused.
+/// Error of an invalid direction of incidence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IncidenceError {
@@ -133,7 +133,7 @@ impl Incidence {
         self.phi.to_degrees()
     }
 
-    /// Whether the light comes from straight above, so that its azimuth has no meaning.
+    /// Returns `true` if the light comes from straight above, so that its azimuth has no meaning.
     #[must_use]
     pub fn is_vertical(self) -> bool {
         self.theta.sin() == 0.0

@@ -55,7 +55,7 @@ pub struct Slab {
     pub bottom: Bottom,
 }
 
-/// Why a layer is refused.
+/// Error of an invalid layer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LayerError {
@@ -116,7 +116,7 @@ impl Layer {
         self.slab
     }
 
-    /// Whether light that enters may leave on the other side.
+    /// Returns `true` if light that enters may leave on the other side.
     #[must_use]
     pub fn transmits(&self) -> bool {
         match self.slab {

@@ -47,7 +47,7 @@ pub enum Material {
     },
 }
 
-/// Why a material is refused.
+/// Error of an invalid material.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MaterialError {
@@ -98,7 +98,7 @@ impl Material {
         Ok(Self::Lambertian { reflectance })
     }
 
-    /// Whether a facet reflects light in all directions, not in the mirror direction.
+    /// Returns `true` if a facet reflects light in all directions, not in the mirror direction.
     #[must_use]
     pub const fn is_diffuse(&self) -> bool {
         matches!(self, Self::Lambertian { .. })
@@ -120,7 +120,7 @@ impl Material {
         }
     }
 
-    /// The same for polarised light, in the axes of the plane of incidence.
+    /// Fresnel terms for polarised light, in the axes of the plane of incidence.
     ///
     /// `m00` is the fraction that [`Self::fresnel`] gives: bit by bit, but for conductors to rounding. A
     /// diffuse material depolarises, which no [`FacetMueller`] does: of it `m00` alone is given.
@@ -149,8 +149,8 @@ impl Material {
         }
     }
 
-    /// The same interface for light from the other side: a dielectric has the inverse index, an opaque material
-    /// stays as it is.
+    /// This interface for light from the other side: a dielectric has the inverse index, an opaque material is
+    /// unchanged.
     #[must_use]
     pub const fn reversed(self) -> Self {
         match self {

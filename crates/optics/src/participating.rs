@@ -14,7 +14,7 @@ pub struct ParticipatingMedium {
     phase: PhaseFunction,
 }
 
-/// Why a medium is refused.
+/// Error of an invalid medium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParticipatingMediumError {
@@ -25,7 +25,7 @@ pub enum ParticipatingMediumError {
     BadCoefficient {
         /// Absorption or scattering.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// The mean free path is out of range.
@@ -110,7 +110,7 @@ impl ParticipatingMedium {
         self.phase
     }
 
-    /// Whether the medium neither absorbs nor scatters.
+    /// Returns `true` if the medium neither absorbs nor scatters.
     #[must_use]
     pub const fn is_clear(&self) -> bool {
         self.extinction == 0.0

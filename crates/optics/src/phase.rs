@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::direction::around;
 
-/// How light is scattered inside a medium, by the angle between the directions before and after.
+/// Phase function: the distribution of light scattered inside a medium, by the angle between the directions before and
+/// after.
 ///
 /// # Examples
 /// ```
@@ -35,7 +36,7 @@ pub enum PhaseFunction {
     Rayleigh,
 }
 
-/// Why a phase function is refused.
+/// Error of an invalid phase function.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhaseFunctionError {
@@ -109,7 +110,7 @@ fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
     (numerator / (2.0 * root * root)).clamp(-1.0, 1.0)
 }
 
-/// As [`henyey_greenstein_cosine`], for Rayleigh: the real root of `mu^3 + 3 mu = 4 s`.
+/// Cosine of the Rayleigh scattering angle: the real root of `mu^3 + 3 mu = 4 s`. See [`henyey_greenstein_cosine`].
 #[inline(always)]
 fn rayleigh_cosine(s: f64) -> f64 {
     (2.0 * ((2.0 * s).asinh() / 3.0).sinh()).clamp(-1.0, 1.0)

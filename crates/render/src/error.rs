@@ -1,4 +1,4 @@
-//! Error: why there is no picture.
+//! Error: the reasons for which a picture cannot be made.
 
 use asperity_simulate::SimulateError;
 use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
@@ -6,7 +6,7 @@ use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
 use crate::settings::MAX_PIXELS;
 use crate::view::ViewError;
 
-/// Why there is no picture.
+/// Error of a picture that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {

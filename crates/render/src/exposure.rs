@@ -2,7 +2,7 @@
 
 use asperity_io::Picture;
 
-/// How much brighter than half of the pixels white may be: beyond that a few highlights would leave all else black.
+/// Upper limit of the white level over the median pixel. Beyond it a few highlights would leave everything else black.
 const MAX_OVER_MEDIAN: f64 = 4.0;
 
 /// The factor from radiance to brightness, where one is white: nine tenths of white at the 99th percentile of the

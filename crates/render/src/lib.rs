@@ -58,13 +58,13 @@ pub struct RenderOutcome {
     /// Mean fraction of the light of a camera ray that was truncated by a limit, not counting roulette, which is zero
     /// on average.
     pub truncated: f64,
-    /// The same of light that left an open patch sideways.
+    /// Mean fraction of the light of a camera ray that left an open patch sideways.
     pub left_patch: f64,
-    /// The same of light that failed numerically.
+    /// Mean fraction of the light of a camera ray that failed numerically.
     pub lost: f64,
     /// Seconds for building and for tracing.
     pub seconds: [f64; 2],
-    /// What stopped it early, if anything did.
+    /// Reason for an early stop, if there was one.
     pub stopped_by: Option<StoppedBy>,
 }
 
@@ -119,7 +119,7 @@ impl<'a, G> Geometries<'a, G> {
     }
 }
 
-/// What lies below and between the geometries of a picture.
+/// Materials of a picture: the interface, and the layer below it.
 #[derive(Clone, Copy)]
 struct Matter<'a> {
     material: Material,

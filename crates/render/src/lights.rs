@@ -1,4 +1,4 @@
-//! What shines on a surface in a picture: a sky, a sun, and light from below.
+//! Lights of a picture: a sky, a sun, and light from below.
 
 use std::f64::consts::TAU;
 
@@ -33,7 +33,7 @@ pub struct Patch {
     high: DVec2,
 }
 
-/// Why lights are refused.
+/// Error of invalid lights.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightsError {
@@ -74,8 +74,9 @@ impl Lights {
         })
     }
 
-    /// The same with a sky that falls in proportion to the cosine of the polar angle, from `sky` at the zenith to
-    /// `fraction` of it at the horizon. Mirrors of relief are told from flat ones only by a sky that is not uniform.
+    /// These lights with a sky that falls in proportion to the cosine of the polar angle, from `sky` at the zenith to
+    /// `fraction` of it at the horizon. Only under a sky that is not uniform do rough mirrors look different from flat
+    /// ones.
     ///
     /// # Errors
     /// [`LightsError::BadHorizon`] unless `fraction` is from 0 to 1.

@@ -23,7 +23,7 @@ const MAX_SAMPLES_PER_PASS: u64 = 4;
 /// Passes that are completed even after the time limit: fewer give no error.
 const MIN_PASSES: u64 = 2;
 
-/// How samples are divided into passes.
+/// Division of the samples into passes.
 #[derive(Clone, Copy)]
 pub(crate) struct PassPlan {
     pub(crate) passes: u64,

@@ -33,7 +33,7 @@ impl Losses {
     }
 }
 
-/// What the rows of a picture have in common.
+/// Scene of a picture, shared by all of its rows.
 pub(crate) struct Scene<'a, G: Geometry> {
     pub(crate) camera: Camera,
     pub(crate) lights: Lights,

@@ -1,4 +1,4 @@
-//! Settings: what a picture shows, and how it is made.
+//! Settings: the content of a picture, and how it is rendered.
 
 use asperity_simulate::BottomSurface;
 use asperity_tracer::{AcceleratorKind, PathSettings};
@@ -9,12 +9,12 @@ use crate::view::View;
 /// Most pixels along a side.
 pub const MAX_PIXELS: usize = 16_384;
 
-/// What a picture shows, and how it is made.
+/// Content of a picture, and how it is rendered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The camera.
     pub view: View,
-    /// What shines.
+    /// Lights of the picture.
     pub lights: Lights,
     /// Columns and rows.
     pub size: [usize; 2],
@@ -22,9 +22,9 @@ pub struct RenderSettings {
     pub samples: u64,
     /// Seed of the lines and paths.
     pub seed: u64,
-    /// How paths are ended. Polarisation is averaged in any case: camera paths do not know that of the light.
+    /// Limits that end paths. Polarisation is always averaged: camera paths do not know that of the light.
     pub paths: PathSettings,
-    /// How hits are found.
+    /// Accelerator that finds the hits.
     pub accelerator: AcceleratorKind,
     /// The shape of the bottom, unless one of its own is given; none is drawn here.
     pub bottom: BottomSurface,

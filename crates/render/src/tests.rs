@@ -8,8 +8,8 @@ use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
-    PathSettings, PathStream, Polarisation, TracedLayer, Tracer,
+    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd, PathSettings,
+    PathStream, Polarisation, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -68,8 +68,8 @@ fn mean(values: &[f64]) -> f64 {
 const ORTHOGRAPHIC: Projection = Projection::Orthographic;
 const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.5 };
 
-/// In a furnace nothing can be told from anything else, since all that does not absorb passes on the same
-/// radiance. What a limit ends is dark, and said. Roulette alone makes noise, of some 0.001 in the mean.
+/// In a furnace nothing can be distinguished, since everything that does not absorb passes on equal
+/// radiance. Light that a limit ends is dark, and reported. Roulette alone makes noise, of some 0.001 in the mean.
 #[test]
 fn a_white_furnace_shows_nothing() {
     let furnace = Lights::new(1.0, 1.0, None).unwrap();
@@ -220,7 +220,7 @@ fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Inci
         PathSettings::default().with_polarisation(Polarisation::Averaged),
     );
     if let Some(layer) = layer {
-        let flat = BottomShape::Flat;
+        let flat = None;
         tracer = tracer.over(TracedLayer::new(surface, layer, flat, 100_000).unwrap());
     }
     let mut sums = BatchStatistics::new(1);
@@ -447,7 +447,7 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
     // The same plane, but chance alone finds the sun.
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-    let medium = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
+    let medium = TracedLayer::new(&surface, &layer, None, 100_000).unwrap();
     let paths = settings.paths.with_polarisation(Polarisation::Averaged);
     let integrator = PathIntegrator::new(&surface, &*hits, GLASS, paths, Some(medium));
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);

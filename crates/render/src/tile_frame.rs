@@ -33,7 +33,7 @@ impl TileFrame {
         DVec3::new(p.x, p.y * self.aspect, p.z + self.mean_plane)
     }
 
-    /// Where a straight line meets the mean plane; `origin` in tile coordinates, the rest in the world.
+    /// Point where a straight line meets the mean plane; `origin` in tile coordinates, the rest in the world.
     pub(crate) fn on_mean_plane(&self, origin: DVec3, direction: DVec3) -> DVec2 {
         let back = (origin.z - self.mean_plane) / direction.z;
         let there = DVec2::new(origin.x, origin.y / self.aspect) - back * direction.truncate();

@@ -7,7 +7,7 @@ use asperity_optics::Incidence;
 use asperity_simulate::short;
 use glam::{DVec2, DVec3};
 
-/// How a camera projects.
+/// Projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// All rays are parallel.
@@ -31,7 +31,7 @@ pub struct View {
     width: f64,
 }
 
-/// Why a view is refused.
+/// Error of an invalid view.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -203,7 +203,7 @@ mod tests {
 
     const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.8 };
 
-    /// Where a ray meets the mean plane.
+    /// Point where a ray meets the mean plane.
     fn footprint(ray: CameraRay) -> DVec2 {
         (ray.origin - ray.direction * (ray.origin.z / ray.direction.z)).truncate()
     }

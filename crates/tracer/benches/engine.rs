@@ -1,4 +1,4 @@
-//! The engine in figures: segments a second, building, memory, and whole surfaces a second.
+//! Benchmark of the engine: segments per second, building, memory, and whole surfaces per second.
 //!
 //! ```text
 //! cargo bench -p asperity-tracer --bench engine            # N = 512, 1024, 2048, 4096
@@ -30,7 +30,7 @@ use asperity_tracer::{
 const TAU: f64 = 16.0;
 /// Rays along either side of the tile for segments a second: about 260,000 rays.
 const STRATA: u32 = 512;
-/// The same for whole surfaces: about 100,000 rays.
+/// Strata along a side for whole surfaces: about 100,000 rays.
 const STRATA_OF_ONE: u32 = 316;
 
 /// Turns of each accelerator.

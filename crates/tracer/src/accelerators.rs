@@ -1,4 +1,4 @@
-//! Accelerators: find where rays meet the facets of one tile.
+//! Accelerators: find the hits of rays on the facets of one tile.
 //!
 //! `accelerator.rs` is the interface, `brute_force.rs` the specification that every other accelerator must agree
 //! with, and `chooser.rs` builds one by its name. Single precision and obvhs stay in this folder.
@@ -12,4 +12,4 @@ pub(crate) mod mesh_bvh;
 mod obvhs_ray;
 pub(crate) mod pyramid;
 
-pub(crate) use accelerator::Accelerator;
+pub(crate) use accelerator::{Accelerator, SearchedSurface};

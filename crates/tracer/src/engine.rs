@@ -8,13 +8,13 @@ use std::sync::Arc;
 use asperity_optics::Material;
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
 
-use crate::accelerators::Accelerator;
 use crate::accelerators::accelerator::BuildError;
 use crate::accelerators::chooser::BuildAccelerator;
 use crate::accelerators::kind::AcceleratorKind;
+use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::geometry::shape::Shape;
-use crate::interaction::below::{LayerBelow, SearchedSurface};
+use crate::interaction::below::LayerBelow;
 use crate::interaction::layer::TracedLayerError;
 use crate::path::{Illumination, Tracer, Work};
 use crate::random::PathStream;
@@ -52,14 +52,14 @@ pub trait PreparedSurface: Send + Sync {
     fn tracer(&self, case: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError>;
 }
 
-/// What paths meet on a surface, and how they are followed.
+/// Materials that paths meet on a surface, and the settings by which paths are followed.
 #[derive(Clone, Copy, Debug)]
 pub struct TracedPaths {
     /// The material of the interface; its indices are relative to the medium that the light comes from.
     pub material: Material,
     /// The half space that the light comes from.
     pub incident: HalfSpace,
-    /// How paths branch and end, and what they know of polarisation.
+    /// Branching, limits, and polarisation of paths.
     pub settings: PathSettings,
     /// The layer below the surface, if there is one.
     pub layer: Option<LayerBelow>,
@@ -71,9 +71,9 @@ pub struct TracedPaths {
 pub trait BatchTracer: Sync {
     /// Traces rays of several batches together, as [`Tracer::batches`]: sums in a tally of each batch, and the work done.
     ///
-    /// The same arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are functions
-    /// of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since the effort of runs is
-    /// planned by them.
+    /// Equal arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are
+    /// functions of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since
+    /// the effort of runs is planned by them.
     fn batches<'c>(
         &self,
         illumination: &Illumination,

@@ -1,9 +1,10 @@
-//! Geometry: the facets that rays meet, in one tile of a surface that continues as its border says.
+//! Geometry: the facets that rays hit, in one tile of a surface that continues according to its border.
 //!
 //! `height_field` is a grid of heights as triangles, `smooth` a grid of curved cells, `mesh` any triangles, and
 //! `shape.rs` any of them, and `export.rs` writes a list of triangles.
 
 mod blocks;
+mod culling;
 pub(crate) mod export;
 pub(crate) mod grid;
 mod height_bounds;
@@ -11,7 +12,6 @@ pub(crate) mod height_field;
 mod horizon_bounds;
 pub(crate) mod mesh;
 mod nearby;
-mod outlooks;
 pub(crate) mod shape;
 pub(crate) mod smooth;
 mod windows;
@@ -32,13 +32,13 @@ pub trait Geometry: Sized + Send + Sync {
     /// Names one facet; equal distances along a ray are decided by the order of names.
     type Facet: Copy + Debug + Ord + Send + Sync;
 
-    /// What lies beyond the border of the tile.
+    /// Continuation beyond the border of the tile.
     fn border(&self) -> Border;
 
     /// Extent of the tile along x and y.
     fn extent(&self) -> [f64; 2];
 
-    /// What turns the y component of a physical direction into tile coordinates.
+    /// Factor from the y component of a physical direction to that in tile coordinates.
     fn aspect(&self) -> f64;
 
     /// Lengths of the world per unit of tile coordinates.
@@ -87,8 +87,8 @@ pub trait Geometry: Sized + Send + Sync {
     /// A ray above passes a facet only against its normal, a ray below only along it.
     fn intersect(&self, facet: Self::Facet, ray: &TileRay, half_space: HalfSpace) -> Option<f64>;
 
-    /// What a ray in `half_space` meets before `t` exceeds `reach`, where that can be told without a search:
-    /// the facet that a search would find, if any.
+    /// The facet that a ray in `half_space` hits before `t` exceeds `reach`, if that can be decided without a search. A
+    /// hit is the one that a search would find.
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Self::Facet> {
         if is_outside(self.z_range(), ray, half_space, reach) {
             Nearby::Clear
@@ -100,29 +100,29 @@ pub trait Geometry: Sized + Send + Sync {
     /// Prepares the bounds that [`Geometry::nearby`] uses; once is enough.
     fn prepare_nearby(&self) {}
 
-    /// Whether a point at the border of the tile lies on the other side of the surface than `half_space`;
-    /// false where the geometry cannot tell.
+    /// Returns `true` if a point at the border of the tile lies on the other side of the surface than `half_space`, and
+    /// `false` if the geometry cannot tell.
     fn is_beyond(&self, _p: DVec3, _half_space: HalfSpace) -> bool {
         false
     }
 
-    /// Whether bounds on what lies ahead exclude that a ray in `half_space` meets any facet at all, in
-    /// this tile or beyond it.
+    /// The bound by which a ray in `half_space` hits no facet at all, in this tile or beyond it; `None` if no bound
+    /// decides.
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape>;
 
-    /// What is known of each of many rays before it is searched: the same as [`Geometry::escapes`] for rays that
-    /// begin in the tile, between the lowest and the highest point.
+    /// Finds the culling classes of many rays before they are searched. They agree with [`Geometry::escapes`] for rays
+    /// that begin in the tile, between the lowest and the highest point.
     #[inline(always)]
-    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        for (i, outlook) in outlooks.iter_mut().enumerate() {
+    fn culling_classes(&self, rays: RayColumns<'_>, classes: &mut [CullingClass]) {
+        for (i, class) in classes.iter_mut().enumerate() {
             let Query { ray, half_space } = rays.query(i);
-            *outlook = if !self.is_in_tile(ray.origin) {
-                Outlook::Elsewhere
+            *class = if !self.is_in_tile(ray.origin) {
+                CullingClass::Elsewhere
             } else {
                 match self.escapes(&ray, half_space) {
-                    None => Outlook::Unknown,
-                    Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                    Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
+                    None => CullingClass::Unknown,
+                    Some(Escape::SteeperThanAll) => CullingClass::SteeperThanAll,
+                    Some(Escape::AboveHorizon) => CullingClass::AboveHorizon,
                 }
             };
         }
@@ -156,7 +156,7 @@ pub trait Geometry: Sized + Send + Sync {
         }
     }
 
-    /// Whether a point is in the tile, between the lowest and the highest point.
+    /// Returns `true` if a point is in the tile, between the lowest and the highest point.
     #[inline(always)]
     fn is_in_tile(&self, p: DVec3) -> bool {
         let ([cx, cy], [low, high]) = (self.extent(), self.z_range());
@@ -178,10 +178,10 @@ pub(crate) fn bounds_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// What is known of a ray before it is searched.
+/// Culling class of a ray before it is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Outlook {
+pub enum CullingClass {
     /// A search must tell what it meets.
     Unknown,
     /// It escapes: [`Escape::SteeperThanAll`].
@@ -192,7 +192,7 @@ pub enum Outlook {
     Elsewhere,
 }
 
-/// What is known of the first stretch of a ray without a search.
+/// Result of the heights nearby for the first stretch of a ray, without a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nearby<F> {
     /// It meets nothing.
@@ -203,7 +203,7 @@ pub enum Nearby<F> {
     Unknown,
 }
 
-/// Whether the stretch of a ray up to `reach` lies beyond all heights, on the side of its `half_space`.
+/// Returns `true` if the stretch of a ray up to `reach` lies beyond all heights, on the side of its `half_space`.
 ///
 /// A stretch that only touches the highest or lowest point does not pass through a facet.
 #[inline]

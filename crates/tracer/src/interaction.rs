@@ -1,5 +1,5 @@
-//! What a surface does with light: one interaction at a facet, the layer below, and the sum of first interactions
-//! over all facets.
+//! Interaction of light with a surface: scattering at one facet, the layer below, and the sum of first interactions over
+//! all facets.
 
 pub(crate) mod below;
 pub(crate) mod facet;

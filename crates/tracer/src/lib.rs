@@ -41,7 +41,7 @@ mod settings;
 mod vector;
 mod visibility;
 
-pub use accelerators::accelerator::{Accelerator, BuildError};
+pub use accelerators::accelerator::{Accelerator, BuildError, SearchedSurface};
 pub use accelerators::brute_force::BruteForce;
 pub use accelerators::chooser::BuildAccelerator;
 pub use accelerators::flat::Flat;
@@ -54,9 +54,9 @@ pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
-pub use geometry::{Escape, Geometry, Nearby, Outlook, Triangles};
-pub use interaction::below::{BottomSurface, LayerBelow, SearchedSurface};
-pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
+pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
+pub use interaction::below::{BottomSurface, LayerBelow};
+pub use interaction::layer::{DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Window, Work};
 pub use periodic::{

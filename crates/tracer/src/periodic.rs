@@ -42,7 +42,7 @@ pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
     columns / cx + columns * surface.aspect() / cy
 }
 
-/// Whether light from the polar angle `theta`, radians, crosses few enough tiles to be followed.
+/// Returns `true` if light from the polar angle `theta`, radians, crosses few enough tiles to be followed.
 #[must_use]
 pub fn can_traverse<G: Geometry>(surface: &G, theta: f64) -> bool {
     tiles_crossed(surface, theta) < 0.5 * f64::from(MAX_TILES)

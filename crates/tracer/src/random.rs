@@ -1,4 +1,4 @@
-//! Random numbers of light paths: each is a function of the path and of where along it the number is used.
+//! Random numbers of light paths: each is a function of the path and of the step along it.
 //!
 //! A number depends on the seed, the surface, the path and the step alone, not on the order in which paths are
 //! traced, on how many are traced together, or on threads. The generator is Threefry-2x64 with 13 rounds: it
@@ -25,17 +25,17 @@ use std::convert::Infallible;
 use asperity_tally::EventPath;
 use rand::TryRng;
 
-/// What random numbers of a step are used for.
+/// Purpose of the random numbers of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Use {
-    /// Where a path starts.
+    /// Start position of a path.
     Start,
     /// Branches and Russian roulette at an interface.
     Interaction,
     /// Direction of diffuse reflection.
     Diffuse,
-    /// Whether to look for shadowed facets behind the first.
+    /// Choice of paths that look for shadowed facets behind the first.
     Shadow,
     /// Free flight that begins at an interface.
     Flight,
@@ -80,7 +80,8 @@ impl PathStream {
     /// Most paths of a batch that is traced together with others: those of batch `n` have numbers from `n` times this on.
     pub const MAX_PATHS_OF_BATCH: u64 = 1 << BATCH_DIGITS;
 
-    /// The same, from the first path of batch number `batch` on, where batches have up to [`PathStream::MAX_PATHS_OF_BATCH`] paths.
+    /// This stream from the first path of batch number `batch` on, where batches have up to
+    /// [`PathStream::MAX_PATHS_OF_BATCH`] paths.
     ///
     /// # Panics
     /// If `batch` is not below `2^36`.
@@ -105,7 +106,7 @@ impl PathStream {
         ray >> BATCH_DIGITS
     }
 
-    /// The same, from path number `first` on.
+    /// This stream from path number `first` on.
     ///
     /// # Panics
     /// If `first` is not below `2^56`.
@@ -173,7 +174,7 @@ impl PathStream {
     }
 }
 
-/// Where along a path random numbers are used.
+/// Step along a path at which random numbers are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Step {
     /// Interactions and scatterings so far.

@@ -1,4 +1,4 @@
-//! Rays: in the coordinates of one tile, with the half space that they are in, and where they meet the tile.
+//! Rays: straight lines in the coordinates of one tile, with their half spaces, and their hits.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -65,11 +65,11 @@ impl TileRay {
 pub struct Query {
     /// The ray.
     pub ray: TileRay,
-    /// Where it is.
+    /// The half space that it is in.
     pub half_space: HalfSpace,
 }
 
-/// Where a ray meets a tile.
+/// Hit of a ray on a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<F> {
     /// Ray parameter, zero or more.
@@ -79,8 +79,8 @@ pub struct Hit<F> {
 }
 
 impl<F: Copy + Ord> Hit<F> {
-    /// Whether this hit comes before `other`; equal parameters are decided by the facet's number,
-    /// so that the order in which facets are visited does not matter.
+    /// Returns `true` if this hit comes before `other`. Equal parameters are decided by the facet's number, so that the
+    /// order in which facets are visited does not matter.
     #[must_use]
     pub fn is_before(&self, other: &Option<Self>) -> bool {
         other.is_none_or(|o| self.t < o.t || (self.t == o.t && self.facet < o.facet))
@@ -98,7 +98,7 @@ pub struct RayColumns<'a> {
     pub direction: [&'a [f64]; 3],
     /// Sign of the half space that each ray is in: see [`HalfSpace::sign`].
     pub side: &'a [f64],
-    /// What scales the y component of all directions.
+    /// Factor of the y component of all directions.
     pub aspect: f64,
 }
 
@@ -110,7 +110,7 @@ impl RayColumns<'_> {
         self.side.len()
     }
 
-    /// Whether there are none.
+    /// Returns `true` if there are none.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.side.is_empty()

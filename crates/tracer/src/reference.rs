@@ -15,6 +15,7 @@
 mod amplitudes;
 mod camera;
 mod division;
+mod facet;
 mod fields;
 mod interface;
 mod next_event;
@@ -79,7 +80,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         }
     }
 
-    /// The same with another way to search free flights.
+    /// This integrator with another way to search free flights.
     #[must_use]
     pub fn with_flight_search(self, search: FlightSearch) -> Self {
         Self { search, ..self }
@@ -95,7 +96,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         self.trace_fields(PathState::new(origin, direction, fields), rng)
     }
 
-    /// The same for incident light of any polarisation: `incident` is its Stokes vector in the
+    /// Traces one path of incident light of any polarisation. `incident` is its Stokes vector in the
     /// [`reference_axes`](asperity_optics::reference_axes) of `direction`, and its flux counts as one.
     ///
     /// # Panics

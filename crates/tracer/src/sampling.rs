@@ -1,4 +1,4 @@
-//! Where in the mean plane, and from which azimuth, rays are sent: random, stratified or quasi-random.
+//! Sampling: start positions of rays in the mean plane, and their azimuths; random, stratified or quasi-random.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use self::jitter::Jitter;
 use self::net::Net;
 use crate::random::{PathStream, Step, Use};
-use crate::sampling::morton::morton_place;
+use crate::sampling::morton::morton_position;
 use crate::vector::Instructions;
 
 mod jitter;
@@ -22,7 +22,7 @@ mod strata;
 pub use self::strata::BatchedRays;
 use self::strata::Strata;
 
-/// How the rays of a batch are spread over the mean plane and, where it is free, over azimuth.
+/// Distribution of the rays of a batch over the mean plane and, where it is free, over azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sampling {
@@ -31,7 +31,7 @@ pub enum Sampling {
     /// One ray in each stratum of the mean plane; azimuths anywhere.
     #[default]
     Stratified,
-    /// One ray in each stratum, and evenly spread over place and azimuth together: Owen-scrambled
+    /// One ray in each stratum, and evenly spread over position and azimuth together: Owen-scrambled
     /// Sobol points, as many as rays.
     QuasiRandom,
 }
@@ -41,7 +41,7 @@ impl Sampling {
     /// 24 MiB while they are drawn and 12 MiB afterwards.
     pub const MAX_QUASI_RANDOM_STRATA: u32 = 1 << 10;
 
-    /// Whether a batch of quasi-random rays may have `strata` along a side: powers of two up to
+    /// Returns `true` if a batch of quasi-random rays may have `strata` along a side: powers of two up to
     /// [`Sampling::MAX_QUASI_RANDOM_STRATA`]. Other batches may have any number.
     #[must_use]
     pub const fn quasi_random_strata(strata: u32) -> bool {
@@ -74,12 +74,12 @@ impl FromStr for Sampling {
     }
 }
 
-/// Where a path starts.
+/// Start of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
     /// `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions of the period along x and y, and
     /// of a full turn. Each start taken at random is uniform; where no azimuth is requested, it is 0.
-    pub(crate) place: [f64; 3],
+    pub(crate) position: [f64; 3],
     /// Number of the path, counted from the first of its stream.
     pub(crate) ray: u32,
 }
@@ -88,13 +88,13 @@ impl Start {
     /// Cosine and sine of the azimuth: `(1, 0)` where none is requested.
     #[inline(always)]
     pub(crate) fn turn(&self) -> DVec2 {
-        let [sin, cos] = sin_cos_of_turn(self.place[2]);
+        let [sin, cos] = sin_cos_of_turn(self.position[2]);
         DVec2::new(cos, sin)
     }
 }
 
-/// Places of rays, neighbours together: along a Morton curve.
-pub(crate) struct Places {
+/// Start positions of rays, neighbours together: along a Morton curve.
+pub(crate) struct Positions {
     order: Order,
     any_azimuth: bool,
     stream: PathStream,
@@ -106,11 +106,11 @@ enum Order {
     QuasiRandom(Net),
 }
 
-impl Places {
-    /// Places of the paths of `stream`, from its first on.
+impl Positions {
+    /// Positions of the paths of `stream`, from its first on.
     ///
     /// # Panics
-    /// As [`crate::Tracer::batches`].
+    /// For the reasons of [`crate::Tracer::batches`].
     pub(crate) fn new(
         sampling: Sampling,
         rays: &BatchedRays,
@@ -222,11 +222,11 @@ impl Shuffle {
         let squares = (1_u64 << (2 * Self::LEVELS)) as f64;
         let square = ((1.0 - self.above) * squares).min(squares - 1.0);
         let width = 1.0 / f64::from(1 << Self::LEVELS);
-        let [u, v] = morton_place(square as u64)
+        let [u, v] = morton_position(square as u64)
             .map(|index| (f64::from(index) + rng.random::<f64>()) * width);
         let azimuth = if any_azimuth { rng.random() } else { 0.0 };
-        let place = [u, v, azimuth];
-        Some(Start { place, ray })
+        let position = [u, v, azimuth];
+        Some(Start { position, ray })
     }
 }
 
@@ -250,9 +250,9 @@ mod tests {
 
     fn starts_with(sampling: Sampling, strata: u32, any_azimuth: bool, seed: u64) -> Vec<[f64; 3]> {
         let rays = BatchedRays::of_one(strata);
-        let places = Places::new(sampling, &rays, any_azimuth, PathStream::new(seed, 0));
-        let starts = places.draw_all();
-        starts.into_iter().map(|start| start.place).collect()
+        let positions = Positions::new(sampling, &rays, any_azimuth, PathStream::new(seed, 0));
+        let starts = positions.draw_all();
+        starts.into_iter().map(|start| start.position).collect()
     }
 
     /// `(x - dof) / sqrt(2 dof)` of a chi-squared of counts that are all expected to be equal; near to
@@ -292,11 +292,11 @@ mod tests {
                 for any_azimuth in [false, true] {
                     let starts = starts_with(sampling, strata, any_azimuth, 3);
                     assert_eq!(starts.len(), (strata * strata) as usize);
-                    for ([u, v, azimuth], place) in
+                    for ([u, v, azimuth], position) in
                         starts.into_iter().zip(MortonSquare::new(strata, 0))
                     {
                         let stratum = [u, v].map(|x| (x * f64::from(strata)) as u32);
-                        assert_eq!(stratum, place, "{sampling} {strata}");
+                        assert_eq!(stratum, position, "{sampling} {strata}");
                         assert_eq!(azimuth != 0.0, any_azimuth);
                     }
                 }
@@ -388,7 +388,7 @@ mod tests {
     }
 
     /// Of `n` starts: `u + v + azimuth` has the variance `3 / 12 / n` if they are random. In strata of
-    /// width `w = n^(-1/2)`, a place varies by `w^2 / 12`, so `(2 / n + 1) / 12 / n`. Quasi-random ones
+    /// width `w = n^(-1/2)`, a position varies by `w^2 / 12`, so `(2 / n + 1) / 12 / n`. Quasi-random ones
     /// have each coordinate in `n` strata, and their digits are scrambled apart: `3 / 12 / n^3`. The mean
     /// of `b` squares of a near to normal number scatters by `sqrt(2 / b)`, here 3.2 %; 4 of these.
     #[test]
@@ -434,12 +434,12 @@ mod tests {
     #[test]
     fn turns_are_those_of_azimuths() {
         for [u, v, azimuth] in starts(Sampling::Stratified, 16, 2) {
-            let place = [u, v, azimuth];
-            let turn = Start { place, ray: 0 }.turn();
+            let position = [u, v, azimuth];
+            let turn = Start { position, ray: 0 }.turn();
             assert!((turn - DVec2::from_angle(TAU * azimuth)).length() < 1e-15);
         }
-        let place = [0.3, 0.7, 0.0];
-        assert_eq!(Start { place, ray: 0 }.turn(), DVec2::X);
+        let position = [0.3, 0.7, 0.0];
+        assert_eq!(Start { position, ray: 0 }.turn(), DVec2::X);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! How light paths are followed and ended.
+//! Settings of light paths: branching, limits and polarisation.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Lowest roulette threshold.
 const MIN_ROULETTE: f64 = 1e-6;
 
-/// What happens where light is partly reflected and partly transmitted.
+/// Treatment of light that is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Branching {
@@ -28,7 +28,7 @@ impl fmt::Display for Branching {
     }
 }
 
-/// What a path knows of the polarisation of its light.
+/// Polarisation that a path carries.
 ///
 /// The light that falls on the surface is unpolarised.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,14 +40,14 @@ pub enum Polarisation {
     /// Nothing: light counts as unpolarised again at every interface. This is the approximation of the literature, and exact
     /// for single scattering alone.
     Averaged,
-    /// As tracked, with what paths would carry if it were averaged: both results from the same paths.
+    /// The Stokes vector, and in addition the flux of averaged paths: both results from the same paths.
     Both,
-    /// As tracked, with the whole Mueller matrix of each path, which gives the light of any incident state.
+    /// The Stokes vector, with the whole Mueller matrix of each path, which gives the light of any incident state.
     Mueller,
 }
 
 impl Polarisation {
-    /// What a tally keeps of it.
+    /// Measures of polarised light that a tally keeps.
     #[must_use]
     pub const fn polarimetry(self) -> Polarimetry {
         match self {
@@ -69,7 +69,7 @@ impl fmt::Display for Polarisation {
     }
 }
 
-/// How paths are followed and ended.
+/// Settings by which paths are followed and ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSettings {
     pub(crate) branching: Branching,
@@ -78,7 +78,7 @@ pub struct PathSettings {
     pub(crate) polarisation: Polarisation,
 }
 
-/// Why path settings are refused.
+/// Error of invalid path settings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathSettingsError {
@@ -126,7 +126,7 @@ impl PathSettings {
         })
     }
 
-    /// The same with another treatment of polarisation.
+    /// These settings with another treatment of polarisation.
     #[must_use]
     pub const fn with_polarisation(self, polarisation: Polarisation) -> Self {
         Self {
@@ -135,13 +135,13 @@ impl PathSettings {
         }
     }
 
-    /// What paths know of the polarisation of their light.
+    /// Polarisation that paths carry.
     #[must_use]
     pub const fn polarisation(&self) -> Polarisation {
         self.polarisation
     }
 
-    /// What happens where light is partly reflected and partly transmitted.
+    /// Treatment of light that is partly reflected and partly transmitted.
     #[must_use]
     pub const fn branching(&self) -> Branching {
         self.branching
@@ -153,7 +153,7 @@ impl PathSettings {
         self.roulette_below
     }
 
-    /// The same with another branching and another roulette threshold, moved into its range.
+    /// These settings with another branching and another roulette threshold, clamped to its range.
     #[must_use]
     pub const fn with(self, branching: Branching, roulette_below: f64) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Vector instructions: which of them the machine has, and how code is compiled for each.
+//! Vector instructions (SIMD): detects those of the machine, and compiles code for each set.
 //!
 //! Two kinds of code use them. A [`Stage`] is a loop over arrays in plain Rust: it is compiled anew for every
 //! instruction set, and the compiler makes vector instructions of it. Since products and sums are neither
@@ -6,10 +6,10 @@
 //! [`lanes::Lanes`], where lanes go different ways, as in searches.
 
 #[cfg(target_arch = "x86_64")]
+pub(crate) mod interleaved;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod lanes;
 mod stage;
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod twice;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
@@ -41,7 +41,7 @@ impl Instructions {
             .unwrap_or(Self::Portable)
     }
 
-    /// Whether this machine has them.
+    /// Returns `true` if this machine has them.
     #[must_use]
     pub fn are_available(self) -> bool {
         match self {

@@ -1,4 +1,4 @@
-//! What a point can see: visibility rays, horizons, and the light beams that reach a point below a surface.
+//! Visibility: visibility rays, horizons, and the light beams that reach a point below a surface.
 
 pub(crate) mod horizon;
 pub(crate) mod light_beams;

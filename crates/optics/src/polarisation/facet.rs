@@ -1,4 +1,4 @@
-//! Facet: what an interface does with polarised light, in the axes of the plane of incidence.
+//! Facet: Fresnel terms of an interface for polarised light, in the axes of the plane of incidence.
 //!
 //! One ratio serves dielectrics, total reflection and conductors alike. With `m` the relative index, `c = cos(theta_i)`,
 //! `sin2 = sin^2(theta_i)` and `g = m cos(theta_t)`, complex in general and with `Im g >= 0`,
@@ -268,7 +268,7 @@ mod tests {
         2e-15 + 1e-15 * c * (c / g).min(1e8)
     }
 
-    /// What is left of `m00^2 - m01^2 - m22^2 - m23^2`, which is zero for an interface that does not depolarise.
+    /// Difference `m00^2 - m01^2 - m22^2 - m23^2`, which is zero for an interface that does not depolarise.
     fn depolarisation(m: FacetMueller) -> f64 {
         m.m00 * m.m00 - m.m01 * m.m01 - m.m22 * m.m22 - m.m23 * m.m23
     }

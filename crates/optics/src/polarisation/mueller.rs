@@ -21,7 +21,7 @@ impl Stokes {
         if i > polarised { i } else { polarised }
     }
 
-    /// The same light in axes that are turned about the ray.
+    /// This light in axes that are turned about the ray.
     #[must_use]
     #[inline(always)]
     pub const fn turned(self, turn: Turn) -> Self {

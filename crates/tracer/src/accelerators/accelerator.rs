@@ -1,4 +1,4 @@
-//! The one interface behind which rays are intersected with a tile.
+//! Accelerator: the interface by which rays are intersected with a tile.
 
 use super::kind::AcceleratorKind;
 use crate::geometry::Geometry;
@@ -23,8 +23,8 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
 
-    /// The same for those of many `rays` whose numbers are in `which`: `hits` is cleared and gets an entry for each of
-    /// them.
+    /// Finds the hits of those of many `rays` whose numbers are in `which`. `hits` is cleared and gets one entry per
+    /// number.
     fn closest_hits(
         &self,
         geometry: &G,
@@ -37,7 +37,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
         hits.extend(which.iter().map(|i| self.closest_hit(geometry, &query(i))));
     }
 
-    /// The same for rays one by one; `hits` is cleared and gets one entry per query.
+    /// Finds the hits of rays given one by one. `hits` is cleared and gets one entry per query.
     fn closest_hits_of(
         &self,
         geometry: &G,
@@ -50,11 +50,27 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     }
 }
 
+/// A surface, and how hits on it are found.
+pub struct SearchedSurface<'a, G: Geometry> {
+    /// The surface.
+    pub geometry: &'a G,
+    /// Accelerator that finds hits on it.
+    pub accelerator: &'a dyn Accelerator<G>,
+}
+
+impl<G: Geometry> Clone for SearchedSurface<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G: Geometry> Copy for SearchedSurface<'_, G> {}
+
 /// Height range, in columns, up to which surfaces are traced: beyond, single precision would no
 /// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
 pub(super) const MAX_HEIGHT_RANGE: f64 = 1e5;
 
-/// Why an accelerator cannot be built.
+/// Error of an accelerator that cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {

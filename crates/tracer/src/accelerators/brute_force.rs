@@ -1,4 +1,4 @@
-//! Every facet for every ray: the specification of all accelerators.
+//! Brute force: tests every facet for every ray; the specification of all accelerators.
 
 use crate::accelerators::accelerator::Accelerator;
 use crate::accelerators::kind::AcceleratorKind;

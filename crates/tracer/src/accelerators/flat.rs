@@ -1,4 +1,4 @@
-//! A surface whose heights are all equal: the plane names the cell.
+//! Flat: a surface whose heights are all equal; the plane names the cell.
 
 use super::brute_force::BruteForce;
 use crate::accelerators::accelerator::{Accelerator, BuildError};
@@ -41,8 +41,8 @@ impl Accelerator<Surface> for Flat {
         0
     }
 
-    /// Where the ray passes the plane, or comes over the tile if it has passed by then, up to four
-    /// cells may be met within rounding.
+    /// Tests up to four cells, within rounding, around the point where the ray passes the plane, or where it comes over
+    /// the tile if it has passed the plane by then.
     fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
         let Query { ray, half_space } = *query;
         if half_space.sign() * ray.direction.z >= 0.0 {

@@ -1,4 +1,4 @@
-//! Accelerators by name.
+//! Kind: the accelerators by name.
 
 use std::fmt;
 use std::str::FromStr;

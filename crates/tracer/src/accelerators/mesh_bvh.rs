@@ -1,4 +1,4 @@
-//! A bounding volume hierarchy over all facets, by obvhs: for any geometry.
+//! Mesh BVH: a bounding volume hierarchy over all facets, by obvhs; for any geometry.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Rays as obvhs takes them.
+//! Rays of obvhs: conversion, with bounds on the rounding.
 //!
 //! The hierarchies of obvhs work in f32 and only propose what a ray may meet. So that they never
 //! fail to, boxes are widened by more than their rounding errors, and rays are handed over from a

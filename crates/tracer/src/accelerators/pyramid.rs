@@ -1,4 +1,4 @@
-//! A pyramid of height bounds over the cells of a tile.
+//! Pyramid: a hierarchy of height bounds over the cells of a tile.
 //!
 //! Each node of level `l` covers `2^l` by `2^l` cells and bounds their heights from both sides: a ray
 //! above the surface can meet nothing in a node that lies below it, a ray below nothing in one that
@@ -10,13 +10,12 @@
 //! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does; on x86-64 only.
 //!
 //! `load.rs` brings rays into f32, and `instructions.rs` chooses between the last two. They name the cell that a ray
-//! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives. What a ray meets in a cell
-//! is told by `facet_cells.rs` for triangles and by `spline_cells.rs` for smooth cells.
+//! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives. Cells are tested by
+//! `facet_cells.rs` for triangles and by `spline_cells.rs` for smooth cells.
 
 mod bounds;
 mod build;
 mod cells;
-mod exit;
 mod facet_cells;
 mod instructions;
 #[cfg(target_arch = "x86_64")]
@@ -55,7 +54,7 @@ pub struct Pyramid<S = Surface> {
 }
 
 impl Pyramid {
-    /// Whether a pyramid can be built over `[columns, rows]` cells.
+    /// Returns `true` if a pyramid can be built over `[columns, rows]` cells.
     #[must_use]
     pub const fn holds(cells: [usize; 2]) -> bool {
         Bounds::hold(cells)
@@ -76,7 +75,7 @@ impl<S: SearchedGrid> Pyramid<S> {
         })
     }
 
-    /// The same, searched with the given instructions, or portably where the machine lacks them.
+    /// This pyramid, searched with the given instructions, or portably if the machine lacks them.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         let instructions = if instructions.are_available() {

@@ -1,4 +1,4 @@
-//! Blocks: how steep and how high a surface is, block by block.
+//! Blocks: slope bounds and height bounds of a surface, block by block.
 //!
 //! The gradients of the facets of a block are bounded by their support function: for a horizontal
 //! direction u, the steepest rise `max(g . u)`. It is kept in eight directions, axes and diagonals;
@@ -87,7 +87,7 @@ pub(super) fn bound([x, y]: [f64; 2], [axis, diagonal]: [f64; 2]) -> f64 {
     (x - y).abs() * axis + least(x, y) * diagonal
 }
 
-/// How steep the facets of a block are, and its lowest and highest point.
+/// Slope bounds of the facets of a block, and its lowest and highest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Block {
     pub(super) support: Support,
@@ -125,7 +125,7 @@ impl Block {
         blocks
     }
 
-    /// Those of the facets of both.
+    /// Bounds of the facets of both blocks.
     fn join(&self, other: &Self) -> Self {
         Self {
             support: self.support.join(&other.support),
@@ -252,7 +252,7 @@ pub(super) fn least(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// As [`least`].
+/// The greater of two numbers, without a branch: see [`least`].
 #[inline(always)]
 pub(super) fn greatest(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

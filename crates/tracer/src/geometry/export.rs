@@ -1,10 +1,10 @@
-//! The surface as a list of vertices and triangles, for export.
+//! Export: the surface as a list of vertices and triangles.
 
 use asperity_surface::Triangle;
 
 use crate::geometry::height_field::Surface;
 
-/// Why a mesh cannot be made.
+/// Error of a mesh that cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {

@@ -59,8 +59,8 @@ impl HeightBounds {
         Self { levels }
     }
 
-    /// Whether no height over `cells` comes as near as `z` to a ray in `half_space`: all are higher than `z`
-    /// for one below, lower for one above.
+    /// Returns `true` if no height over `cells` comes as near as `z` to a ray in `half_space`: all are higher than `z`
+    /// for a ray below, and lower for a ray above.
     #[inline]
     pub(crate) fn is_clear(&self, cells: Cells, half_space: HalfSpace, z: f64) -> bool {
         let [[x0, x1], [y0, y1]] = cells.map(|range| range.map(|i| i as usize / SMALLEST));

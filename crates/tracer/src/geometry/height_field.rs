@@ -1,4 +1,4 @@
-//! The meshed surface: facets, their normals, and where a ray meets one of them.
+//! Height field: the facets of a meshed surface, their normals, and their intersection with a ray.
 
 mod cell;
 mod many;
@@ -13,12 +13,12 @@ use glam::DVec3;
 use self::cell::{Cell, Size};
 
 use crate::geometry::blocks::Block;
+use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::horizon_bounds::HorizonBounds;
 use crate::geometry::nearby::find_nearby;
-use crate::geometry::outlooks::{escapes_by, find_outlooks};
-use crate::geometry::{Escape, Geometry, Nearby, Outlook, Triangles, bounds_of};
+use crate::geometry::{CullingClass, Escape, Geometry, Nearby, Triangles, bounds_of};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
 
@@ -130,7 +130,7 @@ impl Surface {
         self.scale.z(self.field.height(ix, iy))
     }
 
-    /// Whether all heights are equal.
+    /// Returns `true` if all heights are equal.
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.field.is_flat()
@@ -353,13 +353,13 @@ impl Geometry for Surface {
     }
 
     #[inline(always)]
-    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(
+    fn culling_classes(&self, rays: RayColumns<'_>, classes: &mut [CullingClass]) {
+        find_culling_classes(
             &self.horizon_bounds,
             self.extent,
             self.size.reach,
             rays,
-            outlooks,
+            classes,
         );
     }
 

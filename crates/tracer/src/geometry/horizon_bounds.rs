@@ -33,7 +33,7 @@ pub(crate) const BOUNDS: usize = 3 + STRETCHES;
 /// The bounds of all blocks of a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct HorizonBounds {
-    /// How steep all facets are, and their mirror images where there are any.
+    /// Slope bounds of all facets, and of their mirror images where there are any.
     all: Support,
     /// A block has two to this power cells along each side.
     level: u32,
@@ -204,8 +204,8 @@ impl HorizonBounds {
         &self.quadrants[(8 * number + 2 * quadrant + below) as usize]
     }
 
-    /// Whether a ray from the height `z` in direction `[dx, dy, rise]`, both counted upwards in its half space, stays above these
-    /// bounds, so that it meets nothing.
+    /// Returns `true` if a ray from the height `z` in direction `[dx, dy, rise]`, both counted upwards in its half
+    /// space, stays above these bounds, so that it hits nothing.
     #[inline(always)]
     pub(crate) fn is_above(
         &self,

@@ -44,7 +44,7 @@ const HAIR: f64 = LONGEST / (1_u64 << 48) as f64;
 /// border: four roundings to single precision, in which many meshes are kept.
 const SEAM: f64 = LONGEST / (1_u64 << 22) as f64;
 
-/// Why triangles are no surface that light can be traced on.
+/// Error of triangles that form no surface on which light can be traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshSurfaceError {
@@ -97,7 +97,7 @@ pub enum MeshSurfaceError {
         "{triangles} triangles share the edge from {from:?} to {to:?}; a surface has two at most on each edge"
     )]
     Branching {
-        /// How many triangles.
+        /// Number of triangles.
         triangles: usize,
         /// One end of the edge.
         from: [f64; 3],
@@ -119,7 +119,7 @@ pub enum MeshSurfaceError {
         "{edges} edges inside the tile, or without their like on its opposite border, have one triangle only, one of them from {from:?} to {to:?}; a {border} border needs a ground without gaps from rim to rim"
     )]
     Gaps {
-        /// How many edges.
+        /// Number of edges.
         edges: usize,
         /// One end of one of them.
         from: [f64; 3],
@@ -160,16 +160,16 @@ pub struct MeshSurface {
     repairs: Repairs,
 }
 
-/// What a mesh is like, and what was done to it.
+/// Properties of a mesh, and the repairs that were made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
     /// Triangles left out, whose corners lie on one line to rounding.
     pub dropped: usize,
-    /// Whether all triangles were turned over, since the mesh faced downwards (or inwards).
+    /// `true` if all triangles were turned over, since the mesh faced downwards (or inwards).
     pub turned_over: bool,
     /// Edges that have one triangle only and do not lie on the border of the tile.
     pub open_edges: usize,
-    /// Whether every edge has two triangles: closed bodies, and no ground beneath them.
+    /// `true` if every edge has two triangles: closed bodies, and no ground beneath them.
     pub closed: bool,
 }
 
@@ -237,7 +237,7 @@ impl MeshSurface {
         })
     }
 
-    /// What the mesh is like, and what was done to it.
+    /// Properties of the mesh, and the repairs that were made.
     #[must_use]
     pub const fn repairs(&self) -> Repairs {
         self.repairs
@@ -255,8 +255,8 @@ impl MeshSurface {
         (self.extent * self.unit).to_array()
     }
 
-    /// Whether the ray passes the edge opposite to `corner` on its outer side only by what crossing
-    /// the border of the tile may have rounded.
+    /// Returns `true` if the ray passes the edge opposite to `corner` on its outer side only by the rounding of a
+    /// crossing of the tile's border.
     ///
     /// The neighbour of such an edge is met in the next tile by a ray that was translated or mirrored,
     /// which rounds its origin: corners that are the same place are no longer seen at the same point.

@@ -1,4 +1,4 @@
-//! Nearby hits: tells what a short stretch of a ray meets on a surface without a search.
+//! Nearby hits: finds the hit of a short stretch of a ray on a surface without a search.
 
 use crate::geometry::{Nearby, is_outside};
 use crate::ray::{HalfSpace, Hit, TileRay};

@@ -65,7 +65,7 @@ impl Shape {
         }
     }
 
-    /// The same with `bottom` as the shape of the bottom of a layer; `None` if they are not of one kind.
+    /// This shape with `bottom` as the shape of the bottom of a layer; `None` if they are not of one kind.
     #[must_use]
     pub fn over(self, bottom: Self) -> Option<Self> {
         match (self, bottom) {
@@ -85,7 +85,7 @@ impl Shape {
         }
     }
 
-    /// Whether the bottom has a shape of its own.
+    /// Returns `true` if the bottom has a shape of its own.
     #[must_use]
     pub const fn has_bottom(&self) -> bool {
         match self {
@@ -95,7 +95,7 @@ impl Shape {
         }
     }
 
-    /// Whether the surface has no relief at all.
+    /// Returns `true` if all heights of the surface are equal.
     #[must_use]
     pub fn is_level(&self) -> bool {
         match self {
@@ -105,7 +105,7 @@ impl Shape {
         }
     }
 
-    /// What lies beyond the border of the tile.
+    /// Continuation beyond the border of the tile.
     #[must_use]
     pub fn border(&self) -> Border {
         match self {

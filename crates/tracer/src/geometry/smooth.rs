@@ -1,4 +1,4 @@
-//! The smooth surface: cells of a bicubic B-spline, where a ray meets one of them, and the normals there.
+//! Smooth surface: cells of a bicubic B-spline, their intersection with a ray, and the normals there.
 //!
 //! Along a ray, the height over a patch is a polynomial of degree six. In Bernstein form, over the stretch of the
 //! ray above the cell, its coefficients are weighted means, so rounding is that of the heights. The first place where
@@ -22,12 +22,12 @@ use self::first_root::first_root;
 use self::gaps::{gaps, place, snapped, without_first};
 use self::patch::Patch;
 use self::stretch::Stretch;
+use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::horizon_bounds::HorizonBounds;
 use crate::geometry::nearby::find_nearby;
-use crate::geometry::outlooks::{escapes_by, find_outlooks};
-use crate::geometry::{Escape, Geometry, Nearby, Outlook};
+use crate::geometry::{CullingClass, Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
 
@@ -311,14 +311,8 @@ impl Geometry for SmoothSurface {
     }
 
     #[inline(always)]
-    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        find_outlooks(
-            &self.horizon_bounds,
-            self.extent,
-            self.reach,
-            rays,
-            outlooks,
-        );
+    fn culling_classes(&self, rays: RayColumns<'_>, classes: &mut [CullingClass]) {
+        find_culling_classes(&self.horizon_bounds, self.extent, self.reach, rays, classes);
     }
 
     #[inline(always)]

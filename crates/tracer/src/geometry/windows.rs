@@ -1,10 +1,10 @@
-//! Windows: what is largest among blocks that follow one another, also beyond the border of the tile.
+//! Windows: bounds over blocks that follow one another, also beyond the border of the tile.
 
 use asperity_surface::Border;
 
-/// What is known of a block, and can be joined with what is known of others.
+/// Bounds of a block that can be joined with those of others.
 pub(super) trait Joined: Copy {
-    /// What is taken to lie beyond an open border: more than is known of any block.
+    /// Bounds assumed beyond an open border, wider than those of any block.
     const BEYOND: Self;
     /// That of two blocks together.
     fn joined(self, other: Self) -> Self;

@@ -1,4 +1,4 @@
-//! What lies below a surface: a layer, and the shape of its bottom.
+//! Below the surface: a layer, and the shape of its bottom.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,8 +6,8 @@ use std::str::FromStr;
 use asperity_optics::Layer;
 use serde::{Deserialize, Serialize};
 
-use super::layer::{BottomShape, TracedLayer, TracedLayerError};
-use crate::accelerators::Accelerator;
+use super::layer::{TracedLayer, TracedLayerError};
+use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 
 /// The shape of a layer's bottom.
@@ -55,22 +55,6 @@ pub struct LayerBelow {
     pub bottom: BottomSurface,
 }
 
-/// A surface, and how hits on it are found.
-pub struct SearchedSurface<'a, G: Geometry> {
-    /// The surface.
-    pub geometry: &'a G,
-    /// How hits on it are found.
-    pub accelerator: &'a dyn Accelerator<G>,
-}
-
-impl<G: Geometry> Clone for SearchedSurface<'_, G> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<G: Geometry> Copy for SearchedSurface<'_, G> {}
-
 impl LayerBelow {
     /// The layer below `top`, as paths meet it; `bottom` is the surface that it ends on, if it has one of its own.
     ///
@@ -82,15 +66,7 @@ impl LayerBelow {
         bottom: Option<SearchedSurface<'a, G>>,
         max_scatterings: u32,
     ) -> Result<TracedLayer<'a, G>, TracedLayerError> {
-        let surface = |surface: SearchedSurface<'a, G>| BottomShape::Surface {
-            geometry: surface.geometry,
-            accelerator: surface.accelerator,
-        };
-        let shape = match (bottom, self.bottom) {
-            (Some(own), _) => surface(own),
-            (None, BottomSurface::Same) => surface(top),
-            (None, BottomSurface::Flat | BottomSurface::Independent) => BottomShape::Flat,
-        };
-        TracedLayer::new(top.geometry, &self.layer, shape, max_scatterings)
+        let bottom = bottom.or((self.bottom == BottomSurface::Same).then_some(top));
+        TracedLayer::new(top.geometry, &self.layer, bottom, max_scatterings)
     }
 }

@@ -4,31 +4,19 @@ use asperity_optics::{Bottom, Layer, PhaseFunction, ln_of_normal};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::accelerators::Accelerator;
+use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
 
-/// The shape of a layer's bottom.
-pub enum BottomShape<'a, G: Geometry> {
-    /// A plane.
-    Flat,
-    /// A surface of its own, over the same tile as the one above.
-    Surface {
-        /// The surface.
-        geometry: &'a G,
-        /// How hits on it are found.
-        accelerator: &'a dyn Accelerator<G>,
-    },
-}
-
 /// A layer below a surface, in the tile coordinates of that surface.
 pub struct TracedLayer<'a, G: Geometry> {
-    shape: BottomShape<'a, G>,
+    /// The surface that the layer ends on; `None` for a plane.
+    surface: Option<SearchedSurface<'a, G>>,
     bottom: Option<Bottom>,
     /// z of the mean plane of the bottom; far below everything if there is none.
     bottom_z: f64,
-    /// What is added to z to come from the coordinates of the upper surface to those of the bottom.
+    /// Offset of z from the coordinates of the upper surface to those of the bottom.
     shift: f64,
     mean_free_path: f64,
     albedo: f64,
@@ -47,7 +35,7 @@ fn rounded_up(length: f64) -> f64 {
     format!("{:.5e}", digits * unit).parse().unwrap_or(length)
 }
 
-/// Why a layer does not fit below a surface.
+/// Error of a layer that does not fit below a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TracedLayerError {
@@ -59,9 +47,9 @@ pub enum TracedLayerError {
     TooThin {
         /// Between both mean planes.
         thickness: f64,
-        /// How far the surface goes down.
+        /// Depth of the lowest point of the surface below its mean plane.
         depth: f64,
-        /// How far the bottom rises.
+        /// Height of the highest point of the bottom above its mean plane.
         height: f64,
     },
     /// A length out of proportion to the tile.
@@ -71,7 +59,7 @@ pub enum TracedLayerError {
     OutOfProportion {
         /// The mean free path or the thickness.
         what: &'static str,
-        /// What was given.
+        /// The given length.
         value: f64,
         /// The longer side of the tile, in the same unit.
         extent: f64,
@@ -87,11 +75,11 @@ pub enum TracedLayerError {
     OtherTile {
         /// Extent of the surface along x and y.
         top: [f64; 2],
-        /// How the surface continues beyond its border.
+        /// Continuation of the surface beyond its border.
         top_border: asperity_surface::Border,
         /// Extent of the bottom.
         bottom: [f64; 2],
-        /// How the bottom continues beyond its border.
+        /// Continuation of the bottom beyond its border.
         bottom_border: asperity_surface::Border,
     },
     /// An open bottom is no interface.
@@ -102,11 +90,12 @@ pub enum TracedLayerError {
 /// Mean free paths over the largest coordinate, at the least: shorter steps would drown in its rounding.
 const MIN_FREE_PATH: f64 = 1e-12;
 
-/// Mean free paths and thicknesses over the tile, at the most: of a place so far away it is still known over which
+/// Mean free paths and thicknesses over the tile, at the most: of a point so far away rounding still tells over which
 /// part of a column it lies. Flat faces are alike everywhere, and have no such limit.
 const MAX_LENGTH: f64 = 1e10;
 
-/// The same of a thickness down to a bottom with a shape, whose heights are told from its depth.
+/// Largest thickness above a bottom with a shape, over the tile. The heights of such a bottom are rounded in proportion
+/// to its depth.
 const MAX_DEPTH: f64 = 1e6;
 
 /// Scatterings inside a layer after which a path is truncated unless another number is given.
@@ -127,14 +116,14 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     pub fn new(
         top: &G,
         layer: &Layer,
-        shape: BottomShape<'a, G>,
+        surface: Option<SearchedSurface<'a, G>>,
         max_scatterings: u32,
     ) -> Result<Self, TracedLayerError> {
         top.prepare_nearby();
         let unit = top.unit();
         let medium = layer.medium();
         let mut traced = Self {
-            shape,
+            surface: surface.filter(|_| layer.end().is_some()),
             bottom: None,
             bottom_z: f64::NEG_INFINITY,
             shift: 0.0,
@@ -145,8 +134,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         };
         let extent = top.extent().into_iter().fold(0.0, f64::max);
         let [low, high] = top.z_range();
-        let has_shape =
-            matches!(&traced.shape, BottomShape::Surface { .. }) && layer.end().is_some();
+        let has_shape = traced.surface.is_some();
         let range = LengthRange {
             extent,
             unit,
@@ -158,7 +146,6 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
             range.check("the mean free path", traced.mean_free_path, least, most)?;
         }
         let Some(slab) = layer.end() else {
-            traced.shape = BottomShape::Flat;
             return Ok(traced);
         };
         let most = if has_shape { MAX_DEPTH } else { MAX_LENGTH } * extent;
@@ -166,11 +153,11 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         traced.bottom = Some(slab.bottom);
         traced.bottom_z = top.mean_plane() - slab.thickness / unit;
         let mut height = 0.0;
-        if let BottomShape::Surface { geometry, .. } = &traced.shape {
+        if let Some(SearchedSurface { geometry, .. }) = traced.surface {
             if slab.bottom == Bottom::Open {
                 return Err(TracedLayerError::OpenShape);
             }
-            check_tile(top, *geometry)?;
+            check_tile(top, geometry)?;
             geometry.prepare_nearby();
             traced.shift = geometry.mean_plane() - traced.bottom_z;
             height = geometry.z_range()[1] - geometry.mean_plane();
@@ -186,20 +173,14 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         Ok(traced)
     }
 
-    /// What the layer ends on, if it ends.
+    /// Bottom of the layer; `None` for a half space.
     pub(crate) const fn bottom(&self) -> Option<Bottom> {
         self.bottom
     }
 
     /// The bottom where it is a surface of its own.
-    pub(crate) const fn surface(&self) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
-        match self.shape {
-            BottomShape::Flat => None,
-            BottomShape::Surface {
-                geometry,
-                accelerator,
-            } => Some((geometry, accelerator)),
-        }
+    pub(crate) const fn surface(&self) -> Option<SearchedSurface<'a, G>> {
+        self.surface
     }
 
     /// Fraction of an interaction inside that scatters.
@@ -207,7 +188,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.albedo
     }
 
-    /// How the medium scatters.
+    /// Phase function of the medium.
     pub(crate) const fn phase(&self) -> PhaseFunction {
         self.phase
     }
@@ -217,8 +198,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.max_scatterings
     }
 
-    /// How far light goes before it interacts, tile coordinates: exponentially distributed, by a uniform number in
-    /// `[0, 1)` that is a multiple of `2^-53`.
+    /// Length of a free flight, tile coordinates: exponentially distributed, by a uniform number in `[0, 1)` that is a
+    /// multiple of `2^-53`.
     #[inline(always)]
     pub(crate) fn free_flight(&self, u: f64) -> f64 {
         // One minus a number below one is above zero.
@@ -247,8 +228,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     pub(crate) fn to_flat_bottom(&self, z: f64, dz: f64) -> f64 {
         let to_plane = (z - self.bottom_z) / -dz;
         let to_plane = if to_plane > 0.0 { to_plane } else { 0.0 };
-        match self.shape {
-            BottomShape::Flat if dz < 0.0 => to_plane,
+        match self.surface {
+            None if dz < 0.0 => to_plane,
             _ => f64::INFINITY,
         }
     }
@@ -265,14 +246,14 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         heading
     }
 
-    /// The same heading in the coordinates of the upper surface.
+    /// A heading in the coordinates of `interface`, in those of the upper surface.
     #[inline]
     pub(crate) fn to_upper_surface(&self, interface: Interface, mut heading: Heading) -> Heading {
         heading.origin.z -= self.shift_to(interface);
         heading
     }
 
-    /// What is added to z to come from the coordinates of the upper surface to those of `interface`.
+    /// Offset of z from the coordinates of the upper surface to those of `interface`.
     #[inline(always)]
     pub(crate) const fn shift_to(&self, interface: Interface) -> f64 {
         match interface {
@@ -281,32 +262,28 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         }
     }
 
-    /// How many interfaces have a surface.
+    /// Number of interfaces that have a surface.
     #[inline]
     pub(crate) const fn interfaces(&self) -> u32 {
-        match self.shape {
-            BottomShape::Flat => 1,
-            BottomShape::Surface { .. } => 2,
+        match self.surface {
+            None => 1,
+            Some(_) => 2,
         }
     }
 
-    /// The interface that comes as number `place` of those with a surface, from zero, to light inside that rises by `dz`.
+    /// The interface that comes as number `rank` of those with a surface, from zero, to light inside that rises by `dz`.
     #[inline(always)]
-    pub(crate) fn interface_ahead(&self, dz: f64, place: u32) -> Interface {
-        let is_top = match self.shape {
-            BottomShape::Flat => true,
-            BottomShape::Surface { .. } => (place == 0) == (dz <= 0.0),
-        };
-        if is_top {
+    pub(crate) fn interface_ahead(&self, dz: f64, rank: u32) -> Interface {
+        if self.surface.is_none() || (rank == 0) == (dz <= 0.0) {
             Interface::Top
         } else {
             Interface::Bottom
         }
     }
 
-    /// As which of those interfaces `interface` comes.
+    /// The rank of `interface` among those interfaces.
     #[inline]
-    pub(crate) fn place_ahead(&self, dz: f64, interface: Interface) -> u32 {
+    pub(crate) fn rank_ahead(&self, dz: f64, interface: Interface) -> u32 {
         u32::from(self.interface_ahead(dz, 0) != interface)
     }
 }
@@ -316,7 +293,7 @@ struct LengthRange {
     /// The longer side of the tile.
     extent: f64,
     unit: f64,
-    /// Whether there is a largest length: flat interfaces are alike everywhere, and have none.
+    /// `true` if there is a largest length. Flat interfaces are alike everywhere, and have none.
     is_limited: bool,
 }
 

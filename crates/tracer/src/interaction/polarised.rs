@@ -55,17 +55,35 @@ impl Passage {
 pub(crate) struct Passed<const N: usize> {
     /// Flux per flux that has arrived.
     pub(crate) fraction: f64,
-    /// What the path carries now.
+    /// Numbers that the path carries now.
     pub(crate) light: [f64; N],
 }
 
-/// What a path carries of its light besides its flux: `N` numbers.
+/// Polarisation that a path carries besides its flux: `N` numbers.
 pub(crate) trait CarriedLight<const N: usize> {
     /// The light after a passage.
     fn after(light: [f64; N], passage: &Passage) -> Passed<N>;
 
     /// The light after its polarisation was lost.
     fn depolarised(light: [f64; N]) -> [f64; N];
+}
+
+/// Nothing: light counts as unpolarised at every interface.
+pub(crate) struct AveragedLight;
+
+impl CarriedLight<0> for AveragedLight {
+    #[inline(always)]
+    fn after(_: [f64; 0], passage: &Passage) -> Passed<0> {
+        Passed {
+            fraction: passage.facet.m00,
+            light: [],
+        }
+    }
+
+    #[inline(always)]
+    fn depolarised(_: [f64; 0]) -> [f64; 0] {
+        []
+    }
 }
 
 /// Normalised Stokes parameters Q/I, U/I, V/I.
@@ -88,7 +106,8 @@ impl CarriedLight<3> for TrackedLight {
     }
 }
 
-/// The same, followed by the ratio of the averaged flux of the path (s and p averaged at every interface) to its flux.
+/// Normalised Stokes parameters as in [`TrackedLight`], followed by the ratio of the averaged flux of the path (s and p
+/// averaged at every interface) to its flux.
 pub(crate) struct BothLight;
 
 impl CarriedLight<4> for BothLight {

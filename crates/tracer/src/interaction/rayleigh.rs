@@ -1,4 +1,4 @@
-//! Rayleigh scattering of polarised light: by dipoles along the field.
+//! Rayleigh scattering: scatters polarised light by dipoles along the field.
 
 use asperity_optics::{FacetMueller, PhaseFunction, Stokes, incidence_axis};
 use glam::DVec3;

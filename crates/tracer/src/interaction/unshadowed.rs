@@ -1,4 +1,4 @@
-//! Unshadowed single scattering of one surface: the sum over all of its facets.
+//! Unshadowed single scattering: the sum over all facets of one surface.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -13,14 +13,15 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::Triangles;
-use crate::interaction::facet::scatter;
+use crate::interaction::facet::{Incident, scatter};
+use crate::interaction::polarised::AveragedLight;
 use crate::ray::HalfSpace;
 
 /// Facets that are summed over at a time.
 const FACETS_OF_PART: usize = 1 << 14;
 
-/// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
-/// `incident` medium if nothing is in its way, before or after: flux fractions, summed in parallel.
+/// Unshadowed single scattering of the `facets` given by their numbers, of light from `incidence` through the `incident`
+/// medium: flux fractions, summed in parallel. Nothing blocks the light before or after the facet.
 ///
 /// Sums over parts of the facets add up to that over all; [`unshadowed_fluxes`] reads the sum.
 #[must_use]
@@ -80,20 +81,21 @@ fn add_facets<G: Triangles>(
             if flux <= 0.0 {
                 continue;
             }
-            let scattered = scatter(material, true, wi, m);
+            let light = Incident::averaged(true, wi, m);
+            let scattered = scatter::<AveragedLight, 0>(material, &light);
             tally.add_first_absorbed(flux * scattered.absorbed);
-            for branch in scattered.branches {
-                let (side, away) = match branch.event {
+            for (event, out) in scattered.branches() {
+                let (side, away) = match event {
                     Event::Reflection => (Side::Reflected, 1.0),
                     Event::Transmission => (Side::Transmitted, -1.0),
                 };
-                let wo = branch.direction * upright * image;
-                if branch.fraction > 0.0 && wo.z * away > 0.0 {
+                let wo = out.direction * upright * image;
+                if out.passed.fraction > 0.0 && wo.z * away > 0.0 {
                     tally.add_exit(&Exit {
                         side,
                         wo,
-                        flux: flux * branch.fraction,
-                        path: EventPath::default().then(branch.event),
+                        flux: flux * out.passed.fraction,
+                        path: EventPath::default().then(event),
                         scatterings: 0,
                     });
                 }

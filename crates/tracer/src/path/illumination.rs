@@ -1,4 +1,4 @@
-//! The light, and where its paths start.
+//! Illumination: the light, and the start points of its paths.
 
 use asperity_optics::Incidence;
 use serde::{Deserialize, Serialize};
@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::sampling::Sampling;
 use crate::settings::Polarisation;
 
-use super::window::Window;
-
-/// Where the paths of a batch start.
+/// Start points of the paths of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {
@@ -23,16 +21,15 @@ pub enum Starts {
 /// Light that falls on a surface, and how its rays are chosen.
 #[derive(Clone, Copy, Debug)]
 pub struct Illumination {
-    /// Where it comes from.
+    /// Direction of incidence.
     pub incidence: Incidence,
-    /// Whether each ray comes from an azimuth of its own, uniformly drawn; what leaves is turned back, so
-    /// that its azimuths are as if the light had come from that of `incidence`. Of vertical light all
-    /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
-    /// ([`asperity_tally::Azimuth::Free`]).
+    /// `true` if each ray comes from an azimuth of its own, uniformly drawn. Light that leaves is turned back, so that
+    /// its azimuths are as if the light had come from that of `incidence`. All azimuths of vertical light are one: none
+    /// is drawn, and light that leaves is spread evenly over azimuth ([`asperity_tally::Azimuth::Free`]).
     pub any_azimuth: bool,
-    /// How they are spread over the mean plane and, where it is free, over azimuth.
+    /// Distribution of the rays over the mean plane and, where it is free, over azimuth.
     pub sampling: Sampling,
-    /// Where paths start.
+    /// Start points of the paths.
     pub starts: Starts,
     /// Q, U and V over I of the light, in the axes of its ray; zeros for unpolarised light. Paths that average ignore it, and a
     /// Mueller matrix holds for any.
@@ -55,10 +52,29 @@ impl Illumination {
         }
     }
 
-    /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes to which its polarisation or a
-    /// Mueller matrix refers.
-    pub(super) fn turns(&self, polarisation: Polarisation) -> bool {
+    /// Returns `true` if each ray has an azimuth of its own. Vertical light has none to draw, except for the axes to
+    /// which its polarisation or a Mueller matrix refers.
+    pub(crate) fn turns(&self, polarisation: Polarisation) -> bool {
         let has_axes = polarisation == Polarisation::Mueller || self.stokes != [0.0; 3];
         self.any_azimuth && (has_axes || !self.incidence.is_vertical())
     }
+}
+
+/// A rectangle of the period of a surface, in fractions of the period along x and y, each from 0 to 1.
+///
+/// A mirrored tile and its images make a period of two tiles along each axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The corner with the lower coordinates.
+    pub from: [f64; 2],
+    /// The corner with the higher coordinates.
+    pub to: [f64; 2],
+}
+
+impl Window {
+    /// The whole period.
+    pub const WHOLE: Self = Self {
+        from: [0.0; 2],
+        to: [1.0; 2],
+    };
 }

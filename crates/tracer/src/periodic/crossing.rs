@@ -57,7 +57,7 @@ impl Crossing {
     }
 }
 
-/// Where a ray that starts outside the tile crosses its border, if it does.
+/// Point where a ray that starts outside the tile crosses its border, if it does.
 #[inline]
 pub(super) fn rim(ray: &TileRay, size: [f64; 2]) -> Option<DVec3> {
     let (o, d) = (ray.origin, ray.direction);

@@ -1,4 +1,4 @@
-//! Heading: where a ray is and where it goes, in the orientation of the tile that it is in.
+//! Heading: position and direction of a ray, in the orientation of the tile that it is in.
 
 use asperity_surface::Border;
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::geometry::Geometry;
 use crate::ray::{HalfSpace, Query, TileRay};
 
-/// Where a ray is and where it goes, in the orientation of the tile.
+/// Position and direction of a ray, in the orientation of the tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heading {
     /// Position, tile coordinates.

@@ -13,7 +13,7 @@ use crate::accelerators::Accelerator;
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{HalfSpace, Hit, Query};
 
-/// What a ray comes to.
+/// Result of the traversal of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TraversalResult<F> {
     /// It meets the surface: the hit, and the heading with its origin on the facet.
@@ -22,7 +22,7 @@ pub enum TraversalResult<F> {
     Ended(TraversalEnd),
 }
 
-/// How the traversal of a ray ends that does not meet the surface.
+/// End of the traversal of a ray that does not hit the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraversalEnd {
     /// It escapes from the surface on the side that it is on.
@@ -87,7 +87,7 @@ pub(crate) fn begin<G: Geometry>(
     }
 }
 
-/// The same for a ray from outside the tile, from above all heights, or from below them.
+/// Begins the traversal of a ray from outside the tile, from above all heights, or from below them.
 #[inline(never)]
 fn enter<G: Geometry>(
     geometry: &G,
@@ -121,8 +121,8 @@ fn enter<G: Geometry>(
     None
 }
 
-/// Whether a ray that moves away from the surface leaves the space between lowest and highest point before it
-/// leaves the tile: then it escapes if it has met nothing in the tile.
+/// Returns `true` if a ray that moves away from the surface leaves the space between lowest and highest point before it
+/// leaves the tile. It escapes if it has hit nothing in the tile.
 #[inline(always)]
 pub(crate) fn leaves_heights_in_tile<G: Geometry>(geometry: &G, query: &Query) -> bool {
     let Query { ray, half_space } = query;
@@ -166,7 +166,7 @@ pub(crate) fn approach<G: Geometry>(
     t
 }
 
-/// How the traversal of a ray ends if no tile has anything in it.
+/// End of the traversal of a ray if no tile has anything in it.
 #[inline]
 fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> TraversalEnd {
     if half_space.sign() * direction.z > 0.0 {

@@ -1,4 +1,4 @@
-//! Amplitudes: by what an interface multiplies the electric fields along s and p.
+//! Amplitudes: the factors of an interface for the electric fields along s and p.
 //!
 //! # Source
 //! Born and Wolf, Principles of Optics, Secs. 1.5 and 14.2, with `r_p = -r_s` at normal incidence.

@@ -86,9 +86,9 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         contribute: &mut impl FnMut(CameraContribution),
     ) {
         let reach = layer.free_flight(rng.random());
-        let goes_on = self.geometry.border() != Border::Open;
+        let is_periodic = self.geometry.border() != Border::Open;
         let x = path.heading.origin;
-        beams.holding(self.geometry, x, reach, goes_on, |beam| {
+        beams.holding(self.geometry, x, reach, is_periodic, |beam| {
             // Find the facet through which the beam enters the layer
             let back = Heading {
                 direction: -beam.direction,

@@ -5,11 +5,11 @@
 use glam::DVec3;
 
 use super::amplitudes::Amplitudes;
+use super::facet::{Branch, Scattered};
 use super::fields::{Deflection, Fields};
-use crate::interaction::facet::{Branch, Scattered};
 use crate::periodic::Heading;
 
-/// What an interface does with the light of a path, as fractions of its flux.
+/// Light of a path divided at an interface, as fractions of its flux.
 pub(super) struct Division {
     /// Transmission and reflection.
     pub(super) branches: [LitBranch; 2],
@@ -35,7 +35,7 @@ impl Division {
         }
     }
 
-    /// The same directions, with the fractions of the fields that a path brings to a place of normal `m`.
+    /// This division with the fractions of the fields that a path brings to a point of normal `m`.
     pub(super) fn polarised(
         mut self,
         heading: &Heading,
@@ -69,7 +69,7 @@ impl Division {
         self
     }
 
-    /// The same directions and fractions, with unpolarised light.
+    /// This division with unpolarised light.
     pub(super) fn depolarised(mut self, heading: &Heading) -> Self {
         for lit in &mut self.branches {
             let k = heading.to_world(lit.branch.direction);

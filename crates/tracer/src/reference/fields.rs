@@ -74,7 +74,7 @@ impl Fields {
         self.0.as_flattened().iter().map(Complex64::norm_sqr).sum()
     }
 
-    /// The same light with the flux one; without any light, as it is.
+    /// These fields scaled to the flux one; unchanged if there is no light.
     pub(super) fn normalised(self) -> Self {
         let flux = self.flux();
         let scale = if flux > 0.0 { 1.0 / flux.sqrt() } else { 1.0 };

@@ -1,18 +1,17 @@
-//! Interface: moves a path to an interface, and says what the interface does with its light.
+//! Interface: moves a path to an interface, and divides its light there.
 
-use asperity_optics::{Bottom, Material, around};
-use asperity_tally::Event;
+use asperity_optics::{Bottom, Material};
 use glam::DVec3;
-use rand::{Rng, RngExt};
+use rand::Rng;
 
 use super::PathIntegrator;
 use super::amplitudes::Amplitudes;
 use super::division::Division;
+use super::facet::Scattered;
 use super::next_event::InterfaceHit;
 use super::result::PathEnd;
 use super::state::{PathState, Space};
 use crate::geometry::Geometry;
-use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
 
 impl<G: Geometry> PathIntegrator<'_, G> {
@@ -40,7 +39,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     pub(super) fn normal(&self, hit: &InterfaceHit<G::Facet>, space: Space) -> DVec3 {
         let bottom = self.layer.as_ref().and_then(TracedLayer::surface);
         let geometry = match (hit.interface, bottom) {
-            (Interface::Bottom, Some((bottom, _))) => bottom,
+            (Interface::Bottom, Some(bottom)) => bottom.geometry,
             _ => self.geometry,
         };
         let is_above = match hit.interface {
@@ -53,7 +52,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         })
     }
 
-    /// What an interface does with the light of a path that has come to it, at a place of normal `m`.
+    /// Divides the light of a path that has come to an interface, at a point of normal `m`.
     pub(super) fn divided<R: Rng>(
         &self,
         interface: Interface,
@@ -64,9 +63,9 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         let wi = -path.heading.direction;
         let face = self.face(interface, path.space);
         let scattered = match face {
-            Face::Smooth(material) => scatter(material, true, wi, m),
-            Face::Lambertian(reflectance) => scattered_diffusely(reflectance, m, rng),
-            Face::Absorbing => only_reflected(0.0, DVec3::ZERO),
+            Face::Smooth(material) => Scattered::smoothly(material, wi, m),
+            Face::Lambertian(reflectance) => Scattered::diffusely(reflectance, m, rng),
+            Face::Absorbing => Scattered::nowhere(),
         };
         let division = Division::averaged(&scattered);
         match (path.fields, face) {
@@ -79,7 +78,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         }
     }
 
-    /// What an interface is for light that comes through `space`.
+    /// Kind of an interface for light that comes through `space`.
     fn face(&self, interface: Interface, space: Space) -> Face {
         let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
         let (material, incident) = match (interface, bottom) {
@@ -97,7 +96,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     }
 }
 
-/// What a path meets at an interface.
+/// Kind of an interface that a path has come to.
 #[derive(Clone, Copy)]
 enum Face {
     /// A facet that reflects and refracts, of that material for the light that comes.
@@ -106,27 +105,4 @@ enum Face {
     Lambertian(f64),
     /// A facet that absorbs all light.
     Absorbing,
-}
-
-/// What a Lambertian facet of normal `m` does.
-fn scattered_diffusely<R: Rng>(reflectance: f64, m: DVec3, rng: &mut R) -> Scattered {
-    // Lambert: the squared cosine to the normal is evenly distributed.
-    let cos_theta_o = rng.random::<f64>().sqrt();
-    only_reflected(reflectance, around(m, cos_theta_o, rng.random()))
-}
-
-/// A fraction of the light reflected in one direction, and the rest absorbed.
-fn only_reflected(reflectance: f64, wo: DVec3) -> Scattered {
-    let branch = |event, fraction, direction| Branch {
-        event,
-        direction,
-        fraction,
-    };
-    Scattered {
-        branches: [
-            branch(Event::Transmission, 0.0, DVec3::ZERO),
-            branch(Event::Reflection, reflectance, wo),
-        ],
-        absorbed: 1.0 - reflectance,
-    }
 }

@@ -1,4 +1,4 @@
-//! Next event: what a path comes to on its straight line.
+//! Next event: finds the interface or the interaction that comes next on the straight line of a path.
 
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -11,7 +11,7 @@ use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::ray::HalfSpace;
 
-/// How a free flight inside a layer is searched for facets.
+/// Method by which a free flight inside a layer is searched for facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlightSearch {
     /// Along all of its straight line.
@@ -20,7 +20,7 @@ pub enum FlightSearch {
     Nearby,
 }
 
-/// What a path comes to next.
+/// Next event on the straight line of a path.
 pub(super) enum NextEvent<'s, 'a, G: Geometry> {
     /// An interface.
     Interface(InterfaceHit<G::Facet>),
@@ -30,7 +30,7 @@ pub(super) enum NextEvent<'s, 'a, G: Geometry> {
     End(PathEnd),
 }
 
-/// Where a path meets an interface.
+/// Hit of a path on an interface.
 pub(super) struct InterfaceHit<F> {
     pub(super) interface: Interface,
     /// The facet, and the heading with its origin there; `None` on a flat bottom.
@@ -117,7 +117,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 return Err(None);
             };
             heading = layer.to_interface(interface, heading);
-            (geometry, accelerator) = bottom;
+            (geometry, accelerator) = (bottom.geometry, bottom.accelerator);
         }
         let found = |facet, heading, t| {
             let heading = match &self.layer {
@@ -163,7 +163,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         }
     }
 
-    /// Moves the place of a path on by `t`, in the plane continued without end.
+    /// Moves the position of a path by `t`, in the plane continued without end.
     pub(super) fn advance(&self, path: &mut PathState, t: f64) {
         let world = path.heading.world_direction();
         path.place += t * DVec2::new(world.x, world.y * self.geometry.aspect());

@@ -1,4 +1,4 @@
-//! Result: the end of a path, and what it contributes to a camera.
+//! Result: the end of a path, and its contribution to a camera.
 
 use asperity_optics::Stokes;
 use asperity_tally::EventPath;
@@ -8,7 +8,7 @@ use glam::DVec3;
 /// absorbed and what was truncated on the way add up to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathResult {
-    /// Where it ended.
+    /// Kind of its end.
     pub end: PathEnd,
     /// Flux that it has left there.
     pub flux: f64,
@@ -18,40 +18,39 @@ pub struct PathResult {
     pub truncated: f64,
     /// Its interactions with surfaces.
     pub path: EventPath,
-    /// How often it was scattered inside the layer.
+    /// Number of scatterings inside the layer.
     pub scatterings: u32,
-    /// Whether [`CameraContribution::Beam`] stands for where it has come from: it left above through one facet, straight
-    /// after it was scattered inside no farther away than beams reach, and beams were given.
+    /// `true` if [`CameraContribution::Beam`] accounts for its origin: it left above through one facet, straight after
+    /// it was scattered inside no farther away than beams reach, and beams were given.
     pub sampled_by_beams: bool,
     /// Polarisation of its light: the Stokes vector over its flux, in the
     /// [`reference_axes`](asperity_optics::reference_axes) of `direction`; unpolarised where that is not tracked.
     pub stokes: Stokes,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,
-    /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
-    /// without end.
+    /// Start of that last stretch, in the coordinates of the upper surface's tile, continued beyond it without end.
     pub origin: DVec3,
 }
 
-/// What a camera ray finds along its paths.
+/// Contribution of a camera ray along its paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraContribution {
     /// The end of a path.
     Path(PathResult),
-    /// A place in the layer that light of beams has come to, through one facet.
+    /// A point in the layer that light of beams has reached, through one facet.
     Beam(BeamContribution),
 }
 
 /// Light that is scattered into a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamContribution {
-    /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
+    /// Factor of the radiance from that direction, times its solid angle: 1/sr.
     pub fraction: f64,
-    /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
+    /// Point where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
     pub origin: DVec3,
 }
 
-/// Where a path may end.
+/// Kinds of ends of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathEnd {
     /// It left above.

@@ -1,4 +1,4 @@
-//! Path state: where a path is, and what it carries.
+//! Path state: the place of a path, and the light that it carries.
 
 use asperity_optics::{PhaseFunction, Stokes};
 use asperity_tally::{Event, EventPath};
@@ -23,13 +23,13 @@ pub(super) enum Space {
     Beyond,
 }
 
-/// Where a path is, and what it carries.
+/// State of a path: its position, and the light that it carries.
 #[derive(Clone, Copy)]
 pub(super) struct PathState {
     pub(super) space: Space,
     /// In the tile, and in the coordinates of the upper surface.
     pub(super) heading: Heading,
-    /// The same place in the plane continued without end.
+    /// Its position in the plane continued without end.
     pub(super) place: DVec2,
     pub(super) flux: f64,
     /// The polarisation of its light; `None` if light counts as unpolarised at every interface.

@@ -1,10 +1,10 @@
-//! Jitter: moves starts from the corners of their strata to random places in them, many at a time.
+//! Jitter: moves starts from the corners of their strata to random positions in them, many at a time.
 
 use super::Start;
 use crate::random::{PathStream, Step, Use};
 use crate::vector::Stage;
 
-/// Moves starts from the corners of their strata, in units of these, to random places in them.
+/// Moves starts from the corners of their strata, in units of these, to random positions in them.
 pub(super) struct Jitter<'a> {
     pub(super) stream: PathStream,
     /// Size of a stratum along u, v and azimuth.
@@ -37,8 +37,9 @@ impl Stage for Jitter<'_> {
             let [[along_u, along_v], [along_azimuth, _]] = &numbers;
             for (k, start) in starts.iter_mut().enumerate() {
                 let along = [along_u[k], along_v[k], along_azimuth[k]];
-                for ((place, along), size) in start.place.iter_mut().zip(along).zip(self.size) {
-                    *place = (*place + along) * size;
+                for ((position, along), size) in start.position.iter_mut().zip(along).zip(self.size)
+                {
+                    *position = (*position + along) * size;
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Quasi-random points in three dimensions, one in each of many strata of the first two.
+//! Net: quasi-random points in three dimensions, one in each of many strata of the first two.
 //!
 //! The points are those of the Hammersley kind over Sobol's first two sequences: point `i` of
 //! `n = 2^m` is `(phi(i), psi(i), i / n)`, where `phi` mirrors the digits of `i` and `psi` is Sobol's
@@ -56,7 +56,7 @@ impl Net {
         }
     }
 
-    /// What the first digits count in.
+    /// Unit of the first digits.
     pub(super) const fn width(&self) -> f64 {
         self.width
     }
@@ -70,7 +70,7 @@ impl Iterator for Net {
     fn next(&mut self) -> Option<Start> {
         let (number, point) = self.points.next()?;
         Some(Start {
-            place: point.map(f64::from),
+            position: point.map(f64::from),
             ray: number as u32,
         })
     }
@@ -79,7 +79,7 @@ impl Iterator for Net {
 /// The first `2^digits` points of Sobol's first two sequences, in units of `2^-digits`.
 fn sobol(digits: u32) -> impl Iterator<Item = [u32; 2]> {
     let top = (1_u32 << digits) >> 1;
-    // What changes where the lowest `j + 1` digits of i change: the directions of all of them together
+    // The digits that change where the lowest `j + 1` digits of i change: the directions of all of them together
     let mut direction = [top; 2];
     let mut change = [0; 2];
     let changes: Vec<[u32; 2]> = (0..digits)
@@ -99,8 +99,8 @@ fn sobol(digits: u32) -> impl Iterator<Item = [u32; 2]> {
     })
 }
 
-/// What becomes of each number of `digits` binary digits in a nested random scrambling: whether a
-/// digit is flipped is a random bit that belongs to the digits before it.
+/// Results of a nested random scrambling for each number of `digits` binary digits: a digit is flipped by a random bit
+/// that belongs to the digits before it.
 fn scrambled<R: Rng>(digits: u32, rng: &mut R) -> Vec<u32> {
     let mut prefixes = vec![0];
     for _ in 0..digits {

@@ -25,7 +25,7 @@ impl BatchedRays {
     /// All rays of one batch of `strata * strata` rays.
     ///
     /// # Panics
-    /// As [`BatchedRays::new`].
+    /// For the reasons of [`BatchedRays::new`].
     #[must_use]
     pub fn of_one(strata: u32) -> Self {
         Self::new(strata, 1, 0..strata * strata)
@@ -82,7 +82,7 @@ impl BatchedRays {
         (self.strata as u64).pow(2)
     }
 
-    /// Whether these are all rays of a single batch.
+    /// Returns `true` if these are all rays of a single batch.
     #[must_use]
     pub fn is_one_batch(&self) -> bool {
         self.batches == 1 && (0..self.strata * self.strata) == self.part
@@ -137,7 +137,7 @@ impl Iterator for Strata {
         let ray = PathStream::ray(self.batch, self.number);
         self.batch += 1;
         Some(Start {
-            place: [column, row, 0.0],
+            position: [column, row, 0.0],
             ray,
         })
     }
@@ -146,10 +146,10 @@ impl Iterator for Strata {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::{Places, Sampling};
+    use crate::sampling::{Positions, Sampling};
 
     fn starts(rays: &BatchedRays, stream: PathStream) -> Vec<Start> {
-        Places::new(Sampling::Stratified, rays, false, stream).draw_all()
+        Positions::new(Sampling::Stratified, rays, false, stream).draw_all()
     }
 
     /// Each batch has the starts that it has alone, whatever it is traced with and however its strata are divided.

@@ -1,4 +1,4 @@
-//! Lanes: what the wide search needs of an instruction set, a few operations on lanes of f32 and i32.
+//! Lanes: the operations of an instruction set that the wide search needs, on lanes of f32 and i32.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
@@ -52,13 +52,13 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(self, value: f32) -> Self::F;
     fn splat_i(self, value: i32) -> Self::I;
-    /// Whether `a < b`, false where one is NaN.
+    /// `true` where `a < b`, `false` where one is NaN.
     fn less(self, a: Self::F, b: Self::F) -> Self::M;
-    /// Whether `a < b`.
+    /// `true` where `a < b`.
     fn less_i(self, a: Self::I, b: Self::I) -> Self::M;
-    /// Whether `index` is one of `0` to `count - 1`.
+    /// `true` where `index` is one of `0` to `count - 1`.
     fn within(self, index: Self::I, count: i32) -> Self::M;
-    /// Whether `a == b`.
+    /// `true` where `a == b`.
     fn equal_i(self, a: Self::I, b: Self::I) -> Self::M;
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
     fn select_i(self, mask: Self::M, yes: Self::I, no: Self::I) -> Self::I;
@@ -82,7 +82,7 @@ pub(crate) trait Lanes: Copy {
     ///
     /// `source` must hold at least [`Lanes::COUNT`] entries.
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F;
-    /// As [`Lanes::refill`], for integers.
+    /// [`Lanes::refill`] for integers.
     fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
     /// The mask whose lanes are the low bits of `bits`.
     fn mask(self, bits: u32) -> Self::M;

@@ -1,4 +1,4 @@
-//! Lanes by AVX2 and AVX-512.
+//! AVX2 and AVX-512: lanes by the instructions of x86-64.
 //!
 //! The one module with unsafe code. Its two reasons:
 //!

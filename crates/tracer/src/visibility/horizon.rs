@@ -1,5 +1,4 @@
-//! How high the surface rises before a point: the horizon, which answers for all polar angles of an
-//! azimuth at once.
+//! Horizon: the rise of the surface before a point, which decides visibility for all polar angles of an azimuth at once.
 //!
 //! Along a straight line a meshed surface is a polyline with its corners where the line crosses edges of
 //! the mesh. So the steepest rise from a point to the surface before it is that to one of these
@@ -11,7 +10,7 @@ use glam::{DVec2, DVec3};
 use crate::geometry::height_field::{Facet, Surface};
 use crate::geometry::{Geometry, Triangles};
 
-/// What rises before a point along an azimuth; rises are heights over horizontal distances, in one unit.
+/// Rises of the surface before a point along an azimuth: heights over horizontal distances, in one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Horizon {
     /// Rise of the point's own facet. The facet faces a direction of polar angle theta along the azimuth
@@ -30,7 +29,7 @@ impl Horizon {
     }
 }
 
-/// Why a surface has no horizons.
+/// Error of a surface that has no horizons.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HorizonError {
@@ -50,10 +49,10 @@ pub struct Horizons<'a> {
     blocks: Vec<f64>,
     /// Unit direction in physical lengths.
     along: DVec2,
-    /// The same in tile coordinates per unit of distance.
+    /// That direction in tile coordinates per unit of distance.
     rate: DVec2,
     least: f64,
-    /// What differences of heights are rounded by.
+    /// Bound on the rounding of differences of heights.
     rounding: f64,
 }
 
@@ -207,7 +206,7 @@ struct FacetLine {
     diagonal: [f64; 2],
     /// The cell that it is in, continued beyond the tile.
     cell: DVec2,
-    /// The same cell in the tile.
+    /// That cell in the tile.
     tile: [usize; 2],
     triangle: Triangle,
 }
@@ -299,7 +298,7 @@ impl FacetLine {
         true
     }
 
-    /// Whether it has come into another block by going through an edge.
+    /// Returns `true` if it has come into another block by going through an edge.
     #[inline(always)]
     fn enters_block(&self, edge: Edge, cells: [usize; 2]) -> bool {
         let [x, y] = self.tile;

@@ -1,4 +1,4 @@
-//! Collimated light inside a medium that has come through one facet of the surface above it.
+//! Light beams: collimated light inside a medium that has come through one facet of the surface above it.
 //!
 //! Facets are flat, so light that enters through one continues as a beam of parallel rays, a prism below the facet.
 //! Which prisms hold a given point is found by a binary tree over the facets: a node knows the box of its
@@ -7,12 +7,11 @@
 //! refracting surface. Beams end after some tiles, so that few of them contain any one point; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
-use asperity_optics::Material;
+use asperity_optics::{Material, dielectric, refract};
 use asperity_surface::Border;
 use glam::DVec3;
 
 use crate::geometry::{Geometry, Triangles};
-use crate::interaction::facet::scatter;
 use crate::periodic::can_traverse;
 use crate::sampling::morton::morton_code;
 
@@ -36,7 +35,7 @@ pub struct LightBeams<G: Geometry> {
     leaves: usize,
     /// Length of beams, tile coordinates: light from farther away is left to random paths.
     farthest: f64,
-    /// Whether the light comes from above the horizon.
+    /// `true` if the light comes from above the horizon.
     is_up: bool,
 }
 
@@ -103,7 +102,7 @@ impl<G: Geometry> LightBeams<G> {
         beams
     }
 
-    /// The same facets under light from another direction.
+    /// Aims the beams at these facets from another direction.
     pub fn aim(&mut self, geometry: &G, towards: DVec3) {
         self.towards = towards;
         // The rest of a disc at the horizon lights nothing, behind so many tiles.
@@ -144,13 +143,13 @@ impl<G: Geometry> LightBeams<G> {
 
     /// Hands on the beams that hold the point `x`, tile coordinates, within `reach` of their facets.
     ///
-    /// `goes_on`: whether the tile is one of a period.
+    /// `is_periodic`: `true` if the tile is one of a period.
     pub(crate) fn holding(
         &self,
         geometry: &G,
         x: DVec3,
         reach: f64,
-        goes_on: bool,
+        is_periodic: bool,
         mut each: impl FnMut(Beam<G::Facet>),
     ) {
         let root = &self.nodes[0];
@@ -161,7 +160,7 @@ impl<G: Geometry> LightBeams<G> {
         // Tiles from which light comes so far, few as `far` is bounded.
         let mut tiles = [[0.0, 0.0]; 2];
         for (axis, size) in geometry.extent().into_iter().enumerate() {
-            if goes_on {
+            if is_periodic {
                 let (low, high) = (root.direction.low[axis], root.direction.high[axis]);
                 let from = x[axis] - (near * high).max(far * high);
                 let to = x[axis] - (near * low).min(far * low);
@@ -239,13 +238,14 @@ impl<G: Geometry> LightBeams<G> {
         if cos_theta_i <= 0.0 || !self.is_up {
             return None;
         }
-        let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
-        if transmitted.fraction <= 0.0 {
+        let fresnel = dielectric(cos_theta_i.min(1.0), eta);
+        if fresnel.transmitted <= 0.0 {
             return None;
         }
-        let cos_theta_t = -transmitted.direction.dot(m);
-        let fraction = transmitted.fraction * cos_theta_i / (eta * eta * cos_theta_t);
-        Some((transmitted.direction, fraction))
+        let direction = refract(self.towards, m, eta, fresnel.cos_theta_t);
+        let cos_theta_t = -direction.dot(m);
+        let fraction = fresnel.transmitted * cos_theta_i / (eta * eta * cos_theta_t);
+        Some((direction, fraction))
     }
 
     fn of_leaf(&self, leaf: usize) -> &[G::Facet] {
@@ -283,7 +283,7 @@ impl Node {
         (least <= most).then_some([least, most])
     }
 
-    /// Whether a beam of one of the facets may hold `x`.
+    /// Returns `true` if a beam of one of the facets may hold `x`.
     fn may_hold(&self, x: DVec3, reach: f64) -> bool {
         let Some([near, far]) = self.distances(x, reach) else {
             return false;

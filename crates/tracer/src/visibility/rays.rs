@@ -1,4 +1,4 @@
-//! Visibility rays: tell whether points of a surface see the sky, many at a time.
+//! Visibility rays: find which points of a surface the sky is visible from, many at a time.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub struct VisibilityRay {
     pub direction: DVec3,
 }
 
-/// What a visibility ray comes to.
+/// Result of a visibility ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Visibility {
     /// The sky.
@@ -65,7 +65,7 @@ pub fn trace_visibility<G: Geometry>(
             return;
         }
         accelerator.closest_hits_of(geometry, &queries, &mut hits);
-        // Those that go on in the next tile move to the front.
+        // Those that continue in the next tile move to the front.
         let mut kept = 0;
         for i in 0..queries.len() {
             if hits[i].is_some() {

@@ -39,7 +39,7 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, HalfSpace)>
                 place = DVec3::new(place.x.round(), place.y.round(), high);
             }
             let ray = if rng.random::<bool>() {
-                // From outside, set off from the top so that it is over the tile there.
+                // From outside, start from the top so that it is over the tile there.
                 let origin = place - direction * 10_f64.powf(rng.random_range(-6.0..4.0));
                 TileRay { origin, direction }
             } else {

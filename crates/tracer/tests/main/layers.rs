@@ -10,8 +10,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::HeightField;
 use asperity_tally::{Entry, Sides, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, HalfSpace, Illumination, PathSettings,
-    PathStream, Surface, TracedLayer, Tracer, Work,
+    AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, PathStream,
+    SearchedSurface, Surface, TracedLayer, Tracer, Work,
 };
 
 /// A scene: a surface of glass, what lies below it, and the light.
@@ -53,13 +53,12 @@ impl Scene {
             .bottom
             .as_ref()
             .map(|bottom| (bottom, bottom.accelerator(self.accelerator).unwrap()));
-        let shape = match &below {
-            None => BottomShape::Flat,
-            Some((geometry, accelerator)) => BottomShape::Surface {
+        let shape = below
+            .as_ref()
+            .map(|(geometry, accelerator)| SearchedSurface {
                 geometry: *geometry,
                 accelerator: &**accelerator,
-            },
-        };
+            });
         let layer =
             TracedLayer::new(&self.surface, &self.layer, shape, self.max_scatterings).unwrap();
         let tracer = Tracer::new(

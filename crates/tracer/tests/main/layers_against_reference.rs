@@ -9,8 +9,8 @@ use asperity_tally::{
     Component, Entry, HemisphereGrid, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace,
-    Illumination, PathEnd, PathIntegrator, PathResult, PathSettings, PathStream, Surface,
+    AcceleratorKind, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace, Illumination,
+    PathEnd, PathIntegrator, PathResult, PathSettings, PathStream, SearchedSurface, Surface,
     TracedLayer, Tracer,
 };
 use glam::DVec3;
@@ -105,11 +105,11 @@ impl Scene {
         };
         let traced_layer = || {
             let shape = match (&bottom, &bottom_hits) {
-                (Some(geometry), Some(hits)) => BottomShape::Surface {
+                (Some(geometry), Some(hits)) => Some(SearchedSurface {
                     geometry,
                     accelerator: &**hits,
-                },
-                _ => BottomShape::Flat,
+                }),
+                _ => None,
             };
             TracedLayer::new(&top, &layer, shape, self.max_scatterings).unwrap()
         };

@@ -8,8 +8,8 @@ use asperity_optics::{
 use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, CameraContribution, FlightSearch, Geometry,
-    LightBeams, PathEnd, PathIntegrator, PathSettings, Surface, TracedLayer,
+    AcceleratorKind, BuildAccelerator, CameraContribution, FlightSearch, Geometry, LightBeams,
+    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -51,7 +51,7 @@ const COS_RADIUS: f64 = 0.85;
 /// each, 3.76 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
 const BOUND: f64 = 3.85;
 
-/// What comes straight out of the medium of a sun of radiance one, seen along lines from above.
+/// Light straight out of the medium, of a sun of radiance one, seen along lines from above.
 struct Found {
     /// By beams, and by chance.
     sums: BatchStatistics,
@@ -96,12 +96,12 @@ fn trace(case: Case) -> Found {
     let white = Bottom::Lambertian { reflectance: 0.8 };
     let layer = Layer::slab(medium, 2.4 * height, white).unwrap();
     let shape = if case.rough_bottom {
-        BottomShape::Surface {
+        Some(SearchedSurface {
             geometry: &bottom,
             accelerator: &*bottom_hits,
-        }
+        })
     } else {
-        BottomShape::Flat
+        None
     };
     let layer = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
     let glass = Material::dielectric(case.eta).unwrap();

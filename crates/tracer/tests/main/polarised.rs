@@ -151,8 +151,8 @@ fn what_is_kept_changes_no_flux() {
     }
 }
 
-/// Whether a matrix takes every physical Stokes vector to one, and is a sum of paths: the coherency matrix is positive
-/// semidefinite, by its Cholesky decomposition (Cloude 1989).
+/// Returns `true` if a matrix takes every physical Stokes vector to one, and is a sum of paths: the coherency matrix is
+/// positive semidefinite, by its Cholesky decomposition (Cloude 1989).
 fn is_physical(m: [[f64; 4]; 4]) -> bool {
     let (o, l, i) = (Complex64::ZERO, Complex64::ONE, Complex64::I);
     let pauli = [

@@ -6,8 +6,8 @@ use asperity_optics::{
 };
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult,
-    PathSettings, Polarisation, Surface, TracedLayer,
+    AcceleratorKind, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult, PathSettings,
+    Polarisation, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -31,7 +31,7 @@ struct Scene {
     theta_deg: f64,
     polarisation: Polarisation,
     incident: Stokes,
-    /// Where paths begin: above the tile up to here, tile coordinates.
+    /// Upper limits of start positions, above the tile, tile coordinates.
     starts: [f64; 2],
     seed: u64,
 }
@@ -57,9 +57,10 @@ impl Scene {
     /// Traces `paths` paths from random starting points.
     fn trace(&self, paths: u64) -> Vec<PathResult> {
         let hits = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let layer = self.layer.as_ref().map(|layer| {
-            TracedLayer::new(&self.surface, layer, BottomShape::Flat, 100_000).unwrap()
-        });
+        let layer = self
+            .layer
+            .as_ref()
+            .map(|layer| TracedLayer::new(&self.surface, layer, None, 100_000).unwrap());
         let settings = PathSettings::default().with_polarisation(self.polarisation);
         let integrator = PathIntegrator::new(&self.surface, &*hits, self.material, settings, layer);
         let ([cx, cy], [_, high]) = (self.starts, self.surface.z_range());
@@ -294,7 +295,7 @@ fn a_mirrored_border_is_a_surface_with_its_mirror_images() {
     }
 }
 
-/// What was scattered once leaves polarised across the plane of scattering, by `(1 - mu^2) / (1 + mu^2)`.
+/// Light scattered once leaves polarised across the plane of scattering, by `(1 - mu^2) / (1 + mu^2)`.
 #[test]
 fn rayleigh_scattering_polarises_across_its_plane() {
     let scene = Scene {

@@ -3,8 +3,9 @@
 use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Escape, Geometry, HalfSpace, Hit,
-    Instructions, Nearby, Outlook, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, CullingClass, Escape, Geometry,
+    HalfSpace, Hit, Instructions, Nearby, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface,
+    TileRay,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -184,16 +185,16 @@ fn powers_of_two_of_scale_change_nothing() {
     }
 }
 
-/// What bounds on slopes and heights tell of a ray is true, and the same for many rays as for one.
+/// Bounds on slopes and heights decide correctly for a ray, and alike for many rays and for one.
 #[test]
 fn rays_that_escape_by_bounds_meet_nothing() {
     for (name, surface) in surfaces() {
         let queries = rays(&surface, 3000, 4);
         let batch: RayBatch = queries.iter().collect();
-        let mut outlooks = vec![Outlook::Unknown; queries.len()];
-        surface.outlooks(batch.columns(), &mut outlooks);
+        let mut classes = vec![CullingClass::Unknown; queries.len()];
+        surface.culling_classes(batch.columns(), &mut classes);
         let mut escaped = 0;
-        for (query, outlook) in queries.iter().zip(&outlooks) {
+        for (query, class) in queries.iter().zip(&classes) {
             let escape = surface.escapes(&query.ray, query.half_space);
             if escape.is_some() {
                 let hit = BruteForce.closest_hit(&surface, query);
@@ -201,19 +202,19 @@ fn rays_that_escape_by_bounds_meet_nothing() {
                 escaped += 1;
             }
             let expected = match escape {
-                None => Outlook::Unknown,
-                Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
+                None => CullingClass::Unknown,
+                Some(Escape::SteeperThanAll) => CullingClass::SteeperThanAll,
+                Some(Escape::AboveHorizon) => CullingClass::AboveHorizon,
             };
-            if *outlook != Outlook::Elsewhere {
-                assert_eq!(*outlook, expected, "{name}: {query:?}");
+            if *class != CullingClass::Elsewhere {
+                assert_eq!(*class, expected, "{name}: {query:?}");
             }
         }
         assert!(escaped > 100, "{name}: {escaped}");
     }
 }
 
-/// What heights nearby tell of a short stretch is what brute force finds on it.
+/// Heights nearby decide for a short stretch as brute force does.
 #[test]
 fn what_is_told_of_a_short_stretch_is_true() {
     for (name, surface) in surfaces() {

@@ -6,9 +6,9 @@ use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BottomShape, Branching, BuildAccelerator, Geometry, HalfSpace,
-    Illumination, Instructions, PathEnd, PathIntegrator, PathSettings, PathStream, Pyramid,
-    Sampling, SmoothSurface, Starts, TracedLayer, Tracer, Work,
+    Accelerator, AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination,
+    Instructions, PathEnd, PathIntegrator, PathSettings, PathStream, Pyramid, Sampling,
+    SmoothSurface, Starts, TracedLayer, Tracer, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -65,8 +65,7 @@ impl Scene {
                 ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Isotropic);
             let bottom = Bottom::Lambertian { reflectance: 0.5 };
             let layer = Layer::slab(medium.unwrap(), 30.0, bottom).unwrap();
-            tracer = tracer
-                .over(TracedLayer::new(&self.surface, &layer, BottomShape::Flat, 1000).unwrap());
+            tracer = tracer.over(TracedLayer::new(&self.surface, &layer, None, 1000).unwrap());
         }
         let stream = PathStream::new(3, 1).from_path(1000);
         tracer.batch(&self.light, 40, spec, None, stream)

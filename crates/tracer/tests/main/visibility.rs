@@ -1,5 +1,5 @@
-//! Whether points see the sky: rays and horizons against each other, against brute force, and on surfaces
-//! whose shadows are known.
+//! Visibility of points: rays and horizons against each other, against brute force, and on surfaces whose shadows are
+//! known.
 
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_synthesis::{Psd, Synthesis};
@@ -33,7 +33,7 @@ fn horizons(surface: &Surface, points: &[(Facet, DVec3)], phi: f64, least: f64) 
     points.iter().map(|&(f, p)| horizons.of(f, p)).collect()
 }
 
-/// What each point that faces `w` sees, by rays; `None` for those that face away.
+/// Visibility by rays of each point that faces `w`; `None` for those that face away.
 fn rays(surface: &Surface, points: &[(Facet, DVec3)], w: DVec3) -> Vec<Option<Visibility>> {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let faces = |facet: Facet| surface.normal(facet).dot(w) > 0.0;

@@ -6,9 +6,9 @@ use asperity_tally::{
     ControlVariate, Side, Tallies, TallySpec, TallyValues, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_tracer::{
-    AcceleratorKind, BatchedRays, BottomShape, Branching, BuildAccelerator, Escape, Geometry,
-    HalfSpace, Illumination, Instructions, Outlook, PathSettings, PathStream, Polarisation, Query,
-    RayBatch, Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
+    AcceleratorKind, BatchedRays, Branching, BuildAccelerator, CullingClass, Escape, Geometry,
+    HalfSpace, Illumination, Instructions, PathSettings, PathStream, Polarisation, Query, RayBatch,
+    Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -84,8 +84,7 @@ impl Scene {
                 ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Rayleigh);
             let bottom = Bottom::Lambertian { reflectance: 0.5 };
             let layer = Layer::slab(medium.unwrap(), 20.0, bottom).unwrap();
-            tracer = tracer
-                .over(TracedLayer::new(&self.surface, &layer, BottomShape::Flat, 1000).unwrap());
+            tracer = tracer.over(TracedLayer::new(&self.surface, &layer, None, 1000).unwrap());
         }
         let stream = PathStream::new(3, 1).from_batch(first);
         tracer.batches(&self.light, rays, self.spec(), control_variate, stream)
@@ -302,7 +301,7 @@ fn rays(surface: &Surface, count: usize) -> Vec<Query> {
 }
 
 #[test]
-fn outlooks_of_many_rays_are_those_of_one() {
+fn culling_classes_of_many_rays_are_those_of_one() {
     for border in [Border::Periodic, Border::Mirrored, Border::Open] {
         // Smooth but for a corner, so that bounds on what lies ahead say more than those of the whole.
         let smooth = waves(160, 0.3, 2);
@@ -312,18 +311,18 @@ fn outlooks_of_many_rays_are_those_of_one() {
         let surface = Surface::new(field.with_border(border));
         let queries = rays(&surface, 5000);
         let batch: RayBatch = queries.iter().collect();
-        let mut outlooks = vec![Outlook::Elsewhere; queries.len()];
-        surface.outlooks(batch.columns(), &mut outlooks);
+        let mut classes = vec![CullingClass::Elsewhere; queries.len()];
+        surface.culling_classes(batch.columns(), &mut classes);
         let mut found = [0; 4];
-        for (Query { ray, half_space }, outlook) in queries.iter().zip(outlooks) {
+        for (Query { ray, half_space }, class) in queries.iter().zip(classes) {
             let expected = match surface.escapes(ray, *half_space) {
-                _ if !surface.is_in_tile(ray.origin) => Outlook::Elsewhere,
-                None => Outlook::Unknown,
-                Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
-                Some(Escape::AboveHorizon) => Outlook::AboveHorizon,
+                _ if !surface.is_in_tile(ray.origin) => CullingClass::Elsewhere,
+                None => CullingClass::Unknown,
+                Some(Escape::SteeperThanAll) => CullingClass::SteeperThanAll,
+                Some(Escape::AboveHorizon) => CullingClass::AboveHorizon,
             };
-            assert_eq!(outlook, expected, "{ray:?}");
-            found[outlook as usize] += 1;
+            assert_eq!(class, expected, "{ray:?}");
+            found[class as usize] += 1;
         }
         assert!(found.iter().all(|count| *count > 50), "{found:?}");
     }

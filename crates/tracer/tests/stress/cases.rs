@@ -49,7 +49,7 @@ pub(super) fn cases<G: Stressed>(index: usize, surface: &G, effort: Effort) -> V
     cases
 }
 
-/// Whether brute force would take long for a ray that goes down to the lowest point.
+/// Returns `true` if brute force would take long for a ray that goes down to the lowest point.
 pub(super) fn is_long<G: Geometry>(surface: &G, case: Case) -> bool {
     let tiles = tiles_crossed(surface, case.theta_deg.to_radians());
     (tiles + 1.0) * surface.facet_count() as f64 > 2e4

@@ -1,4 +1,4 @@
-//! Where the surface is, and whether a stretch of a ray stays on its side of it: independent of how
+//! Ground: the height of the surface, and a check that a stretch of a ray stays on its side of it, independent of how
 //! rays are traced.
 
 use asperity_surface::Border;
@@ -14,18 +14,18 @@ pub(crate) struct Ground<'a, G> {
     cells: [i64; 2],
     border: Border,
     height_range: f64,
-    /// Whether rays go on from tile to tile.
+    /// `true` if rays continue from tile to tile.
     crosses_tiles: bool,
 }
 
-/// Where a ray is on the wrong side of the surface.
+/// Point at which a ray is on the wrong side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Breach {
     /// Ray parameter.
     pub(crate) t: f64,
-    /// How deep, vertically.
+    /// Vertical depth.
     pub(crate) depth: f64,
-    /// What rounding explains.
+    /// Depth that rounding explains.
     pub(crate) tolerance: f64,
 }
 
@@ -49,7 +49,7 @@ impl<'a, G: Stressed> Ground<'a, G> {
         }
     }
 
-    /// The same for rays that go on from tile to tile.
+    /// Ground for rays that continue from tile to tile.
     pub(crate) fn across_tiles(surface: &'a G) -> Self {
         Self {
             crosses_tiles: true,
@@ -95,7 +95,7 @@ impl<'a, G: Stressed> Ground<'a, G> {
             .map_or(0.0, |cell| self.height(&cell, x - ix as f64, y - iy as f64))
     }
 
-    /// What rounding explains of a depth at parameter `t`, in column `ix` and row `iy`.
+    /// Depth that rounding explains at parameter `t`, in column `ix` and row `iy`.
     ///
     /// A coordinate of the point at `t` is the rounded sum of an origin, itself moved by whole tiles
     /// (2 eps), and a product (1 eps), both here and where the ray was traced: 6 eps of
@@ -137,7 +137,7 @@ impl<'a, G: Stressed> Ground<'a, G> {
         late(0).max(late(1))
     }
 
-    /// The same at a place of the tile.
+    /// Depth that rounding explains at a point of the tile.
     pub(crate) fn tolerance_in_tile(&self, ray: &TileRay, t: f64) -> f64 {
         let at = ray.at(t);
         let cell = [at.x.floor() as i64, at.y.floor() as i64];
@@ -147,7 +147,7 @@ impl<'a, G: Stressed> Ground<'a, G> {
         near.min(own)
     }
 
-    /// How far the point at `t` is from the surface, vertically, if rounding does not explain it.
+    /// Vertical distance of the point at `t` from the surface, if rounding does not explain it.
     pub(crate) fn off_surface(&self, ray: &TileRay, t: f64) -> Option<f64> {
         let p = ray.at(t);
         let place = [p.x.floor() as i64, p.y.floor() as i64];
@@ -216,7 +216,7 @@ impl<'a, G: Stressed> Ground<'a, G> {
     }
 }
 
-/// How fast a ray goes across columns and rows.
+/// Speed of a ray across columns and rows.
 fn speed_across(ray: &TileRay) -> f64 {
     ray.direction.x.abs() + ray.direction.y.abs()
 }

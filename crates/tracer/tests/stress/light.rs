@@ -64,7 +64,7 @@ fn powers_of_two_of_scale_change_no_byte() {
     }
 }
 
-/// Where incident rays go.
+/// Directions of incident rays.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Aim {
     /// Anywhere, from anywhere.
@@ -125,7 +125,7 @@ pub(super) fn watched<G: Stressed>(
     account
 }
 
-/// What is asked first about a ray that starts with `heading`.
+/// First query about a ray that starts with `heading`.
 fn first_query<G: Geometry>(surface: &G, heading: &Heading, half_space: HalfSpace) -> Query {
     let scale = DVec3::new(1.0, surface.aspect(), 1.0);
     Query {

@@ -61,7 +61,7 @@ const INSTRUCTIONS: [Instructions; 3] = [
 /// Interactions after which paths end; between spikes they would be very long.
 const MAX_ORDER: u32 = 60;
 
-/// How much is done for each scene.
+/// Effort per scene.
 #[derive(Clone, Copy)]
 struct Effort {
     /// Facets tested by brute force, about.

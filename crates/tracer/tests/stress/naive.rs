@@ -40,7 +40,7 @@ impl Accelerator<Surface> for TwoSided {
     }
 }
 
-/// Light sets off from a point moved by `epsilon` columns along the normal.
+/// Light starts from a point moved by `epsilon` columns along the normal.
 pub(crate) struct Offset {
     pub(crate) epsilon: f64,
 }

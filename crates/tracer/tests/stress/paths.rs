@@ -30,19 +30,18 @@ pub(crate) struct Segment<F> {
     path: EventPath,
 }
 
-/// How segments are traced.
+/// Method by which segments are traced.
 pub(crate) trait Scheme<G: Geometry>: Sync {
     /// Follows a segment to where it meets the surface or leaves it.
     fn follow(&self, surface: &G, segment: &Segment<G::Facet>) -> TraversalResult<G::Facet>;
 
-    /// Where light that continues from `origin` on a facet with the unit normal `away`, on the side
-    /// that it goes to, sets off.
+    /// Start of light that continues from `origin` on a facet with the unit normal `away`, on the side that it goes to.
     fn depart(&self, origin: DVec3, _away: DVec3) -> DVec3 {
         origin
     }
 }
 
-/// As asperity does it: culled by side.
+/// Culling by side: the method of asperity.
 pub(crate) struct BySide<'a, G>(pub(crate) &'a dyn Accelerator<G>);
 
 impl<G: Geometry> Scheme<G> for BySide<'_, G> {
@@ -51,7 +50,7 @@ impl<G: Geometry> Scheme<G> for BySide<'_, G> {
     }
 }
 
-/// What light does, and when a path ends.
+/// Material of the surface, and the limits that end a path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
     pub(crate) material: Material,
@@ -62,7 +61,7 @@ pub(crate) struct Light {
     pub(crate) max_order: usize,
 }
 
-/// What became of the light, and what was seen to go wrong.
+/// Fate of the light, and the errors that were seen.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Account {
     pub(crate) rays: u64,

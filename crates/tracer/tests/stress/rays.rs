@@ -9,12 +9,12 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::stressed::Stressed;
 
-/// How a ray tries to slip through.
+/// Ways in which a ray tries to slip through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     /// From outside onto the tile, theta from 0 to within 1e-6 of a right angle.
     Outside,
-    /// The same from 1e4 to 1e7 columns away.
+    /// From 1e4 to 1e7 columns away.
     Far,
     /// Along an axis or a diagonal, exactly or off it by next to nothing; level ones too.
     Axis,

@@ -1,4 +1,4 @@
-//! What was done and found, a row a scene.
+//! Rows of the report: the work done and the errors found, one per scene.
 
 use rayon::prelude::*;
 
@@ -126,7 +126,7 @@ pub(super) fn over_scenes<G: Stressed>(work: impl Fn(usize, &Scene<G>) -> Row + 
         .collect()
 }
 
-/// The same, reported and found clean.
+/// Runs scenes, reports them, and asserts that they are clean.
 pub(super) fn assert_scenes_are_clean<G: Stressed>(
     work: impl Fn(usize, &Scene<G>) -> Row + Sync,
 ) -> Row {

@@ -36,7 +36,7 @@ fn skipping_the_last_facet_alone_is_caught() {
     assert!(account.lost > 0.0);
 }
 
-/// Follows rays that set off `epsilon` columns along the normal, which must be seen to fail.
+/// Follows rays that start `epsilon` columns along the normal, which must be seen to fail.
 pub(super) fn offset_fails(epsilon: f64, aim: Aim, rays: usize) {
     let name = format!("offset {epsilon:e}");
     let account = rough_and_grazing(&name, &Offset { epsilon }, aim, rays);

@@ -7,8 +7,8 @@ use crate::ground::{Ground, over_box};
 use crate::stressed::Stressed;
 use crate::textbook::Verdict;
 
-/// Whether a ray is on its own side up to its hit, is on the surface there, and passes it; or is on its own side all over
-/// the tile, if it meets nothing.
+/// Returns `true` if a ray is on its own side up to its hit, is on the surface there, and passes it; or is on its own
+/// side all over the tile, if it hits nothing.
 pub(crate) fn verdict(
     surface: &SmoothSurface,
     query: &Query,

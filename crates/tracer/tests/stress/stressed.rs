@@ -1,4 +1,4 @@
-//! What the harness asks of a geometry, of facets and of smooth cells alike.
+//! Requirements of the harness on a geometry, of facets and of smooth cells alike.
 
 use asperity_surface::{HeightField, Roughness, SplineSurface, Triangle};
 use asperity_tracer::{
@@ -18,7 +18,7 @@ const PLACES: usize = 16;
 
 /// A geometry over a height field that can be put under stress.
 pub(crate) trait Stressed: BuildAccelerator {
-    /// What the surface is made of.
+    /// Kind of the cells of the surface.
     const CELLS: &str;
 
     /// Rounding of heights where a ray meets them, in units of half an eps of the height range.
@@ -146,8 +146,8 @@ impl Stressed for Surface {
 impl Stressed for SmoothSurface {
     const CELLS: &str = "smooth cells";
 
-    /// What is left of a gap is taken as zero within 64 eps of the largest height, half the range, and within 12
-    /// times that after a known root is divided out: 768 halves of an eps. As much as a facet's for the rest.
+    /// The rest of a gap is taken as zero within 64 eps of the largest height, half the range, and within 12 times that
+    /// after a known root is divided out: 768 halves of an eps. The other terms are those of a facet.
     const ROUNDING: f64 = 768.0 + 64.0;
 
     fn through(field: HeightField) -> Self {
@@ -205,8 +205,8 @@ impl Stressed for SmoothSurface {
         along(self, x, y, rng)
     }
 
-    /// Where a gap that is off by `e`, the depth and the rounding of heights, touches zero, with a curvature of at most
-    /// four times the height range per column squared, its rate is off by `sqrt(2 e 4 range)`.
+    /// If a gap that is off by `e`, the depth and the rounding of heights, touches zero with a curvature of at most four
+    /// times the height range per column squared, its rate is off by `sqrt(2 e 4 range)`.
     fn grazing(&self, depth: f64) -> f64 {
         let [low, high] = self.z_range();
         let range = high - low;

@@ -15,7 +15,7 @@ struct Meeting {
     determinant: f64,
     /// Largest error of a weight, by rounding, of either way.
     weight_error: f64,
-    /// The same of `t`.
+    /// Error bound of `t`.
     t_error: f64,
 }
 
@@ -24,7 +24,7 @@ fn norm(p: DVec3) -> f64 {
     p.abs().element_sum()
 }
 
-/// Where the ray of `query` meets the plane of `facet`.
+/// Point where the ray of `query` meets the plane of `facet`.
 ///
 /// `height_error`: by how much the heights themselves are uncertain.
 ///
@@ -101,8 +101,8 @@ pub(crate) fn moeller_trumbore(surface: &Surface, facet: Facet, query: &Query) -
     (e2.dot(q) / determinant, determinant, inside)
 }
 
-/// Whether rounding may decide if the ray passes `facet`: it meets the plane within the band around
-/// an edge, within the band around its own origin, or runs along the plane.
+/// Returns `true` if rounding may decide whether the ray passes `facet`: it meets the plane within the band around an
+/// edge, within the band around its own origin, or runs along the plane.
 fn undecided(surface: &Surface, facet: Facet, query: &Query, height_error: f64) -> bool {
     let m = meeting(surface, facet, query, height_error);
     let all_inside = m.weights.iter().all(|w| *w > m.weight_error) && m.t > m.t_error;
@@ -112,10 +112,10 @@ fn undecided(surface: &Surface, facet: Facet, query: &Query, height_error: f64) 
     !decided || m.determinant == 0.0
 }
 
-/// How two ways to find a hit compare.
+/// Comparison of two ways to find a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// The same facet, and parameters that agree within their errors.
+    /// One facet, and parameters that agree within their errors.
     Same,
     /// Another facet, where rounding decides.
     Band,
@@ -168,8 +168,8 @@ pub(crate) fn compare(
 
 /// The facets of the tile within so many `columns` of a facet: with 1, those that share a corner.
 ///
-/// Where rounding lets a ray through one of these, the facet next to it catches the ray as it enters,
-/// which the textbook does not.
+/// Facets around one. If rounding lets a ray through a facet, the next one catches the ray as it enters, which the
+/// textbook does not.
 fn around(surface: &Surface, facet: Facet, columns: u32) -> Vec<Facet> {
     let [cx, cy] = surface.cells().map(|n| n as u32);
     let span = |i: u32, n: u32| i.saturating_sub(columns)..(i + columns + 1).min(n);
@@ -181,8 +181,8 @@ fn around(surface: &Surface, facet: Facet, columns: u32) -> Vec<Facet> {
         .collect()
 }
 
-/// Whether the ray is in the half space that it claims where it first comes over the tile: there alone
-/// does what it meets in this tile make sense.
+/// Returns `true` if the ray is in the half space that it claims where it first comes over the tile. Only then do its
+/// hits in this tile make sense.
 pub(crate) fn comes_in_its_medium<G: Stressed>(surface: &G, query: &Query) -> bool {
     // A ray that passes the tile by is nowhere wrong.
     let Some([start, _]) = over_box(surface, &query.ray, f64::INFINITY) else {

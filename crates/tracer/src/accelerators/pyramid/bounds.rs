@@ -1,4 +1,4 @@
-//! The bounds: for each node the highest and the lowest height, level by level.
+//! Bounds: the highest and the lowest height of each node, level by level.
 
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ pub(super) const MAX_CELLS: usize = 1 << 30;
 /// Steps into which the heights are divided for the bounds; two halves of a word, one per half space.
 pub(super) const STEPS: f32 = 65_000.0;
 
-/// What a test of a cell reads, in f32.
+/// Table of numbers that tests of cells read, in f32.
 pub(super) struct Table {
     /// Row by row; a cell `[ix, iy]` reads from `values[iy * stride + ix]` on.
     pub(super) values: Vec<f32>,
@@ -26,14 +26,14 @@ pub(super) struct Table {
     pub(super) rounding: f32,
 }
 
-/// What tests of cells read in f32, and bounds of nodes.
+/// Numbers that tests of cells read in f32, and bounds of nodes.
 ///
 /// All heights are tile coordinates. Cells of facets have no bounds of their own, since testing
 /// the four heights of a cell says more and costs as much. A bound is kept for either half space: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.
 pub(super) struct Bounds {
-    /// What tests of cells read.
+    /// Table that tests of cells read.
     pub(super) table: Table,
     /// Bounds of all nodes, level by level, the smallest first.
     pub(super) nodes: Vec<u32>,
@@ -49,11 +49,10 @@ pub(super) struct Bounds {
     pub(super) width: [i32; MAX_LEVELS + 1],
     /// Largest magnitude of any height.
     pub(super) reach: f32,
-    /// How far heights may be from where they should be at the start of a ray: the rounding of what a test computes
-    /// (for facets 2^-20 of the reach, which covers that of a height, of a ray's origin and of its rise, a few
-    /// 2^-24), and the slack of two columns.
+    /// Error bound of heights at the start of a ray: the rounding in a test (for facets 2^-20 of the reach, which covers
+    /// that of a height, of a ray's origin and of its rise, a few 2^-24), and the slack of two columns.
     pub(super) margin: f32,
-    /// The same for every column (row) that a ray has come: the place is off by [`ROUNDING`], a plane there by that
+    /// Error bound of heights per column (row) travelled: the position is off by [`ROUNDING`], a plane there by that
     /// times the slope, and if that is the plane of a neighbouring facet, by twice that more; times four covers it.
     pub(super) slack: f32,
     /// Steepest rise of any facet.
@@ -67,7 +66,7 @@ impl Bounds {
     /// Level at which rays that come down from far above begin.
     pub(super) const FIRST_LEVEL: i32 = 4;
 
-    /// How far a point of a ray that has come across the whole tile may be from where it should be.
+    /// Error bound of a point of a ray that has crossed the whole tile.
     pub(super) fn rounding_across(&self) -> f32 {
         let [cx, cy] = self.cells.map(|n| n as f32);
         ROUNDING * (2.0 + cx + cy)
@@ -102,7 +101,7 @@ impl Bounds {
         }
     }
 
-    /// Whether so many cells, `[columns, rows]`, can be bounded.
+    /// Returns `true` if so many cells, `[columns, rows]`, can be bounded.
     pub(super) const fn hold([cx, cy]: [usize; 2]) -> bool {
         cx.saturating_mul(cy) <= MAX_CELLS && cx <= 1 << 24 && cy <= 1 << 24
     }

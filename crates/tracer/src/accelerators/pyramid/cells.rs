@@ -1,7 +1,6 @@
-//! Cells: what the searches in f32 ask of the kind of cells that a surface consists of, one file for each kind.
+//! Cells: the tests of a kind of cells that the searches in f32 need, implemented in one file per kind.
 
 use super::bounds::{Bounds, Table};
-use super::exit::{Exit, Test};
 #[cfg(target_arch = "x86_64")]
 use super::lane_state::{CellsMet, LanesExit, State};
 use super::rays::Ray;
@@ -15,10 +14,10 @@ pub(super) trait SearchedGrid: Grid {
     /// times as much, so that rays first try the bound of a cell, and wait for others that have to be tested.
     const LOWEST_LEVEL: usize;
 
-    /// Whether cells are divided along the diagonal, so that a ray that begins near it is near two facets.
+    /// `true` if cells are divided along the diagonal, so that a ray that begins near it is near two facets.
     const HAS_DIAGONAL: bool;
 
-    /// What tests read.
+    /// Table that tests of cells read.
     fn table(&self) -> Table;
 
     /// Writes the bounds of the lowest level.
@@ -27,7 +26,7 @@ pub(super) trait SearchedGrid: Grid {
     /// Tests the cell that a ray enters at `t`.
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test;
 
-    /// The same for all lanes. Lanes that are not at cells return unspecified values.
+    /// Tests the cells of all lanes. Lanes that are not at cells return unspecified values.
     #[cfg(target_arch = "x86_64")]
     fn test_lanes<L: Lanes>(
         lanes: L,
@@ -35,4 +34,37 @@ pub(super) trait SearchedGrid: Grid {
         state: &State<L>,
         exit: &LanesExit<L>,
     ) -> CellsMet<L>;
+}
+
+/// Exit of a ray from the node that it is in.
+pub(super) struct Exit {
+    pub(super) t: f32,
+    /// Height there.
+    pub(super) z: f32,
+    /// `true` if it leaves through the edge across x.
+    pub(super) across_x: bool,
+    /// Column and row ahead, at the level of the node.
+    pub(super) ahead: [i32; 2],
+    /// By how much rounding may have changed heights.
+    pub(super) margin: f32,
+}
+
+/// Result of the test of a node or cell.
+pub(super) enum Test {
+    /// The surface in the cell.
+    Met,
+    /// It passes over all of it, by so much.
+    Clear(f32),
+    /// The node has to be looked at more closely.
+    Unknown,
+}
+
+/// One comparison, where `f32::min` takes care of a NaN.
+pub(super) fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// One comparison, where `f32::max` takes care of a NaN.
+pub(super) fn greatest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }

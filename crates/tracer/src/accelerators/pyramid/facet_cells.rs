@@ -1,8 +1,7 @@
 //! Facet cells: cells of two triangles, tested by their heights above or below a ray.
 
 use super::bounds::{Bounds, Table};
-use super::cells::SearchedGrid;
-use super::exit::{Exit, Test, greatest, least};
+use super::cells::{Exit, SearchedGrid, Test, greatest, least};
 #[cfg(target_arch = "x86_64")]
 use super::lane_state::{CellsMet, LanesExit, State};
 use super::rays::Ray;

@@ -25,41 +25,41 @@ pub(super) struct State<L: Lanes> {
     /// 1 if x (y) grows along the ray, otherwise 0.
     pub(super) ahead_x: L::I,
     pub(super) ahead_y: L::I,
-    /// Where it passes the corner's column and row: `-x / dx` and `-y / dy`.
+    /// Ray parameters at the corner's column and row: `-x / dx` and `-y / dy`.
     pub(super) corner_x: L::F,
     pub(super) corner_y: L::F,
     /// By how much heights may be off per unit of `t`: see [`Bounds::slack`].
     pub(super) slack: L::F,
-    /// How far it must be clear of the surface where it leaves the tile across x and y.
+    /// Required clearance above the surface where it leaves the tile across x and y.
     pub(super) clearance_x: L::F,
     pub(super) clearance_y: L::F,
     /// Height above which it meets nothing any more; a falling ray has none.
     pub(super) ceiling: L::F,
     /// By how many bits the bound of its half space is shifted in a word.
     pub(super) half: L::I,
-    /// What is known of it: the column of the cell that it meets, or a negative word.
+    /// Result so far: the column of the cell that it hits, or a negative word.
     pub(super) answer: L::I,
-    /// How far the ray has come.
+    /// Ray parameter that the ray has reached.
     pub(super) t: L::F,
     /// The cell that it is in there.
     pub(super) ix: L::I,
     pub(super) iy: L::I,
     /// The level at which it is searched; 0 is the cell itself.
     pub(super) level: L::I,
-    /// Where cells have bounds: whether it has come nearer to its cell than these, and is to be tested.
+    /// `true` if it has come nearer to its cell than the bounds of that cell, if cells have bounds, and is to be tested.
     pub(super) near: L::M,
-    /// Whether the ray continues.
+    /// `true` if the ray continues.
     pub(super) active: L::M,
-    /// Whether there is a ray, or the answer to one.
+    /// `true` if there is a ray, or the answer to one.
     pub(super) occupied: L::M,
 }
 
-/// Where rays leave the nodes that they are in.
+/// Exits of rays from the nodes that they are in.
 pub(super) struct LanesExit<L: Lanes> {
     pub(super) t: L::F,
     /// Height there.
     pub(super) z: L::F,
-    /// Whether through the edge across x.
+    /// `true` if they leave through the edge across x.
     pub(super) across_x: L::M,
     /// Column and row of the node at its level, and those ahead.
     pub(super) node: [L::I; 2],
@@ -68,9 +68,9 @@ pub(super) struct LanesExit<L: Lanes> {
     pub(super) margin: L::F,
 }
 
-/// What rays find in the cells that they are in.
+/// Result of tests of the cells that rays are in.
 pub(super) struct CellsMet<L: Lanes> {
-    /// Whether the surface in the cell is met.
+    /// `true` if the surface in the cell is hit.
     pub(super) met: L::M,
     /// By how much the ray passes over it, where positive.
     pub(super) gap: L::F,

@@ -1,4 +1,4 @@
-//! Meet: where rays pass through the surface in the cells that they meet, in f64.
+//! Meet: finds the points at which rays pass through the surface in the cells that they hit, in f64.
 
 use super::rays::{Answer, Answers};
 use crate::geometry::grid::Grid;

@@ -1,4 +1,4 @@
-//! One ray through the pyramid in f64: what the searches in f32 must find.
+//! Quadtree: one ray through the pyramid in f64, the specification of the searches in f32.
 
 use glam::DVec3;
 

@@ -4,9 +4,8 @@ use crate::geometry::grid::Grid;
 use crate::ray::{Query, TileRay};
 use crate::vector::MAX_LANES;
 
-/// How far a point of a ray may be from where it should be, in columns a column travelled: the
-/// position `x + t dx` takes `t = edge / dx - x / dx` and roundings of x, dx, 1 / dx, and of two or
-/// three products and sums, six of 2^-24 in all; 2^-21 covers eight.
+/// Error bound of a point of a ray, in columns per column travelled: the position `x + t dx` takes `t = edge / dx - x /
+/// dx` and roundings of x, dx, 1 / dx, and of two or three products and sums, six of 2^-24 in all; 2^-21 covers eight.
 ///
 /// At any one `t`, that is. Where the ray leaves a node may be off by more, if it runs along the edge, but the nodes
 /// visited follow each other without a gap in `t`, and each contains the ray but for such a distance.
@@ -15,7 +14,7 @@ pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
 /// Reciprocals are kept below this, so that products with edges stay finite.
 const STEEPEST: f32 = 1e30;
 
-/// What the search found.
+/// Result of the search of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     /// Nothing in the tile is met.
@@ -294,12 +293,12 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
     (enter.is_finite() && leave - enter > 1e-6).then_some(enter)
 }
 
-/// What loading a ray takes of its tile.
+/// Numbers of a tile that are needed to load rays.
 #[derive(Clone, Copy)]
 pub(super) struct Tile {
     /// Columns and rows.
     pub(super) cells: [i32; 2],
-    /// Whether cells are divided along the diagonal.
+    /// `true` if cells are divided along the diagonal.
     has_diagonal: bool,
     /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
     pub(super) z_range: [f64; 2],
@@ -316,7 +315,7 @@ impl Tile {
         }
     }
 
-    /// Whether a point is in the box of the tile.
+    /// Returns `true` if a point is in the box of the tile.
     #[inline(always)]
     pub(super) fn contains(&self, [x, y, z]: [f64; 3]) -> bool {
         let [cx, cy] = self.cells.map(f64::from);

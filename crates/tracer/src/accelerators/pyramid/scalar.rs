@@ -7,8 +7,7 @@
 //! a ray that comes nearer to a decision than that is doubtful, and left to `quadtree.rs`.
 
 use super::bounds::Bounds;
-use super::cells::SearchedGrid;
-use super::exit::{Exit, Test, least};
+use super::cells::{Exit, SearchedGrid, Test, least};
 use super::rays::{DOUBTFUL, NOTHING, Ray, Rays};
 
 /// Searches all rays, one after the other.
@@ -85,7 +84,7 @@ fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     }
 }
 
-/// Where a ray leaves the node of `level` that `cell` is in.
+/// Exit of a ray from the node of `level` that `cell` is in.
 pub(super) fn leave(bounds: &Bounds, ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
     let ahead = [
         (cell[0] >> level) + i32::from(ray.dx >= 0.0),

@@ -7,8 +7,7 @@
 //! first coefficient there, which is left out.
 
 use super::bounds::{Bounds, Table};
-use super::cells::SearchedGrid;
-use super::exit::{Exit, Test, least};
+use super::cells::{Exit, SearchedGrid, Test, least};
 #[cfg(target_arch = "x86_64")]
 use super::lane_state::{CellsMet, LanesExit, State};
 use super::rays::Ray;
@@ -156,7 +155,7 @@ pub(super) fn gaps(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Ex
     std::array::from_fn(|k| from + k as f32 * sixth - heights[k])
 }
 
-/// How the B-spline coefficients along an axis are mixed into Bernstein coefficients from `a` to `b`: see
+/// Weights by which the B-spline coefficients along an axis are mixed into Bernstein coefficients from `a` to `b`: see
 /// `geometry/smooth/patch.rs`.
 struct Weights {
     thirds: [[f32; 3]; 2],

@@ -11,8 +11,8 @@ use super::bounds::{Bounds, MAX_LEVELS};
 use super::cells::SearchedGrid;
 use super::lane_state::{LanesExit, State};
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
+use crate::vector::interleaved::Interleaved;
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
-use crate::vector::twice::Twice;
 
 /// The search of all rays, for any lanes.
 pub(super) struct SearchAll<'a, S> {
@@ -28,12 +28,12 @@ impl<S: SearchedGrid> Task for SearchAll<'_, S> {
             // A test of twice as many lanes would not fit into registers
             Search::new(lanes, self.bounds).run::<S>(self.rays);
         } else {
-            Search::new(Twice(lanes), self.bounds).run::<S>(self.rays);
+            Search::new(Interleaved(lanes), self.bounds).run::<S>(self.rays);
         }
     }
 }
 
-/// What is the same for all rays.
+/// Constants of a search, which are the same for all rays.
 struct Search<'b, L: Lanes> {
     lanes: L,
     bounds: &'b Bounds,
@@ -182,7 +182,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         *next += filled.count_ones() as usize;
     }
 
-    /// What follows for rays from their fields.
+    /// Computes the numbers that follow from the fields of rays.
     #[inline(always)]
     fn derive(&self, state: &mut State<L>) {
         let (lanes, bounds) = (self.lanes, self.bounds);
@@ -205,7 +205,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.ceiling = lanes.select(rises, lanes.splat(top), lanes.splat(never));
     }
 
-    /// Where the rays leave the nodes of their levels.
+    /// Exits of rays from the nodes of their levels.
     #[inline(always)]
     fn exit(&self, state: &State<L>) -> LanesExit<L> {
         let (lanes, level) = (self.lanes, state.level);
@@ -242,7 +242,7 @@ impl<'b, L: Lanes> Search<'b, L> {
     }
 
     /// A step of all rays: down a level, or on to the next node; if `CELLS`, also of those that are at
-    /// cells, which end there or go on to the next cell.
+    /// cells, which end there or step to the next cell.
     #[inline(always)]
     fn step<S: SearchedGrid, const CELLS: bool>(&self, state: &mut State<L>) {
         let lanes = self.lanes;

@@ -84,7 +84,7 @@ impl Cell {
     }
 }
 
-/// How large numbers get on a surface, which says what rounding may do.
+/// Largest numbers on a surface, which bound the rounding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Size {
     /// Largest magnitude of z.
@@ -94,8 +94,8 @@ pub(crate) struct Size {
 }
 
 impl Size {
-    /// Whether a ray that passes the plane of a facet at `t`, before it enters the footprint at
-    /// `enter`, is further on the wrong side there than rounding explains.
+    /// Returns `true` if a ray that passes the plane of a facet at `t`, before it enters the footprint at `enter`, is
+    /// further on the wrong side there than rounding explains.
     ///
     /// Coordinates and parameters are off by a few 2^-53 of how far the ray has come, heights by
     /// that times the slope, possibly the neighbour's. Either the height on entering is within that, or

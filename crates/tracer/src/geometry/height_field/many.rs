@@ -1,6 +1,6 @@
 //! Many rays at a time: loops over arrays that take vector instructions, with the results of the methods for one ray.
 //!
-//! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
+//! Numbers in memory are loaded ray by ray; everything else is computed in lanes, block by block.
 
 use asperity_surface::Triangle;
 
@@ -59,8 +59,8 @@ pub(super) fn arrive(
     }
 }
 
-/// How far from its edges, in columns, a facet must be passed to be certain: far more than rounding in f64 can move a
-/// ray.
+/// Least distance from its edges, in columns, at which a facet is certainly passed: far more than rounding in f64 can
+/// move a ray.
 const EDGE: f64 = 1e-7;
 
 /// Codes of what a ray passes.

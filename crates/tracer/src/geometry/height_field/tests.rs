@@ -1,4 +1,4 @@
-//! Facets, and how rays meet them.
+//! Facets, and the hits of rays on them.
 
 use super::*;
 
@@ -67,7 +67,7 @@ fn corners_lie_on_the_plane_and_turn_counter_clockwise() {
     }
 }
 
-/// How a ray in `HalfSpace::Above` meets each facet.
+/// Hits of a ray in `HalfSpace::Above` on each facet.
 fn hits(surface: &Surface, origin: DVec3, direction: DVec3) -> Vec<(Facet, f64)> {
     let ray = TileRay { origin, direction };
     let hit = |f| surface.intersect(f, &ray, HalfSpace::Above).map(|t| (f, t));

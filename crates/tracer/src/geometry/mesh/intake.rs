@@ -1,4 +1,4 @@
-//! Taking in a mesh: what makes triangles a surface that light can be traced on.
+//! Intake: checks and repairs triangles, so that they form a surface on which light can be traced.
 //!
 //! Vertices are brought into tile coordinates, those of opposite borders made to match, and edges and
 //! borders checked: which triangles meet where, and whether they part above from below.
@@ -161,7 +161,7 @@ pub(super) fn align(
         .map_or(Ok(()), |k| Err(vertices[*k]))
 }
 
-/// Whether the corners lie on one line to rounding, so that there is no normal.
+/// Returns `true` if the corners lie on one line to rounding, so that there is no normal.
 pub(super) fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let longest = u.length().max(v.length()).max((c - b).length());
@@ -174,7 +174,7 @@ pub(super) fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
 pub(super) struct SingleEdges {
     /// On the border of the tile: both ends, in the direction in which the triangle runs.
     pub(super) rim: Vec<[DVec3; 2]>,
-    /// How many there are inside the tile, and one of them.
+    /// Number of open edges inside the tile, and one of them.
     pub(super) open: usize,
     one_open: [DVec3; 2],
 }
@@ -221,8 +221,8 @@ pub(super) fn check_edges(
 
 /// Checks that the mesh and what its border repeats of it part above from below.
 ///
-/// Where every edge has two triangles, its own or those of neighbouring tiles, the layers over a point
-/// that face up, less those that face down, are as many everywhere, and one is what parts.
+/// Checks that the mesh is a ground. If every edge has two triangles, its own or those of neighbouring tiles, the layers
+/// over a point that face up, less those that face down, are equally many everywhere; a ground has one more.
 pub(super) fn check_ground(
     frame: &Frame,
     vertices: &[DVec3],
@@ -278,13 +278,13 @@ fn unmatched_rim(rim: &[[DVec3; 2]], extent: DVec3) -> Vec<[DVec3; 2]> {
     rim.iter().copied().filter(is_single).collect()
 }
 
-/// Whether an edge lies on one side of the tile.
+/// Returns `true` if an edge lies on one side of the tile.
 pub(super) fn lies_on_border([p, q]: [DVec3; 2], extent: DVec3) -> bool {
     (0..2).any(|k| p[k].max(q[k]) <= SEAM || p[k].min(q[k]) >= extent[k] - SEAM)
 }
 
-/// Whether the mesh shows its back to the light: more area faces downwards than upwards, or, if it is
-/// closed, it faces inwards.
+/// Returns `true` if the mesh shows its back to the light: more area faces downwards than upwards, or, if it is closed,
+/// it faces inwards.
 pub(super) fn faces_away(vertices: &[DVec3], triangles: &[[u32; 3]]) -> bool {
     let (mut area, mut upward, mut volume) = (0.0, 0.0, 0.0);
     let middle = vertices[triangles[0][0] as usize];

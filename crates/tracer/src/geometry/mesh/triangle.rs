@@ -51,7 +51,7 @@ impl ProjectedTriangle {
 fn turn(p: ProjectedCorner, q: ProjectedCorner) -> f64 {
     let (left, right) = (p.x * q.y, p.y * q.x);
     if left == right {
-        // What rounding took from the two products, which a fused multiplication gives exactly.
+        // The rounding errors of the two products, which a fused multiplication gives exactly.
         // Rounding is monotone, so where the products differ their order is the true one.
         p.x.mul_add(q.y, -left) - p.y.mul_add(q.x, -right)
     } else {

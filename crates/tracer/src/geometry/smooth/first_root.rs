@@ -1,10 +1,10 @@
-//! First root: where a polynomial in Bernstein form first falls below zero.
+//! First root: the first parameter at which a polynomial in Bernstein form falls below zero.
 //!
 //! A polynomial has no more roots in [0, 1] than its Bernstein coefficients have changes of sign, and as many but for
 //! an even number (Descartes' rule). No change: none. One: exactly one, found by Halley's method within brackets. More:
 //! the interval is halved, and the first half looked at first.
 //!
-//! All polynomials are of degree six. What many of them take at once (`many.rs`) is written without branches.
+//! All polynomials are of degree six. Code for many of them at once (`many.rs`) is written without branches.
 
 /// Halvings after which an interval is as narrow as rounding.
 const MAX_HALVINGS: u32 = 50;
@@ -22,7 +22,7 @@ pub(super) fn first_root(b: &[f64; 7], noise: f64) -> Option<f64> {
     }
 }
 
-/// The same by halving the interval, the first half first.
+/// The first root by halving the interval, the first half first.
 #[cold]
 fn by_halves(b: &[f64; 7], noise: f64) -> Option<f64> {
     let mut waiting = vec![(0.0, 1.0, 0, *b)];
@@ -60,7 +60,7 @@ fn first_sign(b: &[f64; 7], noise: f64) -> f64 {
     signs.find(|s| *s != 0.0).unwrap_or(0.0)
 }
 
-/// How often the coefficients change sign.
+/// Number of sign changes of the coefficients.
 #[inline(always)]
 fn changes_of_sign(b: &[f64; 7], noise: f64) -> f64 {
     let (mut last, mut changes) = (0.0, 0.0);
@@ -72,7 +72,8 @@ fn changes_of_sign(b: &[f64; 7], noise: f64) -> f64 {
     changes
 }
 
-/// Whether a polynomial changes sign once, from positive to negative, so that [`first_root`] is its [`single_root`].
+/// Returns `true` if a polynomial changes sign once, from positive to negative, so that [`first_root`] is its
+/// [`single_root`].
 #[inline(always)]
 pub(super) fn falls_once(b: &[f64; 7], noise: f64) -> bool {
     (changes_of_sign(b, noise) == 1.0) & (b[0] > noise) & (b[6] < -noise)
@@ -114,14 +115,14 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
-    /// As it is after the steps with which most roots are known to rounding.
+    /// The guess after the steps that take most roots to rounding.
     #[inline(always)]
     pub(super) fn near_root(b: &[f64; 7]) -> Self {
         let bracket = Self::new(b).narrowed(b);
         bracket.narrowed(b).narrowed(b)
     }
 
-    /// The first guess is where the coefficients, taken as values at even places, change sign.
+    /// The first guess is where the coefficients, taken as values at equal distances, change sign.
     #[inline(always)]
     fn new(b: &[f64; 7]) -> Self {
         let mut s = 0.5;
@@ -160,7 +161,7 @@ impl Bracket {
         }
     }
 
-    /// Whether the next step would change the guess by rounding only: by the cube of the last, about.
+    /// Returns `true` if the next step would change the guess by rounding only: by about the cube of the last step.
     #[inline(always)]
     pub(super) fn is_narrow(&self) -> bool {
         self.change < 1e-7

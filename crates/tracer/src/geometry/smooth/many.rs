@@ -1,6 +1,6 @@
 //! Many rays at a time: loops over arrays that take vector instructions, with the results of the methods for one ray.
 //!
-//! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
+//! Numbers in memory are loaded ray by ray; everything else is computed in lanes, block by block.
 
 use super::extremes::patch_of;
 use super::first_root::{Bracket, falls_once};

@@ -12,7 +12,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 pub(super) struct Stretch {
     pub(super) enter: f64,
     pub(super) leave: f64,
-    /// How fast the ray crosses the side by which it enters; infinite if it begins in the cell.
+    /// Rate at which the ray crosses the side by which it enters; infinite if it begins in the cell.
     pub(super) rate: f64,
 }
 

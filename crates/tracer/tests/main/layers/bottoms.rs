@@ -1,8 +1,8 @@
-//! What a layer may end on.
+//! Bottoms on which a layer may end.
 
 use asperity_optics::{Bottom, dielectric};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
-use asperity_tracer::{BottomShape, PathSettings, TracedLayer, TracedLayerError};
+use asperity_tracer::{PathSettings, SearchedSurface, TracedLayer, TracedLayerError};
 
 use super::{Scene, budget, clear, flat, medium, slab};
 use crate::common::{rugged, z_score};
@@ -120,18 +120,21 @@ fn open_bottoms_with_a_shape_are_refused() {
 #[test]
 fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() {
     let top = rugged(9, 10, 1.0, 2, Border::Periodic);
-    let refusal = |thickness, bottom, shape: BottomShape<'_, asperity_tracer::Surface>| {
-        let layer = slab(medium(1.0, 0.5), thickness, bottom);
-        TracedLayer::new(&top, &layer, shape, 100).err()
-    };
+    let refusal =
+        |thickness, bottom, shape: Option<SearchedSurface<'_, asperity_tracer::Surface>>| {
+            let layer = slab(medium(1.0, 0.5), thickness, bottom);
+            TracedLayer::new(&top, &layer, shape, 100).err()
+        };
     let brute = asperity_tracer::BruteForce;
-    let under = |geometry| BottomShape::Surface {
-        geometry,
-        accelerator: &brute,
+    let under = |geometry| {
+        Some(SearchedSurface {
+            geometry,
+            accelerator: &brute,
+        })
     };
     let thin = |error| matches!(error, Some(TracedLayerError::TooThin { .. }));
-    assert!(thin(refusal(0.5, Bottom::Mirror, BottomShape::Flat)));
-    assert!(refusal(1.5, Bottom::Mirror, BottomShape::Flat).is_none());
+    assert!(thin(refusal(0.5, Bottom::Mirror, None)));
+    assert!(refusal(1.5, Bottom::Mirror, None).is_none());
     assert!(thin(refusal(1.5, Bottom::Mirror, under(&top))));
     assert!(refusal(2.5, Bottom::Mirror, under(&top)).is_none());
     let deep = TracedLayerError::TooThin {

@@ -31,7 +31,7 @@ const DIFFUSE_BY_ANGLE: [f64; 18] = [
 ];
 const DIFFUSE: f64 = 0.2199185699232275;
 
-/// The same without an interface (n = 1): all that is reflected.
+/// Diffuse reflection without an interface (n = 1).
 const DIFFUSE_WITHOUT_INTERFACE: f64 = 0.41494747913081603;
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the heights nearby tell about a stretch of a ray, against a test of every facet.
+//! Heights nearby: their answers about a stretch of a ray, against a test of every facet.
 
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{

@@ -75,7 +75,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
         let refused = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10);
         refused.err().map(|error| error.to_string())
     };
-    let flat = || asperity_tracer::BottomShape::Flat;
+    let flat = || None;
     let half_space = |path| refusal(Layer::half_space(medium(path, 0.5)), flat());
     for path in [1e-12, 1e12] {
         assert!(half_space(path).unwrap().contains("mean free path"));
@@ -84,9 +84,11 @@ fn lengths_that_rounding_would_blur_are_refused() {
         assert_eq!(half_space(path), None);
     }
     let deep = |thickness, shape| refusal(slab(medium(1e6, 0.5), thickness, Bottom::Mirror), shape);
-    let own = || asperity_tracer::BottomShape::Surface {
-        geometry: &surface,
-        accelerator: &asperity_tracer::BruteForce,
+    let own = || {
+        Some(asperity_tracer::SearchedSurface {
+            geometry: &surface,
+            accelerator: &asperity_tracer::BruteForce,
+        })
     };
     assert!(deep(1e12, flat()).unwrap().contains("thickness"));
     assert!(deep(1e8, own()).unwrap().contains("thickness"));
@@ -185,7 +187,7 @@ fn light_from_below_a_layer_is_refused() {
     let surface = rough(1.0);
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let layer = Layer::half_space(medium(1.0, 0.5));
-    let shape = asperity_tracer::BottomShape::Flat;
+    let shape = None;
     let layer = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10).unwrap();
     let glass = asperity_optics::Material::dielectric(1.5).unwrap();
     let _ = Tracer::new(

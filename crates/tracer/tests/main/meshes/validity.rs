@@ -1,4 +1,4 @@
-//! Which meshes are surfaces, and which are refused.
+//! Validity: meshes that are surfaces, and meshes that are refused.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! Which branches are followed changes nothing of what is found.
+//! Branching: following both branches or picking one changes no result.
 
 use asperity_optics::Material;
 use asperity_surface::Border;

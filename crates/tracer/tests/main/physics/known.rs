@@ -1,4 +1,4 @@
-//! Where light goes is known ray by ray: flat surfaces, and media without contrast.
+//! Known paths: flat surfaces, and media without contrast, on which the path of every ray is known.
 
 use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};

@@ -1,4 +1,4 @@
-//! How rays are spread changes nothing but the noise.
+//! Starts: the distribution of rays changes nothing but the noise.
 
 use asperity_optics::Incidence;
 use asperity_tally::{Component, Entry, Side, TallyResult, TallySpec, TallyStatistics};

@@ -1,4 +1,4 @@
-//! The same light seen otherwise: upside down, the other way round, in other units, mirrored.
+//! Symmetries: light seen upside down, the other way round, in other units, and mirrored.
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};

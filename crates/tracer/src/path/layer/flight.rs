@@ -1,0 +1,238 @@
+//! Flights: take light inside the layer from interaction to interaction, all of a round together.
+//!
+//! Each round takes all flights one on: to a facet (`query.rs`), to the flat bottom (`bottom.rs`), or to where the
+//! medium scatters them (`medium.rs`).
+
+use asperity_optics::Bottom;
+use asperity_surface::Border;
+use asperity_tally::Loss;
+use glam::DVec3;
+
+use crate::geometry::Geometry;
+use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::state::batch::Batch;
+use crate::path::state::flights::Flights;
+use crate::path::state::path_state::{Departure, PathState, Region};
+use crate::path::state::segments::{Segments, gather_column, rows_of, rows_of_mut};
+use crate::path::tracer::Tracer;
+use crate::periodic::{Heading, wrap};
+use crate::random::{PathStream, Step, Use};
+use crate::ray::HalfSpace;
+use crate::vector::Stage;
+
+/// Adds light that enters the layer, with the free flights that begin there.
+struct BeginFlights<'a, 'g, G: Geometry> {
+    layer: &'a TracedLayer<'g, G>,
+    stream: PathStream,
+    entering: &'a Segments,
+    /// Numbers of all of it.
+    which: &'a [u32],
+    flights: &'a mut Flights,
+}
+
+impl<G: Geometry> Stage for BeginFlights<'_, '_, G> {
+    #[inline(always)]
+    fn run(self) {
+        let first = self.flights.at.len;
+        self.flights.at.gather(self.entering, self.which);
+        let rows = first..self.flights.at.len;
+        let at = &self.flights.at;
+        let (order, events) = (&at.order[rows.clone()], &at.events[rows.clone()]);
+        let (scatterings, ray) = (&at.scatterings[rows.clone()], &at.ray[rows.clone()]);
+        let length = &mut self.flights.length[rows.clone()];
+        for i in 0..length.len() {
+            let step = Step {
+                number: order[i].wrapping_add(scatterings[i]),
+                events: events[i],
+            };
+            length[i] = self.stream.pair(ray[i], step, Use::Flight)[0];
+        }
+        for length in length {
+            *length = self.layer.free_flight(*length);
+        }
+        self.flights.clear_of[rows].fill(0);
+    }
+}
+
+/// Takes flights that meet nothing to their ends.
+struct FlyOn<'a> {
+    from: &'a Flights,
+    /// Their numbers.
+    which: &'a [u32],
+    aspect: f64,
+    into: &'a mut Flights,
+}
+
+impl Stage for FlyOn<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let into = self.into;
+        let first = into.at.len;
+        into.at.gather(&self.from.at, self.which);
+        let rows = first..into.at.len;
+        let n = rows.len();
+        let reach = &mut into.reach[rows.clone()];
+        gather_column(reach, &self.from.reach, self.which);
+        gather_column(
+            &mut into.ends_at_bottom[rows.clone()],
+            &self.from.ends_at_bottom,
+            self.which,
+        );
+        into.clear_of[rows.clone()].fill(0);
+        let [x, y, z] = rows_of_mut(&mut into.at.origin, rows.clone());
+        let [dx, dy, dz] = rows_of(&into.at.direction, rows.clone());
+        for i in 0..n {
+            x[i] += reach[i] * dx[i];
+            y[i] += reach[i] * (dy[i] * self.aspect);
+            z[i] += reach[i] * dz[i];
+        }
+    }
+}
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Takes all flights inside the layer one on.
+    pub(crate) fn trace_flights(&self, batch: &mut Batch<'_, G::Facet>) {
+        let Some(layer) = &self.layer else {
+            return;
+        };
+        self.begin_flights(layer, batch);
+        std::mem::swap(&mut batch.flights, &mut batch.flown);
+        let mut flown = std::mem::take(&mut batch.flown);
+        self.query_flights(layer, &mut flown, batch);
+        self.fly(layer, &flown, batch);
+        self.interact_at_bottom(batch);
+        flown.at.len = 0;
+        batch.flown = flown;
+    }
+
+    /// Begins the flights of light that has entered the layer.
+    fn begin_flights(&self, layer: &TracedLayer<'_, G>, batch: &mut Batch<'_, G::Facet>) {
+        let flights = &mut batch.flights;
+        flights.make_room(flights.at.len + batch.entering.len);
+        batch.met.clear();
+        batch.met.extend(0..batch.entering.len as u32);
+        batch.instructions.run(BeginFlights {
+            layer,
+            stream: batch.stream,
+            entering: &batch.entering,
+            which: &batch.met,
+            flights,
+        });
+        batch.entering.len = 0;
+    }
+
+    /// Takes flights that meet nothing to their ends, where they come to the flat bottom, are scattered or leave.
+    fn fly(&self, layer: &TracedLayer<'_, G>, flown: &Flights, batch: &mut Batch<'_, G::Facet>) {
+        // Leave a clear medium that has no end
+        let mut which = std::mem::take(&mut batch.elsewhere);
+        which.clear();
+        for i in 0..flown.at.len {
+            if flown.at.flux[i] == 0.0 {
+                continue;
+            }
+            if flown.clear_of[i] == 0 {
+                batch.work.segments_skipped += 1;
+            } else {
+                batch.work.segments += 1;
+            }
+            if flown.reach[i].is_infinite() {
+                self.leave_clear_medium(layer, &flown.at.heading(i), flown.at.state(i), batch);
+            } else {
+                which.push(i as u32);
+            }
+        }
+
+        // Go to the ends
+        let first = batch.flights.at.len;
+        batch.flights.make_room(first + which.len());
+        batch.instructions.run(FlyOn {
+            from: flown,
+            which: &which,
+            aspect: self.geometry.aspect(),
+            into: &mut batch.flights,
+        });
+        batch.elsewhere = which;
+        self.wrap_flights(first, batch);
+        if layer.bottom().is_some() {
+            self.end_at_flat_bottom(layer, first, batch);
+        }
+        self.scatter_in_medium(layer, first, batch);
+    }
+
+    /// Moves the flights from number `first` on into the tile.
+    fn wrap_flights(&self, first: usize, batch: &mut Batch<'_, G::Facet>) {
+        let [cx, cy] = self.geometry.extent();
+        for i in first..batch.flights.at.len {
+            let at = &mut batch.flights.at;
+            let (x, y) = (at.origin[0][i], at.origin[1][i]);
+            if (0.0 <= x) & (x < cx) & (0.0 <= y) & (y < cy) {
+                continue;
+            }
+            let mut heading = at.heading(i);
+            if wrap(self.geometry, &mut heading) {
+                at.set_heading(i, &heading);
+            } else {
+                let state = at.state(i);
+                at.flux[i] = 0.0;
+                batch.add_loss(&state, Loss::LeftPatch, state.flux);
+            }
+        }
+    }
+
+    /// Ends those of the flights from number `first` on that come to the flat bottom, where they interact or leave.
+    fn end_at_flat_bottom(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        first: usize,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        for i in first..batch.flights.at.len {
+            let Flights {
+                at, ends_at_bottom, ..
+            } = &mut batch.flights;
+            if !ends_at_bottom[i] || at.flux[i] == 0.0 {
+                continue;
+            }
+            let (mut heading, state) = (at.heading(i), at.state(i));
+            at.flux[i] = 0.0;
+            layer.put_onto_bottom(&mut heading.origin);
+            if layer.bottom() == Some(Bottom::Open) {
+                self.push_exit(&below_the_bottom(&heading, state), batch);
+            } else {
+                batch
+                    .at_bottom
+                    .push(&heading, HalfSpace::Above, DVec3::Z, &state);
+            }
+        }
+    }
+
+    /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
+    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    fn leave_clear_medium(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        heading: &Heading,
+        state: PathState,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        if heading.direction.z < 0.0 && layer.bottom().is_none() {
+            let departure = below_the_bottom(heading, state);
+            self.push_exit(&departure, batch);
+        } else {
+            let loss = match self.geometry.border() {
+                Border::Open => Loss::LeftPatch,
+                Border::Periodic | Border::Mirrored => Loss::Lost,
+            };
+            batch.add_loss(&state, loss, state.flux);
+        }
+    }
+}
+
+/// A ray that goes down below the bottom of the layer for ever.
+fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
+    Departure {
+        region: Region::inside(Interface::Bottom).behind(),
+        direction: heading.world_direction(),
+        state,
+    }
+}

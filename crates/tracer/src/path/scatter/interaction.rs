@@ -1,0 +1,289 @@
+//! Interaction: scatters light at the interfaces at which it has arrived, and decides which branches continue.
+
+use asperity_optics::{Bottom, Material};
+use asperity_tally::{Loss, Tallies};
+
+use crate::geometry::Geometry;
+use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::scatter::branch::{PickBranches, SplitBranches};
+use crate::path::scatter::facets::Scatter;
+use crate::path::scatter::random_pairs::DrawPairs;
+use crate::path::scatter::roulette::Roulette;
+use crate::path::state::arrivals::{Arrivals, Move};
+use crate::path::state::batch::{Batch, Interactions};
+use crate::path::state::path_state::{Arrival, PathState, Region};
+use crate::path::state::segments::Segments;
+use crate::path::tracer::Tracer;
+use crate::random::{PathStream, Use};
+use crate::ray::HalfSpace;
+use crate::settings::Branching;
+use crate::vector::Stage;
+
+/// Adds segments to those that begin inside the layer, by their numbers.
+struct Enter<'a> {
+    segments: &'a Segments,
+    which: &'a [u32],
+    entering: &'a mut Segments,
+}
+
+impl Stage for Enter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.entering.gather(self.segments, self.which);
+    }
+}
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Lets all paths interact that have arrived at the upper surface; `batch.segments` then holds the segments that leave it.
+    pub(crate) fn interact_at_surface(&self, batch: &mut Batch<'_, G::Facet>) {
+        batch.instructions.run(Move {
+            geometry: self.geometry,
+            arrivals: &mut batch.arrivals,
+        });
+        if batch.traces_shadows {
+            self.trace_behind_first_facets(batch);
+        }
+        let mut at = std::mem::take(&mut batch.arrivals.at);
+        let normal = std::mem::take(&mut batch.arrivals.normal);
+        self.interact(Interface::Top, &mut at, &normal, batch);
+        batch.arrivals.normal = normal;
+        batch.arrivals.at = std::mem::replace(&mut batch.segments, at);
+        batch.arrivals.clear();
+        if self.layer.is_some() {
+            self.enter_layer(batch);
+        }
+    }
+
+    /// Lets segments interact with an interface at points of the given upward unit normals; `at` then holds the segments that
+    /// leave it.
+    pub(crate) fn interact(
+        &self,
+        interface: Interface,
+        at: &mut Segments,
+        normal: &[Vec<f64>; 3],
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        self.truncate_at_highest_order(at, batch);
+
+        // Scatter at the facets
+        let (material, outer) = self.material_of(interface);
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            ..
+        } = &mut batch.interactions;
+        pairs.clear();
+        if material.is_diffuse() {
+            which.clear();
+            which.extend(0..at.len as u32);
+            batch.instructions.run(DrawPairs {
+                stream: batch.stream,
+                segments: at,
+                which,
+                of: Use::Diffuse,
+                pairs,
+            });
+        }
+        Scatter {
+            at,
+            normal,
+            material,
+            outer: outer.sign(),
+            incident: self.incident.sign(),
+            numbers: pairs,
+            into: scattered,
+        }
+        .run(batch.instructions);
+
+        // Make the branches that survive
+        let divides = material.transmitting_index().is_some();
+        if !divides {
+            absorb(at, batch);
+        }
+        if divides && self.settings.branching == Branching::Pick {
+            self.pick_branches(at, batch);
+        } else {
+            self.split_branches(at, batch);
+        }
+    }
+
+    /// The material of an interface, and the half space to whose medium its indices are relative.
+    fn material_of(&self, interface: Interface) -> (Material, HalfSpace) {
+        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
+        let material = match (interface, bottom) {
+            (Interface::Top, _) => return (self.material, self.incident),
+            (_, Some(Bottom::Interface { eta })) => Material::Dielectric { eta },
+            (_, Some(Bottom::Mirror)) => Material::Mirror,
+            (_, Some(Bottom::Lambertian { reflectance })) => Material::Lambertian { reflectance },
+            // It absorbs all light.
+            _ => Material::Lambertian { reflectance: 0.0 },
+        };
+        (material, HalfSpace::Above)
+    }
+
+    /// Ends paths that have reached the highest order.
+    fn truncate_at_highest_order(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        for i in 0..at.len {
+            if at.order[i] >= self.settings.max_order {
+                batch
+                    .tally_of(at.ray[i])
+                    .add_loss(Loss::Truncated, at.flux[i]);
+                at.flux[i] = 0.0;
+            }
+        }
+    }
+
+    /// Continues along one branch of each interaction, which is picked by its fraction and carries all flux.
+    fn pick_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            ..
+        } = &mut batch.interactions;
+        which.clear();
+        which.extend(0..at.len as u32);
+        batch.instructions.run(DrawPairs {
+            stream: batch.stream,
+            segments: at,
+            which,
+            of: Use::Interaction,
+            pairs,
+        });
+        batch.instructions.run(PickBranches {
+            at,
+            scattered,
+            pairs,
+        });
+        let roulette = self.roulette(&batch.tallies);
+        for (i, [_, u]) in pairs.iter().enumerate() {
+            if roulette.decides(at.flux[i], at.order[i] == 1) {
+                let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+                at.flux[i] = roulette.play(at.flux[i], *u, tally);
+            }
+        }
+    }
+
+    /// Continues along both branches of each interaction.
+    fn split_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            transmitting,
+        } = &mut batch.interactions;
+        let n = at.len;
+        let [transmitted, reflected] = [
+            &mut scattered.transmitted.flux,
+            &mut scattered.reflected.flux,
+        ];
+        for branch in [&mut *transmitted, &mut *reflected] {
+            for (fraction, flux) in branch.iter_mut().zip(&at.flux[..n]) {
+                *fraction *= flux;
+            }
+        }
+
+        // Decide by Russian roulette over branches of little flux
+        let roulette = self.roulette(&batch.tallies);
+        which.clear();
+        which.extend((0..n as u32).filter(|&i| {
+            let i = i as usize;
+            let is_first = at.order[i] == 0;
+            [transmitted[i], reflected[i]]
+                .into_iter()
+                .any(|flux| roulette.decides(flux, is_first))
+        }));
+        batch.instructions.run(DrawPairs {
+            stream: batch.stream,
+            segments: at,
+            which,
+            of: Use::Interaction,
+            pairs,
+        });
+        for (&i, pair) in which.iter().zip(&*pairs) {
+            let i = i as usize;
+            let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+            let fluxes = [&mut transmitted[i], &mut reflected[i]];
+            for (flux, u) in fluxes.into_iter().zip(pair) {
+                if roulette.decides(*flux, at.order[i] == 0) {
+                    *flux = roulette.play(*flux, *u, tally);
+                }
+            }
+        }
+
+        transmitting.resize(n, 0);
+        let mut count = 0;
+        for (i, flux) in transmitted.iter().enumerate() {
+            transmitting[count] = i as u32;
+            count += usize::from(*flux > 0.0);
+        }
+        at.make_room(n + count);
+        batch.instructions.run(SplitBranches {
+            at,
+            scattered,
+            transmitted: &transmitting[..count],
+        });
+    }
+
+    /// Takes what has entered the layer out of the segments.
+    fn enter_layer(&self, batch: &mut Batch<'_, G::Facet>) {
+        let segments = &mut batch.segments;
+        let (side, flux) = (&segments.side, &segments.flux);
+        batch.met.clear();
+        let inside = (0..segments.len as u32).filter(|&i| {
+            let i = i as usize;
+            side[i] < 0.0 && flux[i] > 0.0
+        });
+        batch.met.extend(inside);
+        batch
+            .entering
+            .make_room(batch.entering.len + batch.met.len());
+        batch.instructions.run(Enter {
+            segments,
+            which: &batch.met,
+            entering: &mut batch.entering,
+        });
+        for &i in &batch.met {
+            segments.flux[i as usize] = 0.0;
+        }
+    }
+
+    /// Russian roulette of this tracer.
+    fn roulette(&self, tallies: &Tallies<'_>) -> Roulette {
+        let roulette = Roulette::below(self.settings.roulette_below);
+        match tallies.control_variate() {
+            Some(_) => roulette.sparing_first(),
+            None => roulette,
+        }
+    }
+
+    /// The arrival number `i` of the round at the upper surface.
+    pub(crate) fn arrival(
+        &self,
+        i: usize,
+        batch: &Batch<'_, G::Facet>,
+    ) -> (Arrival<G::Facet>, PathState) {
+        let Arrivals { at, facets, .. } = &batch.arrivals;
+        let arrival = Arrival {
+            region: Region::top(HalfSpace::from_sign(at.side[i])),
+            heading: at.heading(i),
+            facet: facets[i],
+        };
+        (arrival, at.state(i))
+    }
+}
+
+/// Tallies the light that an opaque material absorbs.
+fn absorb<F: Copy>(at: &Segments, batch: &mut Batch<'_, F>) {
+    let reflected = &batch.interactions.scattered.reflected.flux;
+    for (i, reflected) in reflected.iter().enumerate() {
+        let absorbed = at.flux[i] * (1.0 - reflected);
+        let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+        if at.order[i] == 0 {
+            tally.add_first_absorbed(absorbed);
+        } else {
+            tally.add_loss(Loss::Absorbed, absorbed);
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Roulette: ends paths of little flux at random, without changing any mean.
+
+use asperity_tally::{Loss, Tally};
+
+/// Russian roulette: a path of little flux continues with a probability proportional to its flux, and then carries the
+/// threshold. Flux that roulette removes or adds is tallied as truncated, zero on average.
+#[derive(Clone, Copy)]
+pub(crate) struct Roulette {
+    threshold: f64,
+    /// Under a control variate all first branches are traced, so that they cancel exactly.
+    spares_first: bool,
+}
+
+impl Roulette {
+    /// Roulette for paths whose flux is below a threshold.
+    pub(crate) const fn below(threshold: f64) -> Self {
+        Self {
+            threshold,
+            spares_first: false,
+        }
+    }
+
+    /// Russian roulette that spares the branches of a first interaction.
+    pub(crate) const fn sparing_first(self) -> Self {
+        Self {
+            spares_first: true,
+            ..self
+        }
+    }
+
+    /// Returns `true` if it decides on a branch; `is_first`: the branch leaves the first interaction.
+    #[inline(always)]
+    pub(crate) fn decides(&self, flux: f64, is_first: bool) -> bool {
+        (flux > 0.0) & (flux < self.threshold) & !(self.spares_first & is_first)
+    }
+
+    /// The flux that is left, decided by the random number `u`.
+    pub(crate) fn play(&self, flux: f64, u: f64, tally: &mut Tally<'_>) -> f64 {
+        if flux == 0.0 || flux >= self.threshold {
+            return flux;
+        }
+        let survives = u * self.threshold < flux;
+        let kept = if survives { self.threshold } else { 0.0 };
+        tally.add_loss(Loss::Truncated, flux - kept);
+        kept
+    }
+}

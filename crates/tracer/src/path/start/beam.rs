@@ -1,0 +1,118 @@
+//! Beam: the collimated light that falls on a surface, and the start points of its rays.
+
+use asperity_optics::Incidence;
+use asperity_surface::Border;
+use glam::{DVec2, DVec3};
+
+use crate::geometry::Geometry;
+use crate::path::illumination::Window;
+use crate::path::state::path_state::turned;
+use crate::periodic::Heading;
+use crate::ray::HalfSpace;
+
+/// Light that falls evenly on a window of one period of a surface.
+///
+/// Its rays start where they pass the highest point of the surface (the lowest, if they come from
+/// below).
+pub(crate) struct Beam {
+    /// Unit vector towards the light, as the surface lies.
+    wi: DVec3,
+    incident: HalfSpace,
+    /// Corner and size of the window along x and y, tile coordinates.
+    corner: [f64; 2],
+    size: [f64; 2],
+    aspect: f64,
+    /// z of all starts.
+    z: f64,
+    /// Distance along a ray from there to the mean plane.
+    to_mean_plane: f64,
+}
+
+impl Beam {
+    pub(crate) fn new<G: Geometry>(
+        surface: &G,
+        incident: HalfSpace,
+        incidence: Incidence,
+        window: Window,
+    ) -> Self {
+        let wi = incidence.wi() * DVec3::new(1.0, 1.0, incident.sign());
+        // A mirrored tile and its images make a period of two tiles along each axis.
+        let tiles = match surface.border() {
+            Border::Mirrored => 2.0,
+            Border::Periodic | Border::Open => 1.0,
+        };
+        let period = surface.extent().map(|e| e * tiles);
+        let [low, high] = surface.z_range();
+        let z = match incident {
+            HalfSpace::Above => high,
+            HalfSpace::Below => low,
+        };
+        Self {
+            wi,
+            incident,
+            corner: [0, 1].map(|i| window.from[i] * period[i]),
+            size: [0, 1].map(|i| (window.to[i] - window.from[i]) * period[i]),
+            aspect: surface.aspect(),
+            z,
+            to_mean_plane: (z - surface.mean_plane()) / wi.z,
+        }
+    }
+
+    /// Unit vector towards the light, before it is turned by the azimuth of a start.
+    pub(crate) const fn wi(&self) -> DVec3 {
+        self.wi
+    }
+
+    /// Returns `true` if its rays are vertical.
+    pub(crate) fn is_vertical(&self) -> bool {
+        self.wi.truncate() == DVec2::ZERO
+    }
+
+    /// The ray that would meet the mean plane at `[u, v]` of the window, from light whose azimuth is turned by the angle of
+    /// which `turn` holds cosine and sine.
+    pub(crate) fn ray(&self, position: [f64; 2], turn: DVec2) -> Heading {
+        let direction = turned(-self.wi, turn);
+        Heading {
+            origin: self.origin(position, [direction.x, direction.y]),
+            direction,
+            mirrored: [false; 2],
+        }
+    }
+
+    /// Start point of the ray at that position whose direction has the components `[dx, dy]`.
+    #[inline(always)]
+    pub(crate) fn origin(&self, position: [f64; 2], [dx, dy]: [f64; 2]) -> DVec3 {
+        let [x, y] = self.position(position);
+        DVec3::new(
+            x - self.to_mean_plane * dx,
+            y - self.to_mean_plane * dy * self.aspect,
+            self.z,
+        )
+    }
+
+    /// Point `[u, v]` of the window, tile coordinates.
+    #[inline(always)]
+    pub(crate) fn position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let ([x, y], [width, depth]) = (self.corner, self.size);
+        [x + u * width, y + v * depth]
+    }
+
+    /// Upper bound of [`Beam::flux_on`] for facets up to a slope: `1 + slope tan theta_i`, since `m / cos theta_m` is
+    /// `(-gradient, 1)`.
+    pub(crate) fn largest_flux_on(&self, slope: f64) -> f64 {
+        1.0 + slope * self.wi.truncate().length() / self.wi.z.abs()
+    }
+
+    /// The flux that falls on a facet with the upward normal `m` from light in the direction `wi`, as a fraction of that of a ray:
+    /// `max(0, wi . m) / (cos theta_m cos theta_i)`.
+    ///
+    /// # Source
+    /// Xu and Sun 2008, the weight of Eq. 26.
+    #[inline(always)]
+    pub(crate) fn flux_on(&self, wi: DVec3, m: DVec3) -> f64 {
+        let m = self.incident.sign() * m;
+        let facing = wi.dot(m);
+        let flux = facing / (m.z * self.wi.z);
+        if facing > 0.0 { flux } else { 0.0 }
+    }
+}

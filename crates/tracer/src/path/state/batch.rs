@@ -1,0 +1,169 @@
+//! Batch: everything that changes while a batch of paths is traced.
+
+use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
+
+use crate::geometry::CullingClass;
+use crate::path::illumination::{Illumination, Starts};
+use crate::path::state::arrivals::{Arrivals, BottomArrivals};
+use crate::path::state::flights::{Flights, Numbers};
+use crate::path::state::path_state::{PathState, SingleSegment};
+use crate::path::state::scattered::ScatteredLight;
+use crate::path::state::segments::{Kept, Segments};
+use crate::path::state::visibility_rays::VisibilityRays;
+use crate::path::state::work::Work;
+use crate::random::PathStream;
+use crate::ray::{Hit, RayBatch};
+use crate::sampling::Start;
+use crate::settings::Polarisation;
+use crate::vector::Instructions;
+
+/// New paths start while fewer segments are in flight: enough to fill lanes in every stage, few enough for them and
+/// the surface around them to stay in cache.
+pub(crate) const MAX_IN_FLIGHT: usize = 2048;
+
+/// Memory for the interactions of one round.
+#[derive(Default)]
+pub(crate) struct Interactions {
+    pub(crate) scattered: ScatteredLight,
+    /// Interactions that need random numbers, and these.
+    pub(crate) which: Vec<u32>,
+    pub(crate) pairs: Vec<[f64; 2]>,
+    /// Interactions that transmit light.
+    pub(crate) transmitting: Vec<u32>,
+}
+
+/// Memory for the search of single segments.
+pub(crate) struct SingleSearch<F> {
+    /// Those that are searched; empty between searches, as are the hits.
+    pub(crate) singles: Vec<SingleSegment<F>>,
+    pub(crate) rays: RayBatch,
+    /// Those at one interface.
+    pub(crate) which: Vec<u32>,
+    pub(crate) hits: Vec<Option<Hit<F>>>,
+}
+
+impl<F> Default for SingleSearch<F> {
+    fn default() -> Self {
+        Self {
+            singles: Vec::new(),
+            rays: RayBatch::default(),
+            which: Vec::new(),
+            hits: Vec::new(),
+        }
+    }
+}
+
+/// The state of one batch, or of several that are traced together.
+pub(crate) struct Batch<'r, F> {
+    pub(crate) tallies: Tallies<'r>,
+    pub(crate) work: Work,
+    pub(crate) stream: PathStream,
+    pub(crate) instructions: Instructions,
+    /// Q, U and V over I of the light that falls on the surface.
+    pub(crate) stokes: [f64; 3],
+    /// `true` if light is followed on behind the first facet that it has met, to shadowed facets.
+    pub(crate) traces_shadows: bool,
+    /// Segments of paths in their first tile.
+    pub(crate) segments: Segments,
+    /// Segments that are searched in this round.
+    pub(crate) searched: Vec<u32>,
+    /// All other segments that are searched.
+    pub(crate) singles: Vec<SingleSegment<F>>,
+    /// Visibility rays of this round from starts on the surface.
+    pub(crate) visibility_rays: VisibilityRays<F>,
+    /// Starts of this round.
+    pub(crate) starts: Vec<Start>,
+    /// Facets that light has arrived at.
+    pub(crate) arrivals: Arrivals<F>,
+    /// Light that has arrived at the bottom of the layer.
+    pub(crate) at_bottom: BottomArrivals,
+    /// Light that begins inside the layer, in the coordinates of the upper surface, before its free flights.
+    pub(crate) entering: Segments,
+    /// Flights inside the layer.
+    pub(crate) flights: Flights,
+    /// Light that has left, not yet in the tally.
+    pub(crate) exits: ExitColumns,
+    /// Memory that stages use again and again.
+    pub(crate) classes: Vec<CullingClass>,
+    pub(crate) hits: Vec<Option<Hit<F>>>,
+    /// Numbers of segments: that have met a facet, that escape, that begin outside of the tile or meet nothing in it.
+    pub(crate) met: Vec<u32>,
+    pub(crate) escaped: Vec<u32>,
+    pub(crate) elsewhere: Vec<u32>,
+    /// `true` for each of the segments elsewhere that escapes.
+    pub(crate) escape: Vec<bool>,
+    pub(crate) single_search: SingleSearch<F>,
+    pub(crate) interactions: Interactions,
+    /// Flights of the round before, which of them are searched, and random numbers of the medium.
+    pub(crate) flown: Flights,
+    pub(crate) searched_flights: Vec<u32>,
+    pub(crate) numbers: Numbers,
+}
+
+impl<'r, F: Copy> Batch<'r, F> {
+    pub(crate) fn new(
+        tallies: Tallies<'r>,
+        stream: PathStream,
+        instructions: Instructions,
+        illumination: &Illumination,
+        polarisation: Polarisation,
+    ) -> Self {
+        let kept = Kept {
+            turn: illumination.turns(polarisation),
+            polarisation,
+        };
+        let traces_shadows =
+            tallies.control_variate().is_some() && illumination.starts == Starts::FromAbove;
+        Self {
+            tallies,
+            work: Work::default(),
+            stream,
+            instructions,
+            stokes: illumination.stokes,
+            traces_shadows,
+            segments: Segments::new(kept),
+            searched: Vec::new(),
+            singles: Vec::new(),
+            visibility_rays: VisibilityRays::new(kept),
+            starts: Vec::new(),
+            arrivals: Arrivals::new(kept),
+            at_bottom: BottomArrivals::new(kept),
+            entering: Segments::new(kept),
+            flights: Flights::new(kept),
+            exits: ExitColumns::new(polarisation.polarimetry()),
+            classes: Vec::new(),
+            hits: Vec::new(),
+            met: Vec::new(),
+            escaped: Vec::new(),
+            elsewhere: Vec::new(),
+            escape: Vec::new(),
+            single_search: SingleSearch::default(),
+            interactions: Interactions::default(),
+            flown: Flights::new(kept),
+            searched_flights: Vec::new(),
+            numbers: Numbers::default(),
+        }
+    }
+
+    /// The tally of the batch that path number `ray` belongs to.
+    #[inline(always)]
+    pub(crate) fn tally_of(&mut self, ray: u32) -> &mut Tally<'r> {
+        self.tallies.of(PathStream::batch_of(ray))
+    }
+
+    /// Tallies flux of a path that ended without an exit.
+    pub(crate) fn add_loss(&mut self, of: &PathState, loss: Loss, flux: f64) {
+        self.tally_of(of.ray).add_loss(loss, flux);
+    }
+
+    /// Number of segments in flight, without the visibility rays.
+    pub(crate) fn in_flight(&self) -> usize {
+        let inside = self.flights.at.len + self.entering.len;
+        self.searched.len() + self.singles.len() + self.arrivals.len() + inside
+    }
+
+    /// Returns `true` if no segment is left.
+    pub(crate) fn is_finished(&self) -> bool {
+        self.in_flight() == 0 && self.visibility_rays.need_no_search()
+    }
+}
