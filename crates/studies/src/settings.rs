@@ -15,9 +15,9 @@
 mod command;
 mod definitions;
 mod document;
-mod entry;
 mod error;
 mod file;
+mod group;
 mod kind;
 mod length;
 pub(crate) mod number;

@@ -172,6 +172,15 @@ impl Commands {
         Self(self.0 | others.0)
     }
 
+    /// These, or `others` if there are none.
+    #[must_use]
+    pub const fn or(self, others: Self) -> Self {
+        match self.0 {
+            0 => others,
+            _ => self,
+        }
+    }
+
     /// Whether `command` is one of them.
     #[must_use]
     pub const fn contains(self, command: Command) -> bool {

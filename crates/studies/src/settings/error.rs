@@ -131,13 +131,23 @@ pub enum SettingError {
         /// Why.
         reason: String,
     },
-    /// A setting without a default is missing.
-    #[error("{command} needs {flag}")]
+    /// A setting is missing that a command needs, or another setting.
+    #[error("{subject} needs {needed}")]
     Missing {
-        /// The command.
-        command: Command,
-        /// The flag with its value.
-        flag: String,
+        /// The command, or what was given.
+        subject: String,
+        /// Flags or keys.
+        needed: String,
+    },
+    /// A setting that belongs to another variant than the chosen one.
+    #[error("{given}: goes with {owners}, not {chosen}")]
+    OfOtherVariant {
+        /// What was given.
+        given: Given,
+        /// The variants that have it.
+        owners: String,
+        /// The chosen variant.
+        chosen: &'static str,
     },
     /// A length with a unit, for a surface without.
     #[error(

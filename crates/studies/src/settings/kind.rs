@@ -57,18 +57,15 @@ pub struct Choice {
     pub name: &'static str,
     /// What it means.
     pub help: &'static str,
-    /// Values of a lower layer that it clears, as `section.key`.
-    pub clears: &'static [&'static str],
     /// An old name, which stays valid but is not shown in the help.
     pub alias: Option<&'static str>,
 }
 
-/// A choice that clears nothing.
+/// A choice without an old name.
 pub(super) const fn choice(name: &'static str, help: &'static str) -> Choice {
     Choice {
         name,
         help,
-        clears: &[],
         alias: None,
     }
 }

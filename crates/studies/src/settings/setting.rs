@@ -1,5 +1,7 @@
 //! Setting: everything that is known about one setting.
 
+use serde_json::Value;
+
 use super::command::{Command, Commands};
 use super::kind::{Kind, such_as};
 use super::range::Range;
@@ -41,25 +43,10 @@ pub struct Setting {
     pub default_in: &'static [(Commands, Option<&'static str>)],
     /// What holds unless it is given, where that depends on other settings.
     pub otherwise: &'static str,
-    /// Whether the default does not hold once a setting of the same section that excludes it is given.
-    pub default_yields: bool,
-    /// Values of other settings with which its default does not hold.
-    pub default_unless: &'static [Unless],
-    /// Settings that cannot be given together with it, as `section.key` or `section.*`; it clears those of a lower layer.
-    pub excludes: &'static [&'static str],
-    /// Settings of a lower layer that it clears.
+    /// Settings of a lower layer that it clears, as `section.key` or `section.*`.
     pub clears: &'static [&'static str],
-}
-
-/// Values of a setting with which the default of another does not hold.
-#[derive(Clone, Copy, Debug)]
-pub struct Unless {
-    /// The setting, as section and key.
-    pub setting: (&'static str, &'static str),
-    /// Whether its text is such a value.
-    pub is: fn(&str) -> bool,
-    /// A further setting, as section and key, with which the default holds all the same.
-    pub but_with: Option<(&'static str, &'static str)>,
+    /// The commands whose short help shows it.
+    pub basic: Commands,
 }
 
 /// The flag of a setting.
@@ -90,16 +77,10 @@ pub enum Arity {
     Repeated,
 }
 
-/// A setting of `section` without a default, with the flag of its key.
-pub(super) const fn setting(
-    section: &'static str,
-    key: &'static str,
-    kind: Kind,
-    commands: Commands,
-    help: &'static str,
-) -> Setting {
+/// A setting with the flag of its key, of the section and the commands of its [`table`]. A switch is off by default.
+pub(super) const fn setting(key: &'static str, kind: Kind, help: &'static str) -> Setting {
     Setting {
-        section,
+        section: "",
         key,
         flag: Flag::OfKey,
         short: None,
@@ -111,19 +92,59 @@ pub(super) const fn setting(
         range: Range::Any,
         value_name: "",
         help,
-        commands,
+        commands: Commands::NONE,
         required: Commands::NONE,
-        default: None,
+        default: match kind {
+            Kind::Switch => Some("false"),
+            _ => None,
+        },
         default_in: &[],
         otherwise: "",
-        default_yields: false,
-        default_unless: &[],
-        excludes: &[],
         clears: &[],
+        basic: Commands::NONE,
     }
 }
 
+/// The settings of a section, for these commands unless they name others.
+pub(super) const fn table<const N: usize>(
+    section: &'static str,
+    commands: Commands,
+    mut settings: [Setting; N],
+) -> [Setting; N] {
+    let mut i = 0;
+    while i < N {
+        settings[i].section = section;
+        settings[i].commands = settings[i].commands.or(commands);
+        i += 1;
+    }
+    settings
+}
+
+/// The settings of a section that no file holds.
+pub(super) const fn flags<const N: usize>(
+    section: &'static str,
+    commands: Commands,
+    mut settings: [Setting; N],
+) -> [Setting; N] {
+    let mut i = 0;
+    while i < N {
+        settings[i].in_file = false;
+        i += 1;
+    }
+    table(section, commands, settings)
+}
+
 impl Setting {
+    pub(super) const fn commands(mut self, commands: Commands) -> Self {
+        self.commands = commands;
+        self
+    }
+
+    pub(super) const fn basic(mut self, commands: Commands) -> Self {
+        self.basic = commands;
+        self
+    }
+
     pub(super) const fn default(mut self, text: &'static str) -> Self {
         self.default = Some(text);
         self
@@ -134,16 +155,6 @@ impl Setting {
         defaults: &'static [(Commands, Option<&'static str>)],
     ) -> Self {
         self.default_in = defaults;
-        self
-    }
-
-    pub(super) const fn default_yields(mut self) -> Self {
-        self.default_yields = true;
-        self
-    }
-
-    pub(super) const fn default_unless(mut self, unless: &'static [Unless]) -> Self {
-        self.default_unless = unless;
         self
     }
 
@@ -173,6 +184,9 @@ impl Setting {
     }
 
     pub(super) const fn flag(mut self, flag: Flag) -> Self {
+        if let Flag::Off(_) = flag {
+            self.default = Some("true");
+        }
         self.flag = flag;
         self
     }
@@ -194,11 +208,6 @@ impl Setting {
 
     pub(super) const fn required(mut self, commands: Commands) -> Self {
         self.required = commands;
-        self
-    }
-
-    pub(super) const fn excludes(mut self, settings: &'static [&'static str]) -> Self {
-        self.excludes = settings;
         self
     }
 
@@ -270,13 +279,30 @@ impl Setting {
         }
     }
 
-    /// Whether `pattern`, `section.key` or `section.*`, names it.
+    /// Returns `true` if `pattern`, `section.key` or `section.*`, names it.
     pub(super) fn matches(&self, pattern: &str) -> bool {
         match pattern.split_once('.') {
             Some((section, "*")) => section == self.section,
             Some((section, key)) => section == self.section && key == self.key,
             None => false,
         }
+    }
+
+    /// Returns `true` if `pattern` means it with this value. A switch that is off is as one that is not given.
+    pub(super) fn has_value(&self, pattern: &str, value: &Value) -> bool {
+        let (path, test): (&str, fn(&str, &str) -> bool) = match pattern.find(['=', '!']) {
+            Some(at) if pattern[at..].starts_with('!') => {
+                (&pattern[..at], |value, other| value != other)
+            }
+            Some(at) => (&pattern[..at], |value, named| {
+                value == named || named.ends_with(':') && value.starts_with(named)
+            }),
+            None => (pattern, |_, _| true),
+        };
+        let named = pattern[path.len()..].trim_start_matches(['=', '!']);
+        self.matches(path)
+            && *value != Value::Bool(false)
+            && test(value.as_str().unwrap_or_default(), named)
     }
 
     /// What is allowed, to follow "must be", with the unit and examples.

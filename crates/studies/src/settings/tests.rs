@@ -120,24 +120,36 @@ fn keys_and_flags_are_unique_in_each_command() {
 }
 
 #[test]
-fn patterns_name_settings() {
-    for setting in all() {
-        let by_choice = setting
-            .kind
-            .choices()
-            .iter()
-            .flat_map(|choice| choice.clears);
-        for pattern in setting
-            .excludes
-            .iter()
-            .chain(setting.clears)
-            .chain(by_choice)
-        {
-            assert!(
-                all().any(|other| other.matches(pattern)),
-                "{}: {pattern}",
-                setting.path()
-            );
+fn groups_name_settings_and_their_values() {
+    for group in definitions::GROUPS {
+        let kind = all().find(|setting| setting.matches(group.kind));
+        assert_eq!(kind.is_none(), group.kind.is_empty(), "{}", group.kind);
+        for variant in group.variants {
+            if let Some(kind) = kind {
+                let names = kind.kind.choices().iter().map(|choice| choice.name);
+                let known = names
+                    .chain([group::A_FILE])
+                    .any(|name| name == variant.name);
+                assert!(known, "{}: {}", group.kind, variant.name);
+            }
+            let lists = [
+                variant.by,
+                variant.needs,
+                variant.takes,
+                variant.without_default,
+            ];
+            for pattern in lists.concat() {
+                let mut parts = pattern.trim_start_matches('-').split(['=', '!']);
+                let path = parts.next().unwrap_or_default();
+                let named: Vec<_> = all().filter(|setting| setting.matches(path)).collect();
+                assert!(!named.is_empty(), "{pattern}");
+                let value = parts.next().filter(|value| !value.ends_with(':'));
+                for setting in named {
+                    let choices = setting.kind.choices();
+                    let is_known = |value| choices.iter().any(|choice| choice.name == value);
+                    assert!(value.is_none_or(is_known), "{pattern}");
+                }
+            }
         }
     }
 }
