@@ -21,6 +21,9 @@ use crate::tools::{Tool, ToolRun};
 /// Name of what stands without a flag.
 const POSITIONAL: &str = "positional argument";
 
+/// Flag that prints help on all flags of a command.
+const HELP_ALL: &str = "--help-all";
+
 /// What the command line requests.
 pub(crate) enum Request {
     /// A command with these settings.
@@ -45,8 +48,14 @@ impl From<Failure> for Stop {
 
 /// What the command line requests, with the settings of its configuration file.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
-    let matches = program()
-        .try_get_matches_from(&arguments)
+    let is_full = arguments.iter().any(|argument| argument == HELP_ALL);
+    // Full help is what `--help` prints then.
+    let read = arguments.iter().map(|argument| match argument {
+        argument if argument == HELP_ALL => OsStr::new("--help"),
+        argument => argument,
+    });
+    let matches = program(is_full)
+        .try_get_matches_from(read)
         .map_err(|error| refuse(error, &arguments))?;
     if let Some(tool) = chosen_tool(&matches) {
         return Ok(Request::Tool(tool));
@@ -57,9 +66,9 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     Ok(Request::Run(document(command, matches)?))
 }
 
-/// The whole command line, for clap.
-pub(crate) fn program() -> clap::Command {
-    let help = Help::for_output();
+/// The whole command line, for clap, with the help of all flags or of those that most people need.
+pub(crate) fn program(is_full: bool) -> clap::Command {
+    let help = Help::for_output(is_full);
     let program = with_help_flag(clap::Command::new("asperity"))
         .version(env!("CARGO_PKG_VERSION"))
         .about(PROGRAM_ABOUT)
@@ -69,7 +78,13 @@ pub(crate) fn program() -> clap::Command {
         .arg_required_else_help(true)
         .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
     program
-        .subcommands(Command::ALL.map(|command| with_help_flag(subcommand(command, help))))
+        .subcommands(Command::ALL.map(|command| {
+            let all = Arg::new("help-all")
+                .long("help-all")
+                .help("Print help on all flags")
+                .action(ArgAction::Help);
+            with_help_flag(subcommand(command, help)).arg(all)
+        }))
         .subcommands(Tool::ALL.map(|tool| {
             let command = tool.command().override_help(help.tool(tool));
             with_help_flag(command)

@@ -71,8 +71,9 @@ use std::time::Instant;
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
 use asperity_results::{Container, ResultsError};
-use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
+use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted, short};
 use asperity_tally::Estimate;
+use asperity_tracer::HorizonError;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
@@ -104,6 +105,52 @@ pub enum AttenuationError {
     /// The configuration makes no sense.
     #[error(transparent)]
     Config(#[from] ConfigError),
+    /// More counts than are kept.
+    #[error("{counts:.1e} counts would be kept, {most:.0e} is the most: take fewer directions or surfaces")]
+    TooManyCounts {
+        /// Counts of this configuration.
+        counts: f64,
+        /// Most that are kept.
+        most: f64,
+    },
+    /// An open patch without samples inside.
+    #[error(
+        "an open patch of {nx} x {ny} samples has none inside, where paper_g2 counts; take 3 or more a side"
+    )]
+    SmallPatch {
+        /// Samples along x.
+        nx: usize,
+        /// Samples along y.
+        ny: usize,
+    },
+    /// Horizons of smooth cells.
+    #[error(
+        "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays"
+    )]
+    HorizonsOfSmoothCells,
+    /// A tile that does not hold whole samples.
+    #[error(
+        "the length {} of the tile is not a multiple of the spacing {}: a periodic tile holds whole samples",
+        short(*.length),
+        short(*.spacing)
+    )]
+    PartSamples {
+        /// Side of the tile, length units.
+        length: f64,
+        /// The spacing, length units.
+        spacing: f64,
+    },
+    /// A value of a figure that is not measured.
+    #[error("{name}: {} is not among the values that are measured", short(*.value))]
+    NotMeasured {
+        /// The setting.
+        name: &'static str,
+        /// The value.
+        value: f64,
+    },
+    /// Horizons cannot be found.
+    #[error(transparent)]
+    Horizons(#[from] HorizonError),
     /// The surfaces cannot be drawn, do not fit into memory, or the light cannot be followed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),

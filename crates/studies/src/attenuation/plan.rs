@@ -1,7 +1,5 @@
 //! Plan: an attenuation run as it will be done, with lists gone through and everything checked.
 
-use std::fmt::Display;
-
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
 use asperity_results::Header;
@@ -91,9 +89,10 @@ impl AttenuationPlan {
             * (self.views.len() as f64 + 8.0)
             * run.realisations.0 as f64;
         if results > MAX_RESULTS {
-            return Err(contradiction(format!(
-                "{results:.1e} counts would be kept, {MAX_RESULTS:.0e} is the most: take fewer directions or surfaces",
-            )));
+            return Err(AttenuationError::TooManyCounts {
+                counts: results,
+                most: MAX_RESULTS,
+            });
         }
         Ok(())
     }
@@ -122,9 +121,7 @@ impl AttenuationConfig {
         let surfaces = sigmas.iter().map(of_sigma).collect::<Result<Vec<_>, _>>()?;
         let [ny, nx] = shape;
         if surface.border == Border::Open && nx.min(ny) < 3 {
-            return Err(contradiction(format!(
-                "an open patch of {nx} x {ny} samples has none inside, where paper_g2 counts; take 3 or more a side",
-            )));
+            return Err(AttenuationError::SmallPatch { nx, ny });
         }
         let lights = directions("theta", &self.light)?;
         let views = directions("view theta", &self.view)?;
@@ -135,9 +132,7 @@ impl AttenuationConfig {
         let rays = surfaces.len() * lights.iter().chain(&views).filter(is_slanted).count();
         let needs_horizons = run.method == VisibilityMethod::Horizons || run.demarcation;
         if cells == Cells::Smooth && needs_horizons {
-            return Err(contradiction(
-                "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays",
-            ));
+            return Err(AttenuationError::HorizonsOfSmoothCells);
         }
         let method = match run.method {
             _ if cells == Cells::Smooth => VisibilityMethod::Rays,
@@ -171,16 +166,12 @@ impl AttenuationConfig {
     fn shape(&self) -> Result<[usize; 2], AttenuationError> {
         let surface = &self.surface;
         let [nx, ny] = match (surface.size, surface.length) {
-            (Some(size), None) => size.xy().map(|samples| Ok(samples.0 as usize)),
+            (Some(size), _) => size.xy().map(|samples| Ok(samples.0 as usize)),
             (None, Some(length)) => {
                 let ([x, y], [dx, dy]) = (length.xy(), surface.spacing.xy());
                 [samples(x.0, dx.0), samples(y.0, dy.0)]
             }
-            _ => {
-                return Err(contradiction(
-                    "give either length, the side of the tile, or size, its samples",
-                ));
-            }
+            (None, None) => return Err(ConfigError::EmptyList("length").into()),
         };
         Ok([ny?, nx?])
     }
@@ -203,15 +194,7 @@ fn samples(length: f64, spacing: f64) -> Result<usize, AttenuationError> {
     if spacing > 0.0 && (1.0..MAX_SAMPLES).contains(&whole) && divides {
         return Ok(whole as usize);
     }
-    Err(contradiction(format!(
-        "the length {} of the tile is not a multiple of the spacing {}: a periodic tile holds whole samples",
-        short(length),
-        short(spacing),
-    )))
-}
-
-pub(super) fn contradiction(text: impl Display) -> AttenuationError {
-    ConfigError::Contradiction(text.to_string()).into()
+    Err(AttenuationError::PartSamples { length, spacing })
 }
 
 /// The values of a list, each of which may stand there once.
@@ -219,8 +202,10 @@ fn numbers(name: &'static str, list: &OneOrMany<Number>) -> Result<Vec<f64>, Con
     let values: Vec<f64> = list.values(name)?.iter().map(|value| value.0).collect();
     for (i, value) in values.iter().enumerate() {
         if values[..i].contains(value) {
-            let text = format!("{name}: {} is given twice", short(*value));
-            return Err(ConfigError::Contradiction(text));
+            return Err(ConfigError::GivenTwice {
+                list: name,
+                value: short(*value),
+            });
         }
     }
     Ok(values)
@@ -251,12 +236,7 @@ fn chosen(
     };
     let number = |value: f64| {
         let number = values.iter().position(|one| *one == value);
-        number.ok_or_else(|| {
-            let value = short(value);
-            contradiction(format!(
-                "{name}: {value} is not among the values that are measured"
-            ))
-        })
+        number.ok_or(AttenuationError::NotMeasured { name, value })
     };
     numbers(name, named)?.into_iter().map(number).collect()
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::AttenuationError;
 use super::config::VisibilityMethod;
 use super::ground::Point;
-use super::plan::{AttenuationPlan, contradiction};
+use super::plan::AttenuationPlan;
 use super::points::{chunks, points, samples};
 
 /// Horizons along one azimuth, in one list per chunk.
@@ -28,7 +28,7 @@ impl Skyline {
     ) -> Result<Vec<Self>, AttenuationError> {
         let are_needed = plan.method == VisibilityMethod::Horizons;
         let along = |&azimuth: &f64| {
-            let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;
+            let horizons = Horizons::new(surface, azimuth, least)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
                 let points = points(surface, plan.config.run.seed, index, chunk).map(of);

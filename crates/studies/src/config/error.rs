@@ -6,12 +6,12 @@ use asperity_optics::{
     PhaseFunctionError,
 };
 use asperity_simulate::{TargetError, short};
-use asperity_surface::PsdError;
 use asperity_tally::SpecError;
-use asperity_tracer::PathSettingsError;
+use asperity_tracer::{PathSettingsError, Polarisation};
 
 use super::surface_error::SurfaceError;
 use crate::settings::SettingError;
+use crate::settings::number::MOST_COUNT;
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,21 +20,58 @@ pub enum ConfigError {
     /// A value is unknown, invalid or excluded by another.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// Two keys that exclude each other, or none of two that are needed.
-    #[error("{0}")]
-    Contradiction(String),
     /// A list is empty.
     #[error("`{0}` is an empty list; give one value or several")]
     EmptyList(&'static str),
+    /// A list where one value is needed.
+    #[error("{name} has {count} values where one is needed")]
+    SeveralValues {
+        /// The setting.
+        name: &'static str,
+        /// Values of the list.
+        count: usize,
+    },
+    /// A list holds a value twice.
+    #[error("{list}: {value} is given twice")]
+    GivenTwice {
+        /// The setting.
+        list: &'static str,
+        /// The value.
+        value: String,
+    },
+    /// The Stokes vector of the light is invalid.
+    #[error("stokes {}: {error}", .given.iter().map(f64::to_string).collect::<Vec<_>>().join(","))]
+    Stokes {
+        /// What was given.
+        given: Vec<f64>,
+        /// Why it is invalid.
+        error: StokesError,
+    },
+    /// Models of light from one azimuth, for light from random azimuths.
+    #[error(
+        "models: they are made for light from one azimuth; leave out azimuth random, or the models"
+    )]
+    ModelsOfOneAzimuth,
+    /// Models of unpolarised light, for polarised light.
+    #[error("models: they are made for unpolarised light; leave out stokes, or the models")]
+    ModelsOfUnpolarisedLight,
+    /// A given surface where random ones are needed.
+    #[error("a verification is of random surfaces, not of a given one")]
+    GivenSurface,
+    /// The given surface has not been read, which is an error of the caller.
+    #[error("the measured surface was not read")]
+    UnreadSurface,
+    /// Polarisation states of light of many directions.
+    #[error(
+        "--polarisation {0}: gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction"
+    )]
+    GonioOfStates(Polarisation),
     /// The material is invalid.
     #[error(transparent)]
     Material(#[from] MaterialError),
     /// The direction of the light is invalid.
     #[error(transparent)]
     Incidence(#[from] IncidenceError),
-    /// The power spectral density is invalid.
-    #[error(transparent)]
-    Psd(#[from] PsdError),
     /// No surfaces can be drawn from `[surface]`.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
@@ -141,6 +178,41 @@ pub enum ConfigError {
     /// A control variate for facets that reflect diffusely.
     #[error("Lambertian facets have no control variate; give --estimators plain")]
     DiffuseControl,
+    /// A spacing that does not divide the surfaces of a measurement of run times.
+    #[error(
+        "spacing {} does not divide the extent {} of the surfaces, size times spacing, into whole samples",
+        short(*.spacing),
+        short(*.extent)
+    )]
+    PartSamples {
+        /// The spacing, length units.
+        spacing: f64,
+        /// Side of the surfaces, length units.
+        extent: f64,
+    },
+    /// A rate of a peer, and no method that has its errors.
+    #[error(
+        "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
+    )]
+    NoMethodOfPeer,
+    /// Lists of rays and surfaces of different lengths.
+    #[error(
+        "rays has {rays} values and surfaces {surfaces}; they go together value by value, so give as many of both, or one of either"
+    )]
+    UnequalLists {
+        /// Numbers of rays.
+        rays: usize,
+        /// Numbers of surfaces.
+        surfaces: usize,
+    },
+    /// More rays than can be counted.
+    #[error("{rays} rays on each of {surfaces} surfaces are more than {MOST_COUNT:e} in all")]
+    TooManyRays {
+        /// Rays of each surface.
+        rays: u64,
+        /// Surfaces.
+        surfaces: u64,
+    },
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),
@@ -162,6 +234,26 @@ pub enum ConfigError {
     /// A layer is out of range.
     #[error(transparent)]
     Layer(#[from] LayerError),
+}
+
+/// Why a Stokes vector is invalid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StokesError {
+    /// More or fewer numbers than four.
+    #[error("takes four numbers, I,Q,U,V")]
+    NotFour,
+    /// An intensity of zero or less.
+    #[error("the intensity I must exceed 0")]
+    NoIntensity,
+    /// A degree of polarisation above one.
+    #[error("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2")]
+    AboveIntensity,
+    /// Paths do not carry the polarisation of the incident light.
+    #[error(
+        "paths carry the polarisation of the incident light with --polarisation tracked or both"
+    )]
+    NotTracked,
 }
 
 /// A material that transmits no light, as messages call it.

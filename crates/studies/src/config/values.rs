@@ -98,10 +98,10 @@ impl<T: Copy> OneOrMany<T> {
     pub fn one(&self, name: &'static str) -> Result<T, ConfigError> {
         match self.values(name)?[..] {
             [value] => Ok(value),
-            ref values => Err(ConfigError::Contradiction(format!(
-                "{name} has {} values where one is needed",
-                values.len()
-            ))),
+            ref values => Err(ConfigError::SeveralValues {
+                name,
+                count: values.len(),
+            }),
         }
     }
 

@@ -90,6 +90,14 @@ impl Group {
         self
     }
 
+    /// Section under which it is listed: that of its kind, or of its first setting.
+    pub(super) fn section(&self) -> &'static str {
+        let settings = self.variants.iter().flat_map(|variant| variant.by);
+        let first = settings.copied().next().unwrap_or_default();
+        let path = if self.kind.is_empty() { first } else { self.kind };
+        path.split('.').next().unwrap_or_default()
+    }
+
     /// Returns the variant that an entry chooses.
     pub(super) fn chosen_by(&self, entry: &Entry) -> Option<&'static Variant> {
         let mut variants = self.variants.iter();

@@ -9,7 +9,7 @@ pub(in crate::settings) const RANDOM_SURFACES: &str = "random surfaces";
 pub(in crate::settings) const RANDOM_OR_GIVEN: Group = group(&[
     variant(RANDOM_SURFACES)
         .by(&["surface.*", "-surface.cells"])
-        .takes(&["run.realisations"]),
+        .takes(&["run.realisations", "medium.bottom_surface=independent"]),
     variant("a given surface")
         .by(&["measured.file"])
         .takes(&["measured.*", "-measured.flat"]),
