@@ -172,11 +172,9 @@ impl Help {
 
 /// Settings of `command` with a flag. That of the spacing of random surfaces and of a given one is shown once.
 fn shown(command: Command) -> impl Iterator<Item = &'static Setting> {
-    let is_second = move |setting: &Setting| {
-        command == Command::Gonio && setting.path() == "measured.spacing"
-    };
-    settings_of(command)
-        .filter(move |setting| setting.flag_name().is_some() && !is_second(setting))
+    let is_second =
+        move |setting: &Setting| command == Command::Gonio && setting.path() == "measured.spacing";
+    settings_of(command).filter(move |setting| setting.flag_name().is_some() && !is_second(setting))
 }
 
 /// A flag with its value, as in `-o, --output <DIR>`.

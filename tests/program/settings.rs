@@ -50,11 +50,15 @@ fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
 fn short_help_holds_few_flags_and_names_the_rest() {
     let folder = tempfile::tempdir().unwrap();
     for command in Command::ALL {
-        let [short, full] = ["--help", "--help-all"]
-            .map(|flag| succeed(folder.path(), &[command.name(), flag]));
+        let [short, full] =
+            ["--help", "--help-all"].map(|flag| succeed(folder.path(), &[command.name(), flag]));
         let [few, all] = [&short, &full].map(|help| flags(help));
         println!("{command}: {} of {} flags", few.len(), all.len());
-        assert!(few.is_subset(&all) && few.len() <= 26, "{command}: {}", few.len());
+        assert!(
+            few.is_subset(&all) && few.len() <= 26,
+            "{command}: {}",
+            few.len()
+        );
         let says_rest = short.contains(&format!("all {} flags", all.len()));
         assert_eq!(says_rest, few != all, "{short}");
         for setting in settings_of(command).filter(|setting| setting.required.contains(command)) {

@@ -68,7 +68,7 @@ mod tests;
 
 use std::time::Instant;
 
-use asperity_analysis::SlopeCovariance;
+use asperity_analysis::{SlopeCovariance, SlopeError};
 use asperity_optics::Incidence;
 use asperity_results::{Container, ResultsError};
 use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted, short};
@@ -106,7 +106,9 @@ pub enum AttenuationError {
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// More counts than are kept.
-    #[error("{counts:.1e} counts would be kept, {most:.0e} is the most: take fewer directions or surfaces")]
+    #[error(
+        "{counts:.1e} counts would be kept, {most:.0e} is the most: take fewer directions or surfaces"
+    )]
     TooManyCounts {
         /// Counts of this configuration.
         counts: f64,
@@ -148,6 +150,9 @@ pub enum AttenuationError {
         /// The value.
         value: f64,
     },
+    /// Slopes out of range.
+    #[error(transparent)]
+    Slopes(#[from] SlopeError),
     /// Horizons cannot be found.
     #[error(transparent)]
     Horizons(#[from] HorizonError),

@@ -44,9 +44,8 @@ pub use config::surface_error::SurfaceError;
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
-    Azimuth, CompareConfig, HeightsChoice, Incident, LightConfig, MaterialConfig,
-    OutputConfig, RunConfig, SpectrumChoice, SurfaceConfig, SurfaceFileError, SurfaceFiles,
-    VerifyConfig,
+    Azimuth, CompareConfig, HeightsChoice, Incident, LightConfig, MaterialConfig, OutputConfig,
+    RunConfig, SpectrumChoice, SurfaceConfig, SurfaceFileError, SurfaceFiles, VerifyConfig,
 };
 pub use converge::{
     ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeWork, ConvergedCase,

@@ -110,12 +110,13 @@ impl AttenuationConfig {
         let (shape, cells) = (self.shape()?, surface.cells.of_random());
         let spacing = surface.spacing.xy().map(|spacing| spacing.0);
         let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, AttenuationError> {
-            let psd = Psd::gaussian(sigma, tau).map_err(ConfigError::from)?;
+            let psd =
+                Psd::gaussian(sigma, tau).map_err(|error| ConfigError::Surface(error.into()))?;
             let drawn = RandomSurfaces::new(cells, psd, shape, spacing, surface.insist);
             Ok(RoughSurfaces {
                 sigma,
                 drawn: drawn.map_err(SimulateError::from)?,
-                slopes: SlopeCovariance::isotropic(tau / sigma).map_err(contradiction)?,
+                slopes: SlopeCovariance::isotropic(tau / sigma)?,
             })
         };
         let surfaces = sigmas.iter().map(of_sigma).collect::<Result<Vec<_>, _>>()?;

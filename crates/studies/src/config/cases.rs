@@ -177,8 +177,14 @@ mod tests {
             ),
             ("[material]\neta = 0", "eta = 0: must be a number from 1e-6"),
             ("[material]\neta = 1", "delta"),
-            ("[material]\nkappa = 1", "kappa = 1: goes with material conductor, not dielectric"),
-            ("[material]\nkind = \"conductor\"\neta = 0.2", "needs kappa (Absorption index"),
+            (
+                "[material]\nkappa = 1",
+                "kappa = 1: goes with material conductor, not dielectric",
+            ),
+            (
+                "[material]\nkind = \"conductor\"\neta = 0.2",
+                "needs kappa (Absorption index",
+            ),
             ("[material]\nkind = \"mirror\"\neta = 2", "mirror"),
             ("[light]\ntheta = 90", "below 90"),
             ("[light]\ntheta = \"x\"", "must be a number"),

@@ -174,7 +174,8 @@ impl MediumConfig {
                 scattering,
             } => {
                 let value = |of: &Option<OneOrMany<Number>>, name| {
-                    of.as_ref().map_or(Ok(0.0), |of| Ok::<_, ConfigError>(of.one(name)?.0))
+                    of.as_ref()
+                        .map_or(Ok(0.0), |of| Ok::<_, ConfigError>(of.one(name)?.0))
                 };
                 let absorption = value(absorption, "absorption")?;
                 let scattering = value(scattering, "scattering")?;
@@ -222,7 +223,10 @@ mod tests {
     fn contradictions_are_refused_in_one_sentence() {
         let path = "mean_free_path = 1\nalbedo = 0.9";
         for (text, expected) in [
-            ("", "a medium needs mean_free_path and albedo, or absorption and scattering"),
+            (
+                "",
+                "a medium needs mean_free_path and albedo, or absorption and scattering",
+            ),
             ("mean_free_path = 1", "needs albedo"),
             ("albedo = 0.9", "needs mean_free_path"),
             ("mean_free_path = 1\nabsorption = 1", "excludes"),
@@ -247,7 +251,10 @@ mod tests {
                 "g = 0.1: goes with phase henyey-greenstein, not rayleigh",
             ),
             (&format!("{path}\nphase = \"henyey-greenstein\""), "needs g"),
-            (&format!("{path}\nbottom = \"open\""), "goes with a medium with a thickness"),
+            (
+                &format!("{path}\nbottom = \"open\""),
+                "goes with a medium with a thickness",
+            ),
             (
                 &format!("{path}\nbottom_surface = \"same\""),
                 "goes with a medium with a thickness, not one without end",

@@ -20,17 +20,6 @@ pub enum SpectrumName {
     PowerLaw,
 }
 
-impl SpectrumName {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Gaussian => "gaussian",
-            Self::Exponential => "exponential",
-            Self::Matern => "matern",
-            Self::PowerLaw => "power-law",
-        }
-    }
-}
-
 /// A power spectral density by its name, or by a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -62,14 +51,6 @@ impl SpectrumChoice {
         match self {
             Self::Named(_) => None,
             Self::File(path) => Some(path),
-        }
-    }
-
-    /// Its name in messages.
-    pub(super) fn name(&self) -> String {
-        match self {
-            Self::Named(name) => name.name().to_owned(),
-            Self::File(path) => format!("that of {}", path.display()),
         }
     }
 }

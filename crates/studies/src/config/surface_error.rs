@@ -3,7 +3,6 @@
 use asperity_simulate::{SimulateError, short};
 use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
 
-
 /// Why no surfaces are drawn from a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

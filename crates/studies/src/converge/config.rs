@@ -3,7 +3,7 @@
 use asperity_results::Header;
 use asperity_simulate::{
     Case, Cells, Effort, Estimator, RandomSurfaces, Settings, SimulateError, SurfaceSource,
-    check_memory, check_results, short, traced_bytes,
+    check_memory, check_results, traced_bytes,
 };
 use asperity_surface::SurfaceRecipe;
 use std::collections::BTreeSet;

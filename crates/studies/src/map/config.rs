@@ -9,8 +9,8 @@ use crate::config::default_models::Described;
 use crate::config::error::ConfigError;
 use crate::config::values::Number;
 use crate::config::{
-    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig,
+    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
+    VerifyConfig,
 };
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;

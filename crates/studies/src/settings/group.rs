@@ -94,7 +94,11 @@ impl Group {
     pub(super) fn section(&self) -> &'static str {
         let settings = self.variants.iter().flat_map(|variant| variant.by);
         let first = settings.copied().next().unwrap_or_default();
-        let path = if self.kind.is_empty() { first } else { self.kind };
+        let path = if self.kind.is_empty() {
+            first
+        } else {
+            self.kind
+        };
         path.split('.').next().unwrap_or_default()
     }
 

@@ -26,7 +26,7 @@ pub fn reference_page() -> String {
         for setting in section.settings {
             page.push_str(&row(setting, &mut anchors));
         }
-        let of_section = |group: &&&Group| group.section() == section.name;
+        let of_section = |group: &&Group| group.section() == section.name;
         let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
         if !groups.is_empty() {
             page.push_str("\nOne row of each block holds. Settings of the others in the block do not go with it.\n\n");
@@ -88,7 +88,11 @@ fn block(group: &Group) -> String {
             true => chosen + ", or nothing",
             false => chosen,
         };
-        format!("| {chosen} | {} | {} |\n", listed(variant.takes), listed(variant.needs))
+        format!(
+            "| {chosen} | {} | {} |\n",
+            listed(variant.takes),
+            listed(variant.needs)
+        )
     };
     group.variants.iter().map(row).collect()
 }
