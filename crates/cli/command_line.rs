@@ -24,7 +24,7 @@ const POSITIONAL: &str = "positional argument";
 /// Flag that prints help on all flags of a command.
 const HELP_ALL: &str = "--help-all";
 
-/// What the command line requests.
+/// Request of the command line.
 pub(crate) enum Request {
     /// A command with these settings.
     Run(Document),
@@ -32,7 +32,7 @@ pub(crate) enum Request {
     Tool(ToolRun),
 }
 
-/// Why the program ends before a command runs.
+/// End of the program before a command runs.
 pub(crate) enum Stop {
     /// Wrong usage.
     Failure(Failure),
@@ -46,7 +46,7 @@ impl From<Failure> for Stop {
     }
 }
 
-/// What the command line requests, with the settings of its configuration file.
+/// Reads the request of the command line, with the settings of its configuration file.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     let is_full = arguments.iter().any(|argument| argument == HELP_ALL);
     // Full help is what `--help` prints then.
@@ -91,7 +91,7 @@ pub(crate) fn program(is_full: bool) -> clap::Command {
         }))
 }
 
-/// The same command with one help for `-h` and `--help`, and man pages that say so.
+/// Adds one help for `-h` and `--help` to a command, and man pages that say so.
 fn with_help_flag(command: clap::Command) -> clap::Command {
     let flag = Arg::new("help")
         .short('h')
@@ -189,7 +189,7 @@ fn names_of_models() -> Vec<PossibleValue> {
     names.copied().map(PossibleValue::new).collect()
 }
 
-/// What a shell completes a value with.
+/// Completion of a value by a shell.
 fn hint(setting: &Setting) -> ValueHint {
     match setting.kind {
         Kind::Path if setting.value_name == "DIR" => ValueHint::DirPath,
@@ -270,7 +270,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     Ok(document)
 }
 
-/// Whether the file is a configuration. `trace` takes surfaces as well, all others refuse them.
+/// Returns `true` if the file is a configuration. `trace` takes surfaces as well, all others refuse them.
 fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     let file = Path::new(path);
     if command == Command::Trace {
@@ -295,7 +295,7 @@ fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     )))
 }
 
-/// What to do with a given surface, which `command` does not read as its argument.
+/// Advice on a given surface, which `command` does not read as its argument.
 fn for_given_surface(command: Command, path: &str, is_mesh: bool) -> String {
     match command {
         Command::Gonio => format!("for a given surface use `asperity gonio --surface {path}`"),
@@ -330,7 +330,7 @@ fn flags(command: Command, matches: &ArgMatches) -> Vec<(String, Vec<String>)> {
     given
 }
 
-/// What clap refuses, in one sentence. Help and version are not refused.
+/// Refusal by clap, in one sentence. Help and version are not refused.
 fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return Stop::Shown(error);
@@ -398,7 +398,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
 /// Names of roughness in other programs.
 const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
 
-/// What is said of an argument that no command has.
+/// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, error: &clap::Error) -> String {
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
@@ -416,7 +416,7 @@ fn unknown_argument(argument: &str, error: &clap::Error) -> String {
     }
 }
 
-/// What clap has to say, without its heading, usage and hints, in one line.
+/// Message of clap in one line, without its heading, usage and hints.
 fn one_sentence(message: &str) -> String {
     let sentences: Vec<String> = message
         .split("\n\n")

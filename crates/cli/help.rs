@@ -26,11 +26,11 @@ const INDENT: usize = 32;
 /// Column at which those of commands begin.
 const COMMAND_INDENT: usize = 15;
 
-/// What the program does.
+/// Purpose of the program.
 pub(crate) const PROGRAM_ABOUT: &str = "Light on explicit rough surfaces: traces real reflection and refraction on \
                                         random or measured surfaces, and compares the results with scattering models.";
 
-/// What holds for every command.
+/// Notes on every command.
 pub(crate) const PROGRAM_NOTES: &str = "--theta and --phi give the direction towards the light. Numbers may be \
                                         quotients (1/1.4), counts may be written as 1e6. Exit codes: 0 done, \
                                         1 failed, 2 wrong usage, 3 interrupted and the results so far \
@@ -191,7 +191,7 @@ fn flag(setting: &Setting, command: Command) -> Option<String> {
     Some(format!("{short}--{name}{value}"))
 }
 
-/// What a setting is, with its choices and its default.
+/// Meaning of a setting, with its choices and its default.
 fn explanation(setting: &Setting, command: Command) -> String {
     let mut text = setting.help.to_owned();
     let choices = setting.kind.choices();
@@ -208,7 +208,7 @@ fn explanation(setting: &Setting, command: Command) -> String {
     text + &default(setting, command)
 }
 
-/// What a setting is, with its default: where choices are listed apart.
+/// Meaning of a setting, with its default, where choices are listed apart.
 pub(crate) fn summary(setting: &Setting, command: Command) -> String {
     setting.help.to_owned() + &default(setting, command)
 }

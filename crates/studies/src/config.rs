@@ -110,7 +110,7 @@ impl From<Incident> for HalfSpace {
     }
 }
 
-/// How the azimuth of the light is chosen.
+/// Choice of the azimuth of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Azimuth {
@@ -165,17 +165,17 @@ pub struct RunConfig {
     pub side: Sides,
     /// Both branches, or one picked.
     pub branching: OrAuto<Branching>,
-    /// What paths know of the polarisation of their light.
+    /// Polarisation of light along paths.
     pub polarisation: Polarisation,
     /// Flux below which roulette decides.
     pub roulette: OrAuto<Number>,
     /// Interactions after which a path is truncated.
     pub max_order: u32,
-    /// How hits are found.
+    /// Search for hits.
     pub accelerator: AcceleratorKind,
-    /// How paths become results.
+    /// Estimator of fluxes from paths.
     pub estimator: Estimator,
-    /// How rays are spread over the mean plane and over azimuth.
+    /// Distribution of rays over the mean plane and over azimuth.
     pub sampling: Sampling,
     /// Average bins on either side of the plane of incidence where random surfaces are symmetric about it.
     #[serde(default = "yes")]
@@ -280,18 +280,18 @@ pub struct OutputConfig {
 pub struct VerifyConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
-    /// What they are made of.
+    /// The material.
     pub material: MaterialConfig,
-    /// What lies below, if there is anything.
+    /// The medium below, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<MediumConfig>,
-    /// Where the light comes from.
+    /// The light.
     pub light: LightConfig,
-    /// How much is traced.
+    /// The effort, and the methods.
     pub run: RunConfig,
-    /// What it is compared with.
+    /// The models.
     pub compare: CompareConfig,
-    /// What is written.
+    /// The files.
     pub output: OutputConfig,
 }
 

@@ -6,7 +6,7 @@ use crate::config::medium::{BottomKind, MediumConfig};
 use crate::config::{CompareConfig, MaterialConfig, SurfaceConfig, VerifyConfig};
 use crate::settings::Document;
 
-/// What decides which models describe a surface.
+/// Properties of a surface by which its models are chosen.
 pub(crate) struct Described<'a> {
     pub(crate) surface: &'a SurfaceConfig,
     pub(crate) material: &'a MaterialConfig,

@@ -1,4 +1,4 @@
-//! Why a configuration is refused.
+//! Errors of configurations.
 
 use asperity_analysis::{FlatLayer, FlatLayerError, ModelError};
 use asperity_optics::{
@@ -13,7 +13,7 @@ use super::surface_error::SurfaceError;
 use crate::settings::SettingError;
 use crate::settings::number::MOST_COUNT;
 
-/// Why a configuration is refused.
+/// Refusal of a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
@@ -42,9 +42,9 @@ pub enum ConfigError {
     /// The Stokes vector of the light is invalid.
     #[error("stokes {}: {error}", .given.iter().map(f64::to_string).collect::<Vec<_>>().join(","))]
     Stokes {
-        /// What was given.
+        /// The Stokes vector.
         given: Vec<f64>,
-        /// Why it is invalid.
+        /// The reason.
         error: StokesError,
     },
     /// Models of light from one azimuth, for light from random azimuths.
@@ -93,14 +93,6 @@ pub enum ConfigError {
         "no model describes anisotropic Lambertian facets, and a map needs one; verify and gonio do not"
     )]
     NoModelToMap,
-    /// A tolerance of a map that is out of range.
-    #[error("the tolerance {name} is {}; it must be above 0 and finite", short(*.tolerance))]
-    Tolerance {
-        /// What is tolerated.
-        name: &'static str,
-        /// The tolerance.
-        tolerance: f64,
-    },
     /// Too many combinations of the values of lists.
     #[error("the lists make {count:.0e} cases; at most {most:.0e} are possible")]
     TooManyCases {
@@ -123,12 +115,6 @@ pub enum ConfigError {
     /// The accelerator of flat surfaces for rough ones.
     #[error("the accelerator flat is for flat surfaces, but those drawn here are rough; take auto")]
     FlatAccelerator,
-    /// A model that is named twice.
-    #[error("the model {name} is named twice")]
-    ModelTwice {
-        /// Its name.
-        name: String,
-    },
     /// A model of a layer that cannot be made.
     #[error(transparent)]
     LayerModel(FlatLayerError),
@@ -241,7 +227,7 @@ pub enum ConfigError {
     Layer(#[from] LayerError),
 }
 
-/// Why a Stokes vector is invalid.
+/// Refusal of a Stokes vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StokesError {

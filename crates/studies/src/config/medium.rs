@@ -1,4 +1,4 @@
-//! What lies below the surfaces: `[medium]` of a configuration, and the layers that it stands for.
+//! Medium: `[medium]` of a configuration, and the layers that it stands for.
 
 use asperity_simulate::BottomSurface;
 
@@ -71,10 +71,10 @@ impl BottomShape {
 /// `[medium]`: a medium below the surface. Of values that may be several, all combinations are cases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MediumConfig {
-    /// How often light interacts with it.
+    /// Its interactions with light.
     #[serde(flatten)]
     pub interactions: Interactions,
-    /// Where it scatters light to.
+    /// The phase function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<PhaseKind>,
     /// Mean cosine of scattering by Henyey and Greenstein.
@@ -83,7 +83,7 @@ pub struct MediumConfig {
     /// From mean plane to mean plane, length units; without end unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<OneOrMany<Number>>,
-    /// What a layer of that thickness ends on; an interface unless given.
+    /// End of a layer of that thickness; an interface unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom: Option<BottomKind>,
     /// Index n_beyond / n_layer of an interface; that of the medium above unless given.

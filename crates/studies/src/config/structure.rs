@@ -61,7 +61,7 @@ pub struct StructureConfig {
     /// Half the range of sizes, as a fraction of their mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub randomness: Option<Number>,
-    /// Where features lie.
+    /// Arrangement of features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<Arrangement>,
     /// Standard deviation of the directions of scratches, degrees.
@@ -149,7 +149,7 @@ impl StructureConfig {
         })
     }
 
-    /// Whether it has a direction that the azimuth turns.
+    /// Returns `true` if it has a direction that the azimuth turns.
     pub(super) const fn has_direction(&self) -> bool {
         use StructureKind::{BlazedGrooves, Scratches, SineGrooves, VGrooves};
         matches!(

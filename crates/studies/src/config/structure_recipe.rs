@@ -25,7 +25,7 @@ impl SurfaceConfig {
         Ok((2.0 / (xx + yy).sqrt(), recipe))
     }
 
-    /// What draws the structure.
+    /// Returns the synthesis of the structure.
     pub(super) fn structure_synthesis(&self) -> Result<StructureSynthesis, SurfaceError> {
         let azimuth = self.azimuth.0.to_radians();
         let Some(structure) = self.structure.structure(azimuth) else {

@@ -82,7 +82,7 @@ impl HeightsChoice {
     }
 }
 
-/// What was read of the files that a surface names.
+/// Contents of the files that a surface names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SurfaceFiles {
     /// The spectrum.

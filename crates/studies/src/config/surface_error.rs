@@ -3,7 +3,7 @@
 use asperity_simulate::{SimulateError, short};
 use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
 
-/// Why no surfaces are drawn from a configuration.
+/// Refusal of a `[surface]` configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {
@@ -46,14 +46,14 @@ pub enum SurfaceError {
     /// The structure cannot be made.
     #[error("{}", structure_sentence(.error, *.unit))]
     Structure {
-        /// Why.
+        /// The reason.
         error: StructureError,
         /// The unit of lengths.
         unit: LengthUnit,
     },
 }
 
-/// Why a structure cannot be made, with the flag that draws it all the same.
+/// Sentence on a structure that cannot be made, with the flag that draws it all the same.
 fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
     let sentence = error.in_unit(unit);
     match error {

@@ -16,10 +16,10 @@ use self::source::Source;
 use super::surface::SurfaceConfig;
 use super::surface_choices::HeightsChoice;
 
-/// What the name of a height map begins with that surfaces are to be like.
+/// Prefix of the name of a height map that surfaces are to be like.
 const LIKE: &str = "like:";
 
-/// Why a file does not give a spectrum or a distribution of heights.
+/// Refusal of a file that gives no spectrum or distribution of heights.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceFileError {
@@ -33,7 +33,7 @@ pub enum SurfaceFileError {
     Unknown {
         /// The flag.
         setting: &'static str,
-        /// What was given.
+        /// The value.
         name: String,
         /// The names allowed.
         names: &'static str,
@@ -61,7 +61,7 @@ pub enum SurfaceFileError {
     Psd {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: PsdError,
     },
     /// The spectrum of a height map cannot be estimated.
@@ -69,7 +69,7 @@ pub enum SurfaceFileError {
     Estimate {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: EstimateError,
     },
     /// A height map has too few samples for a spectrum.
@@ -92,7 +92,7 @@ pub enum SurfaceFileError {
     Heights {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: HeightTableError,
     },
     /// Missing points cannot be filled.
@@ -100,7 +100,7 @@ pub enum SurfaceFileError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: MissingError,
     },
 }

@@ -14,7 +14,7 @@ use crate::config::values::{Number, OneOrMany};
 /// Most cases of a sweep.
 const MAX_CASES: f64 = 1e6;
 
-/// Where a list stands.
+/// Access to a list of a configuration.
 type Dimension = fn(&mut VerifyConfig) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.

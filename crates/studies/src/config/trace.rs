@@ -21,7 +21,7 @@ use crate::settings::{Command, Document};
 /// `[surface]`, of which a given surface has the cells alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellsConfig {
-    /// What lies between the heights of the grid.
+    /// Cells between the heights of the grid.
     #[serde(default)]
     pub cells: CellsChoice,
 }
@@ -29,22 +29,22 @@ pub struct CellsConfig {
 /// Light on given surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceConfig {
-    /// What lies between the heights of the surface.
+    /// Cells between the heights of the surface.
     pub surface: CellsConfig,
     /// The surfaces.
     pub measured: MeasuredConfig,
-    /// What it is made of.
+    /// The material.
     pub material: MaterialConfig,
-    /// What lies below, if there is anything.
+    /// The medium below, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<MediumConfig>,
-    /// Where the light comes from.
+    /// The light.
     pub light: LightConfig,
-    /// How much is traced.
+    /// The effort, and the methods.
     pub run: RunConfig,
-    /// What it is compared with: models with the slopes of this surface; none by default.
+    /// Models with the slopes of this surface; none by default.
     pub compare: CompareConfig,
-    /// What is written.
+    /// The files.
     pub output: OutputConfig,
 }
 

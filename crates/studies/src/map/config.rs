@@ -116,15 +116,6 @@ impl MapConfig {
                 false => ConfigError::MapWithoutModels,
             });
         }
-        for (name, tolerance) in [
-            ("total_variation", self.map.total_variation.0),
-            ("energy", self.map.energy.0),
-            ("peak", self.map.peak.0),
-        ] {
-            if !(tolerance.is_finite() && tolerance > 0.0) {
-                return Err(ConfigError::Tolerance { name, tolerance });
-            }
-        }
         Ok(VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),

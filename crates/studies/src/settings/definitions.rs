@@ -24,7 +24,7 @@ pub struct Section {
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
-    /// Whether it is missing from a configuration in which none of its keys is given.
+    /// `true` if it is missing from a configuration in which none of its keys is given.
     pub optional: bool,
     /// Its settings.
     pub settings: &'static [Setting],

@@ -157,7 +157,7 @@ impl Document {
         }
     }
 
-    /// Whether the file or a flag gives the setting `section.key`, or any of `section.*`.
+    /// Returns `true` if the file or a flag gives the setting `section.key`, or any of `section.*`.
     #[must_use]
     pub fn is_given(&self, pattern: &str) -> bool {
         self.entries.values().any(|entry| entry.is(pattern))
@@ -189,7 +189,7 @@ impl Document {
         }
     }
 
-    /// The same with all lengths as numbers in `unit`, that of a surface read from a file.
+    /// Returns the document with all lengths as numbers in `unit`, that of a surface read from a file.
     ///
     /// Until then, [`Self::read`] gives lengths with a unit as numbers of that unit: enough to check them.
     ///
@@ -206,7 +206,7 @@ impl Document {
         Ok(self)
     }
 
-    /// Whether the surface is read from a file.
+    /// Returns `true` if the surface is read from a file.
     fn has_file(&self) -> bool {
         self.is_given("measured.file")
     }
@@ -529,7 +529,7 @@ pub fn defaults<T: DeserializeOwned>(command: Command) -> T {
     }
 }
 
-/// Whether `name` is the flag of a setting, or an old spelling of it.
+/// Returns `true` if `name` is the flag of a setting, or an old spelling of it.
 fn has_flag(setting: &Setting, name: &str) -> bool {
     setting.flag_name().is_some_and(|flag| flag == name) || setting.aliases.contains(&name)
 }

@@ -182,7 +182,7 @@ impl File<'_> {
         allowed.then_some(Value::Array(values))
     }
 
-    /// What is wrong with text that is not TOML: where it is a value, what that value must be.
+    /// Refusal of text that is not TOML. Of an invalid value it says what is allowed.
     fn syntax_error(&self, start: usize, message: &str) -> SettingError {
         let line = self.text[..start.min(self.text.len())]
             .rsplit('\n')
@@ -219,13 +219,13 @@ impl File<'_> {
     }
 }
 
-/// Whether a file calls a setting so.
+/// Returns `true` if a file calls a setting so.
 fn is_named(setting: &Setting, section: &str, key: &str) -> bool {
     let same = setting.key == key || setting.aliases.contains(&key);
     setting.in_file && setting.section == section && same
 }
 
-/// Whether a file of `command` may hold the section `name`.
+/// Returns `true` if a file of `command` may hold the section `name`.
 fn has_section(command: Command, name: &str) -> bool {
     settings_of(command).any(|setting| setting.in_file && setting.section == name)
 }

@@ -149,7 +149,7 @@ fn row(setting: &Setting, anchors: &mut BTreeSet<String>) -> String {
     )
 }
 
-/// What a value may be.
+/// Values that are allowed.
 fn value(setting: &Setting) -> String {
     let first = setting.commands.iter().next().unwrap_or(Command::Verify);
     match setting.kind {
@@ -233,7 +233,7 @@ fn commands(commands: Commands) -> String {
     names.join(", ")
 }
 
-/// What it is, with the meaning of its choices.
+/// Meaning of a setting and of its choices.
 fn meaning(setting: &Setting) -> String {
     let choices = setting.kind.choices();
     if choices.is_empty() {

@@ -19,11 +19,11 @@ pub struct Setting {
     pub short: Option<char>,
     /// Old spellings of key and flag, which stay valid but are not shown in the help.
     pub aliases: &'static [&'static str],
-    /// Whether a configuration file may hold it.
+    /// `true` if a configuration file may hold it.
     pub in_file: bool,
-    /// What its value is.
+    /// Kind of its value.
     pub kind: Kind,
-    /// How many values it takes.
+    /// Number of values that it takes.
     pub arity: Arity,
     /// The unit of numbers.
     pub unit: &'static str,
@@ -31,7 +31,7 @@ pub struct Setting {
     pub range: Range,
     /// The name of the value in the help.
     pub value_name: &'static str,
-    /// What it is, in one sentence without a full stop.
+    /// Meaning, in one sentence without a full stop.
     pub help: &'static str,
     /// The commands that have it.
     pub commands: Commands,
@@ -41,7 +41,7 @@ pub struct Setting {
     pub default: Option<&'static str>,
     /// Other defaults of some commands.
     pub default_in: &'static [(Commands, Option<&'static str>)],
-    /// What holds unless it is given, where that depends on other settings.
+    /// Default in words, where it depends on other settings.
     pub otherwise: &'static str,
     /// Settings of a lower layer that it clears, as `section.key` or `section.*`.
     pub clears: &'static [&'static str],
@@ -62,7 +62,7 @@ pub enum Flag {
     None,
 }
 
-/// How many values a setting takes.
+/// Number of values that a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Arity {
     /// One.
@@ -71,14 +71,14 @@ pub enum Arity {
     ListIn(Commands),
     /// One for both axes, or one for each.
     PerAxis,
-    /// As many as these names.
+    /// One per name.
     Tuple(&'static [&'static str]),
     /// One per flag, which may be repeated; a list if there are several.
     Repeated,
 }
 
 /// A setting with the flag of its key, of the section and the commands of its [`table`]. A switch is off by default.
-pub(super) const fn setting(key: &'static str, kind: Kind, help: &'static str) -> Setting {
+pub(super) const fn setting(key: &'static str, kind: Kind) -> Setting {
     Setting {
         section: "",
         key,
@@ -91,7 +91,7 @@ pub(super) const fn setting(key: &'static str, kind: Kind, help: &'static str) -
         unit: "",
         range: Range::Any,
         value_name: "",
-        help,
+        help: "",
         commands: Commands::NONE,
         required: Commands::NONE,
         default: match kind {
@@ -103,6 +103,11 @@ pub(super) const fn setting(key: &'static str, kind: Kind, help: &'static str) -
         clears: &[],
         basic: Commands::NONE,
     }
+}
+
+/// A setting that the short help of all its commands shows.
+pub(super) const fn basic(key: &'static str, kind: Kind) -> Setting {
+    setting(key, kind).basic(Commands::ALL)
 }
 
 /// The settings of a section, for these commands unless they name others.
@@ -135,6 +140,11 @@ pub(super) const fn flags<const N: usize>(
 }
 
 impl Setting {
+    pub(super) const fn help(mut self, text: &'static str) -> Self {
+        self.help = text;
+        self
+    }
+
     pub(super) const fn commands(mut self, commands: Commands) -> Self {
         self.commands = commands;
         self
@@ -232,7 +242,7 @@ impl Setting {
         }
     }
 
-    /// Whether the flag takes a value.
+    /// Returns `true` if the flag takes a value.
     #[must_use]
     pub fn takes_value(&self) -> bool {
         self.kind != Kind::Switch
@@ -248,7 +258,7 @@ impl Setting {
         own.map_or(self.default, |(_, default)| *default)
     }
 
-    /// Whether it may be a list in `command`.
+    /// Returns `true` if it may be a list in `command`.
     #[must_use]
     pub fn is_list(&self, command: Command) -> bool {
         match self.arity {
@@ -258,7 +268,7 @@ impl Setting {
         }
     }
 
-    /// What stands for its value in the help, as in `X,Y`.
+    /// Placeholder of its value in the help, as in `X,Y`.
     #[must_use]
     pub fn placeholder(&self, command: Command) -> String {
         let one = match (self.value_name, self.kind, self.unit) {
@@ -305,7 +315,7 @@ impl Setting {
             && test(value.as_str().unwrap_or_default(), named)
     }
 
-    /// What is allowed, to follow "must be", with the unit and examples.
+    /// Values allowed, to follow "must be", with the unit and examples.
     #[must_use]
     pub fn expected(&self, command: Command) -> String {
         let examples = match self.arity {
@@ -316,7 +326,7 @@ impl Setting {
         self.allowed(command) + &such_as(&examples)
     }
 
-    /// What is allowed, with the unit.
+    /// Values allowed, with the unit.
     pub(super) fn allowed(&self, command: Command) -> String {
         let one = self.kind.allowed(self.range);
         let unit = match self.unit {

@@ -4,7 +4,7 @@ use super::{DEGREES, MAP as MAP_COMMAND, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, setting, table};
+use crate::settings::setting::{Flag, Setting, basic, setting, table};
 
 const COMMANDS: Commands = TRACE.and(VERIFY).and(MAP_COMMAND);
 
@@ -12,38 +12,24 @@ pub(super) const COMPARE: &[Setting] = &table(
     "compare",
     COMMANDS,
     [
-        setting(
-            "models",
-            Kind::Models,
-            "Models to compare with; the default depends on the surface",
-        )
-        .basic(Commands::ALL)
-        .commands(VERIFY.and(MAP_COMMAND))
-        .value_name("NAMES")
-        .default("xu-sun,smith,heitz"),
-        setting(
-            "models",
-            Kind::Models,
-            "Models to compare a height map with, which have its slopes",
-        )
-        .basic(Commands::ALL)
-        .commands(TRACE)
-        .value_name("NAMES")
-        .default("none"),
-        setting(
-            "model_rays",
-            Kind::Count,
-            "Rays of a model that follows rays",
-        )
-        .default("1e6"),
-        setting(
-            "level",
-            Kind::Number,
-            "Significance level of the tests of one case together",
-        )
-        .commands(TRACE.and(VERIFY))
-        .range(Range::Between(0.0, 1.0))
-        .default("0.01"),
+        basic("models", Kind::Models)
+            .help("Models to compare with; the default depends on the surface")
+            .commands(VERIFY.and(MAP_COMMAND))
+            .value_name("NAMES")
+            .default("xu-sun,smith,heitz"),
+        basic("models", Kind::Models)
+            .help("Models to compare a height map with, which have its slopes")
+            .commands(TRACE)
+            .value_name("NAMES")
+            .default("none"),
+        setting("model_rays", Kind::Count)
+            .help("Rays of a model that follows rays")
+            .default("1e6"),
+        setting("level", Kind::Number)
+            .help("Significance level of the tests of one case together")
+            .commands(TRACE.and(VERIFY))
+            .range(Range::Between(0.0, 1.0))
+            .default("0.01"),
     ],
 );
 
@@ -51,38 +37,26 @@ pub(super) const MAP: &[Setting] = &table(
     "map",
     COMMANDS,
     [
-        setting(
-            "total_variation",
-            Kind::Number,
-            "Tolerated total variation, of the incident flux",
-        )
-        .basic(Commands::ALL)
-        .commands(MAP_COMMAND)
-        .flag(Flag::Named("tolerance-total-variation"))
-        .value_name("FLUX")
-        .range(Range::Above(0.0))
-        .default("0.01"),
-        setting(
-            "energy",
-            Kind::Number,
-            "Tolerated difference in energy of a side, of the incident flux",
-        )
-        .basic(Commands::ALL)
-        .commands(MAP_COMMAND)
-        .flag(Flag::Named("tolerance-energy"))
-        .value_name("FLUX")
-        .range(Range::Above(0.0))
-        .default("0.01"),
-        setting(
-            "peak",
-            Kind::Number,
-            "Tolerated difference in direction of a peak",
-        )
-        .basic(Commands::ALL)
-        .commands(MAP_COMMAND)
-        .flag(Flag::Named("tolerance-peak"))
-        .unit(DEGREES)
-        .range(Range::Above(0.0))
-        .default("2.5"),
+        basic("total_variation", Kind::Number)
+            .help("Tolerated total variation, of the incident flux")
+            .commands(MAP_COMMAND)
+            .flag(Flag::Named("tolerance-total-variation"))
+            .value_name("FLUX")
+            .range(Range::Above(0.0))
+            .default("0.01"),
+        basic("energy", Kind::Number)
+            .help("Tolerated difference in energy of a side, of the incident flux")
+            .commands(MAP_COMMAND)
+            .flag(Flag::Named("tolerance-energy"))
+            .value_name("FLUX")
+            .range(Range::Above(0.0))
+            .default("0.01"),
+        basic("peak", Kind::Number)
+            .help("Tolerated difference in direction of a peak")
+            .commands(MAP_COMMAND)
+            .flag(Flag::Named("tolerance-peak"))
+            .unit(DEGREES)
+            .range(Range::Above(0.0))
+            .default("2.5"),
     ],
 );

@@ -9,7 +9,7 @@ use super::{
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, setting, table};
+use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
@@ -18,85 +18,62 @@ pub(super) const LIGHT: &[Setting] = &table(
     "light",
     COMMANDS,
     [
-        setting(
-            "theta",
-            Kind::Number,
-            "Polar angle of the direction towards the light",
-        )
-        .basic(Commands::ALL)
-        .clears(&["output.over_sigma_at_theta"])
-        .unit(DEGREES)
-        .range(POLAR)
-        .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
-        .default("30")
-        .default_in(&[
-            (GONIO, Some("0,15,30,45,60,75")),
-            (ATTENUATION, Some("0,15,30,45,60,75,85")),
-        ]),
-        setting(
-            "phi",
-            Kind::Number,
-            "Azimuth of the direction towards the light",
-        )
-        .basic(Commands::ALL)
-        .unit(DEGREES)
-        .arity(Arity::ListIn(GONIO))
-        .default("0"),
-        setting(
-            "theta",
-            Kind::Number,
-            "Polar angle towards a light whose shadow is measured",
-        )
-        .basic(Commands::ALL)
-        .commands(INSPECT)
-        .unit(DEGREES)
-        .range(POLAR)
-        .arity(Arity::ListIn(INSPECT))
-        .otherwise("no shadow is measured")
-        .flag_only(),
-        setting(
-            "phi",
-            Kind::Number,
-            "Azimuth of the direction towards the light",
-        )
-        .basic(Commands::ALL)
-        .commands(INSPECT)
-        .unit(DEGREES)
-        .default("0")
-        .flag_only(),
-        setting(
-            "directions",
-            Kind::Grid,
-            "Centres of the bins of a hemisphere, in place of theta and phi",
-        )
-        .commands(GONIO)
-        .value_name("THETAxPHI"),
-        setting("azimuth", AZIMUTH, "Azimuth of each ray")
+        basic("theta", Kind::Number)
+            .help("Polar angle of the direction towards the light")
+            .clears(&["output.over_sigma_at_theta"])
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
+            .default("30")
+            .default_in(&[
+                (GONIO, Some("0,15,30,45,60,75")),
+                (ATTENUATION, Some("0,15,30,45,60,75,85")),
+            ]),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the light")
+            .unit(DEGREES)
+            .arity(Arity::ListIn(GONIO))
+            .default("0"),
+        basic("theta", Kind::Number)
+            .help("Polar angle towards a light whose shadow is measured")
+            .commands(INSPECT)
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(INSPECT))
+            .otherwise("no shadow is measured")
+            .flag_only(),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the light")
+            .commands(INSPECT)
+            .unit(DEGREES)
+            .default("0")
+            .flag_only(),
+        setting("directions", Kind::Grid)
+            .help("Centres of the bins of a hemisphere, in place of theta and phi")
+            .commands(GONIO)
+            .value_name("THETAxPHI"),
+        setting("azimuth", AZIMUTH)
+            .help("Azimuth of each ray")
             .commands(TRACING.and(CONVERGE))
             .flag(Flag::Named("light-azimuth"))
             .default_in(&[(TRACE, Some("fixed"))])
             .otherwise("random where surfaces are random and isotropic"),
-        setting("from", FROM, "The side that light comes from")
+        setting("from", FROM)
+            .help("The side that light comes from")
             .commands(TRACING.and(CONVERGE))
             .default("above"),
-        setting(
-            "wavelength",
-            Kind::LengthIn(LengthUnit::Nanometre),
-            "Wavelength against which the lengths of the surface are judged",
-        )
-        .commands(TRACE.and(VERIFY).and(GONIO))
-        .unit("nm")
-        .range(Range::FromTo(1e-3, 1e12))
-        .otherwise("550 where the unit of the surface is known"),
-        setting(
-            "stokes",
-            Kind::Number,
-            "Stokes vector of the incident light",
-        )
-        .commands(TRACE)
-        .arity(Arity::ListIn(TRACE))
-        .value_name("I,Q,U,V")
-        .otherwise("unpolarised"),
+        setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
+            .help("Wavelength against which the lengths of the surface are judged")
+            .commands(TRACE.and(VERIFY).and(GONIO))
+            .unit("nm")
+            .range(Range::FromTo(1e-3, 1e12))
+            .otherwise("550 where the unit of the surface is known"),
+        setting("stokes", Kind::Number)
+            .help("Stokes vector of the incident light")
+            .commands(TRACE)
+            .arity(Arity::ListIn(TRACE))
+            .value_name("I,Q,U,V")
+            .otherwise("unpolarised"),
     ],
 );
 
@@ -104,29 +81,21 @@ pub(super) const VIEW: &[Setting] = &table(
     "view",
     COMMANDS,
     [
-        setting(
-            "theta",
-            Kind::Number,
-            "Polar angle of the direction towards the viewer",
-        )
-        .basic(Commands::ALL)
-        .commands(ATTENUATION.and(RENDER))
-        .flag(Flag::Named("view-theta"))
-        .unit(DEGREES)
-        .range(POLAR)
-        .arity(Arity::ListIn(ATTENUATION))
-        .default("0")
-        .default_in(&[(RENDER, Some("50"))]),
-        setting(
-            "phi",
-            Kind::Number,
-            "Azimuth of the direction towards the viewer",
-        )
-        .basic(Commands::ALL)
-        .commands(ATTENUATION.and(RENDER))
-        .flag(Flag::Named("view-phi"))
-        .unit(DEGREES)
-        .default("0")
-        .default_in(&[(RENDER, Some("270"))]),
+        basic("theta", Kind::Number)
+            .help("Polar angle of the direction towards the viewer")
+            .commands(ATTENUATION.and(RENDER))
+            .flag(Flag::Named("view-theta"))
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(ATTENUATION))
+            .default("0")
+            .default_in(&[(RENDER, Some("50"))]),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the viewer")
+            .commands(ATTENUATION.and(RENDER))
+            .flag(Flag::Named("view-phi"))
+            .unit(DEGREES)
+            .default("0")
+            .default_in(&[(RENDER, Some("270"))]),
     ],
 );

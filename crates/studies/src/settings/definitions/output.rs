@@ -7,7 +7,7 @@ use super::{
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, flags, setting, table};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, table};
 
 const FIGURES_IN: Commands = TRACING.and(CONVERGE).and(ATTENUATION);
 
@@ -15,35 +15,28 @@ pub(super) const FIGURES: &[Setting] = &table(
     "output",
     FIGURES_IN,
     [
-        setting("plots", Kind::Switch, "Draw no figures").flag(Flag::Off("no-plots")),
-        setting(
-            "scale",
-            SCALE,
-            "Discs of a figure that share a colour scale",
-        )
-        .commands(GONIO)
-        .flag(Flag::None)
-        .default("rows"),
-        setting(
-            "models_at_sigma",
-            Kind::Number,
-            "Values of sigma at which models are drawn over theta",
-        )
-        .commands(ATTENUATION)
-        .flag(Flag::None)
-        .range(Range::Above(0.0))
-        .arity(Arity::ListIn(ATTENUATION))
-        .otherwise("up to three of them"),
-        setting(
-            "over_sigma_at_theta",
-            Kind::Number,
-            "Polar angles at which visibility is drawn over sigma",
-        )
-        .commands(ATTENUATION)
-        .flag(Flag::None)
-        .range(Range::FromBelow(0.0, 90.0))
-        .arity(Arity::ListIn(ATTENUATION))
-        .otherwise("up to five of them"),
+        setting("plots", Kind::Switch)
+            .help("Draw no figures")
+            .flag(Flag::Off("no-plots")),
+        setting("scale", SCALE)
+            .help("Discs of a figure that share a colour scale")
+            .commands(GONIO)
+            .flag(Flag::None)
+            .default("rows"),
+        setting("models_at_sigma", Kind::Number)
+            .help("Values of sigma at which models are drawn over theta")
+            .commands(ATTENUATION)
+            .flag(Flag::None)
+            .range(Range::Above(0.0))
+            .arity(Arity::ListIn(ATTENUATION))
+            .otherwise("up to three of them"),
+        setting("over_sigma_at_theta", Kind::Number)
+            .help("Polar angles at which visibility is drawn over sigma")
+            .commands(ATTENUATION)
+            .flag(Flag::None)
+            .range(Range::FromBelow(0.0, 90.0))
+            .arity(Arity::ListIn(ATTENUATION))
+            .otherwise("up to five of them"),
     ],
 );
 
@@ -53,65 +46,49 @@ pub(super) const RESULTS: &[Setting] = &flags(
     "results",
     FIGURES_IN,
     [
-        setting("output", Kind::Path, "Folder for the results")
-            .basic(Commands::ALL)
+        basic("output", Kind::Path)
+            .help("Folder for the results")
             .short('o')
             .value_name("DIR")
             .required(SWEEPS),
-        setting(
-            "output",
-            Kind::Path,
-            "File to write: .exr, .npy, .gsf, .x3p, or .png for viewing",
-        )
-        .basic(Commands::ALL)
-        .commands(GENERATE)
-        .short('o')
-        .value_name(FILE)
-        .required(GENERATE),
-        setting(
-            "output",
-            Kind::Path,
-            "Result folder, or height map: .exr, .npy, .gsf, .x3p or .png",
-        )
-        .basic(Commands::ALL)
-        .commands(INSPECT)
-        .short('o')
-        .value_name("DIR|FILE"),
-        setting("output", Kind::Path, "File to write: .ply, .obj or .stl")
-            .basic(Commands::ALL)
+        basic("output", Kind::Path)
+            .help("File to write: .exr, .npy, .gsf, .x3p, or .png for viewing")
+            .commands(GENERATE)
+            .short('o')
+            .value_name(FILE)
+            .required(GENERATE),
+        basic("output", Kind::Path)
+            .help("Result folder, or height map: .exr, .npy, .gsf, .x3p or .png")
+            .commands(INSPECT)
+            .short('o')
+            .value_name("DIR|FILE"),
+        basic("output", Kind::Path)
+            .help("File to write: .ply, .obj or .stl")
             .commands(MESH)
             .short('o')
             .value_name(FILE)
             .required(MESH),
-        setting("output", Kind::Path, "File to write: .csv")
-            .basic(Commands::ALL)
+        basic("output", Kind::Path)
+            .help("File to write: .csv")
             .commands(MODEL)
             .short('o')
             .value_name(FILE)
             .otherwise("standard output"),
-        setting(
-            "plot",
-            Kind::Path,
-            "Figure of the height map to write: .svg or .png",
-        )
-        .basic(Commands::ALL)
-        .commands(INSPECT)
-        .value_name(FILE),
-        setting(
-            "json",
-            Kind::Switch,
-            "Print results as JSON on standard output",
-        )
-        .basic(Commands::ALL)
-        .commands(
-            TRACE
-                .and(SWEEPS)
-                .and(MAP)
-                .and(ATTENUATION)
-                .and(GENERATE)
-                .and(INSPECT)
-                .and(MODEL),
-        ),
+        basic("plot", Kind::Path)
+            .help("Figure of the height map to write: .svg or .png")
+            .commands(INSPECT)
+            .value_name(FILE),
+        basic("json", Kind::Switch)
+            .help("Print results as JSON on standard output")
+            .commands(
+                TRACE
+                    .and(SWEEPS)
+                    .and(MAP)
+                    .and(ATTENUATION)
+                    .and(GENERATE)
+                    .and(INSPECT)
+                    .and(MODEL),
+            ),
     ],
 );
 
@@ -119,23 +96,15 @@ pub(super) const PROGRAM: &[Setting] = &flags(
     "program",
     Commands::ALL,
     [
-        setting("threads", Kind::Count, "Number of threads")
-            .basic(Commands::ALL)
+        basic("threads", Kind::Count)
+            .help("Number of threads")
             .range(Range::FromTo(1.0, 1024.0))
             .otherwise("all cores"),
-        setting(
-            "quiet",
-            Kind::Switch,
-            "Print nothing but errors and what --json prints",
-        )
-        .basic(Commands::ALL)
-        .short('q'),
-        setting(
-            "verbose",
-            Kind::Switch,
-            "Report on standard error what is done and why, and times",
-        )
-        .basic(Commands::ALL)
-        .short('v'),
+        basic("quiet", Kind::Switch)
+            .help("Print nothing but errors and what --json prints")
+            .short('q'),
+        basic("verbose", Kind::Switch)
+            .help("Report on standard error what is done and why, and times")
+            .short('v'),
     ],
 );

@@ -2,10 +2,9 @@
 
 use super::choices::CAMERA as CAMERAS;
 use super::{DEGREES, RENDER};
-use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, flags, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting};
 
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
 const RADIANCE: Range = Range::FromTo(0.0, 1e30);
@@ -14,34 +13,24 @@ pub(super) const CAMERA: &[Setting] = &flags(
     "camera",
     RENDER,
     [
-        setting("projection", CAMERAS, "Projection")
+        setting("projection", CAMERAS)
+            .help("Projection")
             .flag(Flag::Named("camera"))
             .default("pinhole"),
-        setting(
-            "fov",
-            Kind::Number,
-            "Vertical field of view of a pinhole camera",
-        )
-        .basic(Commands::ALL)
-        .unit(DEGREES)
-        .range(Range::Between(0.0, 180.0))
-        .default("40"),
-        setting(
-            "look_at",
-            Kind::Length,
-            "Point of the mean plane at the centre of the picture",
-        )
-        .arity(Arity::Tuple(&["X", "Y"]))
-        .otherwise("the centre of the tile"),
-        setting(
-            "width",
-            Kind::Length,
-            "Length seen across the centre of the picture",
-        )
-        .basic(Commands::ALL)
-        .value_name("LENGTH")
-        .range(Range::Above(0.0))
-        .otherwise("that of the tile"),
+        basic("fov", Kind::Number)
+            .help("Vertical field of view of a pinhole camera")
+            .unit(DEGREES)
+            .range(Range::Between(0.0, 180.0))
+            .default("40"),
+        setting("look_at", Kind::Length)
+            .help("Point of the mean plane at the centre of the picture")
+            .arity(Arity::Tuple(&["X", "Y"]))
+            .otherwise("the centre of the tile"),
+        basic("width", Kind::Length)
+            .help("Length seen across the centre of the picture")
+            .value_name("LENGTH")
+            .range(Range::Above(0.0))
+            .otherwise("that of the tile"),
     ],
 );
 
@@ -49,63 +38,44 @@ pub(super) const LIGHTS: &[Setting] = &flags(
     "lights",
     RENDER,
     [
-        setting("sky", Kind::Number, "Radiance of the sky at the zenith")
-            .basic(Commands::ALL)
+        basic("sky", Kind::Number)
+            .help("Radiance of the sky at the zenith")
             .value_name("RADIANCE")
             .range(RADIANCE)
             .default("0.8"),
-        setting(
-            "horizon",
-            Kind::Number,
-            "Radiance at the horizon over the zenith; 1: uniform",
-        )
-        .value_name("FACTOR")
-        .range(Range::FromTo(0.0, 1.0))
-        .default("0.15"),
-        setting(
-            "sun",
-            Kind::Number,
-            "Radiance of a white matt plane that faces the sun; 0 for none",
-        )
-        .value_name("RADIANCE")
-        .range(RADIANCE)
-        .default("1"),
-        setting(
-            "sun_theta",
-            Kind::Number,
-            "Polar angle of the direction towards the sun",
-        )
-        .basic(Commands::ALL)
-        .unit(DEGREES)
-        .range(POLAR)
-        .default("60"),
-        setting(
-            "sun_phi",
-            Kind::Number,
-            "Azimuth of the direction towards the sun",
-        )
-        .basic(Commands::ALL)
-        .unit(DEGREES)
-        .default("150"),
-        setting("sun_radius", Kind::Number, "Angular radius of the sun")
+        setting("horizon", Kind::Number)
+            .help("Radiance at the horizon over the zenith; 1: uniform")
+            .value_name("FACTOR")
+            .range(Range::FromTo(0.0, 1.0))
+            .default("0.15"),
+        setting("sun", Kind::Number)
+            .help("Radiance of a white matt plane that faces the sun; 0 for none")
+            .value_name("RADIANCE")
+            .range(RADIANCE)
+            .default("1"),
+        basic("sun_theta", Kind::Number)
+            .help("Polar angle of the direction towards the sun")
+            .unit(DEGREES)
+            .range(POLAR)
+            .default("60"),
+        basic("sun_phi", Kind::Number)
+            .help("Azimuth of the direction towards the sun")
+            .unit(DEGREES)
+            .default("150"),
+        setting("sun_radius", Kind::Number)
+            .help("Angular radius of the sun")
             .unit(DEGREES)
             .range(Range::FromTo(0.01, 60.0))
             .default("15"),
-        setting(
-            "patch",
-            Kind::Length,
-            "Rectangle of the mean plane that the sun lights",
-        )
-        .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
-        .otherwise("the whole plane"),
-        setting(
-            "below",
-            Kind::Number,
-            "Radiance from below, as seen through a flat ideal interface",
-        )
-        .value_name("RADIANCE")
-        .range(RADIANCE)
-        .default("0.01"),
+        setting("patch", Kind::Length)
+            .help("Rectangle of the mean plane that the sun lights")
+            .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
+            .otherwise("the whole plane"),
+        setting("below", Kind::Number)
+            .help("Radiance from below, as seen through a flat ideal interface")
+            .value_name("RADIANCE")
+            .range(RADIANCE)
+            .default("0.01"),
     ],
 );
 
@@ -113,31 +83,23 @@ pub(super) const PICTURE: &[Setting] = &flags(
     "picture",
     RENDER,
     [
-        setting("size", Kind::Pixels, "Pixels")
-            .basic(Commands::ALL)
+        basic("size", Kind::Pixels)
+            .help("Pixels")
             .value_name("COLUMNSxROWS")
             .default("640x480"),
-        setting("samples", Kind::Count, "Samples per pixel, at least")
-            .basic(Commands::ALL)
+        basic("samples", Kind::Count)
+            .help("Samples per pixel, at least")
             .default("16"),
-        setting(
-            "exposure",
-            Kind::Number,
-            "Factor from radiance to PNG brightness, where 1 is white",
-        )
-        .basic(Commands::ALL)
-        .value_name("FACTOR")
-        .range(Range::Above(0.0))
-        .otherwise("by the brightest percent, and by four times the median at most"),
-        setting(
-            "output",
-            Kind::Path,
-            "File to write: .exr or .png; may be repeated",
-        )
-        .basic(Commands::ALL)
-        .short('o')
-        .value_name("FILE")
-        .arity(Arity::Repeated)
-        .required(RENDER),
+        basic("exposure", Kind::Number)
+            .help("Factor from radiance to PNG brightness, where 1 is white")
+            .value_name("FACTOR")
+            .range(Range::Above(0.0))
+            .otherwise("by the brightest percent, and by four times the median at most"),
+        basic("output", Kind::Path)
+            .help("File to write: .exr or .png; may be repeated")
+            .short('o')
+            .value_name("FILE")
+            .arity(Arity::Repeated)
+            .required(RENDER),
     ],
 );

@@ -8,7 +8,7 @@ use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TR
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, setting, table};
+use crate::settings::setting::{Flag, Setting, basic, setting, table};
 
 const AIMED: Commands = TRACE.and(VERIFY).and(MAP);
 /// Commands that draw surfaces and record bins.
@@ -18,39 +18,33 @@ pub(super) const SETTINGS: &[Setting] = &table(
     "run",
     TRACING,
     [
-        setting("realisations", Kind::Count, "Surfaces drawn per case")
-            .basic(Commands::ALL)
+        basic("realisations", Kind::Count)
+            .help("Surfaces drawn per case")
             .commands(VERIFY.and(MAP).and(GONIO).and(ATTENUATION))
             .default("32")
             .default_in(&[(ATTENUATION, Some("20"))]),
-        setting("rays", Kind::Count, "Rays per case, over all its surfaces")
-            .basic(Commands::ALL)
+        basic("rays", Kind::Count)
+            .help("Rays per case, over all its surfaces")
             .commands(TRACING.and(MODEL))
             .default("1e6")
             .default_in(&[(MODEL, None)])
             .otherwise("1e6 for a model that follows rays"),
-        setting(
-            "target_error",
-            Kind::Number,
-            "Error to reach, in place of numbers of surfaces and rays",
-        )
-        .basic(Commands::ALL)
-        .commands(AIMED)
-        .value_name("ERROR")
-        .range(Range::Above(0.0)),
-        setting("of", QUANTITY, "Quantity to which the target error applies")
+        basic("target_error", Kind::Number)
+            .help("Error to reach, in place of numbers of surfaces and rays")
+            .commands(AIMED)
+            .value_name("ERROR")
+            .range(Range::Above(0.0)),
+        setting("of", QUANTITY)
+            .help("Quantity to which the target error applies")
             .commands(AIMED)
             .value_name("QUANTITY")
             .otherwise("bins"),
-        setting(
-            "max_time",
-            Kind::Duration,
-            "Time after which no further work is started",
-        )
-        .commands(TRACING.and(RENDER))
-        .value_name("TIME"),
-        setting("seed", Kind::Seed, "Seed of the random numbers")
-            .basic(Commands::ALL)
+        setting("max_time", Kind::Duration)
+            .help("Time after which no further work is started")
+            .commands(TRACING.and(RENDER))
+            .value_name("TIME"),
+        basic("seed", Kind::Seed)
+            .help("Seed of the random numbers")
             .commands(
                 TRACING
                     .and(GENERATE)
@@ -61,87 +55,70 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .default("1")
             .default_in(&[(MODEL, None)])
             .otherwise("1 for a model that follows rays"),
-        setting("bins", BINS, "Bins of a hemisphere")
+        setting("bins", BINS)
+            .help("Bins of a hemisphere")
             .basic(TRACE.and(VERIFY).and(MODEL))
             .value_name("THETAxPHI")
             .default("auto")
             .default_in(&[(MAP, Some("18x36"))]),
-        setting("bins", Kind::Grid, "Bins of a hemisphere")
+        setting("bins", Kind::Grid)
+            .help("Bins of a hemisphere")
             .basic(TRACE.and(VERIFY).and(MODEL))
             .commands(MODEL)
             .value_name("THETAxPHI")
             .otherwise("18x36 for a model that follows rays")
             .flag_only(),
-        setting(
-            "in_plane_half_width",
-            Kind::Number,
-            "Half width of the in-plane slice",
-        )
-        .unit(DEGREES)
-        .range(Range::AboveTo(0.0, 90.0))
-        .default("5"),
-        setting("side", SIDE, "The side whose light is recorded").default("both"),
-        setting("branching", BRANCHING, "Branches followed at an interface").default("auto"),
-        setting(
-            "polarisation",
-            POLARISATION,
-            "Whether paths carry the polarisation of light",
-        )
-        .default("tracked"),
-        setting(
-            "roulette",
-            ROULETTE,
-            "Throughput below which Russian roulette ends paths",
-        )
-        .range(Range::AboveTo(0.0, 1.0))
-        .default("auto"),
-        setting(
-            "max_order",
-            Kind::Order,
-            "Interactions after which a path is truncated",
-        )
-        .default("1000"),
-        setting("accelerator", ACCELERATOR, "How hits are found").default("auto"),
-        setting(
-            "estimator",
-            ESTIMATOR,
-            "How fluxes are estimated from paths",
-        )
-        .default("auto"),
-        setting("sampling", SAMPLING, "How rays are distributed").default("stratified"),
-        setting(
-            "refine",
-            Kind::Switch,
-            "Also trace at half the spacing, for the error of the mesh",
-        )
-        .commands(AIMED),
-        setting(
-            "fold",
-            Kind::Switch,
-            "Do not average bins on either side of the plane of incidence",
-        )
-        .commands(RANDOM)
-        .flag(Flag::Off("no-fold")),
-        setting("method", VISIBILITY, "How visibility is computed")
+        setting("in_plane_half_width", Kind::Number)
+            .help("Half width of the in-plane slice")
+            .unit(DEGREES)
+            .range(Range::AboveTo(0.0, 90.0))
+            .default("5"),
+        setting("side", SIDE)
+            .help("The side whose light is recorded")
+            .default("both"),
+        setting("branching", BRANCHING)
+            .help("Branches followed at an interface")
+            .default("auto"),
+        setting("polarisation", POLARISATION)
+            .help("Whether paths carry the polarisation of light")
+            .default("tracked"),
+        setting("roulette", ROULETTE)
+            .help("Throughput below which Russian roulette ends paths")
+            .range(Range::AboveTo(0.0, 1.0))
+            .default("auto"),
+        setting("max_order", Kind::Order)
+            .help("Interactions after which a path is truncated")
+            .default("1000"),
+        setting("accelerator", ACCELERATOR)
+            .help("How hits are found")
+            .default("auto"),
+        setting("estimator", ESTIMATOR)
+            .help("How fluxes are estimated from paths")
+            .default("auto"),
+        setting("sampling", SAMPLING)
+            .help("How rays are distributed")
+            .default("stratified"),
+        setting("refine", Kind::Switch)
+            .help("Also trace at half the spacing, for the error of the mesh")
+            .commands(AIMED),
+        setting("fold", Kind::Switch)
+            .help("Do not average bins on either side of the plane of incidence")
+            .commands(RANDOM)
+            .flag(Flag::Off("no-fold")),
+        setting("method", VISIBILITY)
+            .help("How visibility is computed")
             .commands(ATTENUATION)
             .aliases(&["way"])
             .default("auto"),
-        setting(
-            "mirror",
-            Kind::Switch,
-            "Do not follow mirrored rays (mirror_g2)",
-        )
-        .commands(ATTENUATION)
-        .flag(Flag::Off("no-mirror")),
-        setting("heights", Kind::Switch, "Measure the visibility by height")
-            .basic(Commands::ALL)
+        setting("mirror", Kind::Switch)
+            .help("Do not follow mirrored rays (mirror_g2)")
+            .commands(ATTENUATION)
+            .flag(Flag::Off("no-mirror")),
+        basic("heights", Kind::Switch)
+            .help("Measure the visibility by height")
             .commands(ATTENUATION),
-        setting(
-            "demarcation",
-            Kind::Switch,
-            "Measure the angles at which shadow begins",
-        )
-        .basic(Commands::ALL)
-        .commands(ATTENUATION),
+        basic("demarcation", Kind::Switch)
+            .help("Measure the angles at which shadow begins")
+            .commands(ATTENUATION),
     ],
 );
