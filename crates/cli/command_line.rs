@@ -52,7 +52,7 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     // Full help is what `--help` prints then.
     let read = arguments.iter().map(|argument| match argument {
         argument if argument == HELP_ALL => OsStr::new("--help"),
-        argument => argument,
+        argument => argument.as_os_str(),
     });
     let matches = program(is_full)
         .try_get_matches_from(read)
