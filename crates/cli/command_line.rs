@@ -21,7 +21,10 @@ use crate::tools::{Tool, ToolRun};
 /// Name of what stands without a flag.
 const POSITIONAL: &str = "positional argument";
 
-/// What the command line requests.
+/// Flag that prints help on all flags of a command.
+const HELP_ALL: &str = "--help-all";
+
+/// Request of the command line.
 pub(crate) enum Request {
     /// A command with these settings.
     Run(Document),
@@ -29,7 +32,7 @@ pub(crate) enum Request {
     Tool(ToolRun),
 }
 
-/// Why the program ends before a command runs.
+/// End of the program before a command runs.
 pub(crate) enum Stop {
     /// Wrong usage.
     Failure(Failure),
@@ -43,10 +46,16 @@ impl From<Failure> for Stop {
     }
 }
 
-/// What the command line requests, with the settings of its configuration file.
+/// Reads the request of the command line, with the settings of its configuration file.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
-    let matches = program()
-        .try_get_matches_from(&arguments)
+    let is_full = arguments.iter().any(|argument| argument == HELP_ALL);
+    // Full help is what `--help` prints then.
+    let read = arguments.iter().map(|argument| match argument {
+        argument if argument == HELP_ALL => OsStr::new("--help"),
+        argument => argument.as_os_str(),
+    });
+    let matches = program(is_full)
+        .try_get_matches_from(read)
         .map_err(|error| refuse(error, &arguments))?;
     if let Some(tool) = chosen_tool(&matches) {
         return Ok(Request::Tool(tool));
@@ -57,9 +66,9 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     Ok(Request::Run(document(command, matches)?))
 }
 
-/// The whole command line, for clap.
-pub(crate) fn program() -> clap::Command {
-    let help = Help::for_output();
+/// The whole command line, for clap, with the help of all flags or of those that most people need.
+pub(crate) fn program(is_full: bool) -> clap::Command {
+    let help = Help::for_output(is_full);
     let program = with_help_flag(clap::Command::new("asperity"))
         .version(env!("CARGO_PKG_VERSION"))
         .about(PROGRAM_ABOUT)
@@ -69,14 +78,20 @@ pub(crate) fn program() -> clap::Command {
         .arg_required_else_help(true)
         .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
     program
-        .subcommands(Command::ALL.map(|command| with_help_flag(subcommand(command, help))))
+        .subcommands(Command::ALL.map(|command| {
+            let all = Arg::new("help-all")
+                .long("help-all")
+                .help("Print help on all flags")
+                .action(ArgAction::Help);
+            with_help_flag(subcommand(command, help)).arg(all)
+        }))
         .subcommands(Tool::ALL.map(|tool| {
             let command = tool.command().override_help(help.tool(tool));
             with_help_flag(command)
         }))
 }
 
-/// The same command with one help for `-h` and `--help`, and man pages that say so.
+/// Adds one help for `-h` and `--help` to a command, and man pages that say so.
 fn with_help_flag(command: clap::Command) -> clap::Command {
     let flag = Arg::new("help")
         .short('h')
@@ -173,7 +188,7 @@ fn names_of_models() -> Vec<PossibleValue> {
     names.copied().map(PossibleValue::new).collect()
 }
 
-/// What a shell completes a value with.
+/// Completion of a value by a shell.
 fn hint(setting: &Setting) -> ValueHint {
     match setting.kind {
         Kind::Path if setting.value_name == "DIR" => ValueHint::DirPath,
@@ -254,7 +269,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     Ok(document)
 }
 
-/// Whether the file is a configuration. `trace` takes surfaces as well, all others refuse them.
+/// Returns `true` if the file is a configuration. `trace` takes surfaces as well, all others refuse them.
 fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     let file = Path::new(path);
     if command == Command::Trace {
@@ -279,7 +294,7 @@ fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     )))
 }
 
-/// What to do with a given surface, which `command` does not read as its argument.
+/// Advice on a given surface, which `command` does not read as its argument.
 fn for_given_surface(command: Command, path: &str, is_mesh: bool) -> String {
     match command {
         Command::Gonio => format!("for a given surface use `asperity gonio --surface {path}`"),
@@ -314,7 +329,7 @@ fn flags(command: Command, matches: &ArgMatches) -> Vec<(String, Vec<String>)> {
     given
 }
 
-/// What clap refuses, in one sentence. Help and version are not refused.
+/// Refusal by clap, in one sentence. Help and version are not refused.
 fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return Stop::Shown(error);
@@ -382,7 +397,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
 /// Names of roughness in other programs.
 const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
 
-/// What is said of an argument that no command has.
+/// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, error: &clap::Error) -> String {
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
@@ -400,7 +415,7 @@ fn unknown_argument(argument: &str, error: &clap::Error) -> String {
     }
 }
 
-/// What clap has to say, without its heading, usage and hints, in one line.
+/// Message of clap in one line, without its heading, usage and hints.
 fn one_sentence(message: &str) -> String {
     let sentences: Vec<String> = message
         .split("\n\n")

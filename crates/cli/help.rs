@@ -1,6 +1,6 @@
 //! Help of the program and of each command, as wide as the terminal.
 
-use asperity_studies::settings::{Command, Kind, SECTIONS, Setting};
+use asperity_studies::settings::{Command, Kind, SECTIONS, Setting, settings_of};
 use console::Term;
 
 use crate::tools::Tool;
@@ -26,31 +26,36 @@ const INDENT: usize = 32;
 /// Column at which those of commands begin.
 const COMMAND_INDENT: usize = 15;
 
-/// What the program does.
+/// Purpose of the program.
 pub(crate) const PROGRAM_ABOUT: &str = "Light on explicit rough surfaces: traces real reflection and refraction on \
                                         random or measured surfaces, and compares the results with scattering models.";
 
-/// What holds for every command.
+/// Notes on every command.
 pub(crate) const PROGRAM_NOTES: &str = "--theta and --phi give the direction towards the light. Numbers may be \
                                         quotients (1/1.4), counts may be written as 1e6. Exit codes: 0 done, \
                                         1 failed, 2 wrong usage, 3 interrupted and the results so far \
                                         written, 130 interrupted and ended at once.";
+
+/// Most flags of a command without a short help of its own.
+const FEW_FLAGS: usize = 26;
 
 /// Help texts of one width.
 #[derive(Clone, Copy)]
 pub(crate) struct Help {
     /// Columns.
     width: usize,
+    /// `true` if all flags are shown, `false` if those that most people need.
+    is_full: bool,
 }
 
 impl Help {
-    /// For standard output.
-    pub(crate) fn for_output() -> Self {
+    /// Help for standard output, with all flags or those that most people need.
+    pub(crate) fn for_output(is_full: bool) -> Self {
         let width = match Term::stdout().size_checked() {
             Some((_, columns)) => usize::from(columns).clamp(MIN_WIDTH, MAX_WIDTH),
             None => DEFAULT_WIDTH,
         };
-        Self { width }
+        Self { width, is_full }
     }
 
     /// The help of the program.
@@ -91,7 +96,17 @@ impl Help {
             }
         }
         text.push_str(&self.row("  -h, --help", "Print help", INDENT));
+        if self.is_short(command) {
+            let all = shown(command).count();
+            let rest = format!("Print help on all {all} flags; docs/settings.md lists them too");
+            text.push_str(&self.row("      --help-all", &rest, INDENT));
+        }
         text
+    }
+
+    /// Returns `true` if the help of `command` leaves out flags.
+    fn is_short(self, command: Command) -> bool {
+        !self.is_full && shown(command).count() > FEW_FLAGS
     }
 
     /// The help of `tool`.
@@ -110,12 +125,10 @@ impl Help {
 
     /// The flags of a section; `None` if the command has none.
     fn section(self, name: &str, command: Command) -> Option<String> {
-        let section = SECTIONS.iter().find(|section| section.name == name)?;
-        let rows: Vec<String> = section
-            .settings
-            .iter()
-            .filter(|setting| setting.commands.contains(command))
-            .filter(|setting| is_shown(setting, command))
+        let is_short = self.is_short(command);
+        let rows: Vec<String> = shown(command)
+            .filter(|setting| setting.section == name)
+            .filter(|setting| !is_short || setting.basic.contains(command))
             .filter_map(|setting| {
                 let flag = flag(setting, command)?;
                 Some(self.row(&flag, &explanation(setting, command), INDENT))
@@ -157,9 +170,11 @@ impl Help {
     }
 }
 
-/// One flag for the spacing of random surfaces and of a given one is shown once.
-fn is_shown(setting: &Setting, command: Command) -> bool {
-    !(command == Command::Gonio && setting.path() == "measured.spacing")
+/// Settings of `command` with a flag. That of the spacing of random surfaces and of a given one is shown once.
+fn shown(command: Command) -> impl Iterator<Item = &'static Setting> {
+    let is_second =
+        move |setting: &Setting| command == Command::Gonio && setting.path() == "measured.spacing";
+    settings_of(command).filter(move |setting| setting.flag_name().is_some() && !is_second(setting))
 }
 
 /// A flag with its value, as in `-o, --output <DIR>`.
@@ -176,7 +191,7 @@ fn flag(setting: &Setting, command: Command) -> Option<String> {
     Some(format!("{short}--{name}{value}"))
 }
 
-/// What a setting is, with its choices and its default.
+/// Meaning of a setting, with its choices and its default.
 fn explanation(setting: &Setting, command: Command) -> String {
     let mut text = setting.help.to_owned();
     let choices = setting.kind.choices();
@@ -193,7 +208,7 @@ fn explanation(setting: &Setting, command: Command) -> String {
     text + &default(setting, command)
 }
 
-/// What a setting is, with its default: where choices are listed apart.
+/// Meaning of a setting, with its default, where choices are listed apart.
 pub(crate) fn summary(setting: &Setting, command: Command) -> String {
     setting.help.to_owned() + &default(setting, command)
 }
@@ -215,8 +230,9 @@ mod tests {
 
     #[test]
     fn help_fits_any_width() {
-        for width in [MIN_WIDTH, ROOM_FOR_FLAGS, DEFAULT_WIDTH, MAX_WIDTH] {
-            let help = Help { width };
+        let widths = [MIN_WIDTH, ROOM_FOR_FLAGS, DEFAULT_WIDTH, MAX_WIDTH];
+        for (width, is_full) in widths.into_iter().flat_map(|w| [(w, false), (w, true)]) {
+            let help = Help { width, is_full };
             let commands = Command::ALL.map(|command| help.command(command));
             let tools = Tool::ALL.map(|tool| help.tool(tool));
             let texts = commands.into_iter().chain(tools).chain([help.program()]);

@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     };
     let done = match request {
         Request::Run(document) => run(&document),
-        Request::Tool(tool) => tool.run(program()).map(|()| End::Complete),
+        Request::Tool(tool) => tool.run(program(true)).map(|()| End::Complete),
     };
     match done {
         Ok(end) => end.code(),

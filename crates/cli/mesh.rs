@@ -13,7 +13,7 @@ use crate::output_files::check_outputs;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let refused = |error| Failure::of_study(document, error);
-    let config = MeshConfig::new(document).map_err(refused)?;
+    let config: MeshConfig = document.read().map_err(Failure::usage)?;
     let output = Results::of(document).map_err(Failure::usage)?.required();
     let format = MeshFormat::from_path(&output).ok_or_else(|| {
         let output = output.display();

@@ -149,7 +149,10 @@ fn contradicting_settings_are_refused_in_one_sentence() {
     )
     .unwrap();
     for (line, expected) in [
-        ("--length 12.82", "not a multiple of the spacing"),
+        (
+            "--length 12.82",
+            "does not divide the extent 12.82 of the surfaces into whole samples",
+        ),
         ("--length 0", "must be a number above 0"),
         ("--spacing 0", "must be a number above 0"),
         ("--spacing -0.05", "must be a number above 0"),

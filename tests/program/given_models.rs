@@ -170,7 +170,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
             "correlation lengths wide; errors by parts of a surface need 16 parts",
         ),
         ("--flat", "--models smith", "all equal"),
-        ("rough.npy", "--models smith,smith", "named twice"),
+        ("rough.npy", "--models smith,smith", "given twice"),
         ("rough.npy", "--models ggx", "ggx"),
         ("rough.npy", "--models flat-layer", "no medium is given"),
         ("rough.npy", "--models cook-torrance-neumann", "reflect"),

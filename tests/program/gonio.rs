@@ -418,7 +418,7 @@ fn bad_input_gets_a_sentence() {
         ),
         ("gonio g.toml --surface h.npy --tau 3 -o out", 2, "excludes"),
         ("gonio --surface h.npy -o out", 1, "h.npy"),
-        ("gonio --flat --border open -o out", 2, "excludes"),
+        ("gonio --flat --border open -o out", 2, "not a flat surface"),
         (
             "gonio g.toml --material mirror -o out",
             2,

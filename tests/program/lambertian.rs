@@ -37,14 +37,17 @@ fn materials_and_models_that_do_not_fit_get_one_sentence() {
             "verify --material lambertian --reflectance 1.2",
             "from 0 to 1",
         ),
-        ("verify --material lambertian", "need a reflectance"),
+        (
+            "verify --material lambertian",
+            "--material lambertian needs --reflectance",
+        ),
         (
             "verify --reflectance 0.5",
-            "only material lambertian has one",
+            "goes with material lambertian, not dielectric",
         ),
         (
             &format!("verify {white} --eta 1.5"),
-            "neither eta nor kappa",
+            "goes with material dielectric or conductor, not lambertian",
         ),
         (&format!("verify {white} --models smith"), "take oren-nayar"),
         (

@@ -159,15 +159,15 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             format!("{medium} --bottom mirror"),
-            "give its thickness too",
+            "goes with a medium with a thickness",
         ),
         (
             format!("{medium} --thickness 50 --bottom-surface independent"),
-            "none is drawn",
+            "goes with random surfaces, not a given surface",
         ),
         (
             format!("{medium} --thickness 50 --bottom open --bottom-surface same"),
-            "an open bottom has no shape",
+            "goes with bottom interface, lambertian, absorbing or mirror, not open",
         ),
         (format!("{medium} --from below"), "come from above"),
         (
@@ -187,7 +187,10 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
             "--mean-free-path 1,2 --albedo 0.9".to_owned(),
             "--mean-free-path 1,2: must be",
         ),
-        ("--g 0.5".to_owned(), "a medium needs a mean free path"),
+        (
+            "--g 0.5".to_owned(),
+            "a medium needs mean_free_path and albedo",
+        ),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");
         let error = refused(&folder, &words(&line), 2);

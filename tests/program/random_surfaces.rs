@@ -56,19 +56,19 @@ fn combinations_that_make_no_sense_get_one_sentence() {
     for (flags, expected) in [
         ("--psd exponential", "--psd exponential needs --cut-off"),
         ("--psd matern --nu 0.8", "slopes have no finite variance"),
-        ("--hurst 0.8", "--hurst is for --psd power-law"),
+        (
+            "--hurst 0.8",
+            "--hurst 0.8: goes with psd power-law, not gaussian",
+        ),
         (
             "--psd power-law --hurst 0.8 --roll-off 40 --cut-off 9 --tau 3",
-            "leave out tau",
+            "--tau 3: goes with psd gaussian, exponential or matern, not power-law",
         ),
         ("--psd exponential --cut-off 4", "with --insist"),
-        (
-            "--second-tau 4",
-            "needs both --second-sigma and --second-tau",
-        ),
+        ("--second-tau 4", "--second-tau 4 needs --second-sigma"),
         ("--skewness 1 --kurtosis 2", "the kurtosis must exceed"),
         ("--slopes ggx", "needs --ggx-alpha"),
-        ("--ggx-alpha 0.3", "are for --slopes ggx"),
+        ("--ggx-alpha 0.3", "goes with slopes ggx, not gaussian"),
         ("--slopes ggx --ggx-alpha 0.3 --smoothness 3", "excludes"),
     ] {
         let line = format!("generate {flags} -o a.exr");

@@ -102,14 +102,14 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --patch 0,0,1", "X0,Y0,X1,Y1"),
         ("-o p.png --patch 0,0,0,1", "below the other two"),
         ("-o p.png --exposure 0", "above 0"),
-        ("-o p.png --albedo 0.9", "needs a mean free path"),
+        ("-o p.png --albedo 0.9", "needs --mean-free-path"),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
             "invalid thickness",
         ),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",
-            "none is drawn",
+            "goes with random surfaces, not a given surface",
         ),
     ] {
         let command = format!("{SMALL} {flags}");

@@ -20,7 +20,7 @@ fn flags(help: &str) -> BTreeSet<String> {
         flag.split([' ', '<']).next().map(str::to_owned)
     });
     options
-        .filter(|flag| flag != "help" && flag != "version")
+        .filter(|flag| !["help", "help-all", "version"].contains(&flag.as_str()))
         .collect()
 }
 
@@ -29,7 +29,7 @@ fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
     let folder = tempfile::tempdir().unwrap();
     let page = reference_page();
     for command in Command::ALL {
-        let help = succeed(folder.path(), &[command.name(), "--help"]);
+        let help = succeed(folder.path(), &[command.name(), "--help-all"]);
         assert!(
             help.lines().all(|line| line.chars().count() <= 80),
             "{help}"
@@ -40,6 +40,29 @@ fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
         assert_eq!(flags(&help), defined, "{command}");
         for flag in defined {
             assert!(page.contains(&format!("`--{flag}`")), "--{flag}");
+            let anchor = format!("<a id=\"--{flag}\"></a>");
+            assert_eq!(page.matches(&anchor).count(), 1, "{anchor}");
+        }
+    }
+}
+
+#[test]
+fn short_help_holds_few_flags_and_names_the_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in Command::ALL {
+        let [short, full] =
+            ["--help", "--help-all"].map(|flag| succeed(folder.path(), &[command.name(), flag]));
+        let [few, all] = [&short, &full].map(|help| flags(help));
+        println!("{command}: {} of {} flags", few.len(), all.len());
+        assert!(
+            few.is_subset(&all) && few.len() <= 26,
+            "{command}: {}",
+            few.len()
+        );
+        let says_rest = short.contains(&format!("all {} flags", all.len()));
+        assert_eq!(says_rest, few != all, "{short}");
+        for setting in settings_of(command).filter(|setting| setting.required.contains(command)) {
+            assert!(few.contains(&setting.flag_name().unwrap()), "{command}");
         }
     }
 }

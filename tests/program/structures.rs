@@ -90,19 +90,22 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     for (flags, expected) in [
         ("--structure sponge", "must be pits, caps,"),
-        ("--depth 3", "name one by --structure"),
+        (
+            "--depth 3",
+            "goes with a structure, not surfaces without a structure",
+        ),
         (
             "--structure v-grooves --density 0.5",
-            "v-grooves have no density",
+            "goes with structure pits, caps, scratches, cracks, pyramids or inverted-pyramids, not v-grooves",
         ),
         (
             "--structure cracks --randomness 0.5",
-            "cracks have no randomness",
+            "--randomness 0.5: goes with structure pits, caps,",
         ),
         ("--structure pits --depth 9", "above 0, up to 8"),
         ("--structure pits --smoothness 3", "excludes"),
-        ("--structure pits --tau-y 3", "needs --sigma"),
-        ("--structure pits --tau 4", "needs --sigma"),
+        ("--structure pits --tau-y 3", "which sigma gives"),
+        ("--structure pits --tau 4", "which sigma gives"),
         ("--structure pits --azimuth 60", "no direction"),
         (
             "--structure pits --sigma 1 --tau 4 --azimuth 60",
@@ -111,7 +114,7 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         ("--azimuth 60", "no direction"),
         (
             "--structure sine-grooves --edge-radius 1",
-            "sine-grooves have no edge radius; leave out --edge-radius",
+            "or cracks, not sine-grooves",
         ),
         (
             "--structure blazed-grooves --depth 9",
@@ -119,11 +122,11 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         ),
         (
             "--structure pits --sigma 1 --heights gaussian",
-            "leave out --slopes, --heights",
+            "--heights gaussian: goes with surfaces without a structure",
         ),
         (
             "--structure pits --sigma 1 --slopes ggx",
-            "leave out --slopes",
+            "--slopes ggx: goes with surfaces without a structure",
         ),
         ("--structure v-grooves --width 100", "take a side of 200"),
         ("--structure caps --width 3", "with --insist"),

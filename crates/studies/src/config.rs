@@ -36,81 +36,53 @@ pub use crate::config::surface_files::SurfaceFileError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};
 
-/// The kinds of material.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum MaterialKind {
+/// `[material]`: the material of the surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum MaterialConfig {
     /// Reflects and transmits.
-    #[default]
-    Dielectric,
+    Dielectric {
+        /// Relative refractive index, one or several; 1.5 unless given.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        eta: Option<OneOrMany<Number>>,
+    },
     /// Reflects and absorbs.
-    Conductor,
+    Conductor {
+        /// Real part of the index, one or several.
+        eta: OneOrMany<Number>,
+        /// Absorption index.
+        kappa: Number,
+    },
     /// Reflects everything.
     Mirror,
     /// Reflects diffusely and absorbs.
-    Lambertian,
-}
-
-/// `[material]`: what the surface is made of.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MaterialConfig {
-    /// Its kind.
-    pub kind: MaterialKind,
-    /// Relative refractive index, one or several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub eta: Option<OneOrMany<Number>>,
-    /// Absorption index of a conductor.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub kappa: Option<Number>,
-    /// Fraction of the light that a Lambertian facet reflects.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reflectance: Option<Number>,
+    Lambertian {
+        /// Fraction of the light that facets reflect.
+        reflectance: Number,
+    },
 }
 
 impl MaterialConfig {
-    /// The material of a configuration without lists.
+    /// Returns the material of a configuration without lists.
     ///
     /// # Errors
-    /// [`ConfigError`] if a key is missing, superfluous or out of range.
+    /// [`ConfigError`] if a value is out of range, or a list has not one value.
     pub fn material(&self) -> Result<Material, ConfigError> {
-        let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-        let eta = self.eta.as_ref().map(|eta| eta.one("eta")).transpose()?;
-        match (self.kind, self.reflectance) {
-            (MaterialKind::Lambertian, _) if eta.is_some() || self.kappa.is_some() => {
-                return contradiction(
-                    "lambertian facets have a reflectance, and neither eta nor kappa",
-                );
-            }
-            (MaterialKind::Lambertian, None) => {
-                return contradiction("lambertian facets need a reflectance, from 0 to 1");
-            }
-            (MaterialKind::Lambertian, Some(reflectance)) => {
-                return Ok(Material::lambertian(reflectance.0)?);
-            }
-            (_, Some(_)) => {
-                return contradiction(
-                    "a reflectance is given, but only material lambertian has one",
-                );
-            }
-            (_, None) => {}
-        }
-        match (self.kind, eta, self.kappa) {
-            (MaterialKind::Mirror, None, None) => Ok(Material::Mirror),
-            (MaterialKind::Mirror | MaterialKind::Lambertian, _, _) => {
-                contradiction("a mirror reflects everything; it has neither eta nor kappa")
-            }
-            (MaterialKind::Dielectric, _, Some(_)) => {
-                contradiction("kappa is the absorption index of a conductor; a dielectric has none")
-            }
-            (MaterialKind::Dielectric, eta, None) => {
-                Ok(Material::dielectric(eta.map_or(GLASS, |eta| eta.0))?)
-            }
-            (MaterialKind::Conductor, Some(eta), Some(kappa)) => {
-                Ok(Material::conductor(eta.0, kappa.0)?)
-            }
-            (MaterialKind::Conductor, _, _) => {
-                contradiction("a conductor needs both eta and kappa, its index being eta + i kappa")
-            }
+        Ok(match self {
+            Self::Dielectric { eta: None } => Material::dielectric(GLASS)?,
+            Self::Dielectric { eta: Some(eta) } => Material::dielectric(eta.one("eta")?.0)?,
+            Self::Conductor { eta, kappa } => Material::conductor(eta.one("eta")?.0, kappa.0)?,
+            Self::Mirror => Material::Mirror,
+            Self::Lambertian { reflectance } => Material::lambertian(reflectance.0)?,
+        })
+    }
+
+    /// Returns the list of indices, if there is one.
+    pub(crate) const fn eta_mut(&mut self) -> Option<&mut OneOrMany<Number>> {
+        match self {
+            Self::Dielectric { eta } => eta.as_mut(),
+            Self::Conductor { eta, .. } => Some(eta),
+            Self::Mirror | Self::Lambertian { .. } => None,
         }
     }
 }
@@ -138,7 +110,7 @@ impl From<Incident> for HalfSpace {
     }
 }
 
-/// How the azimuth of the light is chosen.
+/// Choice of the azimuth of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Azimuth {
@@ -193,17 +165,17 @@ pub struct RunConfig {
     pub side: Sides,
     /// Both branches, or one picked.
     pub branching: OrAuto<Branching>,
-    /// What paths know of the polarisation of their light.
+    /// Polarisation of light along paths.
     pub polarisation: Polarisation,
     /// Flux below which roulette decides.
     pub roulette: OrAuto<Number>,
     /// Interactions after which a path is truncated.
     pub max_order: u32,
-    /// How hits are found.
+    /// Search for hits.
     pub accelerator: AcceleratorKind,
-    /// How paths become results.
+    /// Estimator of fluxes from paths.
     pub estimator: Estimator,
-    /// How rays are spread over the mean plane and over azimuth.
+    /// Distribution of rays over the mean plane and over azimuth.
     pub sampling: Sampling,
     /// Average bins on either side of the plane of incidence where random surfaces are symmetric about it.
     #[serde(default = "yes")]
@@ -308,18 +280,18 @@ pub struct OutputConfig {
 pub struct VerifyConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
-    /// What they are made of.
+    /// The material.
     pub material: MaterialConfig,
-    /// What lies below, if there is anything.
+    /// The medium below, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<MediumConfig>,
-    /// Where the light comes from.
+    /// The light.
     pub light: LightConfig,
-    /// How much is traced.
+    /// The effort, and the methods.
     pub run: RunConfig,
-    /// What it is compared with.
+    /// The models.
     pub compare: CompareConfig,
-    /// What is written.
+    /// The files.
     pub output: OutputConfig,
 }
 
@@ -392,7 +364,7 @@ mod tests {
         let effort = Effort::rays(Effort::DEFAULT_RAYS);
         assert_eq!(trace.ray_settings().unwrap().effort, effort);
         assert_eq!(trace.measured.missing, MissingPolicy::default());
-        assert_eq!(config.material.kind, MaterialKind::default());
+        assert_eq!(config.material, MaterialConfig::Dielectric { eta: None });
         assert_eq!(config.light.from, Incident::default());
         // What the help says of defaults that depend on other settings.
         let says = |path: &str, default: &str| {

@@ -1,6 +1,6 @@
 //! Mesh: a height map as triangles.
 
-use asperity_simulate::{Cells, Observer, check_memory, short};
+use asperity_simulate::{Cells, Observer, check_memory};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
 use asperity_tracer::{Surface, TriangleMesh};
 use serde::Deserialize;
@@ -45,19 +45,6 @@ pub struct MeshedSurface {
 }
 
 impl MeshConfig {
-    /// Reads the configuration of a document.
-    ///
-    /// # Errors
-    /// [`StudyError`] if a value is invalid or excludes another, or no height map is given.
-    pub fn new(document: &Document) -> Result<Self, StudyError> {
-        let config: Self = document.read()?;
-        if config.surface.cells.of_given() == Cells::Flat && document.is_given("mesh.*") {
-            let text = "--subdivide and --deviation are for --cells smooth; flat cells are two triangles each";
-            return Err(ConfigError::Contradiction(text.to_owned()).into());
-        }
-        Ok(config)
-    }
-
     /// Reads the height map, and divides it into triangles. `document` is that of the configuration.
     ///
     /// # Errors
@@ -91,13 +78,15 @@ impl FinenessConfig {
         let surface = SplineSurface::through(field);
         let unit = field.unit().suffix();
         let per_cell = match (self.deviation, self.subdivide) {
-            (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
-                ConfigError::Contradiction(format!(
-                    "--deviation {}{unit}: must be above {}{unit}, to which heights of this surface are rounded",
-                    short(most),
-                    rounded_up(surface.deviation(usize::MAX))
-                ))
-            })?,
+            (Some(most), _) => {
+                surface
+                    .per_cell_within(most)
+                    .ok_or_else(|| ConfigError::Deviation {
+                        deviation: most,
+                        least: rounded_up(surface.deviation(usize::MAX)),
+                        unit,
+                    })?
+            }
             (None, subdivide) => subdivide.unwrap_or(1),
         };
         let [cx, cy] = surface.cells().map(|cells| cells.saturating_mul(per_cell));

@@ -15,9 +15,9 @@
 mod command;
 mod definitions;
 mod document;
-mod entry;
 mod error;
 mod file;
+mod group;
 mod input_files;
 mod kind;
 mod length;

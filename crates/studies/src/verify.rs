@@ -226,8 +226,7 @@ pub(crate) fn judge_case<'a>(
     let free_azimuth = config.free_azimuth(&outcome.case);
     let other = other_slopes(config, outcome)?;
     let Some(mut surface) = ModelledSurface::of(&outcome.case) else {
-        let text = "a verification is of random surfaces, not of a given one";
-        return Err(ConfigError::Contradiction(text.to_owned()).into());
+        return Err(ConfigError::GivenSurface.into());
     };
     if let (Some(other), Ok(slopes)) = (&other, &surface.slopes) {
         surface.slopes = Ok(other.distribution(slopes.covariance()));

@@ -1,7 +1,5 @@
 //! Plan: an attenuation run as it will be done, with lists gone through and everything checked.
 
-use std::fmt::Display;
-
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
 use asperity_results::Header;
@@ -95,9 +93,11 @@ impl AttenuationPlan {
             * (self.views.len() as f64 + 8.0)
             * run.realisations.0 as f64;
         if results > MAX_RESULTS {
-            return Err(contradiction(format!(
-                "{results:.1e} counts would be kept, {MAX_RESULTS:.0e} is the most: take fewer directions or surfaces",
-            )));
+            return Err(ConfigError::TooManyCounts {
+                counts: results,
+                most: MAX_RESULTS,
+            }
+            .into());
         }
         Ok(())
     }
@@ -115,20 +115,19 @@ impl AttenuationConfig {
         let (shape, cells) = (self.shape()?, surface.cells.of_random());
         let spacing = surface.spacing.xy().map(|spacing| spacing.0);
         let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, StudyError> {
-            let psd = Psd::gaussian(sigma, tau).map_err(ConfigError::from)?;
+            let psd =
+                Psd::gaussian(sigma, tau).map_err(|error| ConfigError::Surface(error.into()))?;
             let drawn = RandomSurfaces::new(cells, psd, shape, spacing, surface.insist);
             Ok(RoughSurfaces {
                 sigma,
                 drawn: drawn.map_err(SimulateError::from)?,
-                slopes: SlopeCovariance::isotropic(tau / sigma).map_err(contradiction)?,
+                slopes: SlopeCovariance::isotropic(tau / sigma)?,
             })
         };
         let surfaces = sigmas.iter().map(of_sigma).collect::<Result<Vec<_>, _>>()?;
         let [ny, nx] = shape;
         if surface.border == Border::Open && nx.min(ny) < 3 {
-            return Err(contradiction(format!(
-                "an open patch of {nx} x {ny} samples has none inside, where paper_g2 counts; take 3 or more a side",
-            )));
+            return Err(ConfigError::SmallPatch { nx, ny }.into());
         }
         let lights = directions("theta", &self.light)?;
         let views = directions("view theta", &self.view)?;
@@ -137,9 +136,7 @@ impl AttenuationConfig {
         azimuths.extend(views.iter().filter(is_slanted).map(|view| view.phi()));
         azimuths.dedup();
         if cells == Cells::Smooth && run.demarcation {
-            return Err(contradiction(
-                "--demarcation needs horizons, which are those of flat cells",
-            ));
+            return Err(ConfigError::HorizonsOfSmoothCells.into());
         }
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
         let models_at = self.output.models_at_sigma.as_ref();
@@ -161,16 +158,12 @@ impl AttenuationConfig {
     fn shape(&self) -> Result<[usize; 2], StudyError> {
         let surface = &self.surface;
         let [nx, ny] = match (surface.size, surface.length) {
-            (Some(size), None) => size.xy().map(|samples| Ok(samples.0 as usize)),
+            (Some(size), _) => size.xy().map(|samples| Ok(samples.0 as usize)),
             (None, Some(length)) => {
                 let ([x, y], [dx, dy]) = (length.xy(), surface.spacing.xy());
                 [samples(x.0, dx.0), samples(y.0, dy.0)]
             }
-            _ => {
-                return Err(contradiction(
-                    "give either length, the side of the tile, or size, its samples",
-                ));
-            }
+            (None, None) => return Err(ConfigError::EmptyList("length").into()),
         };
         Ok([ny?, nx?])
     }
@@ -190,15 +183,11 @@ fn samples(length: f64, spacing: f64) -> Result<usize, StudyError> {
     if spacing > 0.0 && (1.0..MAX_SAMPLES).contains(&whole) && divides {
         return Ok(whole as usize);
     }
-    Err(contradiction(format!(
-        "the length {} of the tile is not a multiple of the spacing {}: a periodic tile holds whole samples",
-        short(length),
-        short(spacing),
-    )))
-}
-
-pub(super) fn contradiction(text: impl Display) -> StudyError {
-    ConfigError::Contradiction(text.to_string()).into()
+    Err(ConfigError::PartSamples {
+        spacing,
+        extent: length,
+    }
+    .into())
 }
 
 /// The values of a list, each of which may stand there once.
@@ -206,8 +195,10 @@ fn numbers(name: &'static str, list: &OneOrMany<Number>) -> Result<Vec<f64>, Con
     let values: Vec<f64> = list.values(name)?.iter().map(|value| value.0).collect();
     for (i, value) in values.iter().enumerate() {
         if values[..i].contains(value) {
-            let text = format!("{name}: {} is given twice", short(*value));
-            return Err(ConfigError::Contradiction(text));
+            return Err(ConfigError::GivenTwice {
+                list: name,
+                value: short(*value),
+            });
         }
     }
     Ok(values)
@@ -230,7 +221,7 @@ fn chosen(
     named: Option<&OneOrMany<Number>>,
     values: &[f64],
     count: usize,
-) -> Result<Vec<usize>, StudyError> {
+) -> Result<Vec<usize>, ConfigError> {
     let Some(named) = named else {
         let (last, shown) = (values.len() - 1, count.min(values.len()));
         let place = |i: usize| if shown > 1 { i * last / (shown - 1) } else { 0 };
@@ -238,12 +229,7 @@ fn chosen(
     };
     let number = |value: f64| {
         let number = values.iter().position(|one| *one == value);
-        number.ok_or_else(|| {
-            let value = short(value);
-            contradiction(format!(
-                "{name}: {value} is not among the values that are measured"
-            ))
-        })
+        number.ok_or(ConfigError::NotMeasured { name, value })
     };
     numbers(name, named)?.into_iter().map(number).collect()
 }

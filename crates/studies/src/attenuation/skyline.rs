@@ -5,8 +5,9 @@ use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
 use super::ground::Point;
-use super::plan::{AttenuationPlan, contradiction};
+use super::plan::AttenuationPlan;
 use super::points::{chunks, points, samples};
+use crate::config::error::ConfigError;
 use crate::error::StudyError;
 
 /// Horizons along one azimuth, in one list per chunk.
@@ -26,7 +27,7 @@ impl Skyline {
         least: f64,
     ) -> Result<Vec<Self>, StudyError> {
         let along = |&azimuth: &f64| {
-            let horizons = Horizons::new(surface, azimuth, least).map_err(contradiction)?;
+            let horizons = Horizons::new(surface, azimuth, least).map_err(ConfigError::from)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
                 let points = points(surface, plan.config.run.seed, index, chunk).map(of);

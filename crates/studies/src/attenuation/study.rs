@@ -20,8 +20,7 @@ impl Study for AttenuationPlan {
     fn plan(document: &Document, _observer: &dyn Observer) -> Result<Self, StudyError> {
         let config: AttenuationConfig = document.read()?;
         if document.is_given("view.phi") && !document.is_given("view.theta") {
-            let text = "--view-phi: the viewer is straight above, where the azimuth has no meaning; give --view-theta too";
-            return Err(ConfigError::Contradiction(text.to_owned()).into());
+            return Err(ConfigError::ViewAzimuth.into());
         }
         config.plan()
     }

@@ -10,16 +10,16 @@ use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::error::ConfigError;
 
-/// What a model is made for.
+/// Surface that a model is made for.
 #[derive(Clone, Debug)]
 pub(crate) struct ModelledSurface {
     /// Its slopes, if they have a density.
     pub(crate) slopes: Result<SlopeDistribution, SlopeError>,
-    /// Whether models of isotropic surfaces take the mean of the slope variances along both axes, which differ by no more than they are
-    /// known to.
+    /// `true` if models of isotropic surfaces take the mean of the slope variances along both axes, which differ by no more than their
+    /// errors.
     pub(crate) is_nearly_isotropic: bool,
     pub(crate) material: Material,
-    /// What lies below, if there is anything.
+    /// The layer below, if there is one.
     pub(crate) layer: Option<Layer>,
 }
 
@@ -34,7 +34,7 @@ impl ModelledSurface {
         })
     }
 
-    /// The same with Gaussian slopes of this covariance.
+    /// Returns the surface with Gaussian slopes of this covariance.
     pub(crate) fn with_slopes(&self, slopes: SlopeCovariance) -> Self {
         Self {
             slopes: Ok(SlopeDistribution::Gaussian(slopes)),
@@ -143,7 +143,7 @@ impl CaseModel {
         }
     }
 
-    /// What it expects in a tally of `spec`.
+    /// Returns its expectation in a tally of `spec`.
     pub(crate) fn expect(
         &self,
         incidence: Incidence,

@@ -1,4 +1,4 @@
-//! What a configuration stands for: its cases, whether they make sense, and what follows from it.
+//! Checks: refuses cases of a configuration that make no sense.
 
 use std::collections::BTreeSet;
 
@@ -14,7 +14,7 @@ use crate::config::error::ConfigError;
 use crate::config::{Azimuth, VerifyConfig};
 
 impl VerifyConfig {
-    /// Whether every ray comes from an azimuth of its own.
+    /// Returns `true` if every ray comes from an azimuth of its own.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
         let isotropic = self.surface.is_isotropic();
@@ -23,8 +23,8 @@ impl VerifyConfig {
             .map_or(isotropic, |a| a == Azimuth::Random)
     }
 
-    /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
-    /// over azimuth: vertical light, of any azimuth. Axes of Mueller matrices have one all the same.
+    /// Returns `true` if the azimuth of light that leaves has no meaning in a case: the light is vertical and of any azimuth.
+    /// It is then spread evenly over azimuth. Axes of Mueller matrices have an azimuth all the same.
     #[must_use]
     pub fn free_azimuth(&self, case: &Case) -> bool {
         let has_axes = self.run.polarisation == Polarisation::Mueller;
@@ -74,7 +74,10 @@ pub(crate) fn check_models(
 ) -> Result<(), ConfigError> {
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) {
-            return Err(ConfigError::ModelTwice { name: name.clone() });
+            return Err(ConfigError::GivenTwice {
+                list: "models",
+                value: name.clone(),
+            });
         }
         let model = CaseModel::of(name, surface)?;
         let transmits = surface.material.transmitting_index().is_some();
@@ -177,8 +180,14 @@ mod tests {
             ),
             ("[material]\neta = 0", "eta = 0: must be a number from 1e-6"),
             ("[material]\neta = 1", "delta"),
-            ("[material]\nkappa = 1", "absorption"),
-            ("[material]\nkind = \"conductor\"\neta = 0.2", "needs both"),
+            (
+                "[material]\nkappa = 1",
+                "kappa = 1: goes with material conductor, not dielectric",
+            ),
+            (
+                "[material]\nkind = \"conductor\"\neta = 0.2",
+                "needs kappa (Absorption index",
+            ),
             ("[material]\nkind = \"mirror\"\neta = 2", "mirror"),
             ("[light]\ntheta = 90", "below 90"),
             ("[light]\ntheta = \"x\"", "must be a number"),

@@ -3,13 +3,13 @@
 use asperity_analysis::{Heitz, LayerPaths, OrenNayar, Smith};
 
 use crate::config::medium::{BottomKind, MediumConfig};
-use crate::config::{CompareConfig, MaterialKind, SurfaceConfig, VerifyConfig};
+use crate::config::{CompareConfig, MaterialConfig, SurfaceConfig, VerifyConfig};
 use crate::settings::Document;
 
-/// What decides which models describe a surface.
+/// Properties of a surface by which its models are chosen.
 pub(crate) struct Described<'a> {
     pub(crate) surface: &'a SurfaceConfig,
-    pub(crate) material: MaterialKind,
+    pub(crate) material: &'a MaterialConfig,
     pub(crate) medium: Option<&'a MediumConfig>,
 }
 
@@ -24,8 +24,8 @@ impl Described<'_> {
         let names: &[&str] = match (self.medium, self.material) {
             (Some(medium), _) if medium.bottom == Some(BottomKind::Lambertian) => &[],
             (Some(_), _) => &[LayerPaths::All.name()],
-            (None, MaterialKind::Lambertian) if is_isotropic => &[OrenNayar::NAME],
-            (None, MaterialKind::Lambertian) => &[],
+            (None, MaterialConfig::Lambertian { .. }) if is_isotropic => &[OrenNayar::NAME],
+            (None, MaterialConfig::Lambertian { .. }) => &[],
             (None, _) if is_isotropic => return None,
             (None, _) => &[Smith::NAME_CORRELATED, Heitz::NAME],
         };
@@ -47,7 +47,7 @@ impl VerifyConfig {
     pub fn choose_models(&mut self, document: &Document) {
         let described = Described {
             surface: &self.surface,
-            material: self.material.kind,
+            material: &self.material,
             medium: self.medium.as_ref(),
         };
         described.choose(&mut self.compare, document);

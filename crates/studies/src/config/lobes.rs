@@ -25,7 +25,7 @@ pub(crate) struct BinnedLobe {
     lobe: Lobe,
     /// Widths of that bin, degrees of arc: along the polar angle, and across.
     bin_deg: [f64; 2],
-    /// Whether bins tell its peak.
+    /// `true` if bins resolve its peak.
     resolved: bool,
 }
 
@@ -52,7 +52,7 @@ impl BinnedLobe {
         })
     }
 
-    /// What a reader should know of a lobe that is narrower than its bin.
+    /// Warning of a lobe that is narrower than its bin.
     pub(crate) fn warning(&self) -> Option<String> {
         if self.resolved {
             return None;

@@ -77,10 +77,7 @@ impl MeasuredConfig {
             || self.missing != MissingPolicy::Refuse
             || self.remove != Form::None;
         if self.file.is_none() && reads_file {
-            return Err(ConfigError::Contradiction(
-                "border, spacing, unit, assume-unit, flip, missing and remove are for a surface read from a file, but no file is given"
-                    .into(),
-            ));
+            return Err(ConfigError::NoFileToRead);
         }
         Ok(())
     }

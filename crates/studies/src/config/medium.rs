@@ -1,11 +1,10 @@
-//! What lies below the surfaces: `[medium]` of a configuration, and the layers that it stands for.
+//! Medium: `[medium]` of a configuration, and the layers that it stands for.
 
 use asperity_simulate::BottomSurface;
 
 use std::path::{Path, PathBuf};
 
 use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction};
-use asperity_tracer::TracedLayerError;
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -72,19 +71,10 @@ impl BottomShape {
 /// `[medium]`: a medium below the surface. Of values that may be several, all combinations are cases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MediumConfig {
-    /// Mean distance between interactions, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mean_free_path: Option<OneOrMany<Number>>,
-    /// Fraction of these interactions that scatters; the rest absorbs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub albedo: Option<OneOrMany<Number>>,
-    /// Absorption coefficient, 1 / length unit; with `scattering` instead of the two above.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub absorption: Option<OneOrMany<Number>>,
-    /// Scattering coefficient, 1 / length unit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scattering: Option<OneOrMany<Number>>,
-    /// Where it scatters light to.
+    /// Its interactions with light.
+    #[serde(flatten)]
+    pub interactions: Interactions,
+    /// The phase function.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase: Option<PhaseKind>,
     /// Mean cosine of scattering by Henyey and Greenstein.
@@ -93,7 +83,7 @@ pub struct MediumConfig {
     /// From mean plane to mean plane, length units; without end unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<OneOrMany<Number>>,
-    /// What a layer of that thickness ends on; an interface unless given.
+    /// End of a layer of that thickness; an interface unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom: Option<BottomKind>,
     /// Index n_beyond / n_layer of an interface; that of the medium above unless given.
@@ -108,95 +98,95 @@ pub struct MediumConfig {
     pub max_scatterings: u32,
 }
 
+/// Interactions of a medium with light.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Interactions {
+    /// Mean distance between them.
+    Path {
+        /// Mean distance, length units.
+        mean_free_path: OneOrMany<Number>,
+        /// Fraction that scatters; the rest absorbs.
+        albedo: OneOrMany<Number>,
+    },
+    /// Coefficients, 0 unless given.
+    Coefficients {
+        /// Absorption coefficient, 1 / length unit.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        absorption: Option<OneOrMany<Number>>,
+        /// Scattering coefficient, 1 / length unit.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        scattering: Option<OneOrMany<Number>>,
+    },
+}
+
+impl Interactions {
+    /// Lists of the mean free path, the albedo, and the coefficients of absorption and scattering, where they are given.
+    pub(crate) const fn lists(&mut self) -> [Option<&mut OneOrMany<Number>>; 4] {
+        match self {
+            Self::Path {
+                mean_free_path,
+                albedo,
+            } => [Some(mean_free_path), Some(albedo), None, None],
+            Self::Coefficients {
+                absorption,
+                scattering,
+            } => [None, None, absorption.as_mut(), scattering.as_mut()],
+        }
+    }
+}
+
 impl MediumConfig {
-    /// The layer of a configuration without lists, below a surface of `material`.
+    /// Returns the layer of a configuration without lists, below a surface of `material`.
     ///
     /// # Errors
-    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    /// [`ConfigError`] if a value is out of range, or the material transmits no light.
     pub fn layer(&self, material: Material) -> Result<Layer, ConfigError> {
         let Material::Dielectric { eta } = material else {
             return Err(ConfigError::MediumBelow { material });
         };
         let medium = self.participating_medium()?;
-        let bottom = self.bottom(eta)?;
-        let Some(thickness) = &self.thickness else {
-            return match self.first_given_of_bottom() {
-                Some(name) => refuse(&format!(
-                    "{name} is a property of the end of a layer: give its thickness too"
-                )),
-                None => Ok(Layer::half_space(medium)),
-            };
-        };
-        let flat = BottomShape::Named(BottomSurface::Flat);
-        if bottom == Bottom::Open && self.bottom_surface != flat {
-            return refuse(&TracedLayerError::OpenShape.to_string());
+        match &self.thickness {
+            None => Ok(Layer::half_space(medium)),
+            Some(thickness) => {
+                let thickness = thickness.one("thickness")?.0;
+                Ok(Layer::slab(medium, thickness, self.bottom(eta))?)
+            }
         }
-        Ok(Layer::slab(medium, thickness.one("thickness")?.0, bottom)?)
     }
 
     fn participating_medium(&self) -> Result<ParticipatingMedium, ConfigError> {
-        let value = |of: &Option<OneOrMany<Number>>, name| {
-            of.as_ref().map(|value| value.one(name)).transpose()
+        let phase = match (self.phase, &self.g) {
+            (_, Some(g)) => PhaseFunction::henyey_greenstein(g.one("g")?.0)?,
+            (Some(PhaseKind::Rayleigh), None) => PhaseFunction::Rayleigh,
+            _ => PhaseFunction::Isotropic,
         };
-        let absorption = value(&self.absorption, "absorption")?;
-        let scattering = value(&self.scattering, "scattering")?;
-        let path = value(&self.mean_free_path, "mean_free_path")?;
-        let albedo = value(&self.albedo, "albedo")?;
-        let by_coefficients = absorption.is_some() || scattering.is_some();
-        let phase = self.phase_function()?;
-        match (path, albedo) {
-            (None, None) if by_coefficients => {
-                let [a, s] = [absorption, scattering].map(|c| c.map_or(0.0, |c| c.0));
-                Ok(ParticipatingMedium::from_coefficients(a, s, phase)?)
+        Ok(match &self.interactions {
+            Interactions::Path {
+                mean_free_path,
+                albedo,
+            } => {
+                let path = mean_free_path.one("mean_free_path")?.0;
+                ParticipatingMedium::from_mean_free_path(path, albedo.one("albedo")?.0, phase)?
             }
-            _ if by_coefficients => refuse(
-                "absorption and scattering stand for mean free path and albedo: give one pair or the other",
-            ),
-            (Some(path), Some(albedo)) => Ok(ParticipatingMedium::from_mean_free_path(
-                path.0, albedo.0, phase,
-            )?),
-            (Some(_), None) => refuse(
-                "a mean free path needs an albedo, the fraction of interactions that scatters light",
-            ),
-            (None, Some(_)) => {
-                refuse("an albedo needs a mean free path, the mean distance between interactions")
+            Interactions::Coefficients {
+                absorption,
+                scattering,
+            } => {
+                let value = |of: &Option<OneOrMany<Number>>, name| {
+                    of.as_ref()
+                        .map_or(Ok(0.0), |of| Ok::<_, ConfigError>(of.one(name)?.0))
+                };
+                let absorption = value(absorption, "absorption")?;
+                let scattering = value(scattering, "scattering")?;
+                ParticipatingMedium::from_coefficients(absorption, scattering, phase)?
             }
-            (None, None) => refuse(
-                "a medium needs a mean free path and an albedo, or coefficients of absorption and scattering",
-            ),
-        }
+        })
     }
 
-    fn phase_function(&self) -> Result<PhaseFunction, ConfigError> {
-        match (self.phase, &self.g) {
-            (None | Some(PhaseKind::Isotropic), None) => Ok(PhaseFunction::Isotropic),
-            (Some(PhaseKind::Rayleigh), None) => Ok(PhaseFunction::Rayleigh),
-            (None | Some(PhaseKind::HenyeyGreenstein), Some(g)) => {
-                Ok(PhaseFunction::henyey_greenstein(g.one("g")?.0)?)
-            }
-            (Some(PhaseKind::HenyeyGreenstein), None) => {
-                refuse("the phase function of Henyey and Greenstein needs g, its mean cosine")
-            }
-            (Some(PhaseKind::Isotropic | PhaseKind::Rayleigh), Some(_)) => {
-                refuse("g is only for the phase function henyey-greenstein; leave out one of them")
-            }
-        }
-    }
-
-    /// What a layer below a surface of index `eta` ends on.
-    fn bottom(&self, eta: f64) -> Result<Bottom, ConfigError> {
-        let kind = self.bottom.unwrap_or(BottomKind::Interface);
-        if self.bottom_eta.is_some() && kind != BottomKind::Interface {
-            return refuse(
-                "bottom_eta is only for a bottom that is an interface; leave out one of them",
-            );
-        }
-        if self.bottom_reflectance.is_some() && kind != BottomKind::Lambertian {
-            return refuse(
-                "bottom_reflectance is only for a Lambertian bottom; take bottom lambertian",
-            );
-        }
-        Ok(match kind {
+    /// Returns the end of a layer below a surface of index `eta`.
+    fn bottom(&self, eta: f64) -> Bottom {
+        match self.bottom.unwrap_or(BottomKind::Interface) {
             BottomKind::Open => Bottom::Open,
             BottomKind::Interface => Bottom::Interface {
                 eta: self.bottom_eta.map_or(1.0 / eta, |eta| eta.0),
@@ -206,30 +196,8 @@ impl MediumConfig {
             BottomKind::Lambertian => Bottom::Lambertian {
                 reflectance: self.bottom_reflectance.map_or(1.0, |fraction| fraction.0),
             },
-        })
+        }
     }
-
-    /// The first value given that means nothing without a thickness.
-    fn first_given_of_bottom(&self) -> Option<&'static str> {
-        [
-            (self.bottom.is_some(), "bottom"),
-            (self.bottom_eta.is_some(), "the index beyond the bottom"),
-            (
-                self.bottom_reflectance.is_some(),
-                "the reflectance of the bottom",
-            ),
-            (
-                self.bottom_surface != BottomShape::Named(BottomSurface::Flat),
-                "the surface of the bottom",
-            ),
-        ]
-        .into_iter()
-        .find_map(|(given, name)| given.then_some(name))
-    }
-}
-
-fn refuse<T>(reason: &str) -> Result<T, ConfigError> {
-    Err(ConfigError::Contradiction(reason.to_owned()))
 }
 
 #[cfg(test)]
@@ -255,9 +223,12 @@ mod tests {
     fn contradictions_are_refused_in_one_sentence() {
         let path = "mean_free_path = 1\nalbedo = 0.9";
         for (text, expected) in [
-            ("", "needs a mean free path"),
-            ("mean_free_path = 1", "needs an albedo"),
-            ("albedo = 0.9", "needs a mean free path"),
+            (
+                "",
+                "a medium needs mean_free_path and albedo, or absorption and scattering",
+            ),
+            ("mean_free_path = 1", "needs albedo"),
+            ("albedo = 0.9", "needs mean_free_path"),
             ("mean_free_path = 1\nabsorption = 1", "excludes"),
             (
                 "absorption = -1",
@@ -277,25 +248,28 @@ mod tests {
             ),
             (
                 &format!("{path}\ng = 0.1\nphase = \"rayleigh\""),
-                "only for the phase function henyey-greenstein",
+                "g = 0.1: goes with phase henyey-greenstein, not rayleigh",
             ),
             (&format!("{path}\nphase = \"henyey-greenstein\""), "needs g"),
-            (&format!("{path}\nbottom = \"open\""), "give its thickness"),
+            (
+                &format!("{path}\nbottom = \"open\""),
+                "goes with a medium with a thickness",
+            ),
             (
                 &format!("{path}\nbottom_surface = \"same\""),
-                "give its thickness",
+                "goes with a medium with a thickness, not one without end",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"open\"\nbottom_surface = \"same\""),
-                "an open bottom has no shape",
+                "goes with bottom interface, lambertian, absorbing or mirror, not open",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"mirror\"\nbottom_eta = 1"),
-                "only for a bottom that is an interface",
+                "goes with bottom interface, not mirror",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom_reflectance = 1"),
-                "only for a Lambertian bottom",
+                "goes with bottom lambertian, not interface",
             ),
             (&format!("{path}\nmax_scatterings = 1e10"), "4294967295"),
             (

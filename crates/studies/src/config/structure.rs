@@ -5,7 +5,6 @@ use asperity_synthesis::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::surface_error::SurfaceError;
 use crate::config::values::{Number, OneOrMany};
 
 /// Width of features where it is not given, length units.
@@ -38,46 +37,6 @@ pub enum StructureKind {
     InvertedPyramids,
 }
 
-/// The settings that structures have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Parameter {
-    Length,
-    Density,
-    EdgeRadius,
-    Randomness,
-    Arrangement,
-    Spread,
-}
-
-impl StructureKind {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Pits => "pits",
-            Self::Caps => "caps",
-            Self::VGrooves => "v-grooves",
-            Self::SineGrooves => "sine-grooves",
-            Self::BlazedGrooves => "blazed-grooves",
-            Self::Scratches => "scratches",
-            Self::Cracks => "cracks",
-            Self::Pyramids => "pyramids",
-            Self::InvertedPyramids => "inverted-pyramids",
-        }
-    }
-
-    /// The settings that it has, beside depth and width.
-    const fn parameters(self) -> &'static [Parameter] {
-        use Parameter::{Arrangement, Density, EdgeRadius, Length, Randomness, Spread};
-        match self {
-            Self::Pits | Self::Caps => &[Density, EdgeRadius, Randomness, Arrangement],
-            Self::VGrooves | Self::BlazedGrooves => &[EdgeRadius, Randomness],
-            Self::SineGrooves => &[Randomness],
-            Self::Scratches => &[Length, Density, EdgeRadius, Randomness, Spread],
-            Self::Cracks => &[Density, EdgeRadius],
-            Self::Pyramids | Self::InvertedPyramids => &[Density, Randomness, Arrangement],
-        }
-    }
-}
-
 /// The structure of `[surface]`, if it has one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StructureConfig {
@@ -102,7 +61,7 @@ pub struct StructureConfig {
     /// Half the range of sizes, as a fraction of their mean.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub randomness: Option<Number>,
-    /// Where features lie.
+    /// Arrangement of features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<Arrangement>,
     /// Standard deviation of the directions of scratches, degrees.
@@ -111,60 +70,6 @@ pub struct StructureConfig {
 }
 
 impl StructureConfig {
-    /// Refuses settings that the chosen structure does not use, and any setting of structures where none is chosen.
-    ///
-    /// # Errors
-    /// [`SurfaceError::UnusedByStructure`] and [`SurfaceError::NoStructure`].
-    pub fn check(&self) -> Result<(), SurfaceError> {
-        let given = [
-            (
-                Parameter::Length,
-                "scratch_length",
-                self.scratch_length.is_some(),
-            ),
-            (Parameter::Density, "density", self.density.is_some()),
-            (
-                Parameter::EdgeRadius,
-                "edge_radius",
-                self.edge_radius.is_some(),
-            ),
-            (
-                Parameter::Randomness,
-                "randomness",
-                self.randomness.is_some(),
-            ),
-            (
-                Parameter::Arrangement,
-                "arrangement",
-                self.arrangement.is_some(),
-            ),
-            (Parameter::Spread, "spread", self.spread.is_some()),
-        ];
-        let Some(kind) = self.structure else {
-            let sizes = [
-                ("depth", self.depth.is_some()),
-                ("width", self.width.is_some()),
-            ];
-            let all = sizes
-                .into_iter()
-                .chain(given.map(|(_, name, is)| (name, is)));
-            return match all.into_iter().find(|(_, is_given)| *is_given) {
-                Some((setting, _)) => Err(SurfaceError::NoStructure { setting }),
-                None => Ok(()),
-            };
-        };
-        let unused = given
-            .into_iter()
-            .find(|(parameter, _, is_given)| *is_given && !kind.parameters().contains(parameter));
-        match unused {
-            Some((_, setting, _)) => Err(SurfaceError::UnusedByStructure {
-                setting,
-                structure: kind.name(),
-            }),
-            None => Ok(()),
-        }
-    }
-
     /// The chosen structure with its parameters, which are not checked here, and the first of several depths; `None` where none is chosen.
     /// `azimuth`: radians.
     #[must_use]
@@ -244,7 +149,7 @@ impl StructureConfig {
         })
     }
 
-    /// Whether it has a direction that the azimuth turns.
+    /// Returns `true` if it has a direction that the azimuth turns.
     pub(super) const fn has_direction(&self) -> bool {
         use StructureKind::{BlazedGrooves, Scratches, SineGrooves, VGrooves};
         matches!(

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_synthesis::{MeasuredStructure, StructureError, StructureSynthesis};
 
-/// What was measured last, shared by all copies.
+/// The last measurement, shared by all copies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct StructureMemo(Arc<Mutex<Option<(StructureSynthesis, MeasuredStructure)>>>);
 
@@ -19,7 +19,7 @@ impl PartialEq for StructureMemo {
 }
 
 impl StructureMemo {
-    /// What `synthesis` draws, measured unless it was measured last.
+    /// Returns the surfaces that `synthesis` draws, measured unless they were measured last.
     pub(super) fn measured(
         &self,
         synthesis: StructureSynthesis,

@@ -3,8 +3,7 @@
 use asperity_simulate::check_memory;
 use asperity_synthesis::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
 
-use super::surface::{SlopesName, SurfaceConfig};
-use super::surface_choices::SpectrumName;
+use super::surface::SurfaceConfig;
 use super::surface_error::SurfaceError;
 use crate::config::error::ConfigError;
 
@@ -26,11 +25,11 @@ impl SurfaceConfig {
         Ok((2.0 / (xx + yy).sqrt(), recipe))
     }
 
-    /// What draws the structure.
+    /// Returns the synthesis of the structure.
     pub(super) fn structure_synthesis(&self) -> Result<StructureSynthesis, SurfaceError> {
         let azimuth = self.azimuth.0.to_radians();
         let Some(structure) = self.structure.structure(azimuth) else {
-            return Err(SurfaceError::NoStructure { setting: "depth" });
+            return Err(SurfaceError::Missing("structure"));
         };
         let (shape, spacing) = (self.shape()?, self.spacing());
         let synthesis = StructureSynthesis::new(structure, shape, spacing, self.insist);
@@ -44,32 +43,12 @@ impl SurfaceConfig {
         }
     }
 
-    /// The spectrum of the roughness on top, if sigma is given.
+    /// Returns the spectrum of the roughness on top, if sigma is given.
     fn roughness_on_top(&self) -> Result<Option<Psd>, ConfigError> {
         if self.sigma.is_none() {
-            let has_spectrum = self.psd != SpectrumName::Gaussian
-                || self.tau.is_some()
-                || self.tau_y.is_some()
-                || self.second_sigma.is_some()
-                || self.second_tau.is_some()
-                || self.has_heights();
-            return match has_spectrum {
-                true => Err(SurfaceError::NoRoughness.into()),
-                false => Ok(None),
-            };
-        }
-        if self.has_heights() {
-            return Err(SurfaceError::OtherRoughness.into());
+            return Ok(None);
         }
         let (_, recipe) = self.transformed_spectrum()?;
         Ok(recipe.gaussian().cloned())
-    }
-
-    /// Whether heights or slopes are not Gaussian.
-    fn has_heights(&self) -> bool {
-        self.skewness.is_some()
-            || self.kurtosis.is_some()
-            || self.heights.is_some()
-            || self.slopes != SlopesName::Gaussian
     }
 }

@@ -55,7 +55,7 @@ impl CellsChoice {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlopesName {
-    /// Those of Gaussian heights.
+    /// Slopes of Gaussian heights.
     #[default]
     Gaussian,
     /// Long tails.
@@ -77,7 +77,7 @@ pub struct SurfaceConfig {
     /// Distribution of heights, if it is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<HeightsChoice>,
-    /// What was read of files.
+    /// Contents of files.
     #[serde(
         default,
         skip_deserializing,
@@ -120,7 +120,7 @@ pub struct SurfaceConfig {
     /// 1/e correlation length, length units; none where it follows from the spectrum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tau: Option<Number>,
-    /// The same along the second principal axis, if it differs.
+    /// Correlation length along the second principal axis, if it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tau_y: Option<Number>,
     /// Angle from +x to the first principal axis, degrees.
@@ -143,18 +143,18 @@ pub struct SurfaceConfig {
     /// Unit of lengths.
     #[serde(default)]
     pub unit: LengthUnit,
-    /// What lies between the heights of the grid.
+    /// Cells between the heights of the grid.
     #[serde(default)]
     pub cells: CellsChoice,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
-    /// What was measured of the structure.
+    /// Measurements of the structure.
     #[serde(skip)]
     pub(super) measured: StructureMemo,
 }
 
 impl SurfaceConfig {
-    /// Whether the surfaces have no direction; also where the spectrum cannot be made, which is refused elsewhere.
+    /// Returns `true` if the surfaces have no direction, or their spectrum cannot be made, which is refused elsewhere.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
         let spectrum = self.unit_psd().and_then(|psd| self.turned(psd));
@@ -165,7 +165,7 @@ impl SurfaceConfig {
         }
     }
 
-    /// What lies between heights, unless named: smooth cells, but flat ones where a structure has edges.
+    /// Cells between heights. Unless named they are smooth, but flat where a structure has edges.
     #[must_use]
     pub fn cells(&self) -> Cells {
         let is_structured = self.structure.structure.is_some();
@@ -236,7 +236,7 @@ impl SurfaceConfig {
         Ok([samples(y)?, samples(x)?])
     }
 
-    /// How far the slope variance of facets of this spacing lies below that of the continuous surface, as a fraction:
+    /// Deficit of the slope variance of facets of this spacing against the continuous surface, as a fraction:
     /// `1 - (1 - exp(-x^2)) / x^2` of a Gaussian spectrum, `x` being the spacing over the correlation length, the larger of both axes.
     #[must_use]
     pub fn facet_slope_deficit(&self, spacing: [f64; 2]) -> f64 {

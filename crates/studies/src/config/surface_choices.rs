@@ -20,17 +20,6 @@ pub enum SpectrumName {
     PowerLaw,
 }
 
-impl SpectrumName {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Gaussian => "gaussian",
-            Self::Exponential => "exponential",
-            Self::Matern => "matern",
-            Self::PowerLaw => "power-law",
-        }
-    }
-}
-
 /// A power spectral density by its name, or by a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -64,14 +53,6 @@ impl SpectrumChoice {
             Self::File(path) => Some(path),
         }
     }
-
-    /// Its name in messages.
-    pub(super) fn name(&self) -> String {
-        match self {
-            Self::Named(name) => name.name().to_owned(),
-            Self::File(path) => format!("that of {}", path.display()),
-        }
-    }
 }
 
 /// A distribution of heights: that of the spectrum, or that of a file.
@@ -101,7 +82,7 @@ impl HeightsChoice {
     }
 }
 
-/// What was read of the files that a surface names.
+/// Contents of the files that a surface names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SurfaceFiles {
     /// The spectrum.

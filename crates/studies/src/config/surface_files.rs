@@ -17,7 +17,7 @@ use super::surface::SurfaceConfig;
 use super::surface_choices::HeightsChoice;
 use crate::settings::LIKE;
 
-/// Why a file does not give a spectrum or a distribution of heights.
+/// Refusal of a file that gives no spectrum or distribution of heights.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceFileError {
@@ -31,7 +31,7 @@ pub enum SurfaceFileError {
     Unknown {
         /// The flag.
         setting: &'static str,
-        /// What was given.
+        /// The value.
         name: String,
         /// The names allowed.
         names: &'static str,
@@ -59,7 +59,7 @@ pub enum SurfaceFileError {
     Psd {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: PsdError,
     },
     /// The spectrum of a height map cannot be estimated.
@@ -67,7 +67,7 @@ pub enum SurfaceFileError {
     Estimate {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: EstimateError,
     },
     /// A height map has too few samples for a spectrum.
@@ -90,7 +90,7 @@ pub enum SurfaceFileError {
     Heights {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: HeightTableError,
     },
     /// Missing points cannot be filled.
@@ -98,7 +98,7 @@ pub enum SurfaceFileError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: MissingError,
     },
 }

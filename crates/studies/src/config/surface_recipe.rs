@@ -5,18 +5,11 @@ use asperity_synthesis::{Johnson, Psd, StudentSlopes, SurfaceRecipe, Transformed
 use super::surface::{MAX_SMOOTHNESS, SlopesName, SurfaceConfig};
 use super::surface_choices::{SpectrumChoice, SpectrumName};
 use super::surface_error::SurfaceError;
-use super::values::Number;
 use crate::config::error::ConfigError;
 
-/// A value that a choice needs.
-fn needed(
-    value: Option<Number>,
-    flag: &'static str,
-    choice: &'static str,
-) -> Result<f64, SurfaceError> {
-    value
-        .map(|number| number.0)
-        .ok_or(SurfaceError::Needs { choice, flag })
+/// Returns a value that the chosen spectrum or slopes need.
+fn needed<T>(value: Option<T>, name: &'static str) -> Result<T, SurfaceError> {
+    value.ok_or(SurfaceError::Missing(name))
 }
 
 impl SurfaceConfig {
@@ -25,8 +18,6 @@ impl SurfaceConfig {
     /// # Errors
     /// [`ConfigError`] if a value is missing or out of range.
     pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        self.check_choices()?;
-        self.structure.check()?;
         self.check_azimuth()?;
         if self.structure.structure.is_some() {
             return self.structured();
@@ -71,7 +62,7 @@ impl SurfaceConfig {
                 (tau / sigma, sigma)
             }
             (None, None) if let Some(psd) = &self.files.psd => (tau / psd.sigma(), psd.sigma()),
-            _ => return Err(SurfaceError::NoHeight.into()),
+            _ => return Err(SurfaceError::Missing("smoothness").into()),
         };
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
         let smoother = smoothness * ratio.max(1.0);
@@ -88,10 +79,7 @@ impl SurfaceConfig {
     fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, SurfaceError> {
         let has_moments = self.skewness.is_some() || self.kurtosis.is_some();
         if let Some(heights) = &self.files.heights {
-            return match has_moments {
-                true => Err(SurfaceError::HeightsTwice),
-                false => Ok(TransformedHeights::of(psd, heights.clone()).into()),
-            };
+            return Ok(TransformedHeights::of(psd, heights.clone()).into());
         }
         if !has_moments {
             return Ok(psd.into());
@@ -107,9 +95,6 @@ impl SurfaceConfig {
         match self.psd {
             SpectrumChoice::Named(name) => self.named_psd(name),
             SpectrumChoice::File(_) => match &self.files.psd {
-                Some(_) if self.tau.is_some() || self.tau_y.is_some() => {
-                    Err(SurfaceError::TauOfFile)
-                }
                 Some(psd) => Ok(psd.clone().with_sigma(1.0)?),
                 None => Err(SurfaceError::UnreadSpectrum),
             },
@@ -118,26 +103,21 @@ impl SurfaceConfig {
 
     /// A spectrum that has a name, of root mean square height 1.
     fn named_psd(&self, name: SpectrumName) -> Result<Psd, SurfaceError> {
-        let tau = || self.tau.map(|tau| tau.0).ok_or(SurfaceError::NoTau);
+        let tau = || Ok::<_, SurfaceError>(needed(self.tau, "tau")?.0);
         Ok(match name {
             SpectrumName::Gaussian => Psd::gaussian(1.0, tau()?)?,
             SpectrumName::Exponential => {
-                let cut_off = needed(self.cut_off, "cut-off", "--psd exponential")?;
-                Psd::exponential(1.0, tau()?, cut_off)?
+                Psd::exponential(1.0, tau()?, needed(self.cut_off, "cut_off")?.0)?
             }
             SpectrumName::Matern => {
-                let nu = needed(self.nu, "nu", "--psd matern")?;
+                let nu = needed(self.nu, "nu")?.0;
                 let cut_off = self.cut_off.map(|cut_off| cut_off.0);
                 Psd::matern(1.0, tau()?, nu, cut_off)?
             }
-            SpectrumName::PowerLaw if self.tau.is_some() => {
-                return Err(SurfaceError::TauOfPowerLaw);
-            }
             SpectrumName::PowerLaw => {
-                let of_law = |value, flag| needed(value, flag, "--psd power-law");
-                let hurst = of_law(self.hurst, "hurst")?;
-                let roll_off = of_law(self.roll_off, "roll-off")?;
-                Psd::power_law(1.0, hurst, roll_off, of_law(self.cut_off, "cut-off")?)?
+                let hurst = needed(self.hurst, "hurst")?.0;
+                let roll_off = needed(self.roll_off, "roll_off")?.0;
+                Psd::power_law(1.0, hurst, roll_off, needed(self.cut_off, "cut_off")?.0)?
             }
         })
     }
@@ -153,22 +133,14 @@ impl SurfaceConfig {
     /// The second scale, if there is one.
     fn second(&self) -> Result<Option<Psd>, SurfaceError> {
         match (self.second_sigma, self.second_tau) {
-            (None, None) => Ok(None),
             (Some(sigma), Some(tau)) => Ok(Some(Psd::gaussian(sigma.0, tau.0)?)),
-            _ => Err(SurfaceError::HalfASecondScale),
+            _ => Ok(None),
         }
     }
 
     /// Surfaces of GGX slopes.
     fn student(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        let alpha = self.ggx_alpha.as_ref().ok_or(SurfaceError::NoAlpha)?;
-        let alpha = alpha.one("ggx_alpha")?;
-        if self.second()?.is_some() {
-            return Err(SurfaceError::GgxOfTwoScales.into());
-        }
-        if self.skewness.is_some() || self.kurtosis.is_some() || self.files.heights.is_some() {
-            return Err(SurfaceError::GgxHeights.into());
-        }
+        let alpha = needed(self.ggx_alpha.as_ref(), "ggx_alpha")?.one("ggx_alpha")?;
         let unit = self.turned(self.unit_psd()?)?;
         // alpha^2 is twice the slope variance along the first axis
         let [tau, _] = unit.correlation_lengths();
@@ -178,35 +150,6 @@ impl SurfaceConfig {
         let student = StudentSlopes::new(base, self.amplitude_ratio());
         let recipe: SurfaceRecipe = student.map_err(SurfaceError::from)?.into();
         Ok((tau / recipe.sigma(), recipe))
-    }
-
-    /// Refuses parameters that no choice takes.
-    fn check_choices(&self) -> Result<(), SurfaceError> {
-        use SpectrumName::{Exponential, Matern, PowerLaw};
-        let taken = [
-            ("nu", self.nu.is_some(), &[Matern][..]),
-            ("hurst", self.hurst.is_some(), &[PowerLaw]),
-            ("roll-off", self.roll_off.is_some(), &[PowerLaw]),
-            (
-                "cut-off",
-                self.cut_off.is_some(),
-                &[Exponential, Matern, PowerLaw],
-            ),
-        ];
-        for (flag, given, spectra) in taken {
-            if given && !spectra.iter().any(|spectrum| self.psd == *spectrum) {
-                return Err(SurfaceError::OfOtherSpectra {
-                    flag,
-                    spectra,
-                    spectrum: self.psd.name(),
-                });
-            }
-        }
-        let of_ggx = self.ggx_alpha.is_some() || self.amplitude_ratio.is_some();
-        match self.slopes {
-            SlopesName::Gaussian if of_ggx => Err(SurfaceError::OfGgxSlopes),
-            _ => Ok(()),
-        }
     }
 
     /// Refuses an azimuth where nothing has a direction that it would turn.

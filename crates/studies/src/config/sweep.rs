@@ -14,7 +14,7 @@ use crate::config::values::{Number, OneOrMany};
 /// Most cases of a sweep.
 const MAX_CASES: f64 = 1e6;
 
-/// Where a list stands.
+/// Access to a list of a configuration.
 type Dimension = fn(&mut VerifyConfig) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.
@@ -23,17 +23,11 @@ const DIMENSIONS: [(&str, Dimension); 13] = [
     ("sigma", |config| config.surface.sigma.as_mut()),
     ("ggx_alpha", |config| config.surface.ggx_alpha.as_mut()),
     ("depth", |config| config.surface.structure.depth.as_mut()),
-    ("eta", |config| config.material.eta.as_mut()),
-    ("mean_free_path", |config| {
-        config.medium.as_mut()?.mean_free_path.as_mut()
-    }),
-    ("albedo", |config| config.medium.as_mut()?.albedo.as_mut()),
-    ("absorption", |config| {
-        config.medium.as_mut()?.absorption.as_mut()
-    }),
-    ("scattering", |config| {
-        config.medium.as_mut()?.scattering.as_mut()
-    }),
+    ("eta", |config| config.material.eta_mut()),
+    ("mean_free_path", |config| interactions(config)?[0].take()),
+    ("albedo", |config| interactions(config)?[1].take()),
+    ("absorption", |config| interactions(config)?[2].take()),
+    ("scattering", |config| interactions(config)?[3].take()),
     ("g", |config| config.medium.as_mut()?.g.as_mut()),
     ("thickness", |config| {
         config.medium.as_mut()?.thickness.as_mut()
@@ -41,6 +35,10 @@ const DIMENSIONS: [(&str, Dimension); 13] = [
     ("theta", |config| Some(&mut config.light.theta)),
     ("phi", |config| Some(&mut config.light.phi)),
 ];
+
+fn interactions(config: &mut VerifyConfig) -> Option<[Option<&mut OneOrMany<Number>>; 4]> {
+    Some(config.medium.as_mut()?.interactions.lists())
+}
 
 impl VerifyConfig {
     /// The configurations of every combination of the lists, each with one value per list.
@@ -83,14 +81,14 @@ impl VerifyConfig {
     /// surface in place of the random ones.
     pub(crate) fn document_of_cases(&self, measured: Option<&Value>) -> Value {
         let mut settings = self.clone();
-        // A list that is not given is that of its default.
-        settings.material.eta = Some(OneOrMany::Many(Vec::new()));
         for (_, dimension) in DIMENSIONS {
             if let Some(list) = dimension(&mut settings) {
                 *list = OneOrMany::Many(Vec::new());
             }
         }
         let mut document = settings.document();
+        // A list that is not given is that of its default.
+        document["material"]["eta"] = json!([]);
         if let Some(measured) = measured {
             document["surface"] = json!({ "cells": self.surface.cells.of_given() });
             document["measured"] = measured.clone();

@@ -3,7 +3,7 @@
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{
-    BottomSurface, Case, Coordinates, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
+    Case, Coordinates, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
 };
 use asperity_surface::LengthUnit;
 use asperity_tracer::Polarisation;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::measured::MeasuredConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::cases::{check_light, check_models, check_sides};
-use crate::config::error::ConfigError;
+use crate::config::error::{ConfigError, StokesError};
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
 use crate::config::{Azimuth, CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig};
@@ -21,7 +21,7 @@ use crate::settings::{Command, Document};
 /// `[surface]`, of which a given surface has the cells alone.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellsConfig {
-    /// What lies between the heights of the grid.
+    /// Cells between the heights of the grid.
     #[serde(default)]
     pub cells: CellsChoice,
 }
@@ -29,22 +29,22 @@ pub struct CellsConfig {
 /// Light on given surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceConfig {
-    /// What lies between the heights of the surface.
+    /// Cells between the heights of the surface.
     pub surface: CellsConfig,
     /// The surfaces.
     pub measured: MeasuredConfig,
-    /// What it is made of.
+    /// The material.
     pub material: MaterialConfig,
-    /// What lies below, if there is anything.
+    /// The medium below, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<MediumConfig>,
-    /// Where the light comes from.
+    /// The light.
     pub light: LightConfig,
-    /// How much is traced.
+    /// The effort, and the methods.
     pub run: RunConfig,
-    /// What it is compared with: models with the slopes of this surface; none by default.
+    /// Models with the slopes of this surface; none by default.
     pub compare: CompareConfig,
-    /// What is written.
+    /// The files.
     pub output: OutputConfig,
 }
 
@@ -135,14 +135,11 @@ impl TraceConfig {
         if self.compare.models.is_empty() {
             return Ok(());
         }
-        let refused = |why: &str| Err(ConfigError::Contradiction(format!("models: {why}")));
         if self.light.azimuth == Some(Azimuth::Random) {
-            return refused(
-                "they are made for light from one azimuth; leave out azimuth random, or the models",
-            );
+            return Err(ConfigError::ModelsOfOneAzimuth);
         }
         if self.stokes()? != [0.0; 3] {
-            return refused("they are made for unpolarised light; leave out stokes, or the models");
+            return Err(ConfigError::ModelsOfUnpolarisedLight);
         }
         let any = ModelledSurface {
             slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
@@ -162,12 +159,6 @@ impl TraceConfig {
         if let Some(medium) = &self.medium {
             settings.tally = settings.tally.with_medium();
             settings.max_scatterings = medium.max_scatterings;
-            if medium.bottom_surface.named() == BottomSurface::Independent {
-                return Err(ConfigError::Contradiction(
-                    "--bottom-surface independent: a single surface is traced and none is drawn; take flat, same or a file"
-                        .into(),
-                ));
-            }
         }
         if let Some(target) = settings.target() {
             let layer = self.layer()?;
@@ -186,35 +177,27 @@ impl TraceConfig {
             .iter()
             .map(|number| number.0)
             .collect();
-        let refused = |why: &str| {
-            let text = given
-                .iter()
-                .map(f64::to_string)
-                .collect::<Vec<_>>()
-                .join(",");
-            ConfigError::Contradiction(format!("stokes {text}: {why}"))
+        let refused = |error| ConfigError::Stokes {
+            given: given.clone(),
+            error,
         };
         let &[i, q, u, v] = given.as_slice() else {
-            return Err(refused("takes four numbers, I,Q,U,V"));
+            return Err(refused(StokesError::NotFour));
         };
         if i <= 0.0 {
-            return Err(refused("the intensity I must exceed 0"));
+            return Err(refused(StokesError::NoIntensity));
         }
         let stokes = [q / i, u / i, v / i];
         let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
         if degree > 1.0 + 1e-9 {
-            return Err(refused(
-                "more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2",
-            ));
+            return Err(refused(StokesError::AboveIntensity));
         }
         let is_tracked = matches!(
             self.run.polarisation,
             Polarisation::Tracked | Polarisation::Both
         );
         if !is_tracked && degree > 0.0 {
-            return Err(refused(
-                "paths carry the polarisation of the incident light with --polarisation tracked or both",
-            ));
+            return Err(refused(StokesError::NotTracked));
         }
         Ok(stokes)
     }

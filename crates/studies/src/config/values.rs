@@ -23,7 +23,7 @@ pub struct Count(pub u64);
 pub struct Seconds(pub f64);
 
 impl Seconds {
-    /// The same as a duration; `None` if it is longer than any clock can tell.
+    /// Returns the duration; `None` if it is longer than any clock can tell.
     #[must_use]
     pub fn duration(self) -> Option<Duration> {
         Duration::try_from_secs_f64(self.0).ok()
@@ -98,10 +98,10 @@ impl<T: Copy> OneOrMany<T> {
     pub fn one(&self, name: &'static str) -> Result<T, ConfigError> {
         match self.values(name)?[..] {
             [value] => Ok(value),
-            ref values => Err(ConfigError::Contradiction(format!(
-                "{name} has {} values where one is needed",
-                values.len()
-            ))),
+            ref values => Err(ConfigError::SeveralValues {
+                name,
+                count: values.len(),
+            }),
         }
     }
 
@@ -126,7 +126,7 @@ impl<T: Copy> OneOrMany<T> {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum PerAxis<T> {
-    /// The same along both axes.
+    /// One value along both axes.
     Both(T),
     /// `[along x, along y]`.
     Each([T; 2]),

@@ -3,7 +3,7 @@
 use asperity_results::Header;
 use asperity_simulate::{
     Case, Cells, Effort, Estimator, RandomSurfaces, Settings, SimulateError, SurfaceSource,
-    check_memory, check_results, short, traced_bytes,
+    check_memory, check_results, traced_bytes,
 };
 use asperity_synthesis::SurfaceRecipe;
 use std::collections::BTreeSet;
@@ -183,11 +183,7 @@ impl ConvergeConfig {
             if spacing > 0.0 && whole >= 1.0 && (samples - whole).abs() <= 1e-9 * whole {
                 return Ok(whole as usize);
             }
-            Err(ConfigError::Contradiction(format!(
-                "spacing {} does not divide the extent {} of the surfaces, size times spacing, into whole samples",
-                short(spacing),
-                short(extent),
-            )))
+            Err(ConfigError::PartSamples { spacing, extent })
         };
         let ([x, y], [dx, dy]) = (self.extent(), spacing.xy());
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
@@ -228,10 +224,7 @@ impl ConvergeConfig {
             });
             let peers: Vec<Method> = of_peers.collect();
             if peers.is_empty() {
-                return Err(ConfigError::Contradiction(
-                    "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
-                        .to_owned(),
-                ));
+                return Err(ConfigError::NoMethodOfPeer);
             }
             methods.extend(peers);
         }
@@ -373,11 +366,10 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
         .iter()
         .all(|len| [1, count].contains(len))
     {
-        return Err(ConfigError::Contradiction(format!(
-            "rays has {} values and surfaces {}; they go together value by value, so give as many of both, or one of either",
-            rays.len(),
-            surfaces.len(),
-        )));
+        return Err(ConfigError::UnequalLists {
+            rays: rays.len(),
+            surfaces: surfaces.len(),
+        });
     }
     let pairs = (0..count).map(|i| (rays[i % rays.len()].0, surfaces[i % surfaces.len()].0));
     let names = pairs
@@ -392,23 +384,19 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
 fn effort(rays: u64, surfaces: u64) -> Result<Effort, ConfigError> {
     match rays.checked_mul(surfaces) {
         Some(total) if total as f64 <= MOST_COUNT => Ok(Effort::Rays { total, surfaces }),
-        _ => Err(ConfigError::Contradiction(format!(
-            "{rays} rays on each of {surfaces} surfaces are more than {MOST_COUNT:e} in all"
-        ))),
+        _ => Err(ConfigError::TooManyRays { rays, surfaces }),
     }
 }
 
 /// Refuses a list that names a value twice.
-fn once<T: Display>(list: &str, values: Vec<T>) -> Result<Vec<T>, ConfigError> {
+fn once<T: Display>(list: &'static str, values: Vec<T>) -> Result<Vec<T>, ConfigError> {
     let mut seen = BTreeSet::new();
     match values
         .iter()
         .map(T::to_string)
         .find(|value| !seen.insert(value.clone()))
     {
-        Some(value) => Err(ConfigError::Contradiction(format!(
-            "{list}: {value} is given twice"
-        ))),
+        Some(value) => Err(ConfigError::GivenTwice { list, value }),
         None => Ok(values),
     }
 }

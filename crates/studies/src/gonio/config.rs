@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_results::Header;
-use asperity_simulate::{BottomSurface, check_memory, check_results};
+use asperity_simulate::{check_memory, check_results};
 use asperity_tally::{HemisphereGrid, Polarimetry};
 use serde::{Deserialize, Serialize};
 
@@ -50,11 +50,15 @@ impl GonioLight {
     /// Polar angles and azimuths, degrees; every pair is a direction.
     ///
     /// # Errors
-    /// [`ConfigError`] if a list is empty, both a grid and a list are given, or an angle is out of range.
+    /// [`ConfigError`] if a list is empty, holds a value twice, or an angle is out of range.
     pub fn angles(&self) -> Result<[Vec<f64>; 2], ConfigError> {
-        let plain = |list: Vec<Number>| list.into_iter().map(|n| n.0).collect::<Vec<f64>>();
-        let [thetas, phis] = match (&self.directions, &self.theta, &self.phi) {
-            (Some(grid), None, None) => {
+        let given = |list: &Option<OneOrMany<Number>>, name| {
+            let list = list.as_ref().ok_or(ConfigError::EmptyList(name))?;
+            let numbers = list.values(name)?.into_iter().map(|number| number.0);
+            Ok::<Vec<f64>, ConfigError>(numbers.collect())
+        };
+        let [thetas, phis] = match &self.directions {
+            Some(grid) => {
                 let centres = |n: usize, span: f64| {
                     (0..n)
                         .map(|i| span * (i as f64 + 0.5) / n as f64)
@@ -62,26 +66,21 @@ impl GonioLight {
                 };
                 [centres(grid.n_theta(), 90.0), centres(grid.n_phi(), 360.0)]
             }
-            (None, Some(thetas), Some(phis)) => {
-                [plain(thetas.values("theta")?), plain(phis.values("phi")?)]
-            }
-            _ => {
-                return Err(ConfigError::Contradiction(
-                    "give either directions, a grid, or both theta and phi".into(),
-                ));
-            }
+            None => [given(&self.theta, "theta")?, given(&self.phi, "phi")?],
         };
         for theta in &thetas {
             for phi in &phis {
                 Incidence::from_degrees(*theta, *phi)?;
             }
         }
-        for (name, angles) in [("theta", &thetas), ("phi", &phis)] {
+        for (list, angles) in [("theta", &thetas), ("phi", &phis)] {
             let mut sorted = angles.clone();
             sorted.sort_by(f64::total_cmp);
-            if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-                let text = format!("{name} has a value twice; give each once");
-                return Err(ConfigError::Contradiction(text));
+            if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+                return Err(ConfigError::GivenTwice {
+                    list,
+                    value: pair[0].to_string(),
+                });
             }
         }
         Ok([thetas, phis])
@@ -191,30 +190,15 @@ impl GonioConfig {
     /// # Errors
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
-        let refused = |text: String| Err(ConfigError::Contradiction(text).into());
         if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
-            return refused(format!(
-                "--polarisation {}: gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
-                self.run.polarisation
-            ));
+            return Err(ConfigError::GonioOfStates(self.run.polarisation).into());
         }
         self.measured.check()?;
         let verification = self.as_verification()?;
         let plan = match sample {
-            None if self.measured.is_given() => {
-                return refused("the measured surface was not read".to_owned());
-            }
+            None if self.measured.is_given() => return Err(ConfigError::UnreadSurface.into()),
             None => verification.plan()?,
-            Some(sample) => {
-                let medium = self.medium.as_ref();
-                let bottom = medium.map(|medium| medium.bottom_surface.named());
-                if bottom == Some(BottomSurface::Independent) {
-                    return refused(
-                        "an independent bottom cannot be drawn for a measured surface; take bottom_surface flat or same".to_owned(),
-                    );
-                }
-                verification.plan_on(&sample.shapes, sample.about.unit)?
-            }
+            Some(sample) => verification.plan_on(&sample.shapes, sample.about.unit)?,
         };
         let specs = plan.cases.iter().map(|case| plan.settings.spec_of(case));
         for spec in specs.clone() {

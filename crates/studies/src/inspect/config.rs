@@ -65,10 +65,6 @@ impl InspectConfig {
     pub fn new(document: &Document) -> Result<Self, StudyError> {
         let config: Self = document.read()?;
         config.light.directions()?;
-        if config.erosion.repose.is_none() && document.is_given("erosion.slip_steps") {
-            let text = "--slip-steps needs --repose";
-            return Err(ConfigError::Contradiction(text.to_owned()).into());
-        }
         Ok(config)
     }
 

@@ -9,8 +9,8 @@ use crate::config::default_models::Described;
 use crate::config::error::ConfigError;
 use crate::config::values::Number;
 use crate::config::{
-    CompareConfig, LightConfig, MaterialConfig, MaterialKind, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig,
+    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
+    VerifyConfig,
 };
 use crate::error::StudyError;
 use crate::settings::{Command, Document, defaults};
@@ -74,7 +74,7 @@ impl MapConfig {
     pub fn choose_models(&mut self, document: &Document) {
         let described = Described {
             surface: &self.surface,
-            material: self.material.kind,
+            material: &self.material,
             medium: None,
         };
         described.choose(&mut self.compare, document);
@@ -110,20 +110,11 @@ impl MapConfig {
             return Err(ConfigError::MapOfMatrices);
         }
         if self.compare.models.is_empty() {
-            let is_lambertian = self.material.kind == MaterialKind::Lambertian;
+            let is_lambertian = matches!(self.material, MaterialConfig::Lambertian { .. });
             return Err(match is_lambertian && !self.surface.is_isotropic() {
                 true => ConfigError::NoModelToMap,
                 false => ConfigError::MapWithoutModels,
             });
-        }
-        for (name, tolerance) in [
-            ("total_variation", self.map.total_variation.0),
-            ("energy", self.map.energy.0),
-            ("peak", self.map.peak.0),
-        ] {
-            if !(tolerance.is_finite() && tolerance > 0.0) {
-                return Err(ConfigError::Tolerance { name, tolerance });
-            }
         }
         Ok(VerifyConfig {
             surface: self.surface.clone(),

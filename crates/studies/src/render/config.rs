@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use asperity_optics::Incidence;
 use asperity_render::{Lights, Patch, Projection, Sun, View};
-use asperity_simulate::BottomSurface;
 use asperity_surface::LengthUnit;
 use serde::Deserialize;
 
@@ -122,18 +121,6 @@ impl RenderConfig {
     /// [`StudyError`] if a value is invalid or two contradict each other.
     pub fn new(document: &Document) -> Result<Self, StudyError> {
         let config: Self = document.read()?;
-        let refused = |text: &str| Err(ConfigError::Contradiction(text.to_owned()).into());
-        if config.camera.projection == CameraKind::Orthographic && document.is_given("camera.fov") {
-            return refused(
-                "--fov is only for --camera pinhole; for others --width sets what the picture shows",
-            );
-        }
-        let medium = config.medium.as_ref();
-        if medium.is_some_and(|m| m.bottom_surface.named() == BottomSurface::Independent) {
-            return refused(
-                "--bottom-surface independent: a single surface is rendered and none is drawn; take flat, same or a file",
-            );
-        }
         config.lights.lights()?;
         Ok(config)
     }

@@ -67,7 +67,7 @@ impl Command {
         }
     }
 
-    /// What it does, in one line of at most 64 characters.
+    /// Purpose in one line of at most 64 characters.
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
@@ -85,7 +85,7 @@ impl Command {
         }
     }
 
-    /// What stands without a flag on the command line: its name in the help, and what it is.
+    /// Positional argument: its name in the help, and its meaning.
     #[must_use]
     pub fn positional(self) -> Option<(&'static str, String)> {
         let (name, about) = match self {
@@ -106,7 +106,7 @@ impl Command {
         Some((name, about.to_owned()))
     }
 
-    /// Whether it reads a configuration file.
+    /// Returns `true` if it reads a configuration file.
     #[must_use]
     pub const fn has_configuration(self) -> bool {
         CONFIGURED.contains(self)
@@ -172,7 +172,16 @@ impl Commands {
         Self(self.0 | others.0)
     }
 
-    /// Whether `command` is one of them.
+    /// These, or `others` if there are none.
+    #[must_use]
+    pub const fn or(self, others: Self) -> Self {
+        match self.0 {
+            0 => others,
+            _ => self,
+        }
+    }
+
+    /// Returns `true` if `command` is one of them.
     #[must_use]
     pub const fn contains(self, command: Command) -> bool {
         self.0 & (1 << command as u16) != 0

@@ -3,21 +3,17 @@
 mod choices;
 mod compare;
 mod converge;
-mod erosion;
-mod generate;
+mod groups;
 mod light;
 mod material;
 mod measured;
-mod medium;
-mod mesh;
-mod model;
 mod output;
-mod program;
 mod render;
 mod run;
-mod structure;
+mod single;
 mod surface;
 
+pub(super) use self::groups::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES};
 use super::command::{Command, Commands};
 use super::setting::Setting;
 
@@ -28,7 +24,7 @@ pub struct Section {
     pub name: &'static str,
     /// Its heading.
     pub title: &'static str,
-    /// Whether it is missing from a configuration in which none of its keys is given.
+    /// `true` if it is missing from a configuration in which none of its keys is given.
     pub optional: bool,
     /// Its settings.
     pub settings: &'static [Setting],
@@ -46,16 +42,16 @@ const fn section(name: &'static str, title: &'static str, settings: &'static [Se
 /// All sections, in the order of the help.
 pub static SECTIONS: &[Section] = &[
     section("surface", "Random surfaces, cells", surface::SETTINGS),
-    section("generate", "Height map", generate::SETTINGS),
+    section("generate", "Height map", single::GENERATE_SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
-    section("erosion", "Erosion", erosion::SETTINGS),
-    section("mesh", "Triangle mesh", mesh::SETTINGS),
-    section("material", "Material", material::SETTINGS),
+    section("erosion", "Erosion", single::EROSION),
+    section("mesh", "Triangle mesh", single::MESH_SETTINGS),
+    section("material", "Material", material::MATERIAL_SETTINGS),
     Section {
         name: "medium",
         title: "Medium below the surface",
         optional: true,
-        settings: medium::SETTINGS,
+        settings: material::MEDIUM,
     },
     section("light", "Light", light::LIGHT),
     section("view", "View", light::VIEW),
@@ -63,13 +59,13 @@ pub static SECTIONS: &[Section] = &[
     section("compare", "Models", compare::COMPARE),
     section("map", "Tolerances", compare::MAP),
     section("converge", "Methods and effort", converge::SETTINGS),
-    section("model", "Model", model::SETTINGS),
+    section("model", "Model", single::MODEL_SETTINGS),
     section("camera", "Camera", render::CAMERA),
     section("lights", "Lights", render::LIGHTS),
     section("picture", "Picture", render::PICTURE),
     section("output", "Figures", output::FIGURES),
     section("results", "Results", output::RESULTS),
-    section("program", "Every command", program::SETTINGS),
+    section("program", "Every command", output::PROGRAM),
 ];
 
 /// The settings of `command`, in the order of the help.

@@ -8,13 +8,13 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::command::{Command, Commands};
-use super::definitions::{SECTIONS, settings_of};
-use super::entry::Entry;
+use super::definitions::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, settings_of};
 use super::error::{Given, Place, SettingError};
 use super::file::File;
-use super::kind::Kind;
+use super::group::{Group, Variant, is_any};
+use super::kind::{Kind, joined_by_or};
 use super::length::{Length, first_unit, in_unit};
-use super::setting::{Flag, Setting, Unless};
+use super::setting::{Flag, Setting};
 use super::value_text::read_text;
 
 /// The values of one run: defaults, then those of a file, then those of flags.
@@ -38,6 +38,26 @@ pub struct Document {
     /// The sections of the file, which may be empty.
     sections: Vec<String>,
     entries: BTreeMap<(&'static str, &'static str), Entry>,
+}
+
+/// A value of a setting, and where it was given.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) setting: &'static Setting,
+    pub(super) value: Value,
+    pub(super) given: Given,
+}
+
+impl Entry {
+    /// Returns `true` if `pattern` means it.
+    pub(super) fn is(&self, pattern: &str) -> bool {
+        self.setting.has_value(pattern, &self.value)
+    }
+
+    /// Returns `true` if one of the `patterns` means it.
+    pub(super) fn is_any(&self, patterns: &[&str]) -> bool {
+        is_any(patterns, self.setting, &self.value)
+    }
 }
 
 impl Document {
@@ -127,8 +147,8 @@ impl Document {
         match missing {
             None => Ok(()),
             Some(setting) => Err(SettingError::Missing {
-                command: self.command,
-                flag: format!(
+                subject: self.command.to_string(),
+                needed: format!(
                     "--{} {}",
                     setting.flag_name().unwrap_or_default(),
                     setting.placeholder(self.command)
@@ -137,19 +157,16 @@ impl Document {
         }
     }
 
-    /// Whether the file or a flag gives the setting `section.key`, or any of `section.*`.
+    /// Returns `true` if the file or a flag gives the setting `section.key`, or any of `section.*`.
     #[must_use]
     pub fn is_given(&self, pattern: &str) -> bool {
-        self.entries
-            .values()
-            .any(|entry| entry.setting.matches(pattern) && entry.is_active())
+        self.entries.values().any(|entry| entry.is(pattern))
     }
 
     /// The value of `section.key`, or its default; `None` where it has neither.
     #[must_use]
     pub fn value(&self, path: &str) -> Option<Value> {
-        let setting = settings_of(self.command).find(|setting| setting.matches(path))?;
-        self.value_of(setting)
+        self.value_of(self.setting(path)?)
     }
 
     /// The configuration file, if there is one.
@@ -172,7 +189,7 @@ impl Document {
         }
     }
 
-    /// The same with all lengths as numbers in `unit`, that of a surface read from a file.
+    /// Returns the document with all lengths as numbers in `unit`, that of a surface read from a file.
     ///
     /// Until then, [`Self::read`] gives lengths with a unit as numbers of that unit: enough to check them.
     ///
@@ -189,7 +206,7 @@ impl Document {
         Ok(self)
     }
 
-    /// Whether the surface is read from a file.
+    /// Returns `true` if the surface is read from a file.
     fn has_file(&self) -> bool {
         self.is_given("measured.file")
     }
@@ -214,9 +231,13 @@ impl Document {
     /// [`Self::in_unit`].
     ///
     /// # Errors
+    /// [`SettingError::OfOtherVariant`] and [`SettingError::Missing`] if settings do not go together,
     /// [`SettingError::NoUnit`] if a length has a unit and the surface has none, and [`SettingError::Unreadable`] if
     /// `T` does not fit the definitions, which is an error of this program.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, SettingError> {
+        for group in GROUPS {
+            self.check(group)?;
+        }
         let document = match self.has_file() {
             true => self.to_json(None),
             false => {
@@ -236,9 +257,7 @@ impl Document {
                 .settings
                 .iter()
                 .filter(|setting| setting.commands.contains(self.command));
-            let given = self.is_given(&format!("{}.*", section.name))
-                || self.sections.iter().any(|name| name == section.name);
-            if section.optional && !given {
+            if section.optional && !self.has(&format!("{}.*", section.name)) {
                 continue;
             }
             let value = |setting: &'static Setting| {
@@ -264,22 +283,89 @@ impl Document {
         if let Some(entry) = self.entries.get(&(setting.section, setting.key)) {
             return Some(entry.value.clone());
         }
-        let of_section = |other: &&&str| other.split('.').next() == Some(setting.section);
-        let mut excluded_in_section = setting.excludes.iter().filter(of_section);
-        let excluded = excluded_in_section.any(|other| self.is_given(other));
-        let overruled = |unless: &Unless| {
-            let is = |entry: &Entry| entry.value.as_str().is_some_and(unless.is);
-            self.entries.get(&unless.setting).is_some_and(is)
-                && unless
-                    .but_with
-                    .is_none_or(|other| !self.entries.contains_key(&other))
+        let text = setting.default_of(self.command)?;
+        let value = read_text(setting, self.command, &[text.to_owned()])?;
+        let holds = |group: &Group| {
+            self.chosen(group).is_none_or(|(variant, _)| {
+                let is_other = group.owns(setting, &value) && !variant.has(setting, &value);
+                let is_kept = group.keeps_defaults || !is_other;
+                is_kept && !is_any(variant.without_default, setting, &value)
+            })
         };
-        let is_overruled = setting.default_unless.iter().any(overruled);
-        if setting.default_yields && excluded || is_overruled {
+        GROUPS.iter().all(holds).then_some(value)
+    }
+
+    /// Returns `true` if the file has the section, or a value of the setting or section is given.
+    fn has(&self, pattern: &str) -> bool {
+        let is_section = |name: &String| pattern.strip_suffix(".*") == Some(name);
+        self.is_given(pattern) || self.sections.iter().any(is_section)
+    }
+
+    /// Returns the variant of a group that holds, with the value that chooses it; `None` where none holds or the group does not matter.
+    fn chosen(&self, group: &Group) -> Option<(&'static Variant, Option<&Entry>)> {
+        if !group.within.is_empty() && !self.has(group.within) {
             return None;
         }
-        let text = setting.default_of(self.command)?;
-        read_text(setting, self.command, &[text.to_owned()])
+        let by = |entry| Some((group.chosen_by(entry)?, Some(entry)));
+        let otherwise = || group.variants.iter().find(|variant| variant.otherwise);
+        let chosen = self.entries.values().find_map(by);
+        chosen.or_else(|| Some((otherwise()?, None)))
+    }
+
+    /// Refuses settings that the chosen variant of a group does not have, and one that lacks what it needs.
+    fn check(&self, group: &Group) -> Result<(), SettingError> {
+        let Some((variant, by)) = self.chosen(group) else {
+            return match !group.subject.is_empty() && self.has(group.within) {
+                true => Err(SettingError::Missing {
+                    subject: group.subject.to_owned(),
+                    needed: group
+                        .variants
+                        .iter()
+                        .map(|variant| variant.name)
+                        .collect::<Vec<_>>()
+                        .join(", or "),
+                }),
+                false => Ok(()),
+            };
+        };
+        let is_other = |entry: &&Entry| {
+            group.owns(entry.setting, &entry.value) && !variant.has(entry.setting, &entry.value)
+        };
+        if let Some(entry) = self.entries.values().find(is_other) {
+            let kind = self.setting(group.kind).and_then(Setting::flag_name);
+            let kind = kind.map_or_else(String::new, |name| name + " ");
+            return Err(SettingError::OfOtherVariant {
+                given: entry.given.clone(),
+                owners: kind + &joined_by_or(&group.owners(entry)),
+                chosen: variant.name,
+            });
+        }
+        let Some(by) = by else {
+            return Ok(());
+        };
+        let missing = variant.needs.iter().filter(|path| !self.is_given(path));
+        let missing: Vec<String> = missing
+            .filter_map(|path| {
+                let setting = self.setting(path)?;
+                let name = match by.given.place {
+                    Place::Flag => format!("--{}", setting.flag_name()?),
+                    Place::File { .. } => setting.key.to_owned(),
+                };
+                Some(format!("{name} ({})", setting.help))
+            })
+            .collect();
+        match missing.is_empty() {
+            true => Ok(()),
+            false => Err(SettingError::Missing {
+                subject: by.given.to_string(),
+                needed: missing.join(" and "),
+            }),
+        }
+    }
+
+    /// Returns the setting `section.key` of the command.
+    fn setting(&self, path: &str) -> Option<&'static Setting> {
+        settings_of(self.command).find(|setting| setting.matches(path))
     }
 
     /// The entry of a flag.
@@ -316,8 +402,7 @@ impl Document {
         path: &str,
         values: &[String],
     ) -> Result<Option<Entry>, SettingError> {
-        let setting = settings_of(self.command).find(|setting| setting.matches(path));
-        let Some(setting) = setting else {
+        let Some(setting) = self.setting(path) else {
             return Ok(None);
         };
         let given = Given {
@@ -356,15 +441,22 @@ impl Document {
         }
     }
 
-    /// Whether the surface is a given one, once these flags are added.
+    /// Returns `true` if the surface is a given one, once these flags are added.
     fn has_given_surface(&self, flags: &[&str]) -> bool {
-        let random = |flag: &&str| {
-            let of_flag = settings_of(self.command).find(|setting| has_flag(setting, flag));
-            of_flag.is_some_and(|s| s.excludes.contains(&"measured.*"))
-        };
-        let by_flag = flags.iter().any(|flag| ["surface", "flat"].contains(flag));
-        let by_file = self.is_given("measured.file") || self.is_given("measured.flat");
-        by_flag || (by_file && !flags.iter().any(random))
+        let given = |variant: &Variant| variant.name != RANDOM_SURFACES;
+        let chosen = flags.iter().find_map(|flag| {
+            let mut settings = settings_of(self.command).filter(|setting| has_flag(setting, flag));
+            let (setting, None) = (settings.next()?, settings.next()) else {
+                return None;
+            };
+            RANDOM_OR_GIVEN
+                .variants
+                .iter()
+                .find(|variant| is_any(variant.by, setting, &Value::Null))
+        });
+        chosen
+            .or_else(|| Some(self.chosen(&RANDOM_OR_GIVEN)?.0))
+            .is_some_and(given)
     }
 
     fn parse(
@@ -389,18 +481,26 @@ impl Document {
                     second: other.given.text.clone(),
                 });
             }
-            if let Some(other) = layer
-                .iter()
-                .find(|other| entry.excludes(other.setting) && other.is_active())
-            {
+        }
+        for group in GROUPS {
+            let mut chosen = layer.iter().filter_map(|e| Some((e, group.chosen_by(e)?)));
+            let Some((first, variant)) = chosen.next() else {
+                continue;
+            };
+            if let Some((second, _)) = chosen.find(|(_, other)| !std::ptr::eq(*other, variant)) {
                 return Err(SettingError::Excluded {
-                    first: entry.given.clone(),
-                    second: other.given.text.clone(),
+                    first: first.given.clone(),
+                    second: second.given.text.clone(),
                 });
             }
+            let stays = |below: &Entry| {
+                let Entry { setting, value, .. } = below;
+                !group.owns(setting, value) || variant.has(setting, value)
+            };
+            self.entries.retain(|_, below| stays(below));
         }
-        self.entries
-            .retain(|_, below| !layer.iter().any(|entry| entry.clears(below.setting)));
+        let is_cleared = |below: &Entry| layer.iter().any(|e| below.is_any(e.setting.clears));
+        self.entries.retain(|_, below| !is_cleared(below));
         for entry in layer {
             let place = (entry.setting.section, entry.setting.key);
             self.entries.insert(place, entry);
@@ -429,7 +529,7 @@ pub fn defaults<T: DeserializeOwned>(command: Command) -> T {
     }
 }
 
-/// `true` if `name` is the flag of a setting.
+/// Returns `true` if `name` is the flag of a setting.
 fn has_flag(setting: &Setting, name: &str) -> bool {
     setting.flag_name().is_some_and(|flag| flag == name)
 }

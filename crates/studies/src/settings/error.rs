@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::command::{Command, Commands};
 
-/// Where a value was given.
+/// Place where a value was given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// In a file; the name is unknown where its text alone was given.
@@ -23,7 +23,7 @@ pub enum Place {
 pub struct Given {
     /// `--tau 3` or `tau = 3`.
     pub text: String,
-    /// Where.
+    /// Its place.
     pub place: Place,
 }
 
@@ -46,16 +46,16 @@ impl fmt::Display for Given {
     }
 }
 
-/// Why a value is refused.
+/// Refusal of a value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingError {
     /// A value is of the wrong kind or out of range.
     #[error("{given}: must be {expected}")]
     Invalid {
-        /// What was given.
+        /// The value.
         given: Given,
-        /// What is allowed.
+        /// The values allowed.
         expected: String,
     },
     /// Two values that exclude each other.
@@ -77,7 +77,7 @@ pub enum SettingError {
     /// A key that no section of this name has.
     #[error("{place}unknown key `{key}` in [{section}]; its keys are {known}")]
     UnknownKey {
-        /// Where it stands.
+        /// Its place.
         place: Place,
         /// The section.
         section: String,
@@ -92,7 +92,7 @@ pub enum SettingError {
         other_readers(*readers)
     )]
     UnknownSection {
-        /// Where it stands.
+        /// Its place.
         place: Place,
         /// Its name.
         section: String,
@@ -106,7 +106,7 @@ pub enum SettingError {
     /// A value where a section must be.
     #[error("{place}`{section}` must be a section, written as [{section}]")]
     NotASection {
-        /// Where it stands.
+        /// Its place.
         place: Place,
         /// Its name.
         section: String,
@@ -114,7 +114,7 @@ pub enum SettingError {
     /// A setting that other commands have.
     #[error("{place}{name} is for {}, not for {command}", names(*commands))]
     OfOtherCommands {
-        /// Where it stands.
+        /// Its place.
         place: Place,
         /// The flag or `section.key`.
         name: String,
@@ -126,27 +126,37 @@ pub enum SettingError {
     /// The file is not TOML.
     #[error("{place}{reason}")]
     Syntax {
-        /// Where.
+        /// Its place.
         place: Place,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A setting without a default is missing.
-    #[error("{command} needs {flag}")]
+    /// A setting is missing that a command needs, or another setting.
+    #[error("{subject} needs {needed}")]
     Missing {
-        /// The command.
-        command: Command,
-        /// The flag with its value.
-        flag: String,
+        /// The command, or what was given.
+        subject: String,
+        /// Flags or keys.
+        needed: String,
+    },
+    /// A setting that belongs to another variant than the chosen one.
+    #[error("{given}: goes with {owners}, not {chosen}")]
+    OfOtherVariant {
+        /// The value.
+        given: Given,
+        /// The variants that have it.
+        owners: String,
+        /// The chosen variant.
+        chosen: &'static str,
     },
     /// A length with a unit, for a surface without.
     #[error(
         "{given}: the surface has no unit of length; {}, or give the length as a number", surface_needs(*from_file)
     )]
     NoUnit {
-        /// What was given.
+        /// The value.
         given: Given,
-        /// Whether the surface is read from a file.
+        /// `true` if the surface is read from a file.
         from_file: bool,
     },
     /// The typed configuration does not take what the definitions allow.
@@ -154,7 +164,7 @@ pub enum SettingError {
     Unreadable(String),
 }
 
-/// What gives a surface a unit.
+/// Advice on giving a surface a unit.
 fn surface_needs(from_file: bool) -> &'static str {
     match from_file {
         true => "say what its numbers are in with --assume-unit",

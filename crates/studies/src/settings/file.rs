@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::command::{Command, Commands};
 use super::definitions::{SECTIONS, settings_of};
-use super::entry::Entry;
+use super::document::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};
@@ -182,7 +182,7 @@ impl File<'_> {
         allowed.then_some(Value::Array(values))
     }
 
-    /// What is wrong with text that is not TOML: where it is a value, what that value must be.
+    /// Refusal of text that is not TOML. Of an invalid value it says what is allowed.
     fn syntax_error(&self, start: usize, message: &str) -> SettingError {
         let line = self.text[..start.min(self.text.len())]
             .rsplit('\n')
@@ -219,12 +219,12 @@ impl File<'_> {
     }
 }
 
-/// Whether a file calls a setting so.
+/// Returns `true` if a file calls a setting so.
 fn is_named(setting: &Setting, section: &str, key: &str) -> bool {
     setting.in_file && setting.section == section && setting.key == key
 }
 
-/// Whether a file of `command` may hold the section `name`.
+/// Returns `true` if a file of `command` may hold the section `name`.
 fn has_section(command: Command, name: &str) -> bool {
     settings_of(command).any(|setting| setting.in_file && setting.section == name)
 }

@@ -8,7 +8,7 @@ use super::length::Length;
 use super::range::Range;
 use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
 
-/// What a value is.
+/// Kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// Present or not; `true` or `false` in a file.
@@ -55,20 +55,17 @@ const MANY: f64 = 1e6;
 pub struct Choice {
     /// The name.
     pub name: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub help: &'static str,
-    /// Values of a lower layer that it clears, as `section.key`.
-    pub clears: &'static [&'static str],
     /// An old name, which stays valid but is not shown in the help.
     pub alias: Option<&'static str>,
 }
 
-/// A choice that clears nothing.
+/// A choice without an old name.
 pub(super) const fn choice(name: &'static str, help: &'static str) -> Choice {
     Choice {
         name,
         help,
-        clears: &[],
         alias: None,
     }
 }
@@ -86,7 +83,7 @@ impl Kind {
         }
     }
 
-    /// Whether a file writes it as text in quotes, never as a bare number.
+    /// Returns `true` if a file writes it as text in quotes, never as a bare number.
     pub(super) const fn is_text(self) -> bool {
         !matches!(
             self,
@@ -153,7 +150,7 @@ impl Kind {
         }
     }
 
-    /// What is allowed, without examples.
+    /// Values allowed, without examples.
     pub(super) fn allowed(self, range: Range) -> String {
         match self {
             Self::Switch => "true or false".to_owned(),

@@ -22,7 +22,7 @@ pub enum Range {
 }
 
 impl Range {
-    /// Whether `value` is allowed.
+    /// Returns `true` if `value` is allowed.
     #[must_use]
     pub fn contains(self, value: f64) -> bool {
         value.is_finite()

@@ -1,9 +1,11 @@
 //! The reference page of all settings, `docs/settings.md`.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::command::{Command, Commands};
-use super::definitions::SECTIONS;
+use super::definitions::{GROUPS, SECTIONS};
+use super::group::{Group, Variant};
 use super::kind::{Kind, such_as};
 use super::setting::{Arity, Setting};
 
@@ -11,6 +13,7 @@ use super::setting::{Arity, Setting};
 #[must_use]
 pub fn reference_page() -> String {
     let mut page = INTRODUCTION.to_owned();
+    let mut anchors = BTreeSet::new();
     for section in SECTIONS {
         let in_file = section.settings.iter().any(|setting| setting.in_file);
         let title = match in_file {
@@ -21,7 +24,15 @@ pub fn reference_page() -> String {
         page.push_str("| key | flag | value | default | commands | meaning |\n");
         page.push_str("|---|---|---|---|---|---|\n");
         for setting in section.settings {
-            page.push_str(&row(setting));
+            page.push_str(&row(setting, &mut anchors));
+        }
+        let of_section = |group: &&Group| group.section() == section.name;
+        let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
+        if !groups.is_empty() {
+            page.push_str("\nOne row of each block holds. Settings of the others in the block do not go with it.\n\n");
+            page.push_str("| with | it may have | it needs |\n|---|---|---|\n");
+            let blocks: Vec<String> = groups.into_iter().map(block).collect();
+            page.push_str(&blocks.join("| | | |\n"));
         }
     }
     page.push_str("\n## Old spellings\n\nThese stay valid and are not shown in the help.\n\n");
@@ -42,7 +53,8 @@ const INTRODUCTION: &str = "# Settings
 <!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
 
 Every setting of every command. A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
-the file, and the file overrides the defaults. A flag that excludes keys of the file takes their place. Relative paths of
+the file, and the file overrides the defaults. A flag takes the place of keys of the file that do not go with it; below each
+section stands which those are. Relative paths of
 files are taken from the folder that the program runs in, also those in a configuration file.
 
 Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
@@ -51,7 +63,57 @@ two axes are `512x256`, `\"512x256\"` in a file. Lengths along x and y are `X,Y`
 Lengths are in the unit of the surface, or have their own: `5um` on the command line, `\"5um\"` in a file, with nm, um, mm, m or km.
 ";
 
-fn row(setting: &Setting) -> String {
+/// Rows of the variants of a group.
+fn block(group: &Group) -> String {
+    let kind = settings_named(group.kind).next();
+    let row = |variant: &Variant| {
+        let chosen = match kind {
+            Some(kind) => format!("`{} = \"{}\"`", kind.key, variant.name),
+            None if variant.by.is_empty() => variant.name.to_owned(),
+            None => format!("{}: {}", variant.name, listed(variant.by)),
+        };
+        let chosen = match variant.otherwise {
+            true => chosen + ", or nothing",
+            false => chosen,
+        };
+        format!(
+            "| {chosen} | {} | {} |\n",
+            listed(variant.takes),
+            listed(variant.needs)
+        )
+    };
+    group.variants.iter().map(row).collect()
+}
+
+/// Keys of patterns, in code style with commas.
+fn listed(patterns: &[&str]) -> String {
+    let shown = patterns.iter().map(|pattern| {
+        let (but, pattern) = match pattern.strip_prefix('-') {
+            Some(pattern) => ("but ", pattern),
+            None => ("", *pattern),
+        };
+        let path = pattern.split(['=', '!']).next().unwrap_or_default();
+        let key = match path.split_once('.') {
+            Some((section, "*")) => format!("any of `[{section}]`"),
+            _ => format!("`{path}`"),
+        };
+        let value = match pattern[path.len()..].split_at_checked(1) {
+            Some(("=", value)) => format!(" = {value}"),
+            Some(("!", value)) => format!(" other than {value}"),
+            _ => String::new(),
+        };
+        format!("{but}{key}{value}")
+    });
+    shown.collect::<Vec<_>>().join(", ")
+}
+
+fn settings_named(path: &str) -> impl Iterator<Item = &'static Setting> {
+    let all = SECTIONS.iter().flat_map(|section| section.settings);
+    all.filter(move |setting| setting.matches(path))
+}
+
+/// Row of a setting. The first of each flag is an anchor, `#--flag`.
+fn row(setting: &Setting, anchors: &mut BTreeSet<String>) -> String {
     let key = match setting.in_file {
         true => format!("`{}`", setting.key),
         false => String::new(),
@@ -61,9 +123,13 @@ fn row(setting: &Setting) -> String {
         (Some(flag), None) => format!("`--{flag}`"),
         (None, _) => String::new(),
     };
+    let anchor = match setting.flag_name() {
+        Some(flag) if anchors.insert(flag.clone()) => format!("<a id=\"--{flag}\"></a>"),
+        _ => String::new(),
+    };
     let escaped = |text: String| text.replace('|', "\\|");
     format!(
-        "| {key} | {flag} | {} | {} | {} | {} |\n",
+        "| {key} | {anchor}{flag} | {} | {} | {} | {} |\n",
         escaped(value(setting)),
         default(setting),
         commands(setting.commands),
@@ -71,7 +137,7 @@ fn row(setting: &Setting) -> String {
     )
 }
 
-/// What a value may be.
+/// Values that are allowed.
 fn value(setting: &Setting) -> String {
     let first = setting.commands.iter().next().unwrap_or(Command::Verify);
     match setting.kind {
@@ -155,7 +221,7 @@ fn commands(commands: Commands) -> String {
     names.join(", ")
 }
 
-/// What it is, with the meaning of its choices.
+/// Meaning of a setting and of its choices.
 fn meaning(setting: &Setting) -> String {
     let choices = setting.kind.choices();
     if choices.is_empty() {

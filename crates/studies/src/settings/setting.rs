@@ -1,5 +1,7 @@
 //! Setting: everything that is known about one setting.
 
+use serde_json::Value;
+
 use super::command::{Command, Commands};
 use super::kind::{Kind, such_as};
 use super::range::Range;
@@ -15,11 +17,11 @@ pub struct Setting {
     pub flag: Flag,
     /// The short form of the flag.
     pub short: Option<char>,
-    /// Whether a configuration file may hold it.
+    /// `true` if a configuration file may hold it.
     pub in_file: bool,
-    /// What its value is.
+    /// Kind of its value.
     pub kind: Kind,
-    /// How many values it takes.
+    /// Number of values that it takes.
     pub arity: Arity,
     /// The unit of numbers.
     pub unit: &'static str,
@@ -27,7 +29,7 @@ pub struct Setting {
     pub range: Range,
     /// The name of the value in the help.
     pub value_name: &'static str,
-    /// What it is, in one sentence without a full stop.
+    /// Meaning, in one sentence without a full stop.
     pub help: &'static str,
     /// The commands that have it.
     pub commands: Commands,
@@ -37,27 +39,12 @@ pub struct Setting {
     pub default: Option<&'static str>,
     /// Other defaults of some commands.
     pub default_in: &'static [(Commands, Option<&'static str>)],
-    /// What holds unless it is given, where that depends on other settings.
+    /// Default in words, where it depends on other settings.
     pub otherwise: &'static str,
-    /// Whether the default does not hold once a setting of the same section that excludes it is given.
-    pub default_yields: bool,
-    /// Values of other settings with which its default does not hold.
-    pub default_unless: &'static [Unless],
-    /// Settings that cannot be given together with it, as `section.key` or `section.*`; it clears those of a lower layer.
-    pub excludes: &'static [&'static str],
-    /// Settings of a lower layer that it clears.
+    /// Settings of a lower layer that it clears, as `section.key` or `section.*`.
     pub clears: &'static [&'static str],
-}
-
-/// Values of a setting with which the default of another does not hold.
-#[derive(Clone, Copy, Debug)]
-pub struct Unless {
-    /// The setting, as section and key.
-    pub setting: (&'static str, &'static str),
-    /// Whether its text is such a value.
-    pub is: fn(&str) -> bool,
-    /// A further setting, as section and key, with which the default holds all the same.
-    pub but_with: Option<(&'static str, &'static str)>,
+    /// The commands whose short help shows it.
+    pub basic: Commands,
 }
 
 /// The flag of a setting.
@@ -73,7 +60,7 @@ pub enum Flag {
     None,
 }
 
-/// How many values a setting takes.
+/// Number of values that a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Arity {
     /// One.
@@ -82,22 +69,16 @@ pub enum Arity {
     ListIn(Commands),
     /// One for both axes, or one for each.
     PerAxis,
-    /// As many as these names.
+    /// One per name.
     Tuple(&'static [&'static str]),
     /// One per flag, which may be repeated; a list if there are several.
     Repeated,
 }
 
-/// A setting of `section` without a default, with the flag of its key.
-pub(super) const fn setting(
-    section: &'static str,
-    key: &'static str,
-    kind: Kind,
-    commands: Commands,
-    help: &'static str,
-) -> Setting {
+/// A setting with the flag of its key, of the section and the commands of its [`table`]. A switch is off by default.
+pub(super) const fn setting(key: &'static str, kind: Kind) -> Setting {
     Setting {
-        section,
+        section: "",
         key,
         flag: Flag::OfKey,
         short: None,
@@ -107,20 +88,70 @@ pub(super) const fn setting(
         unit: "",
         range: Range::Any,
         value_name: "",
-        help,
-        commands,
+        help: "",
+        commands: Commands::NONE,
         required: Commands::NONE,
-        default: None,
+        default: match kind {
+            Kind::Switch => Some("false"),
+            _ => None,
+        },
         default_in: &[],
         otherwise: "",
-        default_yields: false,
-        default_unless: &[],
-        excludes: &[],
         clears: &[],
+        basic: Commands::NONE,
     }
 }
 
+/// A setting that the short help of all its commands shows.
+pub(super) const fn basic(key: &'static str, kind: Kind) -> Setting {
+    setting(key, kind).basic(Commands::ALL)
+}
+
+/// The settings of a section, for these commands unless they name others.
+pub(super) const fn table<const N: usize>(
+    section: &'static str,
+    commands: Commands,
+    mut settings: [Setting; N],
+) -> [Setting; N] {
+    let mut i = 0;
+    while i < N {
+        settings[i].section = section;
+        settings[i].commands = settings[i].commands.or(commands);
+        i += 1;
+    }
+    settings
+}
+
+/// The settings of a section that no file holds.
+pub(super) const fn flags<const N: usize>(
+    section: &'static str,
+    commands: Commands,
+    mut settings: [Setting; N],
+) -> [Setting; N] {
+    let mut i = 0;
+    while i < N {
+        settings[i].in_file = false;
+        i += 1;
+    }
+    table(section, commands, settings)
+}
+
 impl Setting {
+    pub(super) const fn help(mut self, text: &'static str) -> Self {
+        self.help = text;
+        self
+    }
+
+    pub(super) const fn commands(mut self, commands: Commands) -> Self {
+        self.commands = commands;
+        self
+    }
+
+    pub(super) const fn basic(mut self, commands: Commands) -> Self {
+        self.basic = commands;
+        self
+    }
+
     pub(super) const fn default(mut self, text: &'static str) -> Self {
         self.default = Some(text);
         self
@@ -131,16 +162,6 @@ impl Setting {
         defaults: &'static [(Commands, Option<&'static str>)],
     ) -> Self {
         self.default_in = defaults;
-        self
-    }
-
-    pub(super) const fn default_yields(mut self) -> Self {
-        self.default_yields = true;
-        self
-    }
-
-    pub(super) const fn default_unless(mut self, unless: &'static [Unless]) -> Self {
-        self.default_unless = unless;
         self
     }
 
@@ -170,6 +191,9 @@ impl Setting {
     }
 
     pub(super) const fn flag(mut self, flag: Flag) -> Self {
+        if let Flag::Off(_) = flag {
+            self.default = Some("true");
+        }
         self.flag = flag;
         self
     }
@@ -186,11 +210,6 @@ impl Setting {
 
     pub(super) const fn required(mut self, commands: Commands) -> Self {
         self.required = commands;
-        self
-    }
-
-    pub(super) const fn excludes(mut self, settings: &'static [&'static str]) -> Self {
-        self.excludes = settings;
         self
     }
 
@@ -215,7 +234,7 @@ impl Setting {
         }
     }
 
-    /// Whether the flag takes a value.
+    /// Returns `true` if the flag takes a value.
     #[must_use]
     pub fn takes_value(&self) -> bool {
         self.kind != Kind::Switch
@@ -231,7 +250,7 @@ impl Setting {
         own.map_or(self.default, |(_, default)| *default)
     }
 
-    /// Whether it may be a list in `command`.
+    /// Returns `true` if it may be a list in `command`.
     #[must_use]
     pub fn is_list(&self, command: Command) -> bool {
         match self.arity {
@@ -241,7 +260,7 @@ impl Setting {
         }
     }
 
-    /// What stands for its value in the help, as in `X,Y`.
+    /// Placeholder of its value in the help, as in `X,Y`.
     #[must_use]
     pub fn placeholder(&self, command: Command) -> String {
         let one = match (self.value_name, self.kind, self.unit) {
@@ -262,7 +281,7 @@ impl Setting {
         }
     }
 
-    /// Whether `pattern`, `section.key` or `section.*`, names it.
+    /// Returns `true` if `pattern`, `section.key` or `section.*`, names it.
     pub(super) fn matches(&self, pattern: &str) -> bool {
         match pattern.split_once('.') {
             Some((section, "*")) => section == self.section,
@@ -271,7 +290,24 @@ impl Setting {
         }
     }
 
-    /// What is allowed, to follow "must be", with the unit and examples.
+    /// Returns `true` if `pattern` means it with this value. A switch that is off is as one that is not given.
+    pub(super) fn has_value(&self, pattern: &str, value: &Value) -> bool {
+        let (path, test): (&str, fn(&str, &str) -> bool) = match pattern.find(['=', '!']) {
+            Some(at) if pattern[at..].starts_with('!') => {
+                (&pattern[..at], |value, other| value != other)
+            }
+            Some(at) => (&pattern[..at], |value, named| {
+                value == named || named.ends_with(':') && value.starts_with(named)
+            }),
+            None => (pattern, |_, _| true),
+        };
+        let named = pattern[path.len()..].trim_start_matches(['=', '!']);
+        self.matches(path)
+            && *value != Value::Bool(false)
+            && test(value.as_str().unwrap_or_default(), named)
+    }
+
+    /// Values allowed, to follow "must be", with the unit and examples.
     #[must_use]
     pub fn expected(&self, command: Command) -> String {
         let examples = match self.arity {
@@ -282,7 +318,7 @@ impl Setting {
         self.allowed(command) + &such_as(&examples)
     }
 
-    /// What is allowed, with the unit.
+    /// Values allowed, with the unit.
     pub(super) fn allowed(&self, command: Command) -> String {
         let one = self.kind.allowed(self.range);
         let unit = match self.unit {

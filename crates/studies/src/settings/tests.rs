@@ -116,24 +116,36 @@ fn keys_and_flags_are_unique_in_each_command() {
 }
 
 #[test]
-fn patterns_name_settings() {
-    for setting in all() {
-        let by_choice = setting
-            .kind
-            .choices()
-            .iter()
-            .flat_map(|choice| choice.clears);
-        for pattern in setting
-            .excludes
-            .iter()
-            .chain(setting.clears)
-            .chain(by_choice)
-        {
-            assert!(
-                all().any(|other| other.matches(pattern)),
-                "{}: {pattern}",
-                setting.path()
-            );
+fn groups_name_settings_and_their_values() {
+    for group in definitions::GROUPS {
+        let kind = all().find(|setting| setting.matches(group.kind));
+        assert_eq!(kind.is_none(), group.kind.is_empty(), "{}", group.kind);
+        for variant in group.variants {
+            if let Some(kind) = kind {
+                let names = kind.kind.choices().iter().map(|choice| choice.name);
+                let known = names
+                    .chain([group::A_FILE])
+                    .any(|name| name == variant.name);
+                assert!(known, "{}: {}", group.kind, variant.name);
+            }
+            let lists = [
+                variant.by,
+                variant.needs,
+                variant.takes,
+                variant.without_default,
+            ];
+            for pattern in lists.concat() {
+                let mut parts = pattern.trim_start_matches('-').split(['=', '!']);
+                let path = parts.next().unwrap_or_default();
+                let named: Vec<_> = all().filter(|setting| setting.matches(path)).collect();
+                assert!(!named.is_empty(), "{pattern}");
+                let value = parts.next().filter(|value| !value.ends_with(':'));
+                for setting in named {
+                    let choices = setting.kind.choices();
+                    let is_known = |value| choices.iter().any(|choice| choice.name == value);
+                    assert!(value.is_none_or(is_known), "{pattern}");
+                }
+            }
         }
     }
 }
@@ -147,12 +159,13 @@ fn flag(name: &str, value: &str) -> (String, Vec<String>) {
     (name.to_owned(), values)
 }
 
-/// What is said of flags above a file.
+/// Returns the refusal of flags above a file.
 fn refusal(command: Command, file: &str, flags: &[(String, Vec<String>)]) -> String {
     let mut document = Document::new(command);
     let result = document
         .add_file(Some("c.toml"), file)
-        .and_then(|()| document.add_flags(flags, None));
+        .and_then(|()| document.add_flags(flags, None))
+        .and_then(|()| document.read::<serde_json::Value>());
     result.unwrap_err().to_string()
 }
 
@@ -240,6 +253,116 @@ fn what_excludes_each_other_is_refused_in_one_layer() {
 }
 
 #[test]
+fn settings_of_another_variant_are_refused_with_both_names() {
+    for (file, flags, expected) in [
+        (
+            "[material]\nkind = \"mirror\"",
+            vec![flag("eta", "1.5")],
+            "--eta 1.5: goes with material dielectric or conductor, not mirror",
+        ),
+        (
+            "[surface]\nnu = 1.5",
+            vec![],
+            "c.toml: line 2: nu = 1.5: goes with psd matern, not gaussian",
+        ),
+        (
+            "[surface]\ndepth = 2",
+            vec![],
+            "depth = 2: goes with a structure, not surfaces without a structure",
+        ),
+        (
+            "[surface]\nstructure = \"pits\"\ntau = 3",
+            vec![],
+            "tau = 3: goes with roughness on top of a structure, which sigma gives, not a structure alone",
+        ),
+        (
+            "[measured]\nfile = \"h.npy\"",
+            vec![flag("realisations", "3")],
+            "--realisations 3: goes with random surfaces, not a given surface",
+        ),
+    ] {
+        assert!(
+            refusal(Command::Gonio, file, &flags).ends_with(expected),
+            "{}",
+            refusal(Command::Gonio, file, &flags)
+        );
+    }
+}
+
+#[test]
+fn a_variant_without_a_setting_that_it_needs_is_refused_with_what_that_is() {
+    for (flags, expected) in [
+        (
+            vec![flag("material", "conductor"), flag("eta", "0.2")],
+            "--material conductor needs --kappa (Absorption index of a conductor)",
+        ),
+        (
+            vec![flag("psd", "power-law"), flag("hurst", "0.8")],
+            "--psd power-law needs --roll-off (Wavelength beyond which a power law is level) and --cut-off (Wavelength of the shortest waves of a spectrum)",
+        ),
+        (
+            vec![flag("second-tau", "3")],
+            "--second-tau 3 needs --second-sigma (Root mean square height of a second scale, Gaussian)",
+        ),
+        (
+            vec![flag("thickness", "3")],
+            "a medium needs mean_free_path and albedo, or absorption and scattering",
+        ),
+    ] {
+        assert_eq!(refusal(Command::Verify, "", &flags), expected);
+    }
+}
+
+#[test]
+fn a_flag_that_chooses_another_variant_clears_what_does_not_go_with_it() {
+    let file = "[surface]\npsd = \"matern\"\nnu = 1.5\ntau = 8\ncut_off = 2";
+    let mut document = Document::of_text(Command::Verify, file).unwrap();
+    let flags = [
+        flag("psd", "power-law"),
+        flag("hurst", "0.8"),
+        flag("roll-off", "30"),
+    ];
+    document.add_flags(&flags, None).unwrap();
+    let of = |key: &str| document.value(&format!("surface.{key}"));
+    assert_eq!([of("nu"), of("tau")], [None, None]);
+    assert_eq!(of("cut_off"), Some(2.0.into()));
+    document.read::<serde_json::Value>().unwrap();
+    // A structure, and all that belongs to it.
+    let file = "[surface]\nstructure = \"pits\"\ndepth = 2\ncells = \"flat\"";
+    let mut document = Document::of_text(Command::Verify, file).unwrap();
+    document
+        .add_flags(&[flag("smoothness", "5")], None)
+        .unwrap();
+    let of = |key: &str| document.value(&format!("surface.{key}"));
+    assert_eq!([of("structure"), of("depth")], [None, None]);
+    assert_eq!(of("cells"), Some("flat".into()));
+}
+
+#[test]
+fn defaults_hold_within_the_chosen_variant() {
+    let value = |file: &str, path: &str| {
+        let document = Document::of_text(Command::Gonio, file).unwrap();
+        document.value(path)
+    };
+    let smoothness = |keys: &str| value(&format!("[surface]\n{keys}"), "surface.smoothness");
+    assert_eq!(smoothness(""), Some(3.0.into()));
+    for keys in [
+        "sigma = 2",
+        "ggx_alpha = 0.3",
+        "structure = \"pits\"",
+        "psd = \"a.csv\"",
+    ] {
+        assert_eq!(smoothness(keys), None, "{keys}");
+    }
+    let tau = |keys: &str| value(&format!("[surface]\n{keys}"), "surface.tau");
+    assert_eq!(tau("psd = \"exponential\""), Some(16.0.into()));
+    assert_eq!(tau("psd = \"power-law\""), None);
+    assert_eq!(tau("structure = \"pits\""), None);
+    assert_eq!(tau("structure = \"pits\"\nsigma = 1"), Some(16.0.into()));
+    assert_eq!(value("[light]\ndirections = \"2x3\"", "light.theta"), None);
+}
+
+#[test]
 fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
     let spacing = |file: &str, flags: &[(String, Vec<String>)]| {
         let mut document = Document::of_text(Command::Gonio, file).unwrap();
@@ -256,6 +379,10 @@ fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
     // Cells are those of any surface.
     assert_eq!(spacing(file, &[two(), flag("cells", "smooth")]), of_given);
     assert_eq!(spacing(file, &[two(), flag("tau", "9")]), [random, given]);
+    let mut document = Document::of_text(Command::Gonio, file).unwrap();
+    document.add_flags(&[flag("unit", "um")], None).unwrap();
+    assert_eq!(document.value("measured.unit"), Some("um".into()));
+    assert!(document.is_given("measured.file"));
 }
 
 #[test]

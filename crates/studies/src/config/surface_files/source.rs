@@ -81,7 +81,7 @@ fn check_size(path: &Path, field: &HeightField) -> Result<(), SurfaceFileError> 
     })
 }
 
-/// How many correlation areas a map has, and what follows for `sigma`.
+/// Note on the number of correlation areas of a map, and on the error of `sigma` that follows.
 fn areas_note(field: &HeightField, psd: &Psd, is_windowed: bool) -> String {
     let [dx, dy] = field.spacing();
     let [tau_x, tau_y] = psd.axis_correlation_lengths();

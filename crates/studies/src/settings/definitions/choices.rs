@@ -79,31 +79,19 @@ pub(super) const FORM: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const MATERIAL: Kind = Kind::Choice(&[
-    Choice {
-        clears: &["material.kappa", "material.reflectance"],
-        ..choice(
-            "dielectric",
-            "reflects and transmits; --eta is n_transmitted / n_incident",
-        )
-    },
-    Choice {
-        clears: &["material.reflectance"],
-        ..choice(
-            "conductor",
-            "reflects and absorbs; its index is eta + i kappa",
-        )
-    },
-    Choice {
-        clears: &["material.eta", "material.kappa", "material.reflectance"],
-        ..choice("mirror", "reflects everything")
-    },
-    Choice {
-        clears: &["material.eta", "material.kappa"],
-        ..choice(
-            "lambertian",
-            "facets reflect the fraction --reflectance diffusely and absorb the rest",
-        )
-    },
+    choice(
+        "dielectric",
+        "reflects and transmits; --eta is n_transmitted / n_incident",
+    ),
+    choice(
+        "conductor",
+        "reflects and absorbs; its index is eta + i kappa",
+    ),
+    choice("mirror", "reflects everything"),
+    choice(
+        "lambertian",
+        "facets reflect the fraction --reflectance diffusely and absorb the rest",
+    ),
 ]);
 
 pub(super) const FROM: Kind = Kind::Choice(&[

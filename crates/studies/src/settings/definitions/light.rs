@@ -9,136 +9,93 @@ use super::{
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
 
-pub(super) const LIGHT: &[Setting] = &[
-    setting(
-        "light",
-        "theta",
-        Kind::Number,
-        COMMANDS,
-        "Polar angle of the direction towards the light",
-    )
-    .unit(DEGREES)
-    .range(POLAR)
-    .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
-    .default("30")
-    .default_in(&[
-        (GONIO, Some("0,15,30,45,60,75")),
-        (ATTENUATION, Some("0,15,30,45,60,75,85")),
-    ])
-    .default_yields()
-    .excludes(&["light.directions"])
-    .clears(&["output.over_sigma_at_theta"]),
-    setting(
-        "light",
-        "phi",
-        Kind::Number,
-        COMMANDS,
-        "Azimuth of the direction towards the light",
-    )
-    .unit(DEGREES)
-    .arity(Arity::ListIn(GONIO))
-    .default("0")
-    .default_yields()
-    .excludes(&["light.directions"]),
-    setting(
-        "light",
-        "theta",
-        Kind::Number,
-        INSPECT,
-        "Polar angle towards a light whose shadow is measured",
-    )
-    .unit(DEGREES)
-    .range(POLAR)
-    .arity(Arity::ListIn(INSPECT))
-    .otherwise("no shadow is measured")
-    .flag_only(),
-    setting(
-        "light",
-        "phi",
-        Kind::Number,
-        INSPECT,
-        "Azimuth of the direction towards the light",
-    )
-    .unit(DEGREES)
-    .default("0")
-    .flag_only(),
-    setting(
-        "light",
-        "directions",
-        Kind::Grid,
-        GONIO,
-        "Centres of the bins of a hemisphere, in place of theta and phi",
-    )
-    .value_name("THETAxPHI")
-    .excludes(&["light.theta", "light.phi"]),
-    setting(
-        "light",
-        "azimuth",
-        AZIMUTH,
-        TRACING.and(CONVERGE),
-        "Azimuth of each ray",
-    )
-    .flag(Flag::Named("light-azimuth"))
-    .default_in(&[(TRACE, Some("fixed"))])
-    .otherwise("random where surfaces are random and isotropic"),
-    setting(
-        "light",
-        "from",
-        FROM,
-        TRACING.and(CONVERGE),
-        "The side that light comes from",
-    )
-    .default("above"),
-    setting(
-        "light",
-        "wavelength",
-        Kind::LengthIn(LengthUnit::Nanometre),
-        TRACE.and(VERIFY).and(GONIO),
-        "Wavelength against which the lengths of the surface are judged",
-    )
-    .unit("nm")
-    .range(Range::FromTo(1e-3, 1e12))
-    .otherwise("550 where the unit of the surface is known"),
-    setting(
-        "light",
-        "stokes",
-        Kind::Number,
-        TRACE,
-        "Stokes vector of the incident light",
-    )
-    .arity(Arity::ListIn(TRACE))
-    .value_name("I,Q,U,V")
-    .otherwise("unpolarised"),
-];
+pub(super) const LIGHT: &[Setting] = &table(
+    "light",
+    COMMANDS,
+    [
+        basic("theta", Kind::Number)
+            .help("Polar angle of the direction towards the light")
+            .clears(&["output.over_sigma_at_theta"])
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
+            .default("30")
+            .default_in(&[
+                (GONIO, Some("0,15,30,45,60,75")),
+                (ATTENUATION, Some("0,15,30,45,60,75,85")),
+            ]),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the light")
+            .unit(DEGREES)
+            .arity(Arity::ListIn(GONIO))
+            .default("0"),
+        basic("theta", Kind::Number)
+            .help("Polar angle towards a light whose shadow is measured")
+            .commands(INSPECT)
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(INSPECT))
+            .otherwise("no shadow is measured")
+            .flag_only(),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the light")
+            .commands(INSPECT)
+            .unit(DEGREES)
+            .default("0")
+            .flag_only(),
+        setting("directions", Kind::Grid)
+            .help("Centres of the bins of a hemisphere, in place of theta and phi")
+            .commands(GONIO)
+            .value_name("THETAxPHI"),
+        setting("azimuth", AZIMUTH)
+            .help("Azimuth of each ray")
+            .commands(TRACING.and(CONVERGE))
+            .flag(Flag::Named("light-azimuth"))
+            .default_in(&[(TRACE, Some("fixed"))])
+            .otherwise("random where surfaces are random and isotropic"),
+        setting("from", FROM)
+            .help("The side that light comes from")
+            .commands(TRACING.and(CONVERGE))
+            .default("above"),
+        setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
+            .help("Wavelength against which the lengths of the surface are judged")
+            .commands(TRACE.and(VERIFY).and(GONIO))
+            .unit("nm")
+            .range(Range::FromTo(1e-3, 1e12))
+            .otherwise("550 where the unit of the surface is known"),
+        setting("stokes", Kind::Number)
+            .help("Stokes vector of the incident light")
+            .commands(TRACE)
+            .arity(Arity::ListIn(TRACE))
+            .value_name("I,Q,U,V")
+            .otherwise("unpolarised"),
+    ],
+);
 
-pub(super) const VIEW: &[Setting] = &[
-    setting(
-        "view",
-        "theta",
-        Kind::Number,
-        ATTENUATION.and(RENDER),
-        "Polar angle of the direction towards the viewer",
-    )
-    .flag(Flag::Named("view-theta"))
-    .unit(DEGREES)
-    .range(POLAR)
-    .arity(Arity::ListIn(ATTENUATION))
-    .default("0")
-    .default_in(&[(RENDER, Some("50"))]),
-    setting(
-        "view",
-        "phi",
-        Kind::Number,
-        ATTENUATION.and(RENDER),
-        "Azimuth of the direction towards the viewer",
-    )
-    .flag(Flag::Named("view-phi"))
-    .unit(DEGREES)
-    .default("0")
-    .default_in(&[(RENDER, Some("270"))]),
-];
+pub(super) const VIEW: &[Setting] = &table(
+    "view",
+    COMMANDS,
+    [
+        basic("theta", Kind::Number)
+            .help("Polar angle of the direction towards the viewer")
+            .commands(ATTENUATION.and(RENDER))
+            .flag(Flag::Named("view-theta"))
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(ATTENUATION))
+            .default("0")
+            .default_in(&[(RENDER, Some("50"))]),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the viewer")
+            .commands(ATTENUATION.and(RENDER))
+            .flag(Flag::Named("view-phi"))
+            .unit(DEGREES)
+            .default("0")
+            .default_in(&[(RENDER, Some("270"))]),
+    ],
+);

@@ -1,13 +1,12 @@
-//! `[material]`: what the surface is made of.
+//! `[material]` and `[medium]`: what the surface is made of, and what lies below.
 
-use super::choices::MATERIAL;
+use super::choices::{BOTTOM, BOTTOM_SHAPES, MATERIAL, PHASE};
 use super::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
 
-const SECTION: &str = "material";
 const COMMANDS: Commands = TRACE
     .and(RENDER)
     .and(VERIFY)
@@ -16,35 +15,97 @@ const COMMANDS: Commands = TRACE
     .and(CONVERGE)
     .and(MODEL);
 
-pub(super) const SETTINGS: &[Setting] = &[
-    setting(SECTION, "kind", MATERIAL, COMMANDS, "Material")
-        .flag(Flag::Named("material"))
-        .default("dielectric"),
-    setting(
-        SECTION,
-        "eta",
-        Kind::Number,
-        COMMANDS,
-        "Relative refractive index n_transmitted / n_incident",
-    )
-    .range(Range::FromTo(1e-6, 1e6))
-    .arity(Arity::ListIn(SWEEPS))
-    .otherwise("1.5 for a dielectric"),
-    setting(
-        SECTION,
-        "kappa",
-        Kind::Number,
-        COMMANDS,
-        "Absorption index of a conductor",
-    )
-    .range(Range::FromTo(0.0, 1e6)),
-    setting(
-        SECTION,
-        "reflectance",
-        Kind::Number,
-        COMMANDS,
-        "Fraction of light that a Lambertian facet reflects",
-    )
-    .range(Range::FromTo(0.0, 1.0))
-    .otherwise("none; lambertian facets need it"),
-];
+pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
+    "material",
+    COMMANDS,
+    [
+        basic("kind", MATERIAL)
+            .help("Material")
+            .flag(Flag::Named("material"))
+            .default("dielectric"),
+        basic("eta", Kind::Number)
+            .help("Relative refractive index n_transmitted / n_incident")
+            .range(Range::FromTo(1e-6, 1e6))
+            .arity(Arity::ListIn(SWEEPS))
+            .otherwise("1.5 for a dielectric"),
+        basic("kappa", Kind::Number)
+            .help("Absorption index of a conductor")
+            .range(Range::FromTo(0.0, 1e6)),
+        basic("reflectance", Kind::Number)
+            .help("Fraction of light that a Lambertian facet reflects")
+            .range(Range::FromTo(0.0, 1.0))
+            .otherwise("none; lambertian facets need it"),
+    ],
+);
+
+const MEDIUM_IN: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO).and(MODEL);
+const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO));
+
+pub(super) const MEDIUM: &[Setting] = &table(
+    "medium",
+    MEDIUM_IN,
+    [
+        basic("mean_free_path", Kind::Length)
+            .help("Mean distance between interactions with the medium")
+            .value_name("LENGTH")
+            .range(Range::FromTo(1e-150, 1e150))
+            .arity(LISTS),
+        basic("albedo", Kind::Number)
+            .help("Fraction of interactions that scatters; the rest absorbs")
+            .range(Range::FromTo(0.0, 1.0))
+            .arity(LISTS),
+        setting("absorption", Kind::Number)
+            .help("Absorption coefficient, in place of mean free path and albedo")
+            .unit("1 / length")
+            .value_name("COEFFICIENT")
+            .range(Range::AtLeast(0.0))
+            .arity(LISTS)
+            .otherwise("0 if scattering is given"),
+        setting("scattering", Kind::Number)
+            .help("Scattering coefficient")
+            .unit("1 / length")
+            .value_name("COEFFICIENT")
+            .range(Range::AtLeast(0.0))
+            .arity(LISTS)
+            .otherwise("0 if absorption is given"),
+        setting("phase", PHASE)
+            .help("Phase function")
+            .otherwise("henyey-greenstein with g, isotropic without"),
+        setting("g", Kind::Number)
+            .help("Mean cosine of scattering by Henyey and Greenstein")
+            .range(Range::Between(-1.0, 1.0))
+            .arity(LISTS),
+        basic("thickness", Kind::Length)
+            .help("Depth of the medium below the mean plane")
+            .value_name("LENGTH")
+            .range(Range::Above(0.0))
+            .arity(LISTS)
+            .otherwise("infinite"),
+        setting("bottom", BOTTOM)
+            .help("What bounds a medium of that thickness")
+            .otherwise("interface"),
+        setting("bottom_eta", Kind::Number)
+            .help("Index n_beyond / n_layer of a bottom that is an interface")
+            .value_name("ETA")
+            .range(Range::FromTo(1e-6, 1e6))
+            .otherwise("1 / eta"),
+        setting("bottom_reflectance", Kind::Number)
+            .help("Reflectance of a Lambertian bottom")
+            .value_name("FRACTION")
+            .range(Range::FromTo(0.0, 1.0))
+            .otherwise("1"),
+        setting("bottom_surface", Kind::ChoiceOrFile(BOTTOM_SHAPES))
+            .help("Shape of the bottom")
+            .commands(TRACE.and(RENDER))
+            .value_name("SHAPE|FILE")
+            .default("flat"),
+        setting("bottom_surface", Kind::Choice(BOTTOM_SHAPES))
+            .help("Shape of the bottom")
+            .commands(VERIFY.and(GONIO).and(MODEL))
+            .value_name("SHAPE")
+            .default("flat"),
+        setting("max_scatterings", Kind::Order)
+            .help("Scatterings in the medium after which a path is truncated")
+            .default("100000"),
+    ],
+);

@@ -1,4 +1,4 @@
-//! `[output]` and what is written where.
+//! `[output]`, where results are written, and the settings of every command.
 
 use super::choices::SCALE;
 use super::{
@@ -7,132 +7,104 @@ use super::{
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, table};
 
 const FIGURES_IN: Commands = TRACING.and(CONVERGE).and(ATTENUATION);
 
-pub(super) const FIGURES: &[Setting] = &[
-    setting(
-        "output",
-        "plots",
-        Kind::Switch,
-        FIGURES_IN,
-        "Draw no figures",
-    )
-    .flag(Flag::Off("no-plots"))
-    .default("true"),
-    setting(
-        "output",
-        "scale",
-        SCALE,
-        GONIO,
-        "Discs of a figure that share a colour scale",
-    )
-    .flag(Flag::None)
-    .default("rows"),
-    setting(
-        "output",
-        "models_at_sigma",
-        Kind::Number,
-        ATTENUATION,
-        "Values of sigma at which models are drawn over theta",
-    )
-    .flag(Flag::None)
-    .range(Range::Above(0.0))
-    .arity(Arity::ListIn(ATTENUATION))
-    .otherwise("up to three of them"),
-    setting(
-        "output",
-        "over_sigma_at_theta",
-        Kind::Number,
-        ATTENUATION,
-        "Polar angles at which visibility is drawn over sigma",
-    )
-    .flag(Flag::None)
-    .range(Range::FromBelow(0.0, 90.0))
-    .arity(Arity::ListIn(ATTENUATION))
-    .otherwise("up to five of them"),
-];
+pub(super) const FIGURES: &[Setting] = &table(
+    "output",
+    FIGURES_IN,
+    [
+        setting("plots", Kind::Switch)
+            .help("Draw no figures")
+            .flag(Flag::Off("no-plots")),
+        setting("scale", SCALE)
+            .help("Discs of a figure that share a colour scale")
+            .commands(GONIO)
+            .flag(Flag::None)
+            .default("rows"),
+        setting("models_at_sigma", Kind::Number)
+            .help("Values of sigma at which models are drawn over theta")
+            .commands(ATTENUATION)
+            .flag(Flag::None)
+            .range(Range::Above(0.0))
+            .arity(Arity::ListIn(ATTENUATION))
+            .otherwise("up to three of them"),
+        setting("over_sigma_at_theta", Kind::Number)
+            .help("Polar angles at which visibility is drawn over sigma")
+            .commands(ATTENUATION)
+            .flag(Flag::None)
+            .range(Range::FromBelow(0.0, 90.0))
+            .arity(Arity::ListIn(ATTENUATION))
+            .otherwise("up to five of them"),
+    ],
+);
 
 const FILE: &str = "FILE";
 
-pub(super) const RESULTS: &[Setting] = &[
-    setting(
-        "results",
-        "output",
-        Kind::Path,
-        FIGURES_IN,
-        "Folder for the results",
-    )
-    .short('o')
-    .value_name("DIR")
-    .required(SWEEPS)
-    .flag_only(),
-    setting(
-        "results",
-        "output",
-        Kind::Path,
-        GENERATE,
-        "File to write: .exr, .npy, .gsf, .x3p, or .png for viewing",
-    )
-    .short('o')
-    .value_name(FILE)
-    .required(GENERATE)
-    .flag_only(),
-    setting(
-        "results",
-        "output",
-        Kind::Path,
-        INSPECT,
-        "Result folder, or height map: .exr, .npy, .gsf, .x3p or .png",
-    )
-    .short('o')
-    .value_name("DIR|FILE")
-    .flag_only(),
-    setting(
-        "results",
-        "output",
-        Kind::Path,
-        MESH,
-        "File to write: .ply, .obj or .stl",
-    )
-    .short('o')
-    .value_name(FILE)
-    .required(MESH)
-    .flag_only(),
-    setting(
-        "results",
-        "output",
-        Kind::Path,
-        MODEL,
-        "File to write: .csv",
-    )
-    .short('o')
-    .value_name(FILE)
-    .otherwise("standard output")
-    .flag_only(),
-    setting(
-        "results",
-        "plot",
-        Kind::Path,
-        INSPECT,
-        "Figure of the height map to write: .svg or .png",
-    )
-    .value_name(FILE)
-    .flag_only(),
-    setting(
-        "results",
-        "json",
-        Kind::Switch,
-        TRACE
-            .and(SWEEPS)
-            .and(MAP)
-            .and(ATTENUATION)
-            .and(GENERATE)
-            .and(INSPECT)
-            .and(MODEL),
-        "Print results as JSON on standard output",
-    )
-    .default("false")
-    .flag_only(),
-];
+pub(super) const RESULTS: &[Setting] = &flags(
+    "results",
+    FIGURES_IN,
+    [
+        basic("output", Kind::Path)
+            .help("Folder for the results")
+            .short('o')
+            .value_name("DIR")
+            .required(SWEEPS),
+        basic("output", Kind::Path)
+            .help("File to write: .exr, .npy, .gsf, .x3p, or .png for viewing")
+            .commands(GENERATE)
+            .short('o')
+            .value_name(FILE)
+            .required(GENERATE),
+        basic("output", Kind::Path)
+            .help("Result folder, or height map: .exr, .npy, .gsf, .x3p or .png")
+            .commands(INSPECT)
+            .short('o')
+            .value_name("DIR|FILE"),
+        basic("output", Kind::Path)
+            .help("File to write: .ply, .obj or .stl")
+            .commands(MESH)
+            .short('o')
+            .value_name(FILE)
+            .required(MESH),
+        basic("output", Kind::Path)
+            .help("File to write: .csv")
+            .commands(MODEL)
+            .short('o')
+            .value_name(FILE)
+            .otherwise("standard output"),
+        basic("plot", Kind::Path)
+            .help("Figure of the height map to write: .svg or .png")
+            .commands(INSPECT)
+            .value_name(FILE),
+        basic("json", Kind::Switch)
+            .help("Print results as JSON on standard output")
+            .commands(
+                TRACE
+                    .and(SWEEPS)
+                    .and(MAP)
+                    .and(ATTENUATION)
+                    .and(GENERATE)
+                    .and(INSPECT)
+                    .and(MODEL),
+            ),
+    ],
+);
+
+pub(super) const PROGRAM: &[Setting] = &flags(
+    "program",
+    Commands::ALL,
+    [
+        basic("threads", Kind::Count)
+            .help("Number of threads")
+            .range(Range::FromTo(1.0, 1024.0))
+            .otherwise("all cores"),
+        basic("quiet", Kind::Switch)
+            .help("Print nothing but errors and what --json prints")
+            .short('q'),
+        basic("verbose", Kind::Switch)
+            .help("Report on standard error what is done and why, and times")
+            .short('v'),
+    ],
+);

@@ -4,174 +4,102 @@ use super::choices::CAMERA as CAMERAS;
 use super::{DEGREES, RENDER};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting};
 
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
 const RADIANCE: Range = Range::FromTo(0.0, 1e30);
 
-pub(super) const CAMERA: &[Setting] = &[
-    setting("camera", "projection", CAMERAS, RENDER, "Projection")
-        .flag(Flag::Named("camera"))
-        .default("pinhole")
-        .flag_only(),
-    setting(
-        "camera",
-        "fov",
-        Kind::Number,
-        RENDER,
-        "Vertical field of view of a pinhole camera",
-    )
-    .unit(DEGREES)
-    .range(Range::Between(0.0, 180.0))
-    .default("40")
-    .flag_only(),
-    setting(
-        "camera",
-        "look_at",
-        Kind::Length,
-        RENDER,
-        "Point of the mean plane at the centre of the picture",
-    )
-    .arity(Arity::Tuple(&["X", "Y"]))
-    .otherwise("the centre of the tile")
-    .flag_only(),
-    setting(
-        "camera",
-        "width",
-        Kind::Length,
-        RENDER,
-        "Length seen across the centre of the picture",
-    )
-    .value_name("LENGTH")
-    .range(Range::Above(0.0))
-    .otherwise("that of the tile")
-    .flag_only(),
-];
+pub(super) const CAMERA: &[Setting] = &flags(
+    "camera",
+    RENDER,
+    [
+        setting("projection", CAMERAS)
+            .help("Projection")
+            .flag(Flag::Named("camera"))
+            .default("pinhole"),
+        basic("fov", Kind::Number)
+            .help("Vertical field of view of a pinhole camera")
+            .unit(DEGREES)
+            .range(Range::Between(0.0, 180.0))
+            .default("40"),
+        setting("look_at", Kind::Length)
+            .help("Point of the mean plane at the centre of the picture")
+            .arity(Arity::Tuple(&["X", "Y"]))
+            .otherwise("the centre of the tile"),
+        basic("width", Kind::Length)
+            .help("Length seen across the centre of the picture")
+            .value_name("LENGTH")
+            .range(Range::Above(0.0))
+            .otherwise("that of the tile"),
+    ],
+);
 
-pub(super) const LIGHTS: &[Setting] = &[
-    setting(
-        "lights",
-        "sky",
-        Kind::Number,
-        RENDER,
-        "Radiance of the sky at the zenith",
-    )
-    .value_name("RADIANCE")
-    .range(RADIANCE)
-    .default("0.8")
-    .flag_only(),
-    setting(
-        "lights",
-        "horizon",
-        Kind::Number,
-        RENDER,
-        "Radiance at the horizon over the zenith; 1: uniform",
-    )
-    .value_name("FACTOR")
-    .range(Range::FromTo(0.0, 1.0))
-    .default("0.15")
-    .flag_only(),
-    setting(
-        "lights",
-        "sun",
-        Kind::Number,
-        RENDER,
-        "Radiance of a white matt plane that faces the sun; 0 for none",
-    )
-    .value_name("RADIANCE")
-    .range(RADIANCE)
-    .default("1")
-    .flag_only(),
-    setting(
-        "lights",
-        "sun_theta",
-        Kind::Number,
-        RENDER,
-        "Polar angle of the direction towards the sun",
-    )
-    .unit(DEGREES)
-    .range(POLAR)
-    .default("60")
-    .flag_only(),
-    setting(
-        "lights",
-        "sun_phi",
-        Kind::Number,
-        RENDER,
-        "Azimuth of the direction towards the sun",
-    )
-    .unit(DEGREES)
-    .default("150")
-    .flag_only(),
-    setting(
-        "lights",
-        "sun_radius",
-        Kind::Number,
-        RENDER,
-        "Angular radius of the sun",
-    )
-    .unit(DEGREES)
-    .range(Range::FromTo(0.01, 60.0))
-    .default("15")
-    .flag_only(),
-    setting(
-        "lights",
-        "patch",
-        Kind::Length,
-        RENDER,
-        "Rectangle of the mean plane that the sun lights",
-    )
-    .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
-    .otherwise("the whole plane")
-    .flag_only(),
-    setting(
-        "lights",
-        "below",
-        Kind::Number,
-        RENDER,
-        "Radiance from below, as seen through a flat ideal interface",
-    )
-    .value_name("RADIANCE")
-    .range(RADIANCE)
-    .default("0.01")
-    .flag_only(),
-];
+pub(super) const LIGHTS: &[Setting] = &flags(
+    "lights",
+    RENDER,
+    [
+        basic("sky", Kind::Number)
+            .help("Radiance of the sky at the zenith")
+            .value_name("RADIANCE")
+            .range(RADIANCE)
+            .default("0.8"),
+        setting("horizon", Kind::Number)
+            .help("Radiance at the horizon over the zenith; 1: uniform")
+            .value_name("FACTOR")
+            .range(Range::FromTo(0.0, 1.0))
+            .default("0.15"),
+        setting("sun", Kind::Number)
+            .help("Radiance of a white matt plane that faces the sun; 0 for none")
+            .value_name("RADIANCE")
+            .range(RADIANCE)
+            .default("1"),
+        basic("sun_theta", Kind::Number)
+            .help("Polar angle of the direction towards the sun")
+            .unit(DEGREES)
+            .range(POLAR)
+            .default("60"),
+        basic("sun_phi", Kind::Number)
+            .help("Azimuth of the direction towards the sun")
+            .unit(DEGREES)
+            .default("150"),
+        setting("sun_radius", Kind::Number)
+            .help("Angular radius of the sun")
+            .unit(DEGREES)
+            .range(Range::FromTo(0.01, 60.0))
+            .default("15"),
+        setting("patch", Kind::Length)
+            .help("Rectangle of the mean plane that the sun lights")
+            .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
+            .otherwise("the whole plane"),
+        setting("below", Kind::Number)
+            .help("Radiance from below, as seen through a flat ideal interface")
+            .value_name("RADIANCE")
+            .range(RADIANCE)
+            .default("0.01"),
+    ],
+);
 
-pub(super) const PICTURE: &[Setting] = &[
-    setting("picture", "size", Kind::Pixels, RENDER, "Pixels")
-        .value_name("COLUMNSxROWS")
-        .default("640x480")
-        .flag_only(),
-    setting(
-        "picture",
-        "samples",
-        Kind::Count,
-        RENDER,
-        "Samples per pixel, at least",
-    )
-    .default("16")
-    .flag_only(),
-    setting(
-        "picture",
-        "exposure",
-        Kind::Number,
-        RENDER,
-        "Factor from radiance to PNG brightness, where 1 is white",
-    )
-    .value_name("FACTOR")
-    .range(Range::Above(0.0))
-    .otherwise("by the brightest percent, and by four times the median at most")
-    .flag_only(),
-    setting(
-        "picture",
-        "output",
-        Kind::Path,
-        RENDER,
-        "File to write: .exr or .png; may be repeated",
-    )
-    .short('o')
-    .value_name("FILE")
-    .arity(Arity::Repeated)
-    .required(RENDER)
-    .flag_only(),
-];
+pub(super) const PICTURE: &[Setting] = &flags(
+    "picture",
+    RENDER,
+    [
+        basic("size", Kind::Pixels)
+            .help("Pixels")
+            .value_name("COLUMNSxROWS")
+            .default("640x480"),
+        basic("samples", Kind::Count)
+            .help("Samples per pixel, at least")
+            .default("16"),
+        basic("exposure", Kind::Number)
+            .help("Factor from radiance to PNG brightness, where 1 is white")
+            .value_name("FACTOR")
+            .range(Range::Above(0.0))
+            .otherwise("by the brightest percent, and by four times the median at most"),
+        basic("output", Kind::Path)
+            .help("File to write: .exr or .png; may be repeated")
+            .short('o')
+            .value_name("FILE")
+            .arity(Arity::Repeated)
+            .required(RENDER),
+    ],
+);

@@ -1,0 +1,64 @@
+//! Settings of single commands: the height map of `generate`, erosion by `inspect`, the mesh of `mesh`, and `model`.
+
+use super::{DEGREES, GENERATE, INSPECT, MESH, MODEL};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Flag, Setting, basic, flags, setting};
+
+pub(super) const GENERATE_SETTINGS: &[Setting] = &flags(
+    "generate",
+    GENERATE,
+    [basic("realisation", Kind::Seed)
+        .help("Number of the surface among those of the seed")
+        .value_name("NUMBER")
+        .default("0")],
+);
+
+pub(super) const EROSION: &[Setting] = &flags(
+    "erosion",
+    INSPECT,
+    [
+        basic("repose", Kind::Number)
+            .help("Let material slip down slopes steeper than this angle")
+            .unit(DEGREES)
+            .range(Range::FromBelow(0.0, 90.0))
+            .otherwise("not done"),
+        setting("slip_steps", Kind::Count)
+            .help("Steps of slipping")
+            .range(Range::FromTo(1.0, 100_000.0))
+            .default("1000"),
+        basic("etch", Kind::Length)
+            .help("Etch isotropically to this depth, after slipping")
+            .range(Range::Above(0.0))
+            .otherwise("not done"),
+    ],
+);
+
+pub(super) const MESH_SETTINGS: &[Setting] = &flags(
+    "mesh",
+    MESH,
+    [
+        basic("subdivide", Kind::Count)
+            .help("Parts of a smooth cell along each axis, two triangles each")
+            .default("4"),
+        basic("deviation", Kind::Length)
+            .help("Largest vertical distance from the surface; sets subdivide")
+            .range(Range::Above(0.0))
+            .otherwise("not used"),
+    ],
+);
+
+pub(super) const MODEL_SETTINGS: &[Setting] = &flags(
+    "model",
+    MODEL,
+    [
+        basic("name", Kind::Model).help("Model").flag(Flag::None),
+        basic("list", Kind::Switch).help("List the models and where each is meant to hold"),
+        basic("step", Kind::Number)
+            .help("Distance between directions, for a model with a density")
+            .unit(DEGREES)
+            .range(Range::AboveTo(0.0, 45.0))
+            .otherwise("1"),
+        basic("sphere", Kind::Switch).help("The whole sphere, not only the plane of incidence"),
+    ],
+);
