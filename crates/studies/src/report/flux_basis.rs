@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_ray_did_is_exact_only_where_none_can() {
+    fn a_flux_of_zero_is_exact_only_where_it_is_impossible() {
         assert_eq!(texts(GLASS), [UNSEEN, UNSEEN, EXACT, UNSEEN]);
         let gold = FluxBasis {
             absorbs: true,
@@ -193,7 +193,7 @@ mod tests {
 
     /// A model may do what its material does, whether it is integrated or followed.
     #[test]
-    fn models_prove_what_their_material_cannot_do() {
+    fn fluxes_that_a_material_excludes_are_exact_in_models() {
         let glass = Material::dielectric(1.5).unwrap();
         let gold = Material::conductor(0.2, 3.0).unwrap();
         let quadrature = "0 (quadrature)";
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn the_budget_rests_on_what_its_sides_rest_on() {
+    fn parts_of_the_budget_have_the_basis_of_their_sides() {
         let spec = TallySpec::new(HemisphereGrid::new(2, 2).unwrap(), 0.1).unwrap();
         let mut tally = TallyValues::zeros(spec);
         tally[TallySpec::BUDGET.reflected] = 0.25;

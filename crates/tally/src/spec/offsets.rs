@@ -224,3 +224,48 @@ impl BinOffsets {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_entry_belongs_to_one_score_and_component() {
+        for components in [&[][..], &Component::MEDIUM] {
+            let offsets = BinOffsets {
+                grid: HemisphereGrid::new(3, 4).unwrap(),
+                components,
+                polarimetry: Polarimetry::Mueller,
+            };
+            let mut uses = vec![0; offsets.len()];
+            let mut count = |entries: Entries| entries.range().for_each(|i| uses[i] += 1);
+            // The budget, whose first two parts are the fluxes of the sides
+            count(Entries::new(2, MULTIPLE_START - 2));
+            for side in Side::BOTH {
+                count(BinOffsets::orders(side));
+                count(BinOffsets::paths(side));
+                let [.., grouped] = Component::ORDERS;
+                for (score, kept) in [
+                    (
+                        Score::Flux,
+                        &[Component::All, Component::Multiple, grouped][..],
+                    ),
+                    (Score::BinFlux, &Component::BINS),
+                    (Score::BinHits, &Component::SURFACE),
+                    (Score::RingFlux, &Component::RINGS),
+                    (Score::InPlaneFlux, &Component::RINGS),
+                ] {
+                    for component in kept.iter().chain(components) {
+                        count(offsets.find(score, side, *component).unwrap());
+                    }
+                }
+            }
+            for (position, flux) in offsets.measured_fluxes().enumerate() {
+                let first = offsets.measures_of(Entry(flux)).unwrap();
+                assert_eq!(first, offsets.measures_at(position));
+                count(Entries::new(first, offsets.polarimetry.len()));
+            }
+            assert!(uses.iter().all(|&n| n == 1), "{uses:?}");
+        }
+    }
+}
