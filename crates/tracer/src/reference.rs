@@ -15,6 +15,7 @@
 mod amplitudes;
 mod camera;
 mod division;
+mod event;
 mod facet;
 mod fields;
 mod interface;
@@ -28,8 +29,8 @@ use asperity_optics::{Material, Stokes};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use self::event::NextEvent;
 use self::fields::Fields;
-use self::next_event::NextEvent;
 use self::state::PathState;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
@@ -37,7 +38,7 @@ use crate::interaction::layer::TracedLayer;
 use crate::settings::{PathSettings, Polarisation};
 use crate::visibility::light_beams::LightBeams;
 
-pub use self::next_event::FlightSearch;
+pub use self::event::FlightSearch;
 pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
 
 /// Follows light that comes from above, one path at a time.

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
-use super::next_event::NextEvent;
+use super::event::NextEvent;
 use super::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
 use super::state::PathState;
 use crate::geometry::Geometry;
