@@ -19,6 +19,7 @@
 mod illumination;
 mod layer;
 mod leave;
+mod random_numbers;
 mod scatter;
 mod start;
 mod state;
