@@ -5,7 +5,6 @@ use std::str::FromStr;
 
 use asperity_optics::{Bottom, Layer, PhaseFunction, ln_of_normal};
 use glam::DVec3;
-use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use crate::accelerators::SearchedSurface;
@@ -274,18 +273,6 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         } else {
             depth * self.mean_free_path
         }
-    }
-
-    /// The direction of light after it was scattered inside while travelling along `d`.
-    #[inline]
-    pub(crate) fn scattered<R: Rng>(&self, d: DVec3, rng: &mut R) -> DVec3 {
-        self.phase.sample(d, [rng.random(), rng.random()])
-    }
-
-    /// The density of that, 1/sr, at the cosine of the angle between both directions.
-    #[inline]
-    pub(crate) fn phase_density(&self, mu: f64) -> f64 {
-        self.phase.density(mu)
     }
 
     /// Distance from a height to a flat bottom, along a direction that rises by `dz`; infinite if the bottom does not lie ahead.

@@ -125,7 +125,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
             // Scatter it into the path
             let d = beam.direction;
-            let phase = layer.phase_density(path.heading.direction.dot(-d));
+            let phase = layer.phase().density(path.heading.direction.dot(-d));
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
             contribute(CameraContribution::Beam(BeamContribution {
                 fraction: path.flux * phase * beam.fraction,

@@ -3,7 +3,7 @@
 use asperity_optics::{PhaseFunction, Stokes};
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::{Rng, RngExt};
 
 use super::division::LitBranch;
 use super::fields::Fields;
@@ -96,7 +96,8 @@ impl PathState {
                 self.fields = Some(fields);
             }
             fields => {
-                self.heading.direction = layer.scattered(self.heading.direction, rng);
+                let numbers = [rng.random(), rng.random()];
+                self.heading.direction = layer.phase().sample(self.heading.direction, numbers);
                 self.fields = fields.map(|_| Fields::unpolarised(self.heading.world_direction()));
             }
         }

@@ -117,7 +117,10 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let threshold = (ROULETTE_FACTOR * self.settings.roulette_below).min(1.0);
-        let roulette = Roulette::below(threshold);
+        let roulette = Roulette {
+            threshold,
+            spares_first: false,
+        };
         let (albedo, most) = (layer.albedo(), layer.max_scatterings());
         let Flights { at, .. } = &mut batch.flights;
         for (i, u) in (first..at.len).zip(numbers) {

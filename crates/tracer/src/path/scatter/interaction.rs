@@ -233,10 +233,9 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Russian roulette of this tracer.
     fn roulette(&self, tallies: &Tallies<'_>) -> Roulette {
-        let roulette = Roulette::below(self.settings.roulette_below);
-        match tallies.control_variate() {
-            Some(_) => roulette.sparing_first(),
-            None => roulette,
+        Roulette {
+            threshold: self.settings.roulette_below,
+            spares_first: tallies.control_variate().is_some(),
         }
     }
 
