@@ -50,14 +50,14 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
         // Follow both branches
         let m = self.normal(&hit, path.space);
-        let divided = self.divided(hit.interface, &path, m, rng);
-        let mut absorbed = divided.absorbed;
-        for lit in divided.branches {
-            if lit.branch.fraction > 0.0 {
+        let scattered = self.scattered(hit.interface, &path, m, rng);
+        let mut absorbed = scattered.absorbed;
+        for branch in scattered.branches {
+            if branch.fraction > 0.0 {
                 let mut path = path;
-                path.flux = lit.branch.fraction;
+                path.flux = branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
-                path.leave_interface(Interface::Top, &lit);
+                path.leave_interface(Interface::Top, &branch);
                 let end = self.follow(&mut path, beams, rng, &mut contribute);
 
                 // Say whether the beams stand for where it came from

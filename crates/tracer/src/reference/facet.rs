@@ -5,6 +5,10 @@ use asperity_tally::Event;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use super::amplitudes::Amplitudes;
+use super::fields::{Deflection, Fields};
+use crate::periodic::Heading;
+
 /// Fractions of the flux that arrives at a facet, and their directions.
 pub(super) struct Scattered {
     /// Transmission and reflection; a branch without flux has the fraction zero and may have no direction.
@@ -19,6 +23,8 @@ pub(super) struct Branch {
     /// Unit direction.
     pub(super) direction: DVec3,
     pub(super) fraction: f64,
+    /// Fields, if the path has any.
+    pub(super) fields: Option<Fields>,
 }
 
 impl Scattered {
@@ -27,6 +33,7 @@ impl Scattered {
             event,
             direction,
             fraction,
+            fields: None,
         };
         Self {
             branches: [
@@ -62,5 +69,48 @@ impl Scattered {
     /// Light at a facet that absorbs all of it.
     pub(super) fn nowhere() -> Self {
         Self::new([(0.0, DVec3::ZERO); 2], 1.0)
+    }
+
+    /// This light with the fractions of the fields that a path brings to a point of normal `m`, in the world also in a mirrored tile.
+    pub(super) fn polarised(
+        mut self,
+        heading: &Heading,
+        fields: &Fields,
+        m: DVec3,
+        amplitudes: &Amplitudes,
+    ) -> Self {
+        let amplitudes = [amplitudes.transmission, amplitudes.reflection];
+        for (branch, amplitudes) in self.branches.iter_mut().zip(amplitudes) {
+            // A branch without light has no direction.
+            if branch.fraction > 0.0 {
+                let ray = Deflection {
+                    k: heading.world_direction(),
+                    k_out: heading.to_world(branch.direction),
+                    m: heading.to_world(m),
+                };
+                let fields = fields.after(&ray, amplitudes);
+                branch.fraction = fields.flux();
+                branch.fields = Some(fields.normalised());
+            }
+        }
+        let kept: f64 = self.branches.iter().map(|branch| branch.fraction).sum();
+        if self.absorbed > 0.0 {
+            self.absorbed = 1.0 - kept;
+        } else {
+            // Without absorption both fractions add up to one but for rounding, which is taken out.
+            for branch in &mut self.branches {
+                branch.fraction /= kept;
+            }
+        }
+        self
+    }
+
+    /// This light, unpolarised.
+    pub(super) fn depolarised(mut self, heading: &Heading) -> Self {
+        for branch in &mut self.branches {
+            let k = heading.to_world(branch.direction);
+            branch.fields = Some(Fields::unpolarised(k));
+        }
+        self
     }
 }

@@ -5,7 +5,7 @@ use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-use super::division::LitBranch;
+use super::facet::Branch;
 use super::fields::Fields;
 use super::result::{PathEnd, PathResult};
 use crate::geometry::Geometry;
@@ -66,10 +66,9 @@ impl PathState {
     }
 
     /// Leaves an interface along a branch.
-    pub(super) fn leave_interface(&mut self, interface: Interface, lit: &LitBranch) {
-        let LitBranch { branch, fields } = *lit;
+    pub(super) fn leave_interface(&mut self, interface: Interface, branch: &Branch) {
         self.heading.direction = branch.direction;
-        self.fields = fields;
+        self.fields = branch.fields;
         self.events = self.events.then(branch.event);
         self.events_since += 1;
         if branch.event == Event::Transmission {
