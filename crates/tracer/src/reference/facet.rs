@@ -114,3 +114,51 @@ impl Scattered {
         self
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interaction::facet::{Incident, scatter};
+    use crate::interaction::polarised::AveragedLight;
+
+    #[test]
+    fn the_path_engine_scatters_averaged_light_to_the_bit_as_the_reference() {
+        let materials = [
+            Material::Dielectric { eta: 1.5 },
+            Material::Dielectric { eta: 1.0 },
+            Material::Conductor {
+                eta: 0.43,
+                kappa: 2.455,
+            },
+            Material::Mirror,
+        ];
+        let m = DVec3::new(0.48, -0.6, 0.64);
+        for material in materials {
+            for is_entering in [true, false] {
+                for step in 0..=400 {
+                    let theta = f64::from(step) / 400.0 * std::f64::consts::FRAC_PI_2;
+                    let across = m.any_orthonormal_vector();
+                    let wi = theta.cos() * m + theta.sin() * across;
+                    let light = Incident::averaged(is_entering, wi, m);
+                    let found = scatter::<AveragedLight, 0>(material, &light);
+                    let from_here = if is_entering {
+                        material
+                    } else {
+                        material.reversed()
+                    };
+                    let expected = Scattered::smoothly(from_here, wi, m);
+                    assert_eq!(found.absorbed, expected.absorbed, "{material:?} {theta}");
+                    for ((event, out), branch) in
+                        found.branches().into_iter().zip(expected.branches)
+                    {
+                        assert_eq!(event, branch.event);
+                        assert_eq!(out.passed.fraction, branch.fraction, "{material:?} {theta}");
+                        if branch.fraction > 0.0 {
+                            assert_eq!(out.direction, branch.direction, "{material:?} {theta}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -37,7 +37,7 @@ impl<G: Geometry> Stage for BeginFlights<'_, '_, G> {
     }
 }
 
-/// Takes flights that meet nothing to their ends.
+/// Moves flights that hit nothing to their ends.
 struct FlyOn<'a> {
     from: &'a Flights,
     /// Their numbers.
@@ -78,7 +78,7 @@ impl Stage for FlyOn<'_> {
 }
 
 impl<G: Geometry> Tracer<'_, G> {
-    /// Takes all flights inside the layer one on.
+    /// Takes all flights inside the layer to their next interaction.
     pub(crate) fn trace_flights(&self, batch: &mut Batch<'_, G::Facet>) {
         let Some(layer) = &self.layer else {
             return;
@@ -122,7 +122,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.entering.len = 0;
     }
 
-    /// Takes flights that meet nothing to their ends, where they come to the flat bottom, are scattered or leave.
+    /// Moves flights that hit nothing to their ends, where they come to the flat bottom, are scattered or leave.
     fn fly(&self, layer: &TracedLayer<'_, G>, flown: &Flights, batch: &mut Batch<'_, G::Facet>) {
         // Leave a clear medium that has no end
         let mut which = std::mem::take(&mut batch.elsewhere);
@@ -207,8 +207,8 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
-    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    /// Tallies light without another interaction in a clear medium: it leaves downwards if the medium has no end, or leaves an open
+    /// patch, below the surface or beside a bottom with a surface of its own.
     fn leave_clear_medium(
         &self,
         layer: &TracedLayer<'_, G>,
@@ -229,7 +229,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 }
 
-/// A ray that goes down below the bottom of the layer for ever.
+/// A ray that leaves downwards below the bottom of the layer.
 fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
     Departure {
         region: Region::inside(Interface::Bottom).behind(),

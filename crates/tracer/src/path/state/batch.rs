@@ -74,7 +74,7 @@ pub(crate) struct Batch<'r, F> {
     pub(crate) visibility_rays: VisibilityRays<F>,
     /// Starts of this round.
     pub(crate) starts: Vec<Start>,
-    /// Facets that light has arrived at.
+    /// Light that has arrived at the upper surface.
     pub(crate) arrivals: Arrivals<F>,
     /// Light that has arrived at the bottom of the layer.
     pub(crate) at_bottom: BottomArrivals,
