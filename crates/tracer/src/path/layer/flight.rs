@@ -10,10 +10,10 @@ use glam::DVec3;
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
-use crate::path::random_numbers::DrawNumbers;
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Departure, PathState, Region};
+use crate::path::state::random_numbers::DrawNumbers;
 use crate::path::state::segments::{Gather, gather_column, rows_of, rows_of_mut};
 use crate::path::tracer::Tracer;
 use crate::periodic::{Heading, wrap};

@@ -5,13 +5,13 @@ use asperity_tally::{Loss, Tallies};
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
-use crate::path::random_numbers::DrawPairs;
 use crate::path::scatter::branch::{PickBranches, SplitBranches};
 use crate::path::scatter::facets::Scatter;
 use crate::path::scatter::roulette::Roulette;
 use crate::path::state::arrivals::{Arrivals, Move};
 use crate::path::state::batch::{Batch, Interactions};
 use crate::path::state::path_state::{Arrival, PathState, Region};
+use crate::path::state::random_numbers::DrawPairs;
 use crate::path::state::segments::{Gather, Segments};
 use crate::path::tracer::Tracer;
 use crate::random::{PathStream, Use};

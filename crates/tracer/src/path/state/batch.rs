@@ -4,10 +4,10 @@ use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 
 use crate::geometry::CullingClass;
 use crate::path::illumination::{Illumination, Starts};
-use crate::path::random_numbers::Numbers;
 use crate::path::state::arrivals::{Arrivals, BottomArrivals};
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{PathState, SingleSegment};
+use crate::path::state::random_numbers::Numbers;
 use crate::path::state::scattered::ScatteredLight;
 use crate::path::state::segments::{Kept, Segments};
 use crate::path::state::visibility_rays::VisibilityRays;
