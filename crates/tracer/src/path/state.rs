@@ -1,4 +1,4 @@
-//! State: what passes between the stages, field by field.
+//! State: the data that pass between the stages, field by field.
 
 pub(crate) mod arrivals;
 pub(crate) mod batch;
