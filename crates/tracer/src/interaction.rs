@@ -1,7 +1,6 @@
 //! Interaction of light with a surface: scattering at one facet, the layer below, and the sum of first interactions over
 //! all facets.
 
-pub(crate) mod below;
 pub(crate) mod facet;
 pub(crate) mod layer;
 pub(crate) mod polarised;

@@ -55,8 +55,9 @@ pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
-pub use interaction::below::{BottomSurface, LayerBelow};
-pub use interaction::layer::{DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
+pub use interaction::layer::{
+    BottomSurface, DEFAULT_MAX_SCATTERINGS, LayerBelow, TracedLayer, TracedLayerError,
+};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Window, Work};
 pub use periodic::{

@@ -16,6 +16,7 @@
 //! numbers are functions of path and step ([`crate::random`]), so that no order of work changes them. The same
 //! light, one path at a time, is in `reference`.
 
+mod beam;
 mod illumination;
 mod layer;
 mod leave;

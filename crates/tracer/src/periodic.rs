@@ -16,14 +16,8 @@ use crate::geometry::Geometry;
 
 pub use self::heading::Heading;
 pub(crate) use self::heading::{mirror_image, wrap};
+pub use self::traversal::{MAX_TILES, TraversalEnd, TraversalResult, traverse};
 pub(crate) use self::traversal::{Traversal, approach, begin, leaves_heights_in_tile};
-pub use self::traversal::{TraversalEnd, TraversalResult, traverse};
-
-/// Tiles that a ray may cross before it is given up as lost.
-///
-/// [`tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
-/// rays that are horizontal to rounding and meet nothing.
-pub const MAX_TILES: u32 = 100_000;
 
 /// Most tiles that a ray at 45 degrees may cross between the highest and the lowest point. Rays between the peaks of
 /// higher surfaces cross thousands of tiles each, most of them scattered ones, whose directions no check foresees.

@@ -53,7 +53,7 @@ pub(crate) enum Use {
 ///
 /// // Paths 1000 and above on surface 3 under seed 1
 /// let stream = PathStream::new(1, 3).from_path(1000);
-/// assert_eq!(stream.first_path(), 1000);
+/// assert_eq!(stream.of_start(7), PathStream::new(1, 3).of_start(1007));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathStream {
@@ -114,12 +114,6 @@ impl PathStream {
     pub const fn from_path(self, first: u64) -> Self {
         assert!(first < MAX_PATHS, "paths have numbers below 2^56");
         Self { first, ..self }
-    }
-
-    /// Number of the first path.
-    #[must_use]
-    pub const fn first_path(self) -> u64 {
-        self.first
     }
 
     /// The numbers in `[0, 1)` that place the start of path number `ray` of this stream in its stratum.

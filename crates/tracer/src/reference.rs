@@ -9,12 +9,12 @@
 //!
 //! `next_event.rs` finds what a path comes to, `interface.rs` scatters it there, `state.rs` is the path,
 //! `result.rs` its end, and `camera.rs` follows both branches of a first interaction. Polarised light is followed by its
-//! electric fields: `fields.rs` has them, `amplitudes.rs` what interfaces multiply them by, and `division.rs` divides them between
+//! electric fields: `fields.rs` has them, `amplitudes.rs` the factors of interfaces, and `facet.rs` divides them between
 //! reflection and transmission.
 
 mod amplitudes;
 mod camera;
-mod division;
+mod event;
 mod facet;
 mod fields;
 mod interface;
@@ -28,8 +28,8 @@ use asperity_optics::{Material, Stokes};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use self::event::NextEvent;
 use self::fields::Fields;
-use self::next_event::NextEvent;
 use self::state::PathState;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
@@ -37,7 +37,7 @@ use crate::interaction::layer::TracedLayer;
 use crate::settings::{PathSettings, Polarisation};
 use crate::visibility::light_beams::LightBeams;
 
-pub use self::next_event::FlightSearch;
+pub use self::event::FlightSearch;
 pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
 
 /// Follows light that comes from above, one path at a time.
@@ -153,17 +153,17 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
 
                     // Compute what the interface reflects, transmits and absorbs
                     let m = self.normal(&hit, path.space);
-                    let divided = self.divided(hit.interface, path, m, rng);
-                    let [transmission, reflection] = &divided.branches;
-                    let kept = transmission.branch.fraction + reflection.branch.fraction;
-                    path.absorbed += path.flux * divided.absorbed;
+                    let scattered = self.scattered(hit.interface, path, m, rng);
+                    let [transmission, reflection] = &scattered.branches;
+                    let kept = transmission.fraction + reflection.fraction;
+                    path.absorbed += path.flux * scattered.absorbed;
                     path.flux *= kept;
                     if path.flux == 0.0 {
                         return PathEnd::Absorbed;
                     }
 
                     // Sample reflection or transmission by their fractions
-                    let is_reflected = rng.random::<f64>() * kept < reflection.branch.fraction;
+                    let is_reflected = rng.random::<f64>() * kept < reflection.fraction;
                     let wo = if is_reflected {
                         reflection
                     } else {

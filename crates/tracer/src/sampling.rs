@@ -3,8 +3,6 @@
 use std::fmt;
 use std::str::FromStr;
 
-use asperity_optics::sin_cos_of_turn;
-use glam::DVec2;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +15,10 @@ use crate::vector::Instructions;
 mod jitter;
 pub(crate) mod morton;
 mod net;
+mod start;
 mod strata;
 
+pub(crate) use self::start::Start;
 pub use self::strata::BatchedRays;
 use self::strata::Strata;
 
@@ -71,25 +71,6 @@ impl FromStr for Sampling {
                 "unknown sampling `{text}`; allowed are random, stratified and quasi-random"
             )),
         }
-    }
-}
-
-/// Start of a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Start {
-    /// `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions of the period along x and y, and
-    /// of a full turn. Each start taken at random is uniform; where no azimuth is requested, it is 0.
-    pub(crate) position: [f64; 3],
-    /// Number of the path, counted from the first of its stream.
-    pub(crate) ray: u32,
-}
-
-impl Start {
-    /// Cosine and sine of the azimuth: `(1, 0)` where none is requested.
-    #[inline(always)]
-    pub(crate) fn turn(&self) -> DVec2 {
-        let [sin, cos] = sin_cos_of_turn(self.position[2]);
-        DVec2::new(cos, sin)
     }
 }
 
@@ -233,6 +214,8 @@ impl Shuffle {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use glam::DVec2;
 
     use super::*;
     use crate::sampling::morton::{MortonSquare, morton_code};

@@ -372,7 +372,7 @@ impl Geometry for Surface {
         direction: [&[f64]; 3],
         normal: [&mut [f64]; 3],
     ) {
-        many::arrive(self, facets, ts, origin, direction, normal);
+        self.arrive_many(facets, ts, origin, direction, normal);
     }
 }
 
@@ -424,7 +424,7 @@ impl Grid for Surface {
         met: &[(u32, [u32; 2])],
         hits: &mut [Option<Hit<Facet>>],
     ) {
-        many::pass_cells(self, rays, met, hits);
+        self.pass_cells_many(rays, met, hits);
     }
 }
 

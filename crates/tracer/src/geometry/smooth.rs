@@ -324,7 +324,7 @@ impl Geometry for SmoothSurface {
         direction: [&[f64]; 3],
         normal: [&mut [f64]; 3],
     ) {
-        many::arrive(self, cells, ts, origin, direction, normal);
+        self.arrive_many(cells, ts, origin, direction, normal);
     }
 }
 
@@ -373,6 +373,6 @@ impl Grid for SmoothSurface {
         met: &[(u32, [u32; 2])],
         hits: &mut [Option<Hit<SmoothCell>>],
     ) {
-        many::pass_cells(self, rays, met, hits);
+        self.pass_cells_many(rays, met, hits);
     }
 }

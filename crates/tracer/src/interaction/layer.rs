@@ -1,13 +1,77 @@
 //! Layer: a medium below a surface, and the bottom that it ends on, in the tile coordinates of the surface.
 
+use std::fmt;
+use std::str::FromStr;
+
 use asperity_optics::{Bottom, Layer, PhaseFunction, ln_of_normal};
 use glam::DVec3;
-use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
 
 use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
+
+/// The shape of a layer's bottom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BottomSurface {
+    /// A plane.
+    #[default]
+    Flat,
+    /// The surface above, moved down.
+    Same,
+    /// Another surface of the same statistics, of a realisation of its own.
+    Independent,
+}
+
+impl fmt::Display for BottomSurface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Flat => "flat",
+            Self::Same => "same",
+            Self::Independent => "independent",
+        })
+    }
+}
+
+impl FromStr for BottomSurface {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Flat, Self::Same, Self::Independent]
+            .into_iter()
+            .find(|shape| shape.to_string() == text)
+            .ok_or_else(|| {
+                format!("unknown bottom surface `{text}`; allowed are flat, same and independent")
+            })
+    }
+}
+
+/// A layer of a medium below a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerBelow {
+    /// The medium, the thickness, and what it ends on.
+    pub layer: Layer,
+    /// The shape of its bottom, unless the given surface has a bottom of its own.
+    pub bottom: BottomSurface,
+}
+
+impl LayerBelow {
+    /// The layer below `top`, as paths meet it; `bottom` is the surface that it ends on, if it has one of its own.
+    ///
+    /// # Errors
+    /// [`TracedLayerError`] if the layer does not fit below the surface.
+    pub fn traced<'a, G: Geometry>(
+        &self,
+        top: SearchedSurface<'a, G>,
+        bottom: Option<SearchedSurface<'a, G>>,
+        max_scatterings: u32,
+    ) -> Result<TracedLayer<'a, G>, TracedLayerError> {
+        let bottom = bottom.or((self.bottom == BottomSurface::Same).then_some(top));
+        TracedLayer::new(top.geometry, &self.layer, bottom, max_scatterings)
+    }
+}
 
 /// A layer below a surface, in the tile coordinates of that surface.
 pub struct TracedLayer<'a, G: Geometry> {
@@ -209,18 +273,6 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         } else {
             depth * self.mean_free_path
         }
-    }
-
-    /// The direction of light after it was scattered inside while travelling along `d`.
-    #[inline]
-    pub(crate) fn scattered<R: Rng>(&self, d: DVec3, rng: &mut R) -> DVec3 {
-        self.phase.sample(d, [rng.random(), rng.random()])
-    }
-
-    /// The density of that, 1/sr, at the cosine of the angle between both directions.
-    #[inline]
-    pub(crate) fn phase_density(&self, mu: f64) -> f64 {
-        self.phase.density(mu)
     }
 
     /// Distance from a height to a flat bottom, along a direction that rises by `dz`; infinite if the bottom does not lie ahead.

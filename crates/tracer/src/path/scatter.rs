@@ -3,5 +3,4 @@
 pub(crate) mod branch;
 pub(crate) mod facets;
 pub(crate) mod interaction;
-pub(crate) mod random_pairs;
 pub(crate) mod roulette;

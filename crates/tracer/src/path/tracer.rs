@@ -8,8 +8,8 @@ use asperity_tally::{Azimuth, ControlVariate, Tallies, Tally, TallySpec, TallyVa
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::beam::Beam;
 use crate::path::illumination::{Illumination, Starts};
-use crate::path::start::beam::Beam;
 use crate::path::state::batch::Batch;
 use crate::path::state::work::Work;
 use crate::random::PathStream;

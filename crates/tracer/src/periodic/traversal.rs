@@ -6,12 +6,17 @@
 use asperity_surface::Border;
 use glam::DVec3;
 
-use super::MAX_TILES;
 use super::crossing::{Crossing, between_heights, rim};
 use super::heading::{Heading, from_tile, unmirrored, wrap};
 use crate::accelerators::Accelerator;
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{HalfSpace, Hit, Query};
+
+/// Tiles that a ray may cross before it is given up as lost.
+///
+/// [`super::tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
+/// rays that are horizontal to rounding and meet nothing.
+pub const MAX_TILES: u32 = 100_000;
 
 /// Result of the traversal of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

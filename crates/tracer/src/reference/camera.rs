@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
-use super::next_event::NextEvent;
+use super::event::NextEvent;
 use super::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
 use super::state::PathState;
 use crate::geometry::Geometry;
@@ -50,14 +50,14 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
         // Follow both branches
         let m = self.normal(&hit, path.space);
-        let divided = self.divided(hit.interface, &path, m, rng);
-        let mut absorbed = divided.absorbed;
-        for lit in divided.branches {
-            if lit.branch.fraction > 0.0 {
+        let scattered = self.scattered(hit.interface, &path, m, rng);
+        let mut absorbed = scattered.absorbed;
+        for branch in scattered.branches {
+            if branch.fraction > 0.0 {
                 let mut path = path;
-                path.flux = lit.branch.fraction;
+                path.flux = branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
-                path.leave_interface(Interface::Top, &lit);
+                path.leave_interface(Interface::Top, &branch);
                 let end = self.follow(&mut path, beams, rng, &mut contribute);
 
                 // Say whether the beams stand for where it came from
@@ -125,7 +125,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
             // Scatter it into the path
             let d = beam.direction;
-            let phase = layer.phase_density(path.heading.direction.dot(-d));
+            let phase = layer.phase().density(path.heading.direction.dot(-d));
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
             contribute(CameraContribution::Beam(BeamContribution {
                 fraction: path.flux * phase * beam.fraction,

@@ -5,6 +5,10 @@ use asperity_tally::Event;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use super::amplitudes::Amplitudes;
+use super::fields::{Deflection, Fields};
+use crate::periodic::Heading;
+
 /// Fractions of the flux that arrives at a facet, and their directions.
 pub(super) struct Scattered {
     /// Transmission and reflection; a branch without flux has the fraction zero and may have no direction.
@@ -19,6 +23,8 @@ pub(super) struct Branch {
     /// Unit direction.
     pub(super) direction: DVec3,
     pub(super) fraction: f64,
+    /// Fields, if the path has any.
+    pub(super) fields: Option<Fields>,
 }
 
 impl Scattered {
@@ -27,6 +33,7 @@ impl Scattered {
             event,
             direction,
             fraction,
+            fields: None,
         };
         Self {
             branches: [
@@ -62,5 +69,96 @@ impl Scattered {
     /// Light at a facet that absorbs all of it.
     pub(super) fn nowhere() -> Self {
         Self::new([(0.0, DVec3::ZERO); 2], 1.0)
+    }
+
+    /// This light with the fractions of the fields that a path brings to a point of normal `m`, in the world also in a mirrored tile.
+    pub(super) fn polarised(
+        mut self,
+        heading: &Heading,
+        fields: &Fields,
+        m: DVec3,
+        amplitudes: &Amplitudes,
+    ) -> Self {
+        let amplitudes = [amplitudes.transmission, amplitudes.reflection];
+        for (branch, amplitudes) in self.branches.iter_mut().zip(amplitudes) {
+            // A branch without light has no direction.
+            if branch.fraction > 0.0 {
+                let ray = Deflection {
+                    k: heading.world_direction(),
+                    k_out: heading.to_world(branch.direction),
+                    m: heading.to_world(m),
+                };
+                let fields = fields.after(&ray, amplitudes);
+                branch.fraction = fields.flux();
+                branch.fields = Some(fields.normalised());
+            }
+        }
+        let kept: f64 = self.branches.iter().map(|branch| branch.fraction).sum();
+        if self.absorbed > 0.0 {
+            self.absorbed = 1.0 - kept;
+        } else {
+            // Without absorption both fractions add up to one but for rounding, which is taken out.
+            for branch in &mut self.branches {
+                branch.fraction /= kept;
+            }
+        }
+        self
+    }
+
+    /// This light, unpolarised.
+    pub(super) fn depolarised(mut self, heading: &Heading) -> Self {
+        for branch in &mut self.branches {
+            let k = heading.to_world(branch.direction);
+            branch.fields = Some(Fields::unpolarised(k));
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interaction::facet::{Incident, scatter};
+    use crate::interaction::polarised::AveragedLight;
+
+    #[test]
+    fn the_path_engine_scatters_averaged_light_to_the_bit_as_the_reference() {
+        let materials = [
+            Material::Dielectric { eta: 1.5 },
+            Material::Dielectric { eta: 1.0 },
+            Material::Conductor {
+                eta: 0.43,
+                kappa: 2.455,
+            },
+            Material::Mirror,
+        ];
+        let m = DVec3::new(0.48, -0.6, 0.64);
+        for material in materials {
+            for is_entering in [true, false] {
+                for step in 0..=400 {
+                    let theta = f64::from(step) / 400.0 * std::f64::consts::FRAC_PI_2;
+                    let across = m.any_orthonormal_vector();
+                    let wi = theta.cos() * m + theta.sin() * across;
+                    let light = Incident::averaged(is_entering, wi, m);
+                    let found = scatter::<AveragedLight, 0>(material, &light);
+                    let from_here = if is_entering {
+                        material
+                    } else {
+                        material.reversed()
+                    };
+                    let expected = Scattered::smoothly(from_here, wi, m);
+                    assert_eq!(found.absorbed, expected.absorbed, "{material:?} {theta}");
+                    for ((event, out), branch) in
+                        found.branches().into_iter().zip(expected.branches)
+                    {
+                        assert_eq!(event, branch.event);
+                        assert_eq!(out.passed.fraction, branch.fraction, "{material:?} {theta}");
+                        if branch.fraction > 0.0 {
+                            assert_eq!(out.direction, branch.direction, "{material:?} {theta}");
+                        }
+                    }
+                }
+            }
+        }
     }
 }

@@ -6,9 +6,8 @@ use rand::Rng;
 
 use super::PathIntegrator;
 use super::amplitudes::Amplitudes;
-use super::division::Division;
+use super::event::InterfaceHit;
 use super::facet::Scattered;
-use super::next_event::InterfaceHit;
 use super::result::PathEnd;
 use super::state::{PathState, Space};
 use crate::geometry::Geometry;
@@ -53,13 +52,13 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     }
 
     /// Divides the light of a path that has come to an interface, at a point of normal `m`.
-    pub(super) fn divided<R: Rng>(
+    pub(super) fn scattered<R: Rng>(
         &self,
         interface: Interface,
         path: &PathState,
         m: DVec3,
         rng: &mut R,
-    ) -> Division {
+    ) -> Scattered {
         let wi = -path.heading.direction;
         let face = self.face(interface, path.space);
         let scattered = match face {
@@ -67,14 +66,15 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             Face::Lambertian(reflectance) => Scattered::diffusely(reflectance, m, rng),
             Face::Absorbing => Scattered::nowhere(),
         };
-        let division = Division::averaged(&scattered);
         match (path.fields, face) {
-            (None, _) => division,
+            (None, _) => scattered,
             (Some(fields), Face::Smooth(material)) => {
                 let amplitudes = Amplitudes::of(material, wi.dot(m).clamp(0.0, 1.0));
-                division.polarised(&path.heading, &fields, m, &amplitudes)
+                scattered.polarised(&path.heading, &fields, m, &amplitudes)
             }
-            (Some(_), Face::Lambertian(_) | Face::Absorbing) => division.depolarised(&path.heading),
+            (Some(_), Face::Lambertian(_) | Face::Absorbing) => {
+                scattered.depolarised(&path.heading)
+            }
         }
     }
 

@@ -4,40 +4,13 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
+use super::event::{FlightSearch, InterfaceHit, NextEvent};
 use super::result::PathEnd;
 use super::state::{PathState, Space};
 use crate::geometry::{Geometry, Nearby};
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::ray::HalfSpace;
-
-/// Method by which a free flight inside a layer is searched for facets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FlightSearch {
-    /// Along all of its straight line.
-    Full,
-    /// By the heights nearby, where they can tell; the same facets are found.
-    Nearby,
-}
-
-/// Next event on the straight line of a path.
-pub(super) enum NextEvent<'s, 'a, G: Geometry> {
-    /// An interface.
-    Interface(InterfaceHit<G::Facet>),
-    /// An interaction with the medium of a layer, after so far a flight.
-    Medium(&'s TracedLayer<'a, G>, f64),
-    /// The end of the path.
-    End(PathEnd),
-}
-
-/// Hit of a path on an interface.
-pub(super) struct InterfaceHit<F> {
-    pub(super) interface: Interface,
-    /// The facet, and the heading with its origin there; `None` on a flat bottom.
-    pub(super) at: Option<(F, Heading)>,
-    /// Length of the flight.
-    pub(super) t: f64,
-}
 
 impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// Finds what a path comes to next: the nearest of the interfaces ahead and, inside a layer, the end of a free

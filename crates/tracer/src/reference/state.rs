@@ -3,9 +3,9 @@
 use asperity_optics::{PhaseFunction, Stokes};
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::{Rng, RngExt};
 
-use super::division::LitBranch;
+use super::facet::Branch;
 use super::fields::Fields;
 use super::result::{PathEnd, PathResult};
 use crate::geometry::Geometry;
@@ -66,10 +66,9 @@ impl PathState {
     }
 
     /// Leaves an interface along a branch.
-    pub(super) fn leave_interface(&mut self, interface: Interface, lit: &LitBranch) {
-        let LitBranch { branch, fields } = *lit;
+    pub(super) fn leave_interface(&mut self, interface: Interface, branch: &Branch) {
         self.heading.direction = branch.direction;
-        self.fields = fields;
+        self.fields = branch.fields;
         self.events = self.events.then(branch.event);
         self.events_since += 1;
         if branch.event == Event::Transmission {
@@ -96,7 +95,8 @@ impl PathState {
                 self.fields = Some(fields);
             }
             fields => {
-                self.heading.direction = layer.scattered(self.heading.direction, rng);
+                let numbers = [rng.random(), rng.random()];
+                self.heading.direction = layer.phase().sample(self.heading.direction, numbers);
                 self.fields = fields.map(|_| Fields::unpolarised(self.heading.world_direction()));
             }
         }

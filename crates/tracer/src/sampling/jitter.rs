@@ -1,6 +1,6 @@
 //! Jitter: moves starts from the corners of their strata to random positions in them, many at a time.
 
-use super::Start;
+use super::start::Start;
 use crate::random::{PathStream, Step, Use};
 use crate::vector::Stage;
 

@@ -21,7 +21,7 @@ use std::vec::IntoIter;
 
 use rand::{Rng, RngExt};
 
-use super::Start;
+use super::start::Start;
 use crate::sampling::morton::morton_code;
 
 /// The scrambled points of a batch, in the order in which they are handed out.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Start;
+use super::start::Start;
 use crate::random::PathStream;
 use crate::sampling::morton::MortonSquare;
 

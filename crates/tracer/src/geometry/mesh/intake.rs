@@ -8,7 +8,14 @@ use std::collections::HashMap;
 use asperity_surface::Border;
 use glam::DVec3;
 
-use super::{LONGEST, MeshSurfaceError, SEAM};
+use super::error::MeshSurfaceError;
+
+/// Longest side of the bounding box, tile coordinates.
+pub(super) const LONGEST: f64 = 1024.0;
+
+/// Distance within which corners on opposite borders of a periodic tile match, and corners lie on a
+/// border: four roundings to single precision, in which many meshes are kept.
+pub(super) const SEAM: f64 = LONGEST / (1_u64 << 22) as f64;
 
 /// Between the coordinates of the mesh and those of the tile.
 pub(super) struct Frame {

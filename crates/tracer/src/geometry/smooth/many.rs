@@ -46,95 +46,100 @@ impl Patches {
     }
 }
 
-/// [`crate::Geometry::arrive`].
-#[inline(always)]
-pub(super) fn arrive(
-    surface: &SmoothSurface,
-    cells: &[SmoothCell],
-    ts: &[f64],
-    [x, y, z]: [&mut [f64]; 3],
-    [dx, dy, _]: [&[f64]; 3],
-    [nx, ny, nz]: [&mut [f64]; 3],
-) {
-    let aspect = surface.aspect;
-    for first in (0..cells.len()).step_by(BLOCK) {
-        let block = first..(first + BLOCK).min(cells.len());
-        let cells = &cells[block.clone()];
-        let patches = Patches::load(surface, cells.iter().map(|cell| [cell.ix, cell.iy]));
-        let mut corners = [[0.0; BLOCK]; 2];
-        for (k, cell) in cells.iter().enumerate().take(BLOCK) {
-            (corners[0][k], corners[1][k]) = (f64::from(cell.ix), f64::from(cell.iy));
-        }
-        let (ts, dx, dy) = (&ts[block.clone()], &dx[block.clone()], &dy[block.clone()]);
-        let [x, y, z] = [&mut *x, &mut *y, &mut *z].map(|column| &mut column[block.clone()]);
-        let [nx, ny, nz] = [&mut *nx, &mut *ny, &mut *nz].map(|column| &mut column[block.clone()]);
-        for k in 0..cells.len().min(BLOCK) {
-            let (u, v);
-            [x[k], u] = snapped(corners[0][k], x[k] + ts[k] * dx[k]);
-            [y[k], v] = snapped(corners[1][k], y[k] + ts[k] * (dy[k] * aspect));
-            let [height, along_x, along_y] = patches.get(k).at([u, v]);
-            z[k] = height;
-            let (mx, my) = (-along_x, -along_y * aspect);
-            let scale = 1.0 / (mx * mx + my * my + 1.0).sqrt();
-            nx[k] = mx * scale;
-            ny[k] = my * scale;
-            nz[k] = scale;
+impl SmoothSurface {
+    /// [`crate::Geometry::arrive`].
+    #[inline(always)]
+    pub(super) fn arrive_many(
+        &self,
+        cells: &[SmoothCell],
+        ts: &[f64],
+        [x, y, z]: [&mut [f64]; 3],
+        [dx, dy, _]: [&[f64]; 3],
+        [nx, ny, nz]: [&mut [f64]; 3],
+    ) {
+        let aspect = self.aspect;
+        for first in (0..cells.len()).step_by(BLOCK) {
+            let block = first..(first + BLOCK).min(cells.len());
+            let cells = &cells[block.clone()];
+            let patches = Patches::load(self, cells.iter().map(|cell| [cell.ix, cell.iy]));
+            let mut corners = [[0.0; BLOCK]; 2];
+            for (k, cell) in cells.iter().enumerate().take(BLOCK) {
+                (corners[0][k], corners[1][k]) = (f64::from(cell.ix), f64::from(cell.iy));
+            }
+            let (ts, dx, dy) = (&ts[block.clone()], &dx[block.clone()], &dy[block.clone()]);
+            let [x, y, z] = [&mut *x, &mut *y, &mut *z].map(|column| &mut column[block.clone()]);
+            let [nx, ny, nz] =
+                [&mut *nx, &mut *ny, &mut *nz].map(|column| &mut column[block.clone()]);
+            for k in 0..cells.len().min(BLOCK) {
+                let (u, v);
+                [x[k], u] = snapped(corners[0][k], x[k] + ts[k] * dx[k]);
+                [y[k], v] = snapped(corners[1][k], y[k] + ts[k] * (dy[k] * aspect));
+                let [height, along_x, along_y] = patches.get(k).at([u, v]);
+                z[k] = height;
+                let (mx, my) = (-along_x, -along_y * aspect);
+                let scale = 1.0 / (mx * mx + my * my + 1.0).sqrt();
+                nx[k] = mx * scale;
+                ny[k] = my * scale;
+                nz[k] = scale;
+            }
         }
     }
 }
 
-/// [`crate::geometry::grid::Grid::pass_cells`]: for rays that pass a patch once, coming from above or beginning on it.
-#[inline(always)]
-pub(super) fn pass_cells(
-    surface: &SmoothSurface,
-    rays: RayColumns<'_>,
-    met: &[(u32, [u32; 2])],
-    hits: &mut [Option<Hit<SmoothCell>>],
-) {
-    for (met, hits) in met.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
-        let patches = Patches::load(surface, met.iter().map(|met| met.1));
-        let mut fields = [[0.0; BLOCK]; 9];
-        for (k, &(i, [ix, iy])) in met.iter().enumerate().take(BLOCK) {
-            let i = i as usize;
-            (fields[7][k], fields[8][k]) = (f64::from(ix), f64::from(iy));
-            for axis in 0..3 {
-                fields[axis][k] = rays.origin[axis][i];
-                fields[3 + axis][k] = rays.direction[axis][i];
+impl SmoothSurface {
+    /// [`crate::geometry::grid::Grid::pass_cells`]: for rays that pass a patch once, coming from above or beginning on it.
+    #[inline(always)]
+    pub(super) fn pass_cells_many(
+        &self,
+        rays: RayColumns<'_>,
+        met: &[(u32, [u32; 2])],
+        hits: &mut [Option<Hit<SmoothCell>>],
+    ) {
+        for (met, hits) in met.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
+            let patches = Patches::load(self, met.iter().map(|met| met.1));
+            let mut fields = [[0.0; BLOCK]; 9];
+            for (k, &(i, [ix, iy])) in met.iter().enumerate().take(BLOCK) {
+                let i = i as usize;
+                (fields[7][k], fields[8][k]) = (f64::from(ix), f64::from(iy));
+                for axis in 0..3 {
+                    fields[axis][k] = rays.origin[axis][i];
+                    fields[3 + axis][k] = rays.direction[axis][i];
+                }
+                fields[6][k] = rays.side[i];
             }
-            fields[6][k] = rays.side[i];
-        }
 
-        // The polynomial whose root is wanted, and whether it is certain that there is one
-        let [x, y, z, dx, dy, dz, side, column, row] = &fields;
-        let mut polynomials = [[0.0; BLOCK]; 7];
-        let (mut enters, mut lengths, mut certain) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        for k in 0..BLOCK {
-            let o = [x[k], y[k], z[k]];
-            let d = [dx[k], dy[k] * rays.aspect, dz[k]];
-            let stretch = Stretch::over([column[k], row[k]], surface.reach, o, d);
-            let Stretch { enter, leave, .. } = stretch;
-            let from_corner = [o[0] - column[k], o[1] - row[k], o[2]];
-            let gaps = gaps(&patches.get(k), side[k], from_corner, d, [enter, leave]);
-            let noise = surface.noise(from_corner);
-            let comes = gaps[0] > noise;
-            let begins = (gaps[0] >= -noise) & (gaps[1] - gaps[0] > noise);
-            let divided = without_first(&gaps);
-            let least = if comes { noise } else { DIVIDED * noise };
-            let mut b = [0.0; 7];
-            for m in 0..7 {
-                b[m] = if comes { gaps[m] } else { divided[m] };
-                polynomials[m][k] = b[m];
+            // The polynomial whose root is wanted, and whether it is certain that there is one
+            let [x, y, z, dx, dy, dz, side, column, row] = &fields;
+            let mut polynomials = [[0.0; BLOCK]; 7];
+            let (mut enters, mut lengths, mut certain) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..BLOCK {
+                let o = [x[k], y[k], z[k]];
+                let d = [dx[k], dy[k] * rays.aspect, dz[k]];
+                let stretch = Stretch::over([column[k], row[k]], self.reach, o, d);
+                let Stretch { enter, leave, .. } = stretch;
+                let from_corner = [o[0] - column[k], o[1] - row[k], o[2]];
+                let gaps = gaps(&patches.get(k), side[k], from_corner, d, [enter, leave]);
+                let noise = self.noise(from_corner);
+                let comes = gaps[0] > noise;
+                let begins = (gaps[0] >= -noise) & (gaps[1] - gaps[0] > noise);
+                let divided = without_first(&gaps);
+                let least = if comes { noise } else { DIVIDED * noise };
+                let mut b = [0.0; 7];
+                for m in 0..7 {
+                    b[m] = if comes { gaps[m] } else { divided[m] };
+                    polynomials[m][k] = b[m];
+                }
+                let is_certain = (comes | begins) & falls_once(&b, least) & (enter < leave);
+                certain[k] = if is_certain { 1.0 } else { 0.0 };
+                enters[k] = enter;
+                lengths[k] = leave - enter;
             }
-            let is_certain = (comes | begins) & falls_once(&b, least) & (enter < leave);
-            certain[k] = if is_certain { 1.0 } else { 0.0 };
-            enters[k] = enter;
-            lengths[k] = leave - enter;
-        }
-        let roots = roots(&polynomials, &mut certain);
-        for (k, (hit, &(_, [ix, iy]))) in hits.iter_mut().zip(met).enumerate() {
-            let t = enters[k] + roots[k] * lengths[k];
-            let facet = SmoothCell { iy, ix };
-            *hit = (certain[k] > 0.0).then_some(Hit { t, facet });
+            let roots = roots(&polynomials, &mut certain);
+            for (k, (hit, &(_, [ix, iy]))) in hits.iter_mut().zip(met).enumerate() {
+                let t = enters[k] + roots[k] * lengths[k];
+                let facet = SmoothCell { iy, ix };
+                *hit = (certain[k] > 0.0).then_some(Hit { t, facet });
+            }
         }
     }
 }

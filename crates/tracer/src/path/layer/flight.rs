@@ -13,48 +13,31 @@ use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Departure, PathState, Region};
-use crate::path::state::segments::{Segments, gather_column, rows_of, rows_of_mut};
+use crate::path::state::random_numbers::DrawNumbers;
+use crate::path::state::segments::{Gather, gather_column, rows_of, rows_of_mut};
 use crate::path::tracer::Tracer;
 use crate::periodic::{Heading, wrap};
-use crate::random::{PathStream, Step, Use};
+use crate::random::Use;
 use crate::ray::HalfSpace;
 use crate::vector::Stage;
 
-/// Adds light that enters the layer, with the free flights that begin there.
-struct BeginFlights<'a, 'g, G: Geometry> {
-    layer: &'a TracedLayer<'g, G>,
-    stream: PathStream,
-    entering: &'a Segments,
-    /// Numbers of all of it.
-    which: &'a [u32],
-    flights: &'a mut Flights,
+/// Begins free flights by uniform random numbers.
+pub(crate) struct BeginFlights<'a, 'g, G: Geometry> {
+    pub(crate) layer: &'a TracedLayer<'g, G>,
+    pub(crate) numbers: &'a [f64],
+    pub(crate) length: &'a mut [f64],
 }
 
 impl<G: Geometry> Stage for BeginFlights<'_, '_, G> {
     #[inline(always)]
     fn run(self) {
-        let first = self.flights.at.len;
-        self.flights.at.gather(self.entering, self.which);
-        let rows = first..self.flights.at.len;
-        let at = &self.flights.at;
-        let (order, events) = (&at.order[rows.clone()], &at.events[rows.clone()]);
-        let (scatterings, ray) = (&at.scatterings[rows.clone()], &at.ray[rows.clone()]);
-        let length = &mut self.flights.length[rows.clone()];
-        for i in 0..length.len() {
-            let step = Step {
-                number: order[i].wrapping_add(scatterings[i]),
-                events: events[i],
-            };
-            length[i] = self.stream.pair(ray[i], step, Use::Flight)[0];
+        for (length, u) in self.length.iter_mut().zip(self.numbers) {
+            *length = self.layer.free_flight(*u);
         }
-        for length in length {
-            *length = self.layer.free_flight(*length);
-        }
-        self.flights.clear_of[rows].fill(0);
     }
 }
 
-/// Takes flights that meet nothing to their ends.
+/// Moves flights that hit nothing to their ends.
 struct FlyOn<'a> {
     from: &'a Flights,
     /// Their numbers.
@@ -68,7 +51,12 @@ impl Stage for FlyOn<'_> {
     fn run(self) {
         let into = self.into;
         let first = into.at.len;
-        into.at.gather(&self.from.at, self.which);
+        Gather {
+            from: &self.from.at,
+            which: self.which,
+            into: &mut into.at,
+        }
+        .run();
         let rows = first..into.at.len;
         let n = rows.len();
         let reach = &mut into.reach[rows.clone()];
@@ -90,7 +78,7 @@ impl Stage for FlyOn<'_> {
 }
 
 impl<G: Geometry> Tracer<'_, G> {
-    /// Takes all flights inside the layer one on.
+    /// Takes all flights inside the layer to their next interaction.
     pub(crate) fn trace_flights(&self, batch: &mut Batch<'_, G::Facet>) {
         let Some(layer) = &self.layer else {
             return;
@@ -108,20 +96,33 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Begins the flights of light that has entered the layer.
     fn begin_flights(&self, layer: &TracedLayer<'_, G>, batch: &mut Batch<'_, G::Facet>) {
         let flights = &mut batch.flights;
-        flights.make_room(flights.at.len + batch.entering.len);
+        let rows = flights.at.len..flights.at.len + batch.entering.len;
+        flights.make_room(rows.end);
         batch.met.clear();
         batch.met.extend(0..batch.entering.len as u32);
+        batch.instructions.run(Gather {
+            from: &batch.entering,
+            which: &batch.met,
+            into: &mut flights.at,
+        });
+        batch.instructions.run(DrawNumbers {
+            stream: batch.stream,
+            segments: &flights.at,
+            rows: rows.clone(),
+            pairs: 1,
+            of: Use::Flight,
+            into: &mut batch.numbers,
+        });
         batch.instructions.run(BeginFlights {
             layer,
-            stream: batch.stream,
-            entering: &batch.entering,
-            which: &batch.met,
-            flights,
+            numbers: &batch.numbers[0],
+            length: &mut flights.length[rows.clone()],
         });
+        flights.clear_of[rows].fill(0);
         batch.entering.len = 0;
     }
 
-    /// Takes flights that meet nothing to their ends, where they come to the flat bottom, are scattered or leave.
+    /// Moves flights that hit nothing to their ends, where they come to the flat bottom, are scattered or leave.
     fn fly(&self, layer: &TracedLayer<'_, G>, flown: &Flights, batch: &mut Batch<'_, G::Facet>) {
         // Leave a clear medium that has no end
         let mut which = std::mem::take(&mut batch.elsewhere);
@@ -206,8 +207,8 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
-    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    /// Tallies light without another interaction in a clear medium: it leaves downwards if the medium has no end, or leaves an open
+    /// patch, below the surface or beside a bottom with a surface of its own.
     fn leave_clear_medium(
         &self,
         layer: &TracedLayer<'_, G>,
@@ -228,7 +229,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 }
 
-/// A ray that goes down below the bottom of the layer for ever.
+/// A ray that leaves downwards below the bottom of the layer.
 fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
     Departure {
         region: Region::inside(Interface::Bottom).behind(),

@@ -9,11 +9,10 @@ use glam::DVec3;
 use crate::accelerators::SearchedSurface;
 use crate::geometry::{Geometry, Nearby, is_outside};
 use crate::interaction::layer::{Interface, TracedLayer};
-use crate::path::state::arrivals::Take;
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Arrival, RayKind, Region, SingleSegment};
-use crate::path::state::segments::rows_of;
+use crate::path::state::segments::{Gather, rows_of};
 use crate::path::tracer::Tracer;
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin};
 use crate::ray::{HalfSpace, Hit, RayBatch, TileRay};
@@ -323,10 +322,10 @@ impl<G: Geometry> Tracer<'_, G> {
 
 /// Adds the flights whose numbers are in `batch.met` to the arrivals, whose facets are already there.
 fn take_met<F: Copy>(flights: &mut Flights, batch: &mut Batch<'_, F>) {
-    batch.instructions.run(Take {
-        segments: &flights.at,
+    batch.instructions.run(Gather {
+        from: &flights.at,
         which: &batch.met,
-        arrivals: &mut batch.arrivals,
+        into: &mut batch.arrivals.at,
     });
     for &i in &batch.met {
         flights.at.flux[i as usize] = 0.0;

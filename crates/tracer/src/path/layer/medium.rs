@@ -9,13 +9,15 @@ use glam::DVec3;
 use crate::geometry::Geometry;
 use crate::interaction::layer::TracedLayer;
 use crate::interaction::rayleigh::scatter_rayleigh;
+use crate::path::layer::flight::BeginFlights;
 use crate::path::scatter::roulette::Roulette;
 use crate::path::state::batch::Batch;
-use crate::path::state::flights::{Flights, Numbers};
+use crate::path::state::flights::Flights;
 use crate::path::state::light_state::LightState;
+use crate::path::state::random_numbers::{DrawNumbers, Numbers};
 use crate::path::state::segments::{Segments, rows_of_mut};
 use crate::path::tracer::Tracer;
-use crate::random::{PathStream, Step, Use};
+use crate::random::{PathStream, Use};
 use crate::settings::Polarisation;
 use crate::vector::Stage;
 
@@ -24,45 +26,6 @@ use crate::vector::Stage;
 /// A scattered path continues for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
 /// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
 const ROULETTE_FACTOR: f64 = 30.0;
-
-/// Draws the random numbers of the scatterings of those of `segments` that are in `rows`.
-struct DrawNumbers<'a> {
-    stream: PathStream,
-    segments: &'a Segments,
-    rows: Range<usize>,
-    /// Pairs of numbers per scattering.
-    pairs: usize,
-    into: &'a mut Numbers,
-}
-
-impl Stage for DrawNumbers<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let n = self.rows.len();
-        let at = self.segments;
-        let (order, events) = (&at.order[self.rows.clone()], &at.events[self.rows.clone()]);
-        let (scatterings, ray) = (
-            &at.scatterings[self.rows.clone()],
-            &at.ray[self.rows.clone()],
-        );
-        for (pair, columns) in self.into.chunks_exact_mut(2).enumerate().take(self.pairs) {
-            let [first, second] = columns else { continue };
-            first.resize(n, 0.0);
-            second.resize(n, 0.0);
-            let (first, second) = (&mut first[..n], &mut second[..n]);
-            for i in 0..n {
-                let step = Step {
-                    number: order[i].wrapping_add(scatterings[i]),
-                    events: events[i],
-                };
-                let numbers = self
-                    .stream
-                    .pair_number(pair as u64, ray[i], step, Use::Medium);
-                (first[i], second[i]) = (numbers[0], numbers[1]);
-            }
-        }
-    }
-}
 
 /// Turns flights into the directions in which the medium scatters them, whatever their polarisation.
 struct Turn<'a> {
@@ -102,22 +65,6 @@ impl Turn<'_> {
     }
 }
 
-/// Begins the free flights that follow.
-struct BeginAnew<'a, 'g, G: Geometry> {
-    layer: &'a TracedLayer<'g, G>,
-    numbers: &'a [f64],
-    length: &'a mut [f64],
-}
-
-impl<G: Geometry> Stage for BeginAnew<'_, '_, G> {
-    #[inline(always)]
-    fn run(self) {
-        for (length, u) in self.length.iter_mut().zip(self.numbers) {
-            *length = self.layer.free_flight(*u);
-        }
-    }
-}
-
 impl<G: Geometry> Tracer<'_, G> {
     /// Absorbs and scatters the flights of the batch from number `first` on, at whose beginnings they interact with the medium.
     pub(crate) fn scatter_in_medium(
@@ -136,6 +83,7 @@ impl<G: Geometry> Tracer<'_, G> {
             segments: &batch.flights.at,
             rows: rows.clone(),
             pairs: if chooses_plane { 3 } else { 2 },
+            of: Use::Medium,
             into: &mut numbers,
         });
         self.collide(layer, first, &numbers[0], batch);
@@ -152,7 +100,7 @@ impl<G: Geometry> Tracer<'_, G> {
             depolarise(polarisation, rows.clone(), &mut batch.flights.at);
             &numbers[3]
         };
-        batch.instructions.run(BeginAnew {
+        batch.instructions.run(BeginFlights {
             layer,
             numbers: of_flight,
             length: &mut batch.flights.length[rows],
@@ -169,7 +117,10 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let threshold = (ROULETTE_FACTOR * self.settings.roulette_below).min(1.0);
-        let roulette = Roulette::below(threshold);
+        let roulette = Roulette {
+            threshold,
+            spares_first: false,
+        };
         let (albedo, most) = (layer.albedo(), layer.max_scatterings());
         let Flights { at, .. } = &mut batch.flights;
         for (i, u) in (first..at.len).zip(numbers) {

@@ -15,7 +15,7 @@ use crate::random::PathStream;
 use crate::settings::Polarisation;
 use crate::vector::Stage;
 
-/// Finds what is known of all segments before they are searched.
+/// Finds the culling classes of all segments before they are searched.
 pub(crate) struct FindCullingClasses<'a, G: Geometry> {
     pub(crate) geometry: &'a G,
     pub(crate) segments: &'a Segments,
@@ -32,7 +32,7 @@ impl<G: Geometry> Stage for FindCullingClasses<'_, G> {
     }
 }
 
-/// Sorts rays that carry flux by their classes, and counts those that escape: numbers of rays that are `searched`, that have
+/// Sorts rays that carry flux by their culling classes, and counts those that escape: numbers of rays that are `searched`, that have
 /// `escaped`, and that begin `elsewhere`.
 pub(crate) fn sort_by_culling_class(
     classes: &[CullingClass],
@@ -126,7 +126,7 @@ impl Stage for Leave<'_> {
     }
 }
 
-/// Takes the measures of polarised light, as many as are kept.
+/// Takes the measures of polarised light.
 #[inline(always)]
 fn measure(rows: &mut [&mut [f64]], segments: &Segments, which: &[u32]) {
     match (segments.kept.polarisation, rows) {
@@ -146,8 +146,8 @@ fn measure(rows: &mut [&mut [f64]], segments: &Segments, which: &[u32]) {
     }
 }
 
-/// Turns what is kept of segment `i`, which leaves along the vertical direction `z` as exit number `k`, with the azimuth of
-/// its light.
+/// Turns the measures of segment `i`, which leaves along the vertical direction `z` as exit number `k`, with the azimuth of its
+/// light.
 #[cold]
 fn turn_measures(rows: &mut [&mut [f64]], k: usize, segments: &Segments, i: usize, z: f64) {
     let state = segments.state(i);

@@ -7,31 +7,16 @@ use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::scatter::branch::{PickBranches, SplitBranches};
 use crate::path::scatter::facets::Scatter;
-use crate::path::scatter::random_pairs::DrawPairs;
 use crate::path::scatter::roulette::Roulette;
 use crate::path::state::arrivals::{Arrivals, Move};
 use crate::path::state::batch::{Batch, Interactions};
 use crate::path::state::path_state::{Arrival, PathState, Region};
-use crate::path::state::segments::Segments;
+use crate::path::state::random_numbers::DrawPairs;
+use crate::path::state::segments::{Gather, Segments};
 use crate::path::tracer::Tracer;
 use crate::random::{PathStream, Use};
 use crate::ray::HalfSpace;
 use crate::settings::Branching;
-use crate::vector::Stage;
-
-/// Adds segments to those that begin inside the layer, by their numbers.
-struct Enter<'a> {
-    segments: &'a Segments,
-    which: &'a [u32],
-    entering: &'a mut Segments,
-}
-
-impl Stage for Enter<'_> {
-    #[inline(always)]
-    fn run(self) {
-        self.entering.gather(self.segments, self.which);
-    }
-}
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Lets all paths interact that have arrived at the upper surface; `batch.segments` then holds the segments that leave it.
@@ -236,13 +221,10 @@ impl<G: Geometry> Tracer<'_, G> {
             side[i] < 0.0 && flux[i] > 0.0
         });
         batch.met.extend(inside);
-        batch
-            .entering
-            .make_room(batch.entering.len + batch.met.len());
-        batch.instructions.run(Enter {
-            segments,
+        batch.instructions.run(Gather {
+            from: segments,
             which: &batch.met,
-            entering: &mut batch.entering,
+            into: &mut batch.entering,
         });
         for &i in &batch.met {
             segments.flux[i as usize] = 0.0;
@@ -251,10 +233,9 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Russian roulette of this tracer.
     fn roulette(&self, tallies: &Tallies<'_>) -> Roulette {
-        let roulette = Roulette::below(self.settings.roulette_below);
-        match tallies.control_variate() {
-            Some(_) => roulette.sparing_first(),
-            None => roulette,
+        Roulette {
+            threshold: self.settings.roulette_below,
+            spares_first: tallies.control_variate().is_some(),
         }
     }
 

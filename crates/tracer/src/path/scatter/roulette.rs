@@ -6,28 +6,12 @@ use asperity_tally::{Loss, Tally};
 /// threshold. Flux that roulette removes or adds is tallied as truncated, zero on average.
 #[derive(Clone, Copy)]
 pub(crate) struct Roulette {
-    threshold: f64,
+    pub(crate) threshold: f64,
     /// Under a control variate all first branches are traced, so that they cancel exactly.
-    spares_first: bool,
+    pub(crate) spares_first: bool,
 }
 
 impl Roulette {
-    /// Roulette for paths whose flux is below a threshold.
-    pub(crate) const fn below(threshold: f64) -> Self {
-        Self {
-            threshold,
-            spares_first: false,
-        }
-    }
-
-    /// Russian roulette that spares the branches of a first interaction.
-    pub(crate) const fn sparing_first(self) -> Self {
-        Self {
-            spares_first: true,
-            ..self
-        }
-    }
-
     /// Returns `true` if it decides on a branch; `is_first`: the branch leaves the first interaction.
     #[inline(always)]
     pub(crate) fn decides(&self, flux: f64, is_first: bool) -> bool {

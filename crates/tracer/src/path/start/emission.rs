@@ -7,8 +7,8 @@ use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
 use crate::geometry::Geometry;
+use crate::path::beam::Beam;
 use crate::path::illumination::Starts;
-use crate::path::start::beam::Beam;
 use crate::path::start::surface_starts::StartOnSurface;
 use crate::path::state::batch::{Batch, MAX_IN_FLIGHT};
 use crate::path::state::light_state::LightState;

@@ -4,7 +4,7 @@ use asperity_surface::Border;
 use glam::DVec3;
 
 use crate::geometry::Geometry;
-use crate::path::start::beam::Beam;
+use crate::path::beam::Beam;
 use crate::path::state::arrivals::{Arrivals, Move};
 use crate::path::state::segments::{IncidentState, Segments, rows_of};
 use crate::periodic::mirror_image;

@@ -5,9 +5,10 @@ use asperity_tally::Loss;
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::path::leave::escape::{FindCullingClasses, sort_by_culling_class};
-use crate::path::state::arrivals::{Arrivals, Take};
+use crate::path::state::arrivals::Arrivals;
 use crate::path::state::batch::Batch;
 use crate::path::state::path_state::{Arrival, PathState, RayKind, SingleSegment};
+use crate::path::state::segments::Gather;
 use crate::path::state::visibility_rays::{VisibilityRays, reversed};
 use crate::path::tracer::Tracer;
 use crate::path::travel::search::FindEscapes;
@@ -25,10 +26,10 @@ impl<F: Copy> Stage for StartVisible<'_, F> {
     fn run(self) {
         let VisibilityRays { from, visible, .. } = self.rays;
         let first = self.arrivals.len();
-        Take {
-            segments: &from.at,
+        Gather {
+            from: &from.at,
             which: visible,
-            arrivals: self.arrivals,
+            into: &mut self.arrivals.at,
         }
         .run();
         let Arrivals { at, facets, ts, .. } = self.arrivals;

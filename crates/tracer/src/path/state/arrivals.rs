@@ -80,22 +80,6 @@ impl BottomArrivals {
     }
 }
 
-/// Takes those segments that have met a facet, by their numbers, which are as many as facets are added.
-pub(crate) struct Take<'a, F> {
-    pub(crate) segments: &'a Segments,
-    pub(crate) which: &'a [u32],
-    pub(crate) arrivals: &'a mut Arrivals<F>,
-}
-
-impl<F> Stage for Take<'_, F> {
-    #[inline(always)]
-    fn run(self) {
-        let at = &mut self.arrivals.at;
-        at.make_room(at.len + self.which.len());
-        at.gather(self.segments, self.which);
-    }
-}
-
 /// Moves segments to the facets that they meet, and finds the normals there.
 pub(crate) struct Move<'a, G: Geometry> {
     pub(crate) geometry: &'a G,

@@ -5,8 +5,9 @@ use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 use crate::geometry::CullingClass;
 use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::arrivals::{Arrivals, BottomArrivals};
-use crate::path::state::flights::{Flights, Numbers};
+use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{PathState, SingleSegment};
+use crate::path::state::random_numbers::Numbers;
 use crate::path::state::scattered::ScatteredLight;
 use crate::path::state::segments::{Kept, Segments};
 use crate::path::state::visibility_rays::VisibilityRays;
@@ -73,7 +74,7 @@ pub(crate) struct Batch<'r, F> {
     pub(crate) visibility_rays: VisibilityRays<F>,
     /// Starts of this round.
     pub(crate) starts: Vec<Start>,
-    /// Facets that light has arrived at.
+    /// Light that has arrived at the upper surface.
     pub(crate) arrivals: Arrivals<F>,
     /// Light that has arrived at the bottom of the layer.
     pub(crate) at_bottom: BottomArrivals,

@@ -7,9 +7,6 @@ use crate::path::state::segments::{Kept, Segments};
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
 
-/// Random numbers of many scatterings: of roulette, two or three of the direction, and of the free flight that follows.
-pub(crate) type Numbers = [Vec<f64>; 6];
-
 /// Straight flights through the layer. As in [`Segments`], columns are longer than there are flights.
 #[derive(Default)]
 pub(crate) struct Flights {

@@ -94,7 +94,7 @@ pub(crate) struct PathRay {
     pub(crate) state: PathState,
 }
 
-/// A ray at the facet that it has met.
+/// A ray at the facet that it has hit.
 pub(crate) struct Arrival<F> {
     pub(crate) region: Region,
     /// At the facet, in the direction of the ray.
@@ -102,7 +102,7 @@ pub(crate) struct Arrival<F> {
     pub(crate) facet: F,
 }
 
-/// A ray that leaves its region without meeting the surface, or would if nothing stood in its way.
+/// A ray that leaves its region without a hit, or would leave it if it were not masked.
 pub(crate) struct Departure {
     pub(crate) region: Region,
     /// Unit direction in the world.
@@ -114,10 +114,9 @@ pub(crate) struct Departure {
 pub(crate) enum RayKind<F> {
     /// The light of a path.
     Path,
-    /// The straight line of incident light behind the first facet that it has met: facets further on that face
-    /// the light are shadowed by the first.
+    /// The straight line of incident light behind its first hit. Facets further on that face the light are shadowed by the first.
     BehindFirstFacet,
-    /// A ray from a facet towards the light, which tells whether the facet is lit.
+    /// A visibility (shadow) ray from a facet towards the light.
     Visibility(Box<Arrival<F>>),
 }
 

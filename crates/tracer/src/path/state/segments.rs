@@ -11,6 +11,7 @@ use crate::periodic::Heading;
 use crate::ray::{HalfSpace, RayColumns};
 use crate::sampling::Start;
 use crate::settings::Polarisation;
+use crate::vector::Stage;
 
 /// Quantities that paths keep besides their rays and their flux.
 #[derive(Clone, Copy)]
@@ -274,19 +275,6 @@ impl Segments {
         self.mirrored[i] = x | y << 1;
     }
 
-    /// Adds those segments of others whose numbers are in `which`. There must be room.
-    #[inline(always)]
-    pub(crate) fn gather(&mut self, from: &Self, which: &[u32]) {
-        let rows = self.len..self.len + which.len();
-        self.len = rows.end;
-        for (into, from) in self.floats_mut().zip(from.floats()) {
-            gather_column(&mut into[rows.clone()], from, which);
-        }
-        for (into, from) in self.integers_mut().into_iter().zip(from.integers()) {
-            gather_column(&mut into[rows.clone()], from, which);
-        }
-    }
-
     /// Adds copies of those of its own first `n` segments whose numbers are in `which`, but for direction, side, flux and
     /// polarisation, behind these `n`. There must be room.
     #[inline(always)]
@@ -302,6 +290,29 @@ impl Segments {
         for column in self.integers_mut() {
             let (from, rows) = column.split_at_mut(n);
             copy_column(&mut rows[..end - n], from, which);
+        }
+    }
+}
+
+/// Adds those of other segments whose numbers are in `which`.
+pub(crate) struct Gather<'a> {
+    pub(crate) from: &'a Segments,
+    pub(crate) which: &'a [u32],
+    pub(crate) into: &'a mut Segments,
+}
+
+impl Stage for Gather<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { from, which, into } = self;
+        let rows = into.len..into.len + which.len();
+        into.make_room(rows.end);
+        into.len = rows.end;
+        for (into, from) in into.floats_mut().zip(from.floats()) {
+            gather_column(&mut into[rows.clone()], from, which);
+        }
+        for (into, from) in into.integers_mut().into_iter().zip(from.integers()) {
+            gather_column(&mut into[rows.clone()], from, which);
         }
     }
 }

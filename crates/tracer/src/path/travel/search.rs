@@ -3,10 +3,9 @@
 use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
-use crate::path::state::arrivals::Take;
 use crate::path::state::batch::{Batch, SingleSearch};
 use crate::path::state::path_state::{Arrival, Departure, RayKind, Region, SingleSegment};
-use crate::path::state::segments::Segments;
+use crate::path::state::segments::{Gather, Segments};
 use crate::path::tracer::Tracer;
 use crate::periodic::{Traversal, leaves_heights_in_tile};
 use crate::ray::Hit;
@@ -73,10 +72,10 @@ impl<G: Geometry> Tracer<'_, G> {
                 }
             }
         }
-        batch.instructions.run(Take {
-            segments: &batch.segments,
+        batch.instructions.run(Gather {
+            from: &batch.segments,
             which: &batch.met,
-            arrivals: &mut batch.arrivals,
+            into: &mut batch.arrivals.at,
         });
         batch.searched = searched;
         batch.searched.clear();

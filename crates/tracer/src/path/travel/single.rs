@@ -14,8 +14,8 @@ use crate::periodic::{Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;
 
 impl<G: Geometry> Tracer<'_, G> {
-    /// Begins to trace a ray: it ends at once if it can be told that it meets nothing, and is searched in the next
-    /// round otherwise. A ray into the layer waits for its free flight.
+    /// Begins to trace a ray. It ends at once if bounds exclude a hit, and is searched in the next round otherwise. A ray into the
+    /// layer waits for its free flight.
     pub(crate) fn trace(
         &self,
         mut ray: PathRay,
@@ -108,8 +108,8 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Ends a ray that does not meet the surface: a path escapes into the tally or is lost, and a visibility ray
-    /// tells that its facet is lit.
+    /// Ends a ray that does not hit the surface: a path escapes into the tally or is lost, and a path starts at the facet of a
+    /// visibility ray.
     pub(crate) fn end(
         &self,
         end: TraversalEnd,
