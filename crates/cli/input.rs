@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use asperity_io::{
-    HeightMapFormat, MeshData, MeshFormat, WriteProblem, read_height_map, read_mesh, write_height_map,
+    HeightMapFormat, MeshData, MeshFormat, WriteProblem, read_height_map, read_mesh,
+    write_height_map,
 };
 use asperity_simulate::{SimulateError, counted, short};
 use asperity_studies::settings::{Command, Document};
