@@ -288,7 +288,7 @@ fn without_uses(code: &str) -> String {
     statements.map(kept).collect()
 }
 
-/// Where in a statement the tree of a `use` declaration begins, and `true` if that is a re-export.
+/// Offset of the tree of a `use` declaration in its statement, and `true` if that is a re-export.
 fn declaration(statement: &str) -> Option<(usize, bool)> {
     let at = statement.rfind("use ")?;
     let before = &statement[..at];

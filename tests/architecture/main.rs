@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
+mod docs;
 mod graph;
 mod sources;
 
@@ -450,4 +451,15 @@ fn arguments_printing_and_exit_codes_are_in_the_program_alone() {
             }
         }
     }
+}
+
+#[test]
+fn relative_links_of_the_documentation_lead_to_files_and_headings() {
+    let mut broken = Vec::new();
+    for page in docs::pages() {
+        for link in docs::broken_links(&page) {
+            broken.push(format!("{}: {link}", page.display()));
+        }
+    }
+    assert!(broken.is_empty(), "broken links:\n{}", broken.join("\n"));
 }

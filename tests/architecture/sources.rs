@@ -61,7 +61,7 @@ pub(crate) fn modules(name: &str) -> Modules {
     without_tests(modules)
 }
 
-/// The same without items under `#[cfg(test)]`, and without the files of modules that are declared so.
+/// The modules without items under `#[cfg(test)]`, and without the files of modules that are declared so.
 pub(crate) fn without_tests(modules: Modules) -> Modules {
     let mut tests = Vec::new();
     let mut kept = Modules::new();
@@ -104,7 +104,7 @@ fn split_tests(code: &str) -> (String, Vec<String>) {
     (kept, declared)
 }
 
-/// Where an item ends: at the first `;` outside of braces, or at the brace that closes its first one.
+/// Offset of the end of an item: the first `;` outside of braces, or the brace that closes its first one.
 fn end_of_item(item: &str) -> usize {
     let mut depth = 0_usize;
     for (at, c) in item.char_indices() {
@@ -160,7 +160,7 @@ fn end_of_string(text: &str) -> usize {
     text.len()
 }
 
-/// Where a raw string ends that begins here.
+/// Offset of the end of a raw string that begins here.
 fn raw_string(text: &str, before: &str) -> Option<usize> {
     let hashes = text.strip_prefix('r')?;
     let count = hashes.len() - hashes.trim_start_matches('#').len();
@@ -175,7 +175,7 @@ fn raw_string(text: &str, before: &str) -> Option<usize> {
     Some(text.len() - inside.len() + end)
 }
 
-/// Where a character ends that begins here; a lifetime is none.
+/// Offset of the end of a character that begins here; a lifetime is none.
 fn character(text: &str) -> Option<usize> {
     let inside = text.strip_prefix('\'')?;
     let mut chars = inside.char_indices();
@@ -187,7 +187,7 @@ fn character(text: &str) -> Option<usize> {
     }
 }
 
-/// Whether code has `word` as an identifier of its own.
+/// Returns `true` if code has `word` as an identifier of its own.
 pub(crate) fn has_word(code: &str, word: &str) -> bool {
     code.split(|c: char| !(c.is_alphanumeric() || c == '_'))
         .any(|found| found == word)

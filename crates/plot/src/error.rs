@@ -20,17 +20,7 @@ pub enum PlotError {
         /// Length that the other inputs imply.
         expected: usize,
     },
-    /// A number is infinite or not a number.
-    #[error("{what} must be finite, value {index} is {value}")]
-    NonFinite {
-        /// Which input.
-        what: String,
-        /// Position in that input, from zero.
-        index: usize,
-        /// The offending value.
-        value: f64,
-    },
-    /// A number is finite but outside the range that has a meaning.
+    /// A number is not finite, or outside the range that has a meaning.
     #[error("{what} must be {range}, value {index} is {value}")]
     OutOfRange {
         /// Which input.
@@ -66,14 +56,8 @@ pub(crate) enum Valid {
 impl Valid {
     /// Refuses `value`, number `index` of `what`, if it is not finite or out of range.
     pub(crate) fn check(self, what: &str, index: usize, value: f64) -> Result<(), PlotError> {
-        if !value.is_finite() {
-            return Err(PlotError::NonFinite {
-                what: what.to_owned(),
-                index,
-                value,
-            });
-        }
         let (valid, range) = match self {
+            _ if !value.is_finite() => (false, "finite"),
             Valid::Finite => (true, ""),
             Valid::NotNegative => (value >= 0.0, "zero or more"),
             Valid::Positive => (value > 0.0, "above zero"),

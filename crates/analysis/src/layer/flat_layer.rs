@@ -80,16 +80,14 @@ pub enum FlatLayerError {
     /// Invalid index of the top face.
     #[error(transparent)]
     Index(#[from] MaterialError),
-    /// A diffuse bottom.
-    #[error(
-        "the model {0} requires light to keep its angle between the faces, which a Lambertian bottom does not; use another bottom"
-    )]
-    DiffuseBottom(&'static str),
-    /// A mirror at the bottom, in the model without inner reflections.
-    #[error(
-        "the model hanrahan-krueger leaves out the light reflected by a mirror at the bottom; use flat-layer"
-    )]
-    MirrorBelow,
+    /// A bottom that the model does not describe.
+    #[error("the model {model} {reason}")]
+    Bottom {
+        /// Name of the model.
+        model: &'static str,
+        /// Reason, and another choice.
+        reason: &'static str,
+    },
 }
 
 impl FlatLayer {
@@ -125,14 +123,18 @@ impl FlatLayer {
             // No light returns from infinite depth.
             None => (f64::INFINITY, Bottom::Absorbing),
         };
-        match (bottom, paths) {
+        let reason = match (bottom, paths) {
             (Bottom::Lambertian { .. }, _) => {
-                return Err(FlatLayerError::DiffuseBottom(paths.name()));
+                "requires light to keep its angle between the faces, which a Lambertian bottom does not; use another bottom"
             }
             (Bottom::Mirror, LayerPaths::HanrahanKrueger) => {
-                return Err(FlatLayerError::MirrorBelow);
+                "leaves out the light reflected by a mirror at the bottom; use flat-layer"
             }
-            _ => {}
+            _ => "",
+        };
+        if !reason.is_empty() {
+            let model = paths.name();
+            return Err(FlatLayerError::Bottom { model, reason });
         }
         Ok(Self {
             eta,

@@ -193,15 +193,13 @@ pub enum ModelError {
     )]
     NotDiffuse(&'static str),
     /// Anisotropic slopes for an isotropic model.
-    #[error(
-        "the model {0} is defined for isotropic surfaces; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith"
-    )]
-    Anisotropic(&'static str),
-    /// Anisotropic slopes for the model of Lambertian facets.
-    #[error(
-        "the model {0} is defined for isotropic surfaces, and no model describes anisotropic Lambertian facets; take none"
-    )]
-    AnisotropicDiffuse(&'static str),
+    #[error("the model {model} is defined for isotropic surfaces{advice}")]
+    Anisotropic {
+        /// Name of the model.
+        model: &'static str,
+        /// Models of anisotropic surfaces.
+        advice: &'static str,
+    },
     /// A model of one side, requested for both.
     #[error(
         "the model {0} describes reflected light alone; request the reflected side alone, or use another model for transmitted light"
@@ -213,7 +211,7 @@ impl ModelError {
     /// Returns `true` if the slopes are refused because they are not isotropic.
     #[must_use]
     pub const fn is_anisotropic(&self) -> bool {
-        matches!(self, Self::Anisotropic(_) | Self::AnisotropicDiffuse(_))
+        matches!(self, Self::Anisotropic { .. })
     }
 }
 
@@ -281,6 +279,9 @@ pub(crate) fn smoothness_of(
     if slopes.is_isotropic() {
         Ok((2.0 / slopes.xx()).sqrt())
     } else {
-        Err(ModelError::Anisotropic(name))
+        Err(ModelError::Anisotropic {
+            model: name,
+            advice: "; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith",
+        })
     }
 }

@@ -84,7 +84,10 @@ impl OrenNayar {
     /// [`ModelError`] for slopes that are not isotropic, and for materials other than Lambertian ones.
     pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
         if !slopes.is_isotropic() {
-            return Err(ModelError::AnisotropicDiffuse(Self::NAME));
+            return Err(ModelError::Anisotropic {
+                model: Self::NAME,
+                advice: ", and no model describes anisotropic Lambertian facets; take none",
+            });
         }
         let Material::Lambertian { reflectance } = material else {
             return Err(ModelError::NotDiffuse(Self::NAME));

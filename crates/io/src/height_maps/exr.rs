@@ -267,8 +267,8 @@ fn provenance(header: &Header) -> Result<Option<Provenance>, ReadProblem> {
         return Ok(None);
     };
     let azimuth = number("azimuth")?.unwrap_or(0.0);
-    let psd = Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth)
-        .map_err(|e| ReadProblem::malformed(e))?;
+    let psd =
+        Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).map_err(ReadProblem::malformed)?;
     Ok(Some(Provenance {
         recipe: psd.into(),
         seed,

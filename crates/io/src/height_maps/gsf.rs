@@ -114,7 +114,7 @@ impl Header {
             .get("Border")
             .map(|value| value.parse())
             .transpose()
-            .map_err(|e| ReadProblem::malformed(e))?;
+            .map_err(ReadProblem::malformed)?;
         Ok(Self {
             x_res: resolution("XRes")?,
             y_res: resolution("YRes")?,
@@ -162,7 +162,7 @@ impl Header {
 }
 
 /// The `name = value` lines after the first.
-fn fields<'a>(text: &'a str) -> Result<BTreeMap<&'a str, &'a str>, ReadProblem> {
+fn fields(text: &str) -> Result<BTreeMap<&str, &str>, ReadProblem> {
     let mut lines = text.lines();
     if lines.next() != Some(MAGIC) {
         return Err(ReadProblem::malformed(format_args!(

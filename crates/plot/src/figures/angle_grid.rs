@@ -84,7 +84,7 @@ impl AngleGrid {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] without columns, panels or any point, or if a panel without points has no range;
-    /// [`PlotError::NonFinite`] and [`PlotError::OutOfRange`] for numbers without meaning.
+    /// [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let layout = PanelGrid {

@@ -55,8 +55,7 @@ impl Curves {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] without any point, [`PlotError::NonFinite`] and
-    /// [`PlotError::OutOfRange`] for numbers without meaning.
+    /// [`PlotError::NothingToDraw`] without any point, [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         let mut curves = self.curves.iter();
         curves.try_for_each(|curve| curve.check(Valid::Finite))?;

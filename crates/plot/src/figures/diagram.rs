@@ -90,7 +90,7 @@ impl Diagram {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] without panels or with a path of fewer than two points, [`PlotError::NonFinite`] for
+    /// [`PlotError::NothingToDraw`] without panels or with a path of fewer than two points, [`PlotError::OutOfRange`] for
     /// coordinates without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         if self.panels.is_empty() {

@@ -102,8 +102,7 @@ impl ErrorOverTime {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] if no run has an error above zero, [`PlotError::NonFinite`] and
-    /// [`PlotError::OutOfRange`] for numbers without meaning.
+    /// [`PlotError::NothingToDraw`] if no run has an error above zero, [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.methods.iter().try_for_each(TimedMethod::check)?;
         let reference = self.reference_error.unwrap_or(0.0);

@@ -73,7 +73,7 @@ impl HeightMapFigure<'_> {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] for an empty field, [`PlotError::MismatchedLengths`] if `heights` does not
-    /// fill `shape`, [`PlotError::NonFinite`] and [`PlotError::OutOfRange`] for heights or spacings without
+    /// fill `shape`, [`PlotError::OutOfRange`] for heights or spacings without
     /// meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;

@@ -146,7 +146,7 @@ impl Hemispheres {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] without rows, columns or bins, [`PlotError::MismatchedLengths`] if cells or
-    /// values are not as many as they should be, [`PlotError::NonFinite`] for values without meaning.
+    /// values are not as many as they should be, [`PlotError::OutOfRange`] for values without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let layout = self.layout()?;

@@ -62,8 +62,7 @@ impl InPlaneCurves {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] if no series has a point on this side, [`PlotError::NonFinite`] and
-    /// [`PlotError::OutOfRange`] for angles, values or errors without meaning.
+    /// [`PlotError::NothingToDraw`] if no series has a point on this side, [`PlotError::OutOfRange`] for angles, values or errors without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         let direction = "direction at a flat surface";
         Valid::Finite.check_all(direction, self.flat_direction_deg)?;

@@ -53,7 +53,7 @@ impl LogCurves {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] without any point, [`PlotError::NonFinite`] and [`PlotError::OutOfRange`] for numbers that are not
+    /// [`PlotError::NothingToDraw`] without any point, [`PlotError::OutOfRange`] for numbers that are not
     /// above zero.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         let mut curves = self.curves.iter();

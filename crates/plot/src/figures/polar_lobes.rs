@@ -103,8 +103,7 @@ impl PolarLobes {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] if no series has a point on the chosen sides, [`PlotError::NonFinite`] and
-    /// [`PlotError::OutOfRange`] for angles, values or errors without meaning.
+    /// [`PlotError::NothingToDraw`] if no series has a point on the chosen sides, [`PlotError::OutOfRange`] for angles, values or errors without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         let series = shown(&self.series, |side| self.sides.include(side))?;
         self.check(&series)?;

@@ -83,7 +83,7 @@ impl ProfileGrid {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] without panels or points, [`PlotError::MismatchedLengths`] if a component has
-    /// not as many panels as there are, [`PlotError::NonFinite`] for numbers without meaning.
+    /// not as many panels as there are, [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let layout = self.layout();

@@ -74,7 +74,7 @@ impl Reliefs {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] without columns or panels, or for less than 2 x 2 samples; [`PlotError::MismatchedLengths`] if heights do
-    /// not fill their shape; [`PlotError::NonFinite`] and [`PlotError::OutOfRange`] for numbers without meaning.
+    /// not fill their shape; [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         if self.columns == 0 || self.panels.is_empty() {
             return Err(PlotError::nothing_to_draw(

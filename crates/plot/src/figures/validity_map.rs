@@ -107,7 +107,7 @@ impl ValidityMap {
     ///
     /// # Errors
     /// [`PlotError::NothingToDraw`] without panels or cells, [`PlotError::MismatchedLengths`] if cells are not
-    /// as many as panels hold, [`PlotError::NonFinite`] and [`PlotError::OutOfRange`] for numbers without
+    /// as many as panels hold, [`PlotError::OutOfRange`] for numbers without
     /// meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;

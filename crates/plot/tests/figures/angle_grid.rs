@@ -91,7 +91,10 @@ fn bad_input_is_refused() {
             y: f64::NAN,
             ..point
         }),
-        Err(PlotError::NonFinite { .. })
+        Err(PlotError::OutOfRange {
+            range: "finite",
+            ..
+        })
     ));
     for empty in [
         grid(0, vec![panel("a", None, vec![point])]),

@@ -91,7 +91,13 @@ fn numbers_without_meaning_are_refused() {
         (0.0, f64::INFINITY, None),
         (0.0, 0.0, Some(f64::NAN)),
     ] {
-        assert!(matches!(refuse(of(bad)), PlotError::NonFinite { .. }));
+        assert!(matches!(
+            refuse(of(bad)),
+            PlotError::OutOfRange {
+                range: "finite",
+                ..
+            }
+        ));
     }
     assert!(matches!(
         refuse(of((0.0, 0.0, Some(-1.0)))),

@@ -64,9 +64,21 @@ fn diagrams_without_meaning_are_refused() {
         assert!(matches!(refuse(diagram), PlotError::NothingToDraw { .. }));
     }
     let mut bad = diagram(Stroke::Line, vec![[0.0, 0.0], [f64::NAN, 0.0]]);
-    assert!(matches!(refuse(bad.clone()), PlotError::NonFinite { .. }));
+    assert!(matches!(
+        refuse(bad.clone()),
+        PlotError::OutOfRange {
+            range: "finite",
+            ..
+        }
+    ));
     bad.panels[0].paths.clear();
     bad.panels[1].paths.clear();
     bad.panels[1].labels[0].at[0] = f64::INFINITY;
-    assert!(matches!(refuse(bad), PlotError::NonFinite { .. }));
+    assert!(matches!(
+        refuse(bad),
+        PlotError::OutOfRange {
+            range: "finite",
+            ..
+        }
+    ));
 }

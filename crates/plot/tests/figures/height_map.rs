@@ -105,7 +105,11 @@ fn bad_height_fields_are_refused() {
     ));
     assert!(matches!(
         map(&[1.0, f64::NAN], [1, 2], 1.0).draw(),
-        Err(PlotError::NonFinite { index: 1, .. })
+        Err(PlotError::OutOfRange {
+            index: 1,
+            range: "finite",
+            ..
+        })
     ));
     assert!(matches!(
         map(&[1.0, 2.0], [1, 2], 0.0).draw(),
@@ -113,6 +117,9 @@ fn bad_height_fields_are_refused() {
     ));
     assert!(matches!(
         map(&[1.0, 2.0], [1, 2], f64::MAX).draw(),
-        Err(PlotError::NonFinite { .. })
+        Err(PlotError::OutOfRange {
+            range: "finite",
+            ..
+        })
     ));
 }

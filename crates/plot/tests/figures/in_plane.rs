@@ -234,7 +234,13 @@ fn bad_input_is_refused_in_words() {
     assert!(matches!(error, PlotError::OutOfRange { value: -1.0, .. }));
     let se = Some(f64::INFINITY);
     let error = refused(explicit(Point { se, ..sample }));
-    assert!(matches!(error, PlotError::NonFinite { .. }));
+    assert!(matches!(
+        error,
+        PlotError::OutOfRange {
+            range: "finite",
+            ..
+        }
+    ));
     let error = refused(explicit(Point {
         x_range: Some([1.0, -1.0]),
         ..sample
