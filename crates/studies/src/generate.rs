@@ -53,7 +53,7 @@ impl GeneratePlan {
         let mut config: GenerateConfig = document.read()?;
         let surface = &mut config.surface;
         let mut notes = surface.read_files()?;
-        let (_, recipe) = surface.recipe().map_err(ConfigError::from)?;
+        let (_, recipe) = surface.recipe()?;
         let (shape, spacing) = (
             surface.shape().map_err(ConfigError::from)?,
             surface.spacing(),
