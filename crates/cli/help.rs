@@ -1,5 +1,7 @@
 //! Help of the program and of each command, as wide as the terminal.
 
+use std::collections::BTreeSet;
+
 use asperity_studies::settings::{Command, Kind, SECTIONS, Setting, settings_of};
 use console::Term;
 
@@ -97,8 +99,11 @@ impl Help {
         }
         text.push_str(&self.row("  -h, --help", "Print help", INDENT));
         if self.is_short(command) {
-            let all = shown(command).count();
-            let rest = format!("Print help on all {all} flags; docs/settings.md lists them too");
+            let all: BTreeSet<_> = shown(command).filter_map(Setting::flag_name).collect();
+            let rest = format!(
+                "Print help on all {} flags; docs/settings.md lists them too",
+                all.len()
+            );
             text.push_str(&self.row("      --help-all", &rest, INDENT));
         }
         text

@@ -67,6 +67,7 @@ fn completion_scripts_offer_every_command_its_own_flags() {
         for command in Named::ALL {
             let mut expected: BTreeSet<String> = flags(command).into_iter().collect();
             expected.insert("help".to_owned());
+            expected.insert("help-all".to_owned());
             assert_eq!(
                 offered(shell, &script, command),
                 expected,

@@ -34,11 +34,11 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .commands(TRACE.and(RENDER).and(GONIO)),
         setting("border", BORDER)
             .help("What lies beyond the border")
-            .basic(TRACE.and(RENDER).and(HEIGHT_MAPS))
+            .basic(TRACE.and(HEIGHT_MAPS))
             .otherwise("as the file says; else a height map is mirrored and a mesh open"),
         setting("spacing", Kind::Length)
             .help("Distance between samples")
-            .basic(TRACE.and(RENDER).and(HEIGHT_MAPS))
+            .basic(TRACE.and(HEIGHT_MAPS))
             .range(Range::Above(0.0))
             .arity(Arity::PerAxis)
             .otherwise("as the file says"),
@@ -55,11 +55,11 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .basic(HEIGHT_MAPS),
         setting("missing", MISSING)
             .help("What is done with missing points")
-            .basic(TRACE.and(RENDER).and(HEIGHT_MAPS))
+            .basic(TRACE.and(HEIGHT_MAPS))
             .default("refuse"),
         setting("remove", FORM)
             .help("Form to remove")
-            .basic(TRACE.and(RENDER).and(HEIGHT_MAPS))
+            .basic(TRACE.and(HEIGHT_MAPS))
             .default("none"),
         basic("s_filter", Kind::Length)
             .help("Nesting index of the S-filter: removes shorter waves, before form")
