@@ -22,7 +22,7 @@ pub(crate) struct Common {
 }
 
 impl Common {
-    /// Those of a document.
+    /// Reads them from a document.
     pub(crate) fn of(document: &Document) -> Result<Self, SettingError> {
         #[derive(Deserialize)]
         struct Whole {
@@ -56,7 +56,7 @@ impl Observer for Common {
     }
 }
 
-/// Where the results of a command go.
+/// Targets of the results of a command.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Results {
     /// A folder or a file.
@@ -69,7 +69,7 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// Those of a document.
+    /// Reads them from a document.
     pub(crate) fn of(document: &Document) -> Result<Self, SettingError> {
         #[derive(Deserialize)]
         struct Whole {
@@ -100,7 +100,7 @@ impl Results {
         })
     }
 
-    /// The same of a command whose output is a file, which the text tells of by itself.
+    /// Variant for a command whose output is a file, which the text names by itself.
     pub(crate) fn print_file<T: Serialize>(
         &self,
         common: &Common,

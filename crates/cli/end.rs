@@ -11,7 +11,7 @@ use crate::output::say;
 /// Exit code of a run that an interrupt ended early, and that wrote what it had.
 const INTERRUPTED: u8 = 3;
 
-/// How a command ended.
+/// End of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum End {
     /// With all that was planned, or at the time limit that was given.
@@ -20,7 +20,7 @@ pub(crate) enum End {
     Interrupted,
 }
 
-/// What a run does that is stopped and started again.
+/// Behaviour of a run that is stopped and started again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Again {
     /// It goes on with what is finished.
@@ -33,9 +33,9 @@ pub(crate) enum Again {
 
 /// A run that wrote its results.
 pub(crate) struct EndedRun<'a> {
-    /// What ended it before all that was planned was done.
+    /// Reason that ended it before all that was planned was done.
     pub(crate) stopped_by: Option<StoppedBy>,
-    /// What is finished of a run that was stopped: a clause.
+    /// Clause that says what is finished of a run that was stopped.
     pub(crate) so_far: &'a str,
     pub(crate) again: Again,
 }
@@ -56,7 +56,7 @@ impl EndedRun<'_> {
         })
     }
 
-    /// What is said of a run that was stopped.
+    /// Line on a run that was stopped.
     fn line(&self) -> Option<String> {
         let why = match self.stopped_by? {
             StoppedBy::Interrupt => "interrupted",
@@ -85,7 +85,7 @@ impl End {
 mod tests {
     use super::*;
 
-    /// Whether an interrupt came does not matter, only what stopped the run.
+    /// The exit code depends on the reason that stopped the run, not on interrupts that came.
     #[test]
     fn only_runs_that_an_interrupt_stopped_are_interrupted() {
         let ended = |stopped_by| EndedRun {

@@ -1,4 +1,4 @@
-//! How a command fails: one sentence and an exit code.
+//! Failure: one sentence and an exit code.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -10,7 +10,7 @@ use asperity_studies::settings::Document;
 use asperity_surface::{LengthUnit, RefinementError};
 use asperity_synthesis::{StructureError, SynthesisError};
 
-/// Why a command failed.
+/// Reason for which a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Wrong usage: exit code 2.

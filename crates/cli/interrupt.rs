@@ -8,10 +8,10 @@ use asperity_io::remove_temporary_files;
 
 use crate::output::say;
 
-/// Whether the first interrupt is left to the run.
+/// `true` if the first interrupt is left to the run.
 static LISTENS: AtomicBool = AtomicBool::new(false);
 
-/// Whether there was a first one.
+/// `true` after the first interrupt.
 static CAME: AtomicBool = AtomicBool::new(false);
 
 /// Exit code of a program that an interrupt ends at once, as shells have it.
@@ -38,7 +38,7 @@ pub(crate) fn listen() {
     LISTENS.store(true, Ordering::Relaxed);
 }
 
-/// Whether the run should end.
+/// Returns `true` if the run should end.
 pub(crate) fn came() -> bool {
     CAME.load(Ordering::Relaxed)
 }

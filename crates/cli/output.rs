@@ -1,4 +1,4 @@
-//! Where output goes: result folders, and standard output, which may be a closed pipe or a full disk.
+//! Output: result folders, and standard output, which may be a closed pipe or a full disk.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

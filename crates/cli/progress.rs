@@ -20,20 +20,20 @@ use crate::output::say;
 /// Time between two looks at whether a line is due.
 const CHECK_INTERVAL: Duration = Duration::from_secs(1);
 
-/// How progress is shown.
+/// Display of progress.
 enum Shown {
     /// Not at all.
     Nothing,
-    /// As a bar, of the stage that has begun.
+    /// A bar, of the stage that has begun.
     Bar(Option<ProgressBar>),
-    /// As lines, by the time since the run began.
+    /// Lines, by the time since the run began.
     Lines(Lines, Instant),
 }
 
 /// Shows progress, unless `--quiet` is given.
 pub(crate) struct Progress {
     shown: Arc<Mutex<Shown>>,
-    /// Whether to say what is done, and why.
+    /// `true` with `--verbose`.
     verbose: bool,
 }
 

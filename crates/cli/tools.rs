@@ -48,7 +48,7 @@ impl Tool {
         }
     }
 
-    /// What it does.
+    /// Its description.
     pub(crate) const fn about(self) -> &'static str {
         match self {
             Self::Completions => "Print a completion script for a shell",
@@ -64,7 +64,7 @@ impl Tool {
         }
     }
 
-    /// As clap knows it, without its help.
+    /// The definition for clap, without its help.
     pub(crate) fn command(self) -> clap::Command {
         let (name, about) = self.positional();
         let argument = Arg::new(ARGUMENT)
@@ -84,7 +84,7 @@ impl Tool {
             .arg(argument)
     }
 
-    /// What is requested of it; `None` if its argument is missing.
+    /// The requested run; `None` if its argument is missing.
     pub(crate) fn read(self, matches: &ArgMatches) -> Option<ToolRun> {
         match self {
             Self::Completions => {
@@ -118,7 +118,7 @@ fn completions(shell: Shell, mut program: clap::Command) -> String {
     String::from_utf8_lossy(&script).into_owned()
 }
 
-/// How a line of every page of ours begins, by which pages of an earlier call are told from other files.
+/// Beginning of a line of every page, by which pages of an earlier call are told from other files.
 const MARK: &str = ".TH asperity";
 
 /// Writes one page per command, and one of the program. Replaces pages of an earlier call and no other file.

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use graph::{cycles, graph, paths, without_kin};
+use graph::{cycles, graph, paths};
 use sources::{bare, crates, has_word, modules, root, rust_files};
 
 /// Crates of the workspace that each crate may use, outside of its tests.
@@ -101,19 +101,11 @@ fn a_module_with_a_folder_is_the_file_beside_it() {
     assert!(other.is_empty(), "name.rs beside name/, not {other:?}");
 }
 
-/// Crates without cycles through a parent and its child.
-const WITHOUT_CYCLES_OF_KIN: [&str; 9] = [
-    "analysis", "cli", "io", "optics", "plot", "render", "results", "simulate", "tally",
-];
-
 #[test]
 fn modules_form_no_import_cycles() {
     let mut found = Vec::new();
     for name in crates() {
-        let mut graph = graph(&modules(&name));
-        if !WITHOUT_CYCLES_OF_KIN.contains(&name.as_str()) {
-            graph = without_kin(graph);
-        }
+        let graph = graph(&modules(&name));
         for cycle in cycles(&graph) {
             let uses = cycle.iter().flat_map(|module| {
                 let used = graph[module].iter().filter(|used| cycle.contains(used));

@@ -89,7 +89,7 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --fov 180", "--fov 180: must be"),
         (
             "-o p.png --fov 20 --camera orthographic",
-            "only for --camera pinhole",
+            "goes with camera pinhole",
         ),
         ("-o p.png --view-theta 88 --width 4", "the eye is"),
         ("-o p.png --width 0", "--width 0: must be"),

@@ -200,7 +200,7 @@ fn height_maps_are_eroded_by_inspect() {
     assert!(!said("1").contains("less than the spacing"));
     for (flags, expected) in [
         ("--etch 300", "more than 64 spacings"),
-        ("--slip-steps 5", "needs --repose"),
+        ("--slip-steps 5", "goes with an angle of repose"),
         ("--repose 90", "from 0 to below 90"),
     ] {
         let said = refused(folder, &words(&format!("inspect a.exr {flags}")), 2);

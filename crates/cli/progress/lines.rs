@@ -69,7 +69,7 @@ impl Lines {
 }
 
 impl Stage {
-    /// As in `progress: trace 25 %, 0:01:40 elapsed, 0:05:00 left`; `elapsed` is the time of the run, `of_stage` that of the stage.
+    /// Line such as `progress: trace 25 %, 0:01:40 elapsed, 0:05:00 left`; `elapsed` is the time of the run, `of_stage` that of the stage.
     fn line(&self, elapsed: Duration, of_stage: Duration) -> String {
         let mut line = format!("progress: {}", self.name);
         let done = self.done.min(self.total) as f64 / self.total as f64;

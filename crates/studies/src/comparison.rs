@@ -1,6 +1,6 @@
 //! Models against explicit results: which component is compared with what, peaks, sides, conclusions.
 
-/// What a reader must know of models of layers where light is polarised.
+/// Warning on models of layers where light is polarised.
 pub(crate) const AVERAGED_LAYERS: &str = "models of layers average s and p at each face; --polarisation averaged compares like with like";
 
 pub(crate) mod compared;

@@ -23,7 +23,7 @@ pub use self::statistics::Statistics;
 /// Azimuths over a half turn at which a requested spectrum is averaged.
 const AZIMUTHS: usize = 90;
 
-/// Why a surface has no spectrum.
+/// Reasons for which a surface has no spectrum.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InspectError {
@@ -35,7 +35,7 @@ pub enum InspectError {
     Form(#[from] HeightFieldError),
 }
 
-/// How the heights and slopes of one surface are distributed over waves, lags and values.
+/// Distributions of the heights and slopes of one surface over waves, lags and values.
 #[derive(Clone, Debug)]
 pub struct Texture {
     unit: LengthUnit,

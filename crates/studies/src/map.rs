@@ -8,16 +8,18 @@ mod config;
 mod files;
 mod interval;
 mod json;
+mod outcome;
 mod summary;
 mod tables;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet, ResultsError};
-use asperity_simulate::{Case, Deadline, Observer, Outcome, StoppedBy};
+use asperity_simulate::{Deadline, Observer, Outcome, StoppedBy};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use self::json::map_summary;
+pub use self::outcome::{MapCell, MapOutcome};
 use self::summary::map_table;
 
 use crate::config::error::ConfigError;
@@ -35,52 +37,6 @@ pub use cell::{
 pub use config::{MapConfig, ToleranceConfig};
 pub use interval::{CellVerdict, Interval};
 pub use summary::{ModelSummary, summarise};
-
-/// One cell of a map.
-#[derive(Clone, Copy)]
-pub struct MapCell<'a> {
-    /// The case.
-    pub case: &'a Case,
-    /// What was found; `None` where the run ended before.
-    pub results: Option<&'a CellResults>,
-}
-
-/// A map, as far as it has come.
-pub struct MapOutcome<'a> {
-    /// The configuration.
-    pub config: &'a MapConfig,
-    /// The cases of the cells, by smoothness, material and angle, in that order of nesting.
-    pub plan: &'a Plan,
-    /// What was found in each cell; `None` where the run ended before.
-    pub results: Vec<Option<CellResults>>,
-    /// Number of cells that a stop cut short: they are of the surfaces that were finished.
-    pub cut_short: usize,
-    /// Reason why the run ended before all cells were complete.
-    pub stopped_by: Option<StoppedBy>,
-}
-
-impl MapOutcome<'_> {
-    /// The cells.
-    pub fn cells(&self) -> impl ExactSizeIterator<Item = MapCell<'_>> {
-        let cells = self.plan.cases.iter().zip(&self.results);
-        cells.map(|(case, results)| MapCell {
-            case,
-            results: results.as_ref(),
-        })
-    }
-
-    /// The cells that were found, with what was found.
-    fn found(&self) -> impl Iterator<Item = (&Case, &CellResults)> {
-        self.cells()
-            .filter_map(|cell| Some((cell.case, cell.results?)))
-    }
-
-    /// Cells that are still to be found.
-    #[must_use]
-    pub fn missing(&self) -> usize {
-        self.results.iter().filter(|one| one.is_none()).count()
-    }
-}
 
 /// Distances of models from explicit surfaces, over smoothness, material and angle.
 pub struct MapStudy {

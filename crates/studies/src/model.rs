@@ -3,72 +3,26 @@
 mod config;
 mod directions;
 mod error;
+mod evaluation;
 mod layer_bins;
 mod list;
 mod slopes_of;
 mod surface_bins;
 
-use std::path::Path;
-
 use asperity_analysis::{FlatLayer, MODEL_NAMES, ScatteringModel, create_model};
-use asperity_io::WriteError;
-use asperity_optics::{Incidence, Layer, Material, from_spherical};
-use serde_json::Value;
+use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::config::ModelConfig;
 use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
-use self::layer_bins::LayerBins;
+pub use self::evaluation::Evaluation;
+use self::layer_bins::{LayerBins, LayerModel};
 pub use self::list::model_list;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
-use crate::output::Table;
 use crate::settings::Document;
 
-/// A model that was evaluated.
-pub trait Evaluation {
-    /// Writes a row per direction or bin.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the file cannot be written.
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError>;
-
-    /// The rows as CSV, where they stand for the text unless a file holds them.
-    fn csv(&self) -> Option<String> {
-        None
-    }
-
-    /// How many rows of what, as `1296 bins`.
-    fn rows(&self) -> String;
-
-    /// What a reader should know about the values.
-    fn notes(&self) -> &[String] {
-        &[]
-    }
-
-    /// What the model describes.
-    fn description(&self) -> &'static str;
-
-    /// Its energies by bins, as text; nothing of single directions.
-    fn text(&self) -> String {
-        String::new()
-    }
-
-    /// The model and its energies by bins as JSON, with the columns of the table under the name of its `file`;
-    /// nothing of single directions.
-    fn summary(&self, _file: Option<&Path>) -> Value {
-        Value::Null
-    }
-}
-
-/// Name, unit and description of each column of a table, under the name of its `file`; nothing without one.
-fn columns<R>(table: &Table<'_, R>, file: Option<&Path>) -> Value {
-    let name = file.and_then(Path::file_name);
-    let entry = name.map(|name| (name.to_string_lossy().into_owned(), table.description()));
-    Value::Object(entry.into_iter().collect())
-}
-
-/// Where a model is evaluated.
+/// Directions or bins at which a model is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
     /// Over bins.
@@ -178,12 +132,6 @@ fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationErr
             flag,
         }),
     }
-}
-
-/// A model of a flat layer, and the layer.
-struct LayerModel {
-    model: FlatLayer,
-    layer: Layer,
 }
 
 /// The model `name` of a flat layer.

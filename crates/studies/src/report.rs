@@ -1,4 +1,4 @@
-//! What a run leaves: tables of fluxes, summaries, reports, figures and the files they go into.
+//! Report: tables of fluxes, summaries, figures, and the files of a study.
 
 pub(crate) mod areal_parameters;
 pub(crate) mod case_views;

@@ -15,6 +15,7 @@
 mod command;
 mod definitions;
 mod document;
+mod entry;
 mod error;
 mod file;
 mod group;

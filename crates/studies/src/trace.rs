@@ -4,150 +4,29 @@ mod comparison;
 mod comparison_text;
 mod description;
 mod files;
+mod outcome;
+mod plan;
 mod region_plan;
 mod text;
 
 use asperity_results::{CaseResult, Header, ResultSet, Stored};
-use asperity_simulate::{
-    Case, Deadline, Lobe, Observer, Outcome, Settings, SimulateError, StoppedBy, Stopping,
-};
-use asperity_tally::TallySpec;
+use asperity_simulate::{Deadline, Observer, SimulateError, StoppedBy};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use self::comparison::PlannedComparison;
 pub use self::comparison::TraceComparison;
 use self::files::trace_summary;
+pub use self::outcome::TraceOutcome;
+pub use self::plan::TracePlan;
 use self::text::trace_table;
 use crate::config::error::ConfigError;
-use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
-use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
-use crate::report::energies::lost_warning;
+use crate::given::GivenError;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study};
-use crate::validity::Validity;
-
-/// What was found on a surface.
-pub struct TraceOutcome<'a> {
-    /// What was planned.
-    pub plan: &'a TracePlan,
-    /// What the engine found.
-    pub outcome: &'a Outcome,
-    /// The surface against models; `None` without any, or if a stop came before.
-    pub comparison: Option<TraceComparison<'a>>,
-    /// What ended the run before all that was planned was done.
-    pub stopped_by: Option<StoppedBy>,
-}
-
-impl TraceOutcome<'_> {
-    /// Whether a stop came before the comparison that was requested.
-    const fn lacks_comparison(&self) -> bool {
-        self.comparison.is_none() && self.plan.comparison.is_some()
-    }
-
-    /// Where each quantity stands in the statistics.
-    const fn spec(&self) -> &TallySpec {
-        self.outcome.statistics.spec()
-    }
-
-    /// The lobes of single scattering next to the bins.
-    fn lobes(&self) -> Vec<BinnedLobe> {
-        BinnedLobe::of_lobes(self.plan.lobes, self.spec())
-    }
-
-    /// How the run came to its end, if that was to be found out.
-    #[must_use]
-    pub fn stopping(&self) -> Option<&Stopping> {
-        let has_target = self.plan.config.run.target_error.is_some();
-        let stopping = &self.outcome.stopping;
-        (has_target || stopping.is_cut_short()).then_some(stopping)
-    }
-
-    /// What a reader should know.
-    #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.plan.warnings.clone();
-        warnings.extend(lost_warning(&self.outcome.statistics));
-        let stopping = self.stopping().into_iter();
-        warnings.extend(stopping.flat_map(|stopping| stopping.warnings.clone()));
-        let comparison = self.comparison.as_ref();
-        warnings.extend(comparison.and_then(TraceComparison::rim_warning));
-        if self.lacks_comparison() {
-            warnings.push(
-                "the run was ended before the surface was compared with models; the same command resumes it"
-                    .to_owned(),
-            );
-        }
-        warnings.extend(self.outcome.errors.mesh_warning().map(str::to_owned));
-        warnings.extend(self.lobes().iter().filter_map(BinnedLobe::warning));
-        warnings
-    }
-}
-
-/// Light on given surfaces, checked and ready to be traced.
-pub struct TracePlan {
-    /// The configuration.
-    pub config: TraceConfig,
-    /// Names of the surfaces.
-    pub name: String,
-    /// Name of the first of them.
-    pub(crate) first: String,
-    /// Lengths of the surfaces against the wavelength, where its unit is known.
-    pub validity: Option<Validity>,
-    case: Case,
-    settings: Settings,
-    lobes: [Option<Lobe>; 2],
-    comparison: Option<PlannedComparison>,
-    warnings: Vec<String>,
-    /// The configuration as summary.json holds it.
-    described: Value,
-}
-
-impl TracePlan {
-    /// Checks everything that can be before a ray is traced.
-    ///
-    /// # Errors
-    /// [`StudyError`] if the configuration makes no sense on these surfaces.
-    pub fn new(
-        config: TraceConfig,
-        tops: GivenSurfaces,
-        bottom: Option<GivenSurface>,
-    ) -> Result<Self, StudyError> {
-        for surface in tops.iter().filter(|_| config.run.refine) {
-            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
-                let name = path.display().to_string();
-                return Err(GivenError::RefinedMesh { name }.into());
-            }
-        }
-        let settings = config.ray_settings()?;
-        let mut warnings = tops.warnings();
-        let theta = config.incidence()?.theta();
-        let validity = Validity::new(&tops.lengths(), theta, config.light.wavelength_nm());
-        let description = description::Surfaces::of(&tops, bottom.as_ref(), &config);
-        let cells = config.surface.cells.of_given();
-        let shapes = tops.clone().simulated(bottom, cells)?;
-        let case = config.case(shapes, tops.first.unit)?;
-        let comparison = PlannedComparison::new(&config, &tops, &case, &settings)?;
-        let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
-        warnings.extend(of_comparison.into_iter().flatten());
-        Ok(Self {
-            described: description.config(&config, &case),
-            config,
-            name: tops.name(),
-            first: tops.first.name,
-            validity,
-            lobes: Lobe::of_case(&case),
-            case,
-            settings,
-            comparison,
-            warnings,
-        })
-    }
-}
 
 impl Study for TracePlan {
     type Kept = CaseResult;

@@ -19,7 +19,7 @@ use crate::surface_lengths::SurfaceLengths;
 /// The wavelength unless one is given, in nanometres: the middle of visible light.
 pub const DEFAULT_WAVELENGTH_NM: f64 = 550.0;
 
-/// What each number should be at least. A Rayleigh parameter of 3 leaves 1.2e-4 of the light coherent.
+/// Least value of each number. A Rayleigh parameter of 3 leaves 1.2e-4 of the light coherent.
 pub const LARGE: f64 = 3.0;
 
 /// Lengths of a surface against the wavelength, for one direction of the light.
@@ -27,7 +27,7 @@ pub const LARGE: f64 = 3.0;
 pub struct Validity {
     /// Wavelength of the light, nanometres.
     pub wavelength_nm: f64,
-    /// Whether it is assumed, none being given.
+    /// `true` if it is assumed, none being given.
     pub wavelength_is_assumed: bool,
     /// `4 pi sigma cos(theta) / lambda`.
     pub rayleigh_parameter: f64,
@@ -38,7 +38,7 @@ pub struct Validity {
     /// `R cos^3(theta) / lambda`, R being one over the root mean square second derivative along the more curved axis;
     /// `None` for a surface without curvature, or where it is not known.
     pub curvature_radius_over_wavelength: Option<f64>,
-    /// Whether all of them are at least [`LARGE`]; `None` where those that are known are, and others are not known.
+    /// `true` if all of them are at least [`LARGE`]; `None` where those that are known are, and others are not known.
     pub holds: Option<bool>,
 }
 

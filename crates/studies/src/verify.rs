@@ -2,6 +2,7 @@
 
 mod case_report;
 mod files;
+mod outcome;
 pub(crate) mod plan;
 #[cfg(test)]
 mod tests;
@@ -10,14 +11,13 @@ use std::time::Instant;
 
 use asperity_analysis::SmithSlopes;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{
-    Case, Deadline, Observer, Outcome, StoppedBy, Stopping, SurfaceSource, counted,
-};
+use asperity_simulate::{Deadline, Observer, Outcome, StoppedBy, SurfaceSource, counted};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use self::case_report::verify_table;
 use self::files::verify_summary;
+pub use self::outcome::VerifyOutcome;
 
 use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{Compared, compare_models};
@@ -31,51 +31,7 @@ use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study};
-use crate::validity::Validity;
 use crate::verify::plan::Plan;
-
-/// What a verification found.
-pub struct VerifyOutcome<'a> {
-    /// The configuration that was run.
-    pub config: &'a VerifyConfig,
-    /// Its cases, and how they are simulated.
-    pub plan: &'a Plan,
-    /// What was found of them.
-    pub found: &'a ResultSet<'a>,
-    /// The cases that were found, in the order of the plan.
-    pub cases: Vec<Judgement<'a>>,
-    /// Seconds from beginning to end.
-    pub seconds: f64,
-}
-
-impl VerifyOutcome<'_> {
-    /// Whether there were several cases to run.
-    pub(crate) const fn several(&self) -> bool {
-        self.plan.cases.len() > 1
-    }
-
-    /// How the run of a case came to its end, if that was to be found out.
-    pub(crate) fn stopping<'b>(&self, case: &Judgement<'b>) -> Option<&'b Stopping> {
-        let run = &self.config.run;
-        let is_limited = run.target_error.is_some() || run.max_time.is_some();
-        let stopping = &case.outcome.stopping;
-        (is_limited || stopping.is_cut_short()).then_some(stopping)
-    }
-
-    /// Lengths of the surfaces of a case against the wavelength; `None` if their unit is not known.
-    pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
-        let Case {
-            surface, light, at, ..
-        } = &case.outcome.case;
-        let wavelength = self.config.light.wavelength_nm();
-        Validity::of_recipe(surface.recipe()?, at.unit, light.incidence, wavelength)
-    }
-
-    /// Number of cases that an interrupt came before.
-    pub(crate) fn left_out(&self) -> usize {
-        self.plan.cases.len() - self.cases.len()
-    }
-}
 
 impl VerifyConfig {
     /// Identity of the results of this configuration.

@@ -9,7 +9,7 @@ use asperity_tally::{Component, TallySpec};
 use crate::comparison::judgement::Judgement;
 use crate::output::{distance, wrapped};
 
-/// Where light deviates most significantly from a model, and by how much of the model.
+/// The most significant deviation of light from a model, as a fraction of the model.
 pub(crate) fn strongest_deviation(comparison: &Comparison, spec: &TallySpec) -> Option<String> {
     let test = comparison.test.as_ref().ok()?;
     let strongest = test.strongest();
@@ -92,7 +92,7 @@ struct Tested<'a> {
     verdict: &'a Verdict,
 }
 
-/// What is said of the models that describe a component of the light; `None` if none does.
+/// Sentence on the models that describe a component of the light; `None` if none does.
 fn clauses(case: &Judgement<'_>, component: Component) -> Option<String> {
     let tested = case.models.iter().filter_map(|model| {
         let compared = model.compared(component)?;

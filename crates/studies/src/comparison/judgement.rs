@@ -14,7 +14,7 @@ pub struct Judgement<'a> {
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the components that models claim.
     pub level: f64,
-    /// Whether the light that leaves is spread evenly over azimuth: every bin holds its fraction of the light of its ring.
+    /// `true` if the light that leaves is spread evenly over azimuth: every bin holds its fraction of the light of its ring.
     pub free_azimuth: bool,
 }
 

@@ -24,7 +24,7 @@ use crate::error::StudyError;
 /// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
 
-/// What every model is compared with, whatever it describes.
+/// Light that every model is compared with, whatever it describes.
 const ALL_LIGHT: Component = Component::All;
 
 /// A component of the light against a model.
@@ -32,7 +32,7 @@ const ALL_LIGHT: Component = Component::All;
 pub struct ComparedComponent {
     /// Over the bins of the recorded sides.
     pub comparison: Comparison,
-    /// What follows from it; `None` where the model makes no claim.
+    /// Its verdict; `None` where the model makes no claim.
     pub verdict: Option<Verdict>,
     /// Energies and peaks of the recorded sides; none of multiple scattering alone.
     pub sides: Vec<SideDifference>,
@@ -42,7 +42,7 @@ pub struct ComparedComponent {
 pub struct ModelOutcome {
     /// The model.
     pub model: CaseModel,
-    /// What it expects.
+    /// Its expectation.
     pub expectation: Expectation,
     /// The components of the light that it is compared with, without all light.
     pub components: Vec<(Component, ComparedComponent)>,
@@ -77,7 +77,7 @@ impl ModelOutcome {
             .unwrap_or(&self.total)
     }
 
-    /// Whether the model says anything of a component of the light.
+    /// Returns `true` if the model describes a component of the light.
     #[must_use]
     pub fn describes(&self, component: Component) -> bool {
         if component.is_of_medium() {
@@ -130,14 +130,14 @@ pub(crate) fn compare_models(
     Ok((models, level))
 }
 
-/// What models are compared with.
+/// Light that models are compared with.
 pub(crate) struct Compared<'a> {
     pub(crate) config: &'a CompareConfig,
     /// Seed of sampled models and of sign flips.
     pub(crate) seed: u64,
-    /// Whether what leaves is spread evenly over azimuth.
+    /// `true` if the light that leaves is spread evenly over azimuth.
     pub(crate) free_azimuth: bool,
-    /// What models are made for.
+    /// Surface that models are made for.
     pub(crate) surface: ModelledSurface,
     pub(crate) outcome: &'a Outcome,
     /// Slopes of the regions of a given surface, which take the place of surfaces.

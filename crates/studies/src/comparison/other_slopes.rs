@@ -9,16 +9,16 @@ use asperity_simulate::{Outcome, RandomSurfaces, SimulateError};
 
 use super::slope_tables::{SlopeSymmetry, SlopeTables};
 
-/// What is known of slopes that are not Gaussian.
+/// Slopes that are not Gaussian, by formula or by histogram.
 pub(crate) enum OtherSlopes {
     /// Their distribution.
     Mixture(Arc<SlopeMixture>),
-    /// Those of the surfaces that were traced.
+    /// Slopes of the surfaces that were traced.
     Tables(SlopeTables),
 }
 
 impl OtherSlopes {
-    /// Those of the surfaces of an outcome.
+    /// Slopes of the surfaces of an outcome.
     ///
     /// # Errors
     /// If a surface cannot be drawn again, or slopes have no density.

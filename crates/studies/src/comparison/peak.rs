@@ -14,7 +14,7 @@ const TOLD_APART: f64 = 2.0;
 /// Part of the highest bin that is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Where the in-plane intensity of a side is largest, on explicit surfaces and by a model.
+/// Peaks of the in-plane intensity of a side, on explicit surfaces and by a model.
 ///
 /// Angles are signed degrees from the side's own normal, positive forward.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,11 +23,11 @@ pub struct PeakDifference {
     pub explicit_deg: f64,
     /// By the model.
     pub model_deg: f64,
-    /// How far from its peak the explicit lobe falls to half of it, on the side where it is broader.
+    /// Distance from its peak at which the explicit lobe falls to half of it, on the side where it is broader.
     pub half_width_deg: f64,
     /// Standard error of their difference, by the jackknife over surfaces; `None` for one surface.
     pub se_deg: Option<f64>,
-    /// What the bins cannot tell of the difference, degrees: half a bin for each lobe that is narrower
+    /// Resolution of the difference by the bins, degrees: half a bin for each lobe that is narrower
     /// than one, and the way to the farthest bin that is as bright within the error.
     pub unresolved_deg: f64,
 }
@@ -142,9 +142,9 @@ pub(crate) fn peak_difference(
 struct Peak {
     /// The highest bin.
     highest: usize,
-    /// Where the peak is, in bins.
+    /// Position of the peak, in bins.
     place: f64,
-    /// Whether the lobe lies within one bin.
+    /// `true` if the lobe lies within one bin.
     narrow: bool,
 }
 
@@ -176,7 +176,7 @@ impl Peak {
         })
     }
 
-    /// How far from the peak its lobe falls to half of it, on the side where it is broader, degrees.
+    /// Distance from the peak at which its lobe falls to half of it, on the side where it is broader, degrees.
     fn half_width(self, bins: &ProfileBins, profile: &[f64]) -> f64 {
         let span = bins.span;
         let half = 0.5 * profile[self.highest];
@@ -199,7 +199,7 @@ impl Peak {
         crossing(-1).max(crossing(1))
     }
 
-    /// What the bins of these profiles cannot tell of the place, degrees.
+    /// Resolution of the position by the bins of these profiles, degrees.
     fn unresolved(self, bins: &ProfileBins, profiles: &[Vec<f64>]) -> f64 {
         let top = mean(profiles, None)[self.highest];
         let count = profiles.len() as f64;

@@ -10,7 +10,7 @@ pub(super) struct RayCounts<'a> {
     pub(super) outcome: &'a Outcome,
     pub(super) expectation: &'a Expectation,
     pub(super) component: Component,
-    /// Whether rings are spread evenly over azimuth, so that each bin stands for its ring.
+    /// `true` if rings are spread evenly over azimuth, so that each bin stands for its ring.
     pub(super) free_azimuth: bool,
 }
 

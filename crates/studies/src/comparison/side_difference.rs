@@ -23,7 +23,7 @@ pub struct SideDifference {
     pub model: f64,
     /// The first less the second; its error is that of the difference, surface by surface.
     pub difference: Estimate,
-    /// Where the light is brightest in the plane of incidence; `None` where explicit surfaces or the
+    /// Peak of the light in the plane of incidence; `None` where explicit surfaces or the
     /// model send less than 0.1 % of the light to this side.
     pub peak: Option<PeakDifference>,
 }

@@ -30,7 +30,7 @@ pub(crate) enum SlopeSymmetry {
     None,
     /// Images in both axes, as of mirrored tiles.
     Mirrored,
-    /// The same at any azimuth, as light from any meets them.
+    /// Slopes averaged over azimuth, as light from any azimuth meets them.
     Turned,
 }
 
@@ -47,7 +47,7 @@ impl SlopeTables {
     /// so that those of one at a time are held by a thread. `from`: where light comes from; from below, the surface is upside down.
     ///
     /// # Errors
-    /// As of `samples`; [`SlopeTableError`] without slopes.
+    /// Errors of `samples`; [`SlopeTableError`] without slopes.
     pub(crate) fn new<E: From<SlopeTableError> + Send>(
         count: usize,
         samples: impl Fn(usize) -> Result<Vec<[f64; 2]>, E> + Sync,
@@ -115,7 +115,7 @@ impl SlopeTables {
 /// About the most slopes of each surface or region that the spread is estimated from.
 const MOST_FOR_SPREAD: usize = 1 << 16;
 
-/// What the cells of a table depend on, of one surface or region.
+/// Sums of one surface or region that the cells of a table depend on.
 struct Extent {
     count: usize,
     sum: [f64; 2],

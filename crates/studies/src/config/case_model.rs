@@ -24,7 +24,7 @@ pub(crate) struct ModelledSurface {
 }
 
 impl ModelledSurface {
-    /// That of a case on random surfaces; `None` for a given surface.
+    /// Surface of a case on random surfaces; `None` for a given surface.
     pub(crate) fn of(case: &Case) -> Option<Self> {
         Some(Self {
             slopes: slopes(case.surface.recipe()?).map(Into::into),

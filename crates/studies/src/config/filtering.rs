@@ -6,7 +6,7 @@ use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldErro
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
 
-/// Why a surface cannot be filtered as requested.
+/// Reasons for which a surface cannot be filtered as requested.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilteringError {

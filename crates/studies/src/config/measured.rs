@@ -18,7 +18,7 @@ pub struct MeasuredConfig {
     /// A flat surface in place of a file.
     #[serde(default)]
     pub flat: bool,
-    /// What lies beyond the border; as the file says unless given.
+    /// Continuation beyond the border; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub border: Option<Border>,
     /// Distance between samples along x and y; as the file says unless given.
@@ -30,10 +30,10 @@ pub struct MeasuredConfig {
     /// The unit of the lengths of a file that states none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub assume_unit: Option<LengthUnit>,
-    /// Whether the rows of a height map are taken in reverse order.
+    /// `true` if the rows of a height map are taken in reverse order.
     #[serde(default)]
     pub flip: bool,
-    /// What to do with missing points.
+    /// Policy for missing points.
     #[serde(with = "MissingName")]
     pub missing: MissingPolicy,
     /// Form to remove by least squares.
@@ -55,7 +55,7 @@ enum MissingName {
 }
 
 impl MeasuredConfig {
-    /// Whether there is one.
+    /// Returns `true` if there is one.
     #[must_use]
     pub const fn is_given(&self) -> bool {
         self.flat || self.file.is_some()
@@ -120,7 +120,7 @@ impl MeasuredConfig {
     }
 }
 
-/// Why lengths of a file cannot be taken as requested.
+/// Reasons for which lengths of a file cannot be taken as requested.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnitError {

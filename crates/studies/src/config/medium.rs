@@ -44,7 +44,7 @@ pub enum BottomKind {
 pub enum BottomShape {
     /// One that follows from the surface above.
     Named(BottomSurface),
-    /// That of a file.
+    /// Name of a file.
     File(PathBuf),
 }
 

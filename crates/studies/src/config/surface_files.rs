@@ -1,107 +1,21 @@
 //! `[surface]`: spectra and distributions of heights that come from files.
 
+mod error;
 mod source;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use asperity_io::{NumberTable, ReadError, ReadProblem, read_number_table};
+use asperity_io::{NumberTable, ReadProblem, read_number_table};
 use asperity_numerics::fnv1a;
-use asperity_surface::{LengthUnit, MissingError};
-use asperity_synthesis::{
-    EstimateError, HeightTable, HeightTableError, Psd, PsdError, RadialTable,
-};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{HeightTable, Psd, PsdError, RadialTable};
 use serde::Serialize;
 
+pub use self::error::SurfaceFileError;
 use self::source::Source;
 use super::surface::SurfaceConfig;
 use super::surface_choices::HeightsChoice;
 use crate::settings::LIKE;
-
-/// Refusal of a file that gives no spectrum or distribution of heights.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceFileError {
-    /// It cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// Neither a known name nor an existing file.
-    #[error(
-        "{setting} is {name}, which is neither a file nor one of {names}; a table ends in .csv, a height map is like:FILE"
-    )]
-    Unknown {
-        /// The flag.
-        setting: &'static str,
-        /// The value.
-        name: String,
-        /// The names allowed.
-        names: &'static str,
-    },
-    /// A table has other columns.
-    #[error("{}: {setting} needs the columns {expected}, but the table has {found}", path.display())]
-    Columns {
-        /// The file.
-        path: PathBuf,
-        /// The flag.
-        setting: &'static str,
-        /// The columns that are needed.
-        expected: &'static str,
-        /// Names of the columns that the table has.
-        found: String,
-    },
-    /// A wave vector of a table is missing or there twice.
-    #[error("{}: the rows kx, ky are not those of a grid, each pair once and in order of ky, then kx", path.display())]
-    NoGrid {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The numbers of a table do not make a valid spectrum.
-    #[error("{}: {error}", path.display())]
-    Psd {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: PsdError,
-    },
-    /// The spectrum of a height map cannot be estimated.
-    #[error("{}: {error}", path.display())]
-    Estimate {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: EstimateError,
-    },
-    /// A height map has too few samples for a spectrum.
-    #[error(
-        "{}: {nx} x {ny} samples are too few for a spectrum or a distribution; at least {least} x {least} are needed",
-        path.display()
-    )]
-    FewSamples {
-        /// The file.
-        path: PathBuf,
-        /// Samples along x.
-        nx: usize,
-        /// Samples along y.
-        ny: usize,
-        /// Fewest samples along each side.
-        least: usize,
-    },
-    /// The numbers of a table do not make a valid distribution.
-    #[error("{}: {error}", path.display())]
-    Heights {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: HeightTableError,
-    },
-    /// Missing points cannot be filled.
-    #[error("{}: {error}", path.display())]
-    Missing {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: MissingError,
-    },
-}
 
 impl SurfaceConfig {
     /// Reads the files that `psd` and `heights` name, if they do. A surface without a unit takes that of a height map; tables are in the unit

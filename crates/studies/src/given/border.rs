@@ -12,7 +12,7 @@ pub(super) const ASSUMED_BORDER: Border = Border::Mirrored;
 /// expectation by a factor of 4^2 with a probability below 1e-20.
 const STEP: f64 = 4.0;
 
-/// What a reader of the results should know about the border; `is_known`: whether the file or the user states it.
+/// Notes on the border, one sentence each; `is_known`: the file or the user states it.
 pub(super) fn border_notes(field: &HeightField, is_known: bool) -> Vec<String> {
     let mut notes = Vec::new();
     let border = field.border();

@@ -24,7 +24,7 @@ pub struct GivenSurface {
     pub unit: LengthUnit,
     /// Missing points that were filled.
     pub filled: usize,
-    /// What a reader of the results should know about how the file was read.
+    /// Notes on how the file was read, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -65,7 +65,7 @@ impl GivenSurfaces {
         others.fold(self.first.lengths(), SurfaceLengths::shortest)
     }
 
-    /// What a reader of the results should know about the surfaces.
+    /// Notes on the surfaces, one sentence each.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let of_each: Vec<_> = self.iter().map(GivenSurface::warnings).collect();
@@ -91,7 +91,7 @@ impl GivenSurfaces {
         warnings
     }
 
-    /// What each is as summary.json and headers hold it: a list if there are several.
+    /// Their descriptions as summary.json and headers hold them: a list if there are several.
     pub(crate) fn described(&self, describe: impl Fn(&GivenSurface) -> Value) -> Value {
         match self.others.as_slice() {
             [] => describe(&self.first),
@@ -102,7 +102,7 @@ impl GivenSurfaces {
     /// The shapes to simulate, with these `cells` between heights, each over `bottom` if there is one.
     ///
     /// # Errors
-    /// As [`GivenShape::simulated`], and [`GivenError::OtherBottom`].
+    /// Errors of [`GivenShape::simulated`], and [`GivenError::OtherBottom`].
     pub fn simulated(
         self,
         bottom: Option<GivenSurface>,
@@ -124,7 +124,7 @@ impl GivenSurfaces {
 }
 
 impl GivenShape {
-    /// The same as it is simulated, with these `cells` between heights.
+    /// The shape to simulate, with these `cells` between heights.
     ///
     /// # Errors
     /// [`SimulateError::SmoothMesh`], and [`SimulateError::NotEnoughMemory`] for smooth cells.
@@ -173,7 +173,7 @@ impl GivenSurface {
         }
     }
 
-    /// What a reader of the results should know about the surface.
+    /// Notes on the surface, one sentence each.
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.notes.clone();
         let border = match &self.shape {

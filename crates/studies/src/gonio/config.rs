@@ -93,7 +93,7 @@ impl GonioLight {
 pub enum PlotScale {
     /// All discs.
     Common,
-    /// Those of a row: of an angle of incidence.
+    /// Discs of a row, which is an angle of incidence.
     #[default]
     Rows,
 }
@@ -114,16 +114,16 @@ pub struct GonioConfig {
     pub surface: SurfaceConfig,
     /// Given surfaces in their place.
     pub measured: MeasuredConfig,
-    /// What they are made of.
+    /// Their material.
     pub material: MaterialConfig,
-    /// What lies below, if there is anything.
+    /// The medium below, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub medium: Option<MediumConfig>,
     /// The directions that light comes from.
     pub light: GonioLight,
-    /// How much is traced for each direction.
+    /// Effort for each direction.
     pub run: RunConfig,
-    /// What is written.
+    /// Files to write.
     pub output: GonioOutput,
 }
 
@@ -142,7 +142,7 @@ impl GonioConfig {
         Ok(Document::of_text(Command::Gonio, text)?.read()?)
     }
 
-    /// Whether every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.
+    /// Returns `true` if every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
         let verification = self.as_verification();
@@ -175,7 +175,7 @@ impl GonioConfig {
         })
     }
 
-    /// What the results of this configuration are kept under; `sample` holds the given surfaces, if there are any.
+    /// Identity of the results of this configuration; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
@@ -185,7 +185,7 @@ impl GonioConfig {
         Ok(Header::new("gonio", self.run.seed, document))
     }
 
-    /// What is measured, checked as far as it can be before a ray is traced; `sample` holds the given surfaces, if there are any.
+    /// The cases, checked as far as possible before a ray is traced; `sample` holds the given surfaces, if there are any.
     ///
     /// # Errors
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.

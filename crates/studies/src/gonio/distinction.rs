@@ -2,13 +2,13 @@
 
 use asperity_simulate::{Case, CasePart};
 
-/// What all settings have in common, and what they differ in.
+/// Coordinates that all settings share, and those in which they differ.
 pub(super) struct Distinction {
     /// Common parameters, in words.
     pub(super) common: String,
     /// Names of what differs, in words; empty for one setting.
     pub(super) title: String,
-    /// What each setting is called among the others.
+    /// Name of each setting among the others.
     pub(super) labels: Vec<String>,
 }
 

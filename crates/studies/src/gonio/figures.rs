@@ -14,9 +14,9 @@ use rayon::prelude::*;
 use super::components::{component_names, components as components_of};
 use super::config::PlotScale;
 use super::distinction::Distinction;
+use super::outcome::{Direction, GonioOutcome};
 use super::summary::labelled;
 use super::tables::projected_in_plane;
-use super::{Direction, GonioOutcome};
 use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::error::ReportError;
@@ -78,7 +78,7 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
         .try_for_each(|(name, figure)| save(&[plots], &name, &figure()?))
 }
 
-/// Whether any light of a direction left on `side`.
+/// Returns `true` if any light of a direction left on `side`.
 fn leaves(direction: &Direction<'_>, side: Side) -> bool {
     let flux = direction.flux(Component::All, side);
     flux.is_some_and(|flux| flux.estimate().mean != 0.0)
@@ -91,7 +91,7 @@ fn quantity(side: Side) -> &'static str {
     }
 }
 
-/// What all discs have in common, in words.
+/// Description that all discs share.
 fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
     let name = outcome.sample.map(|sample| sample.name.clone());
     let common = Distinction::of(outcome.settings()).common;
@@ -288,7 +288,7 @@ fn word(side: Side) -> &'static str {
     }
 }
 
-/// What the names of components mean.
+/// Meanings of the names of components.
 fn meaning(spec: &TallySpec) -> &'static str {
     if spec.has_medium() {
         "components by number of scattering events inside the medium"

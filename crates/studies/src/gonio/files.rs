@@ -3,14 +3,19 @@
 use asperity_io::write_array;
 use asperity_tally::Side;
 
+use super::config::GonioConfig;
 use super::json::gonio_summary;
+use super::outcome::GonioOutcome;
 use super::summary::gonio_table;
-use super::{FOLDER, GonioConfig, GonioOutcome, figures, tables};
+use super::{figures, tables};
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
 use crate::report::error::ReportError;
 use crate::report::views::Views;
 use crate::verify::plan::Plan;
+
+/// Folder of the tables of directions.
+const DIRECTIONS: &str = "directions";
 
 /// Folder of the plots.
 const PLOTS: &str = "plots/";
@@ -34,7 +39,7 @@ impl GonioConfig {
         views.csv("in_plane.csv", |outcome| Some(tables::in_plane(outcome)));
         views.csv("bsdf.csv", |outcome| Some(tables::bsdf(outcome)));
         for (number, case) in plan.cases.iter().enumerate() {
-            let name = format!("{FOLDER}/{}.csv", case.direction_name());
+            let name = format!("{DIRECTIONS}/{}.csv", case.direction_name());
             views.csv(name, move |outcome| {
                 let direction = outcome.numbered(number);
                 let is_measured = direction.outcome.is_some();

@@ -3,10 +3,10 @@
 use serde_json::{Map, Value, json};
 
 use super::components::{component_names, components};
+use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
 use super::summary::{notes, warnings};
 use super::tables::{self, measured};
-use super::{Direction, GonioOutcome};
 use crate::config::Azimuth;
 use crate::output::{BySide, Head};
 use crate::report::config_json::config_json;

@@ -4,7 +4,7 @@ use asperity_simulate::short;
 use asperity_tally::{BinFilter, Estimate, Side};
 use serde::Serialize;
 
-use super::Direction;
+use super::outcome::Direction;
 use crate::report::disc_bins::disc_bins;
 
 /// The brightest bin of a side. Of bins that are nearly equal the one with the smallest error counts: the largest value of

@@ -14,22 +14,22 @@ use crate::surface_lengths::SurfaceLengths;
 pub struct Sample {
     /// Their shapes.
     pub shapes: Vec<Shape>,
-    /// What is said of them.
+    /// Their description.
     pub about: AboutSample,
 }
 
-/// What is said of given surfaces.
+/// Description of given surfaces.
 #[derive(Clone, Debug)]
 pub struct AboutSample {
     /// Their names, for titles.
     pub name: String,
     /// Unit of their lengths.
     pub unit: LengthUnit,
-    /// What they are, with a hash of the heights of each: results are those of another sample where this differs.
+    /// Their description, with a hash of the heights of each: results are those of another sample where this differs.
     pub description: Value,
     /// The shortest of their lengths, to be compared with the wavelength.
     pub lengths: SurfaceLengths,
-    /// What a reader of the results should know about them.
+    /// Notes on them, one sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -37,7 +37,7 @@ impl Sample {
     /// Surfaces from which `form` was removed when they were read, with these `cells` between heights.
     ///
     /// # Errors
-    /// As [`GivenShape::simulated`].
+    /// Errors of [`GivenShape::simulated`].
     pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, GivenError> {
         let about = AboutSample {
             name: surfaces.name(),

@@ -6,8 +6,8 @@ use asperity_simulate::counted;
 use asperity_tally::HemisphereGrid;
 
 use super::distinction::Distinction;
+use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
-use super::{Direction, GonioOutcome};
 use crate::config::lobes::BinnedLobe;
 use crate::output::{cut_short, wrapped};
 use crate::report::energies::lost_warning;
@@ -60,7 +60,7 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
     wrapped(&out)
 }
 
-/// Whether geometric optics holds, of the direction where lengths are shortest against the wavelength.
+/// Validity of geometric optics, for the direction where lengths are shortest against the wavelength.
 fn validity_note(outcome: &GonioOutcome) -> Option<String> {
     let known = || {
         let all = outcome.directions();
@@ -104,7 +104,7 @@ pub(super) fn labelled(title: &str, label: &str) -> String {
     }
 }
 
-/// What a reader of the results should know of the surface.
+/// Notes on the surface, one sentence each.
 pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
     match outcome.sample {
         Some(sample) => sample.warnings.clone(),
@@ -120,7 +120,7 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
     }
 }
 
-/// What is wrong with the results, or limits them.
+/// Warnings on the results.
 pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     let mut warnings = Vec::new();
     if outcome.missing() > 0 {
@@ -147,7 +147,7 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     warnings
 }
 
-/// That lobes are narrower than their bins: of the first such direction, and how many others there are.
+/// Warning on lobes narrower than their bins: the first such direction, and the number of others.
 fn narrow_lobes(outcome: &GonioOutcome) -> Option<String> {
     let mut narrow = outcome.directions().filter_map(|direction| {
         let warning = direction.lobes().iter().find_map(BinnedLobe::warning)?;

@@ -5,8 +5,8 @@ use asperity_simulate::CaseGroup;
 use asperity_tally::{Component, Estimate, Side, TallySpec};
 
 use super::components::components;
+use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
-use super::{Direction, GonioOutcome};
 use crate::output::{
     Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
     solid_angle_column,

@@ -1,4 +1,4 @@
-//! What was found in one cell, and what follows from it.
+//! Cell: the results of one case, and the verdicts on them.
 
 use asperity_analysis::Scope;
 use asperity_tally::{
@@ -36,7 +36,7 @@ impl ComparedLight {
     /// Both.
     pub const BOTH: [Self; 2] = [Self::Own, Self::All];
 
-    /// As tables have it.
+    /// Form of tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,9 +59,9 @@ pub struct CellSide {
     pub difference: f64,
     /// Its standard error.
     pub difference_se: Option<f64>,
-    /// What the mesh is known to add to it, without sign.
+    /// Known error of the mesh, without sign.
     pub mesh: f64,
-    /// Where both are brightest.
+    /// Peaks of both.
     pub peak: Option<PeakDifference>,
 }
 
@@ -70,9 +70,9 @@ pub struct CellSide {
 pub struct CellDistances {
     /// Total variation over the bins of the recorded sides.
     pub total_variation: f64,
-    /// What noise alone stays below with a probability of 95 %.
+    /// Upper limit of noise alone, with a probability of 95 %.
     pub noise_95: Option<f64>,
-    /// What the mesh is known to add, over all bins.
+    /// Known error of the mesh, over all bins.
     pub mesh: f64,
     /// The sides.
     pub sides: Vec<CellSide>,
@@ -83,7 +83,7 @@ pub struct CellDistances {
 pub struct CellModel {
     /// Its name.
     pub name: String,
-    /// Whether it describes all orders of scattering.
+    /// `true` if it describes all orders of scattering.
     pub all_orders: bool,
     /// Rays that it followed.
     pub rays: u64,
@@ -104,7 +104,7 @@ pub struct CellResults {
     pub size: [usize; 2],
     /// Length units per sample along x and y.
     pub spacing: [f64; 2],
-    /// What the fluxes are sure not to differ by, if nothing was traced.
+    /// Bound on the difference of the fluxes, if nothing was traced.
     pub deviation_bound: Option<f64>,
     /// Flux that was lost to numerical failure.
     pub lost: f64,
@@ -118,11 +118,11 @@ pub struct CellResults {
 /// One measure of a cell with its verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judged {
-    /// What is measured.
+    /// The cases.
     pub name: &'static str,
     /// The distance and where it lies.
     pub interval: Interval,
-    /// What follows.
+    /// Verdict.
     pub verdict: CellVerdict,
 }
 
@@ -131,7 +131,7 @@ pub struct Judged {
 pub struct JudgedCell {
     /// Total variation first, then of each side its energy and, where there is a clear one, its peak.
     pub measures: Vec<Judged>,
-    /// What follows from all of them.
+    /// Verdict of all of them.
     pub verdict: CellVerdict,
 }
 
@@ -192,7 +192,7 @@ fn tracked_less_averaged(spec: &TallySpec, case: &Judgement<'_>) -> Option<[Esti
 }
 
 impl CellResults {
-    /// What a verification of one case found.
+    /// Results of a verification of one case.
     pub(super) fn of(case: &Judgement<'_>) -> Self {
         let spec = case.spec();
         let surface = &case.outcome.case.surface;
@@ -218,7 +218,7 @@ impl CellResults {
         }
     }
 
-    /// What follows from the distances of a model, given what may be tolerated.
+    /// Verdict on the distances of a model, given tolerances.
     #[must_use]
     pub fn judge(
         &self,
@@ -351,7 +351,7 @@ fn certain_peak(model: &ModelOutcome, bound: f64, flux: f64) -> Option<f64> {
     (model.expectation.is_exact() && bound <= 0.01 * flux).then_some(0.0)
 }
 
-/// What the noise of a sampled model adds to the total variation, at most, with 95 %.
+/// Upper limit, at 95 %, of the total variation that the noise of a sampled model adds.
 fn noise_of_model(model: &ModelOutcome, spec: &TallySpec, component: Component) -> f64 {
     let statistics = model.expectation.statistics();
     let se = |entry| statistics.at(entry).se.unwrap_or(0.0);

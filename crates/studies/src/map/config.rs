@@ -38,17 +38,17 @@ impl Default for ToleranceConfig {
 pub struct MapConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
-    /// What they are made of.
+    /// Their material.
     pub material: MaterialConfig,
-    /// Where the light comes from.
+    /// Direction and side of the light.
     pub light: LightConfig,
-    /// How much is traced for each cell.
+    /// Effort for each cell.
     pub run: RunConfig,
     /// The models.
     pub compare: CompareConfig,
-    /// How far they may be off.
+    /// Their error.
     pub map: ToleranceConfig,
-    /// What is written.
+    /// Files to write.
     pub output: OutputConfig,
 }
 
@@ -94,10 +94,10 @@ impl MapConfig {
         Ok(plan)
     }
 
-    /// What the results of this configuration are kept under: tolerances are applied to them.
+    /// Identity of the results of this configuration, without tolerances, which are applied to results.
     ///
     /// # Errors
-    /// As [`plan`](Self::plan).
+    /// The errors of [`plan`](Self::plan).
     pub fn header(&self) -> Result<Header, ConfigError> {
         let verification = self.as_verification()?;
         let document = verification.document_of_cases(None);

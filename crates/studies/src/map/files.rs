@@ -4,10 +4,12 @@ use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
 use asperity_simulate::{Case, short};
 
 use super::cell::ComparedLight;
+use super::config::MapConfig;
 use super::interval::CellVerdict;
 use super::json::map_summary;
+use super::outcome::MapOutcome;
 use super::summary::{grooves, is_in_panel, map_table, panels, smoothness, thetas};
-use super::{MapConfig, MapOutcome, tables};
+use super::tables;
 use crate::report::views::Views;
 
 impl MapConfig {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What is said of a measure, or of a cell.
+/// Verdict on a measure, or on a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CellVerdict {
@@ -18,7 +18,7 @@ impl CellVerdict {
     /// All verdicts.
     pub const ALL: [Self; 3] = [Self::Within, Self::Beyond, Self::NotResolved];
 
-    /// As tables have it.
+    /// Form of tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -43,7 +43,7 @@ impl CellVerdict {
 /// A distance, and where it lies with a probability of 95 %.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// What was found.
+    /// Results.
     pub value: f64,
     /// Least and largest that the truth may be; `None` where nothing is known of the error.
     pub range: Option<[f64; 2]>,
@@ -58,7 +58,7 @@ impl Interval {
         }
     }
 
-    /// The same of what is never below zero.
+    /// Variant for values that are never below zero.
     pub(super) fn not_below_zero(self) -> Self {
         Self {
             range: self.range.map(|[low, high]| [low.max(0.0), high]),
@@ -66,7 +66,7 @@ impl Interval {
         }
     }
 
-    /// Whether the magnitude lies within `tolerance`: within if the whole range does, beyond if none of it
+    /// Verdict on the magnitude and `tolerance`: within if the whole range does, beyond if none of it
     /// does. The tolerance itself is within.
     #[must_use]
     pub fn verdict(&self, tolerance: f64) -> CellVerdict {

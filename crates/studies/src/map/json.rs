@@ -3,8 +3,9 @@
 use serde_json::{Map, Value, json};
 
 use super::cell::{CellModel, CellResults, ComparedLight};
+use super::outcome::{MapCell, MapOutcome};
 use super::summary::{summarise, warnings};
-use super::{MapCell, MapOutcome, tables};
+use super::tables;
 use crate::output::Head;
 use crate::report::config_json::config_json;
 

@@ -6,12 +6,12 @@ use asperity_optics::Material;
 use asperity_simulate::{Case, Coordinate, short};
 use serde::Serialize;
 
-use super::MapOutcome;
 use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
+use super::outcome::MapOutcome;
 use crate::output::{Column, Table, cut_short, wrapped};
 
-/// What the map says of one model on one material, in one comparison.
+/// Summary of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelSummary {
     /// The material.
@@ -41,7 +41,7 @@ pub(super) fn panels<'a>(outcome: &MapOutcome<'a>) -> Vec<&'a Case> {
     panels
 }
 
-/// Whether a case is in the same panel as another.
+/// Returns `true` if a case is in the same panel as another.
 pub(super) fn is_in_panel(case: &Case, panel: &Case) -> bool {
     case.material == panel.material && case.at.others == panel.at.others
 }
@@ -146,7 +146,7 @@ fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> 
     smooth_first.into_iter().take_while(is_within).last()
 }
 
-/// What `s` stands for on anisotropic surfaces, which are all of one shape.
+/// Meaning of `s` on anisotropic surfaces, which are all of one shape.
 pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
     let recipe = outcome.plan.cases.first()?.surface.recipe()?;
     let [ratio, azimuth] = recipe.anisotropy()?;
@@ -226,7 +226,7 @@ fn table<'a>(outcome: &MapOutcome<'_>) -> Table<'a, ModelSummary> {
         .columns(verdicts)
 }
 
-/// What a reader of the map should know.
+/// Notes on the map, one sentence each.
 pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
     let mut warnings = Vec::new();
     let results = || outcome.results.iter().flatten();

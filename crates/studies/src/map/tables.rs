@@ -4,10 +4,10 @@ use asperity_simulate::{Case, CaseGroup};
 use asperity_tally::Side;
 use asperity_tracer::Polarisation;
 
-use super::MapOutcome;
 use super::cell::{
     CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
 };
+use super::outcome::MapOutcome;
 use crate::comparison::peak::PeakDifference;
 use crate::output::{Cell, Column, Table, case_columns};
 use crate::report::views::Csv;
@@ -113,7 +113,7 @@ pub(super) fn map<'a>(outcome: &'a MapOutcome<'_>) -> Csv<'a> {
         .with_rows(judged(outcome))
 }
 
-/// What of the explicit flux of a side is due to tracking polarisation.
+/// Part of the explicit flux of a side that is due to tracking polarisation.
 fn averaging_column<'a>(side: Side) -> Column<'a, JudgedModel<'a>> {
     Column::estimate(
         format!("{side}_tracked_less_averaged"),

@@ -33,7 +33,7 @@ pub(super) struct Selection {
     list: bool,
     /// Distance between directions, degrees.
     pub(super) step: Option<f64>,
-    /// Whether they fill the sphere, and not only the plane of incidence.
+    /// `true` if they fill the sphere, and not only the plane of incidence.
     pub(super) sphere: bool,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Sampling {
 }
 
 impl ModelConfig {
-    /// Whether the models are to be listed, instead of one evaluated.
+    /// Returns `true` if the models are to be listed, instead of one evaluated.
     #[must_use]
     pub const fn is_list(&self) -> bool {
         self.model.list

@@ -6,9 +6,9 @@ use asperity_io::WriteError;
 use asperity_optics::Incidence;
 use asperity_tally::Side;
 
-use super::Evaluation;
 use super::config::Selection;
 use super::error::EvaluationError;
+use super::evaluation::Evaluation;
 use crate::output::{Column, Table};
 
 /// Most rows of one table.
@@ -31,7 +31,7 @@ pub(super) struct Directions {
     rows: Vec<Row>,
 }
 
-/// What is printed with the values.
+/// Text printed with the values.
 pub(super) struct About {
     /// The model.
     pub(super) description: &'static str,

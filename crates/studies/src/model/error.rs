@@ -1,4 +1,4 @@
-//! Why a model is not evaluated.
+//! Reasons for which a model is not evaluated.
 
 use asperity_analysis::{FlatLayer, FlatLayerError, MODEL_NAMES, ModelError, SlopeError};
 
@@ -6,14 +6,14 @@ use super::slopes_of::SlopeFileError;
 use crate::config::error::ConfigError;
 
 impl EvaluationError {
-    /// Whether other settings would help, rather than another file.
+    /// Returns `true` if other settings would help, rather than another file.
     #[must_use]
     pub const fn is_usage(&self) -> bool {
         !matches!(self, Self::SlopeFile(_))
     }
 }
 
-/// Why a model is not evaluated.
+/// Reasons for which a model is not evaluated.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluationError {

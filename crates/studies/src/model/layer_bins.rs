@@ -1,4 +1,4 @@
-//! What a model of a flat layer expects, bin by bin.
+//! Layer bins: a model of a flat layer, bin by bin.
 
 use asperity_simulate::short;
 use std::path::Path;
@@ -11,11 +11,17 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::config::{ModelConfig, azimuth};
-use super::{Evaluation, LayerModel, columns};
+use super::evaluation::{Evaluation, columns};
 use crate::config::error::ConfigError;
 use crate::output::{
     BySide, Column, Head, Table, bin_columns, projected_solid_angle, solid_angle_column,
 };
+
+/// A model of a flat layer, and the layer.
+pub(super) struct LayerModel {
+    pub(super) model: FlatLayer,
+    pub(super) layer: Layer,
+}
 
 /// The components that such a model describes.
 const DESCRIBED: [Component; 2] = [Component::Unscattered, Component::ScatteredOnce];

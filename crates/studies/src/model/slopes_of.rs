@@ -13,7 +13,7 @@ use asperity_tally::Estimate;
 
 use crate::config::isotropy::Isotropy;
 
-/// Why a file gives no slopes.
+/// Reasons for which a file gives no slopes.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SlopeFileError {
@@ -39,7 +39,7 @@ pub enum SlopeFileError {
     Missing {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         error: MissingError,
     },
     /// The numbers do not make a table.
@@ -47,7 +47,7 @@ pub enum SlopeFileError {
     Table {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         error: SlopeTableError,
     },
     /// A flat surface; or grooves, for a model of Gaussian slopes.
@@ -61,13 +61,13 @@ pub enum SlopeFileError {
     },
 }
 
-/// What a file says of slopes.
+/// Slopes of a file.
 pub(super) struct FileSlopes {
     path: PathBuf,
     /// Their density.
     table: SlopeTable,
     covariance: SlopeCovariance,
-    /// What a reader of the results should know.
+    /// Notes on the results, one sentence each.
     pub(super) notes: Vec<String>,
 }
 
@@ -99,7 +99,7 @@ impl FileSlopes {
         })
     }
 
-    /// What the model `name` is made for: the density, or for models of Gaussian slopes their covariance, the same along all directions if
+    /// Slopes that the model `name` is made for: the density, or for models of Gaussian slopes their covariance, the same along all directions if
     /// it nearly is.
     ///
     /// # Errors

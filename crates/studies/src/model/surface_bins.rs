@@ -1,4 +1,4 @@
-//! What a model of a rough surface expects, bin by bin.
+//! Surface bins: a model of a rough surface, bin by bin.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::config::{ModelConfig, azimuth};
-use super::{Evaluation, columns};
+use super::evaluation::{Evaluation, columns};
 use crate::config::error::ConfigError;
 use crate::output::{
     BySide, Column, Head, Table, bin_columns, over, projected_solid_angle, solid_angle_column,
@@ -39,7 +39,7 @@ pub(super) struct SurfaceBins {
 }
 
 impl SurfaceBins {
-    /// What its fluxes rest on whose samples all agree.
+    /// Limit of its fluxes whose samples all agree.
     fn support(&self) -> FluxBasis {
         FluxBasis::of_model(self.model.as_ref(), self.expectation.rays())
     }

@@ -45,7 +45,7 @@ pub(crate) fn bin_columns<'a, R: 'a>(
     })
 }
 
-/// The same where rows are about bins of several grids.
+/// Variant for rows on bins of several grids.
 pub(crate) fn grid_bin_columns<'a, R: 'a>(
     bin: impl Fn(&R) -> GridBin + Copy + 'a,
 ) -> [Column<'a, R>; 5] {

@@ -19,7 +19,7 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
     }
 }
 
-/// What is said of results that a stop cut short, if there are any.
+/// Sentence on results that a stop cut short, if there are any.
 pub(crate) fn cut_short(count: usize, all: usize, what: &str) -> Option<String> {
     (count > 0).then(|| {
         format!(

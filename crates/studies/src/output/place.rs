@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use asperity_io::{ResultFolder, ResultFolderError};
 
-/// Where the files of a case go.
+/// Folder of the files of a case.
 #[derive(Clone, Debug)]
 pub(crate) struct Place<'a> {
     folder: &'a ResultFolder,

@@ -79,16 +79,16 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
     }
 }
 
-/// How text shows a real number; files keep every digit.
+/// Format of a real number in text; files keep every digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     /// Six significant digits without trailing zeros.
     Short,
-    /// As many decimal places.
+    /// A number of decimal places.
     Fixed(usize),
 }
 
-/// Whether a column of a file holds a value, or a mean followed by its standard error.
+/// Contents of a column of a file: a value, or a mean followed by its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Value,

@@ -22,9 +22,9 @@ type Draw = fn(&Place<'_>, &ShownCase<'_>) -> Result<(), ReportError>;
 #[derive(Clone, Copy)]
 pub(crate) struct CaseViews<'a> {
     pub(crate) spec: &'a TallySpec,
-    /// Whether it is compared with models.
+    /// `true` if it is compared with models.
     pub(crate) compared: bool,
-    /// Whether figures are drawn.
+    /// `true` if figures are drawn.
     pub(crate) figures: bool,
 }
 

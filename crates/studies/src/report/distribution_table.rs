@@ -11,7 +11,7 @@ use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::output::{Column, Table, distance};
 
-/// What a component of the light is called; `orders` names all light that was recorded.
+/// Name of a component of the light; `orders` names all light that was recorded.
 fn component_name(component: Component, orders: &str) -> Cow<'static, str> {
     match component {
         Component::All => orders.to_owned().into(),
@@ -122,7 +122,7 @@ const fn tested_bins(case: &Judgement<'_>) -> &'static str {
     }
 }
 
-/// What the p value is of.
+/// Quantity that the p value is of.
 const fn sign_flips(case: &Judgement<'_>) -> &'static str {
     match case.outcome.errors_from {
         ErrorSource::Regions => "p value, sign flips of regions",

@@ -11,10 +11,10 @@ use asperity_tracer::PathSettings;
 use crate::output::{Column, Table, aligned, listed, two_digits, wrapped};
 use crate::report::flux_basis::FluxBasis;
 
-/// What light of the first order is called.
+/// Name of light of the first order.
 pub(crate) const SINGLE_SCATTERING: &str = "single scattering";
 
-/// What all recorded light is called where paths end after `max_order` interactions. The default limit is so high
+/// Name of all recorded light where paths end after `max_order` interactions. The default limit is so high
 /// that it does not matter.
 pub(crate) fn recorded_orders(max_order: u32) -> String {
     match max_order {
@@ -140,7 +140,7 @@ pub(crate) fn endings(spec: &TallySpec) -> impl Iterator<Item = (&'static str, E
     .filter(move |&(_, i)| i != TallySpec::BUDGET.not_recorded || one_side)
 }
 
-/// What a reader must know if light was lost.
+/// Warning if light was lost.
 #[must_use]
 pub(crate) fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
     let lost = statistics.budget().lost.mean;

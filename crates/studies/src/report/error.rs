@@ -1,4 +1,4 @@
-//! Why results are not written.
+//! Reasons for which results are not written.
 
 use asperity_io::{ResultFolderError, WriteError};
 use asperity_plot::PlotError;
@@ -6,7 +6,7 @@ use asperity_simulate::SimulateError;
 
 use crate::config::error::ConfigError;
 
-/// Why results are not written.
+/// Reasons for which results are not written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {

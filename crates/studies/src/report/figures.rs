@@ -199,7 +199,7 @@ fn model_points(case: &ShownCase<'_>, model: &ModelOutcome, side: Side) -> Vec<P
     points
 }
 
-/// What a model expects of light scattered more often than once, bin by bin.
+/// Expectation of a model for light scattered more often than once, bin by bin.
 fn multiple_line(model: &ModelOutcome, side: Side) -> Vec<Point> {
     let [mut all, single] =
         [Component::All, Component::Single].map(|component| model_bins(model, side, component));

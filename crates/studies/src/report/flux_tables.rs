@@ -71,7 +71,7 @@ pub(crate) fn histogram(outcome: &Outcome) -> Csv<'_> {
         .with_rows(spec.recorded_bins())
 }
 
-/// What a column of yes or no holds.
+/// Description of a column of yes or no.
 const fn yes_or_no(is_so: bool) -> &'static str {
     match is_so {
         true => "yes",

@@ -1,4 +1,4 @@
-//! What a run keeps of polarised light: tables of Mueller matrices, or of what averaging s and p changes; the same in summary.json
+//! Polarised light: tables of Mueller matrices, or of what averaging s and p changes; the same in summary.json
 //! and as text.
 
 use std::fmt::Write;
@@ -176,7 +176,7 @@ fn length(parts: &[f64]) -> f64 {
     parts.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
-/// What summary.json says of polarised light: a key and its value.
+/// Entry of summary.json on polarised light: a key and its value.
 pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static str, Value)> {
     let spec = statistics.spec();
     let by_side = |of: &dyn Fn(Entry) -> Value| {

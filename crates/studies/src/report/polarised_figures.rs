@@ -17,7 +17,7 @@ use crate::report::figures::{in_plane_points, plot_side, save};
 use crate::report::polarised::elements;
 use crate::report::shown_case::ShownCase;
 
-/// What the axes s and p of all matrices are.
+/// Axes s and p of all matrices.
 const AXES: &str = "s along z × k, p = k × s (docs/polarisation.md)";
 /// Largest standard error of an element that a curve shows: half of the largest element.
 const MOST_ERROR: f64 = 0.5;
@@ -128,7 +128,7 @@ fn in_plane(case: &ShownCase<'_>, side: Side) -> AngleGrid {
     }
 }
 
-/// The same points without horizontal bars.
+/// These points without horizontal bars.
 fn without_widths(mut points: Vec<Point>) -> Vec<Point> {
     for point in &mut points {
         point.x_range = None;

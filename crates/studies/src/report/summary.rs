@@ -58,7 +58,7 @@ pub struct Summary {
     head: Head,
     config: serde_json::Value,
     seed: u64,
-    /// What the standard errors come from: `surfaces` or `ray blocks`.
+    /// Source of the standard errors: `surfaces` or `ray blocks`.
     errors_from: &'static str,
     batches: u64,
     energy: Energy,
@@ -69,7 +69,7 @@ pub struct Summary {
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
-    /// What is kept of polarised light, under a key of its own.
+    /// Quantities of polarised light, under a key of their own.
     #[serde(flatten)]
     polarised: Option<serde_json::Map<String, serde_json::Value>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +82,7 @@ pub struct Summary {
     pub(crate) validity: Option<Validity>,
     /// Lobes of single scattering next to the bins that hold their middles.
     pub(crate) lobes: Vec<BinnedLobe>,
-    /// What the fluxes are sure not to differ by, where nothing was traced.
+    /// Bound on the difference of the fluxes, where nothing was traced.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_bound: Option<f64>,
     #[serde(serialize_with = "side_by_side")]

@@ -1,6 +1,7 @@
 //! The definitions of all settings, one table per section of a configuration.
 
 mod choices;
+mod commands;
 mod compare;
 mod converge;
 mod groups;
@@ -14,7 +15,7 @@ mod single;
 mod surface;
 
 pub(super) use self::groups::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES};
-use super::command::{Command, Commands};
+use super::command::Command;
 use super::setting::Setting;
 
 /// A section of a configuration: a heading in the help.
@@ -75,46 +76,3 @@ pub fn settings_of(command: Command) -> impl Iterator<Item = &'static Setting> {
         .flat_map(|section| section.settings)
         .filter(move |setting| setting.commands.contains(command))
 }
-
-/// Commands with lists that are expanded into cases.
-const SWEEPS: Commands = Commands::of(&[
-    Command::Verify,
-    Command::Map,
-    Command::Gonio,
-    Command::Converge,
-]);
-
-/// Commands that draw random surfaces of any kind.
-const RANDOM: Commands = SWEEPS.and(Commands::of(&[Command::Generate]));
-
-/// Commands that read a height map, and no mesh.
-const HEIGHT_MAPS: Commands = Commands::of(&[Command::Inspect, Command::Mesh]);
-
-/// Commands that read a height map or a triangle mesh.
-const SURFACES: Commands = Commands::of(&[Command::Trace, Command::Render, Command::Gonio]);
-
-/// Commands that read a given surface.
-const GIVEN: Commands = HEIGHT_MAPS.and(SURFACES);
-
-/// Commands that trace paths into bins.
-const TRACING: Commands = Commands::of(&[
-    Command::Trace,
-    Command::Verify,
-    Command::Map,
-    Command::Gonio,
-]);
-
-const ATTENUATION: Commands = Commands::of(&[Command::Attenuation]);
-const CONVERGE: Commands = Commands::of(&[Command::Converge]);
-const GENERATE: Commands = Commands::of(&[Command::Generate]);
-const GONIO: Commands = Commands::of(&[Command::Gonio]);
-const INSPECT: Commands = Commands::of(&[Command::Inspect]);
-const MAP: Commands = Commands::of(&[Command::Map]);
-const MESH: Commands = Commands::of(&[Command::Mesh]);
-const MODEL: Commands = Commands::of(&[Command::Model]);
-const RENDER: Commands = Commands::of(&[Command::Render]);
-const TRACE: Commands = Commands::of(&[Command::Trace]);
-const VERIFY: Commands = Commands::of(&[Command::Verify]);
-
-/// Unit of angles.
-const DEGREES: &str = "degrees";

@@ -9,9 +9,10 @@ use serde_json::{Map, Value};
 
 use super::command::{Command, Commands};
 use super::definitions::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, settings_of};
+use super::entry::{Entry, is_any};
 use super::error::{Given, Place, SettingError};
 use super::file::File;
-use super::group::{Group, Variant, is_any};
+use super::group::{Group, Variant};
 use super::kind::{Kind, joined_by_or};
 use super::length::{Length, first_unit, in_unit};
 use super::setting::{Flag, Setting};
@@ -38,26 +39,6 @@ pub struct Document {
     /// The sections of the file, which may be empty.
     sections: Vec<String>,
     entries: BTreeMap<(&'static str, &'static str), Entry>,
-}
-
-/// A value of a setting, and where it was given.
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) setting: &'static Setting,
-    pub(super) value: Value,
-    pub(super) given: Given,
-}
-
-impl Entry {
-    /// Returns `true` if `pattern` means it.
-    pub(super) fn is(&self, pattern: &str) -> bool {
-        self.setting.has_value(pattern, &self.value)
-    }
-
-    /// Returns `true` if one of the `patterns` means it.
-    pub(super) fn is_any(&self, patterns: &[&str]) -> bool {
-        is_any(patterns, self.setting, &self.value)
-    }
 }
 
 impl Document {

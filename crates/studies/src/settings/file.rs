@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::command::{Command, Commands};
 use super::definitions::{SECTIONS, settings_of};
-use super::document::Entry;
+use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};

@@ -9,7 +9,7 @@
 
 use serde_json::Value;
 
-use super::document::Entry;
+use super::entry::{Entry, is_any};
 use super::setting::Setting;
 
 /// Name of the variant of a kind that names a file.
@@ -161,11 +161,4 @@ impl Variant {
         let lists = [self.by, self.needs, self.takes];
         lists.iter().any(|list| is_any(list, setting, value))
     }
-}
-
-/// Returns `true` if one of the `patterns` means a setting of this value.
-pub(super) fn is_any(patterns: &[&str], setting: &Setting, value: &Value) -> bool {
-    let means = |pattern: &str| setting.has_value(pattern, value);
-    let left_out = |pattern: &&str| pattern.strip_prefix('-').is_some_and(means);
-    patterns.iter().any(|pattern| means(pattern)) && !patterns.iter().any(left_out)
 }

@@ -50,7 +50,7 @@ pub struct Setting {
 /// The flag of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flag {
-    /// That of the key, with hyphens.
+    /// The key, with hyphens.
     OfKey,
     /// Another name.
     Named(&'static str),

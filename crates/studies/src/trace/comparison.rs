@@ -52,7 +52,7 @@ pub(super) struct Slopes {
 }
 
 impl Slopes {
-    /// What models of the case are made for.
+    /// Surface that models of the case are made for.
     fn modelled(&self, case: &Case) -> ModelledSurface {
         ModelledSurface {
             slopes: Ok(self.distribution()),
@@ -62,7 +62,7 @@ impl Slopes {
         }
     }
 
-    /// Those of the `models` that are of isotropic surfaces and take the mean of the slope variances.
+    /// The `models` that are of isotropic surfaces and take the mean of the slope variances.
     ///
     /// # Errors
     /// [`GivenError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
@@ -186,7 +186,7 @@ impl PlannedComparison {
         }))
     }
 
-    /// How `rays` are traced on all regions together.
+    /// Settings for `rays` on all regions together.
     pub(super) const fn settings(&self, rays: u64) -> Settings {
         Settings {
             effort: Effort::rays(rays),
@@ -194,7 +194,7 @@ impl PlannedComparison {
         }
     }
 
-    /// What the regions of the surface say of the models.
+    /// Comparison of the regions of the surface with the models.
     pub(super) fn judge<'a>(
         &'a self,
         case: &Case,
@@ -227,7 +227,7 @@ impl PlannedComparison {
     }
 }
 
-/// What is doubtful about slopes of these regions as those of a Gaussian surface with a level mean plane.
+/// Warnings on slopes of these regions as those of a Gaussian surface with a level mean plane.
 fn slope_warnings(field: &HeightField, regions: &[RegionSlopes]) -> Vec<String> {
     let RegionSlopes { mean, second } = RegionSlopes::mean_of(regions);
     let [xx, xy, yy] = second;
@@ -288,7 +288,7 @@ impl TraceComparison<'_> {
         self.slopes
     }
 
-    /// What an open patch loses past its rim, which no model knows of.
+    /// Flux that an open patch loses past its rim, which no model describes.
     pub(super) fn rim_warning(&self) -> Option<String> {
         let lost = self.judgement.outcome.statistics.budget().left_patch.mean;
         (lost > PAST_RIM).then(|| {
@@ -299,7 +299,7 @@ impl TraceComparison<'_> {
         })
     }
 
-    /// As summary.json holds it.
+    /// Form of summary.json.
     pub(super) fn to_json(&self) -> Value {
         let mut value = json!(ComparisonJson::of(&self.judgement));
         let Slopes {

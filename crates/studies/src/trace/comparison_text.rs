@@ -5,8 +5,8 @@ use std::fmt::Write;
 use asperity_simulate::short;
 use asperity_tally::{Component, Estimate, Side};
 
-use super::TraceOutcome;
 use super::comparison::{Slopes, TraceComparison};
+use super::outcome::TraceOutcome;
 use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::conclusion;
 use crate::comparison::models::ModelOutcome;
@@ -33,7 +33,7 @@ pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparis
     out
 }
 
-/// What models are made for, and where errors come from.
+/// Surface that models are made for, and the source of errors.
 fn slopes_line(comparison: &TraceComparison) -> String {
     let Slopes {
         plan,

@@ -1,7 +1,7 @@
 //! The files of traced surfaces.
 
-use super::TraceOutcome;
 use super::comparison::TraceComparison;
+use super::outcome::TraceOutcome;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::report::case_views::CaseViews;

@@ -29,7 +29,7 @@ pub(super) struct RegionPlan {
     pub(super) extent: [f64; 2],
 }
 
-/// Why a surface has too few regions.
+/// Reasons for which a surface has too few regions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TooSmall {
     /// The heights do not lose their correlation, or are all equal.

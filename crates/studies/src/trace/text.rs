@@ -5,8 +5,8 @@ use std::fmt::Write;
 use asperity_simulate::{Case, CasePart};
 use asperity_tracer::HalfSpace;
 
-use super::TraceOutcome;
 use super::comparison_text::comparison_text;
+use super::outcome::TraceOutcome;
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_basis::FluxBasis;

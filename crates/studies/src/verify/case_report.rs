@@ -7,6 +7,7 @@ use asperity_simulate::{Cells, counted, short};
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
 
+use super::outcome::VerifyOutcome;
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::{conclusion, verdict_name};
@@ -19,7 +20,6 @@ use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
-use crate::verify::VerifyOutcome;
 
 /// Longest title of a case that a table repeats in each row, characters.
 const MAX_CASE_WIDTH: usize = 34;
@@ -27,7 +27,7 @@ const MAX_CASE_WIDTH: usize = 34;
 /// Width of the widest number of a row, `total variation (noise)`, and of the blanks before the columns, characters.
 const MEASURE_WIDTH: usize = 23 + 3 * 2;
 
-/// What a reader must know of the results of a case.
+/// Warnings on the results of a case.
 pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     let stopping = outcome.stopping(case);
@@ -151,7 +151,7 @@ fn averaging_lines(case: &Judgement<'_>) -> String {
     out
 }
 
-/// What the cells of the surfaces make of their slopes.
+/// Slopes of the surfaces as their cells have them.
 fn cells_line(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
     let source = &case.outcome.case.surface;
     if source.cells() == Some(Cells::Smooth) {
@@ -251,7 +251,7 @@ fn model_flux(
     }
 }
 
-/// What one model says of a component of the light in one case.
+/// One model against a component of the light in one case.
 struct Judged<'a> {
     case: &'a Judgement<'a>,
     model: &'a ModelOutcome,

@@ -4,8 +4,8 @@ use asperity_simulate::{Case, SimulateError, SurfaceSource};
 use asperity_surface::HeightField;
 use serde_json::{Value, json};
 
-use super::VerifyOutcome;
 use super::case_report::{case_table, verify_table, warnings};
+use super::outcome::VerifyOutcome;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;

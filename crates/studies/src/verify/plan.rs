@@ -16,7 +16,7 @@ use crate::error::StudyError;
 pub struct Plan {
     /// The cases, in the order of nesting of their lists: the azimuth of the light changes fastest.
     pub cases: Vec<Case>,
-    /// How all of them are simulated.
+    /// Settings of their simulation.
     pub settings: Settings,
     /// The lobes of single scattering of each case.
     pub lobes: Vec<[Option<Lobe>; 2]>,
@@ -93,7 +93,7 @@ impl VerifyConfig {
         Ok(cases)
     }
 
-    /// The same on given surfaces, whose lengths are in `unit`.
+    /// Plan on given surfaces, whose lengths are in `unit`.
     pub(crate) fn plan_on(&self, shapes: &[Shape], unit: LengthUnit) -> Result<Plan, ConfigError> {
         let singles = self.singles()?.into_iter();
         let cases = singles.map(|single| {

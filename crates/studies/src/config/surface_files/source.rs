@@ -11,7 +11,7 @@ use asperity_io::read_height_map;
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
 use asperity_synthesis::Psd;
 
-use super::SurfaceFileError;
+use super::error::SurfaceFileError;
 
 /// Fewest samples along each side: as many as the waves that have a node of their own in an estimated spectrum.
 const MIN_SIDE: usize = 8;

@@ -1,4 +1,4 @@
-//! What is judged of a cell, against numbers put in by hand.
+//! Tests of the verdicts on a cell, against numbers put in by hand.
 
 use super::*;
 use crate::config::VerifyConfig;
@@ -106,7 +106,7 @@ fn a_peak_is_known_to_its_error_and_what_bins_cannot_tell() {
     assert!((found - expected).abs() < ROUNDING, "{found} {expected}");
 }
 
-/// Where nothing was traced, by a model without noise, the bound is all that is left, and the mesh, of
+/// If nothing was traced, by a model without noise, the bound is all that is left, and the mesh, of
 /// which there is none.
 #[test]
 fn the_bound_of_what_was_not_traced_is_an_error_of_energies() {
@@ -135,7 +135,7 @@ fn few_surfaces_tell_nothing_of_errors() {
     }
 }
 
-/// Where no ray was observed the error is three rays, of either side of a comparison.
+/// Without any ray the error is three rays, of either side of a comparison.
 #[test]
 fn no_observed_ray_is_an_error_of_three_rays() {
     let mut unobserved = distances();

@@ -1,6 +1,6 @@
 //! `[compare]` and `[map]`: models and how strictly they are judged.
 
-use super::{DEGREES, MAP as MAP_COMMAND, TRACE, VERIFY};
+use super::commands::{DEGREES, MAP as MAP_COMMAND, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;

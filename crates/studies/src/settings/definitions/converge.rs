@@ -1,7 +1,7 @@
 //! `[converge]`: methods and their effort.
 
-use super::CONVERGE;
 use super::choices::{ACCELERATOR, BRANCHINGS, ESTIMATOR, SAMPLING, SIDE};
+use super::commands::CONVERGE;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, basic, setting, table};

@@ -3,7 +3,7 @@
 use asperity_surface::LengthUnit;
 
 use super::choices::{AZIMUTH, FROM};
-use super::{
+use super::commands::{
     ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;

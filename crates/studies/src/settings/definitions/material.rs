@@ -1,7 +1,7 @@
 //! `[material]` and `[medium]`: what the surface is made of, and what lies below.
 
 use super::choices::{BOTTOM, BOTTOM_SHAPES, MATERIAL, PHASE};
-use super::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
+use super::commands::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;

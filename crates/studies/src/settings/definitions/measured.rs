@@ -1,7 +1,7 @@
 //! `[measured]`: given surfaces.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, TRACE};
+use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};

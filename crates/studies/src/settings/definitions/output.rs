@@ -1,7 +1,7 @@
 //! `[output]`, where results are written, and the settings of every command.
 
 use super::choices::SCALE;
-use super::{
+use super::commands::{
     ATTENUATION, CONVERGE, GENERATE, GONIO, INSPECT, MAP, MESH, MODEL, SWEEPS, TRACE, TRACING,
 };
 use crate::settings::command::Commands;

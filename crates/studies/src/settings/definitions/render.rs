@@ -1,7 +1,7 @@
 //! Camera, lights and picture of `render`.
 
 use super::choices::CAMERA as CAMERAS;
-use super::{DEGREES, RENDER};
+use super::commands::{DEGREES, RENDER};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting};

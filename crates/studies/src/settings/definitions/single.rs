@@ -1,6 +1,6 @@
 //! Settings of single commands: the height map of `generate`, erosion by `inspect`, the mesh of `mesh`, and `model`.
 
-use super::{DEGREES, GENERATE, INSPECT, MESH, MODEL};
+use super::commands::{DEGREES, GENERATE, INSPECT, MESH, MODEL};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Flag, Setting, basic, flags, setting};

@@ -3,7 +3,9 @@
 use super::choices::{
     ARRANGEMENT, CELLS, DRAWN_BORDER, DRAWN_UNIT, HEIGHTS, PSD, SLOPES, STRUCTURE,
 };
-use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, HEIGHT_MAPS, MODEL, RANDOM, SWEEPS, TRACING};
+use super::commands::{
+    ATTENUATION, DEGREES, GENERATE, GIVEN, HEIGHT_MAPS, MODEL, RANDOM, SWEEPS, TRACING,
+};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, basic, setting, table};

@@ -41,7 +41,7 @@ fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
     TracePlan::new(config, tops, None).unwrap()
 }
 
-/// What `read` takes from the outcome of a run.
+/// Returns the value that `read` takes from the outcome of a run.
 fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
     let mut found = ResultSet::in_memory(plan.header().unwrap());
     read(&plan.run(&mut found, &Silent).unwrap())
@@ -98,7 +98,7 @@ fn log_normal(seed: u64) -> GivenSurface {
     surface
 }
 
-/// As [`true_models_are_rejected_as_often_as_their_level_says`], of surfaces with any slopes: errors include those of the table of slopes.
+/// Variant of [`true_models_are_rejected_as_often_as_their_level_says`] for surfaces with any slopes: errors include those of the table of slopes.
 /// Smith's model of Gaussian slopes is right for one of them and wrong for the other.
 #[test]
 fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {

@@ -1,0 +1,164 @@
+//! Outcome of a measurement: the results of its directions.
+
+use asperity_results::ResultSet;
+use asperity_simulate::{Case, Lobe, Outcome};
+use asperity_surface::LengthUnit;
+use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+
+use super::components;
+use super::config::GonioConfig;
+use super::sample::AboutSample;
+use crate::config::lobes::BinnedLobe;
+use crate::output::{EstimateWithLimit, over, projected_solid_angle};
+use crate::report::flux_basis::FluxBasis;
+use crate::surface_lengths::SurfaceLengths;
+use crate::validity::Validity;
+use crate::verify::plan::Plan;
+
+/// One direction of a measurement: a case, and what was found of it.
+#[derive(Clone, Copy)]
+pub struct Direction<'a> {
+    /// Number of its setting.
+    pub setting: usize,
+    /// The case, with the direction towards the light.
+    pub case: &'a Case,
+    /// Its tally spec, with its own bins.
+    pub spec: TallySpec,
+    /// Results; `None` where the run ended before.
+    pub outcome: Option<&'a Outcome>,
+    lobes: [Option<Lobe>; 2],
+}
+
+impl Direction<'_> {
+    /// Its lobes, next to its bins.
+    pub(super) fn lobes(&self) -> Vec<BinnedLobe> {
+        BinnedLobe::of_lobes(self.lobes, &self.spec)
+    }
+
+    /// Statistics of its light.
+    pub(super) fn statistics(&self) -> Option<&TallyStatistics> {
+        self.outcome.map(|outcome| &outcome.statistics)
+    }
+
+    /// Flux of a component that left on `side`; `None` if it is not recorded or was not measured.
+    pub(super) fn flux(&self, component: Component, side: Side) -> Option<EstimateWithLimit> {
+        let outcome = self.outcome.filter(|_| self.spec.records(side))?;
+        let flux = outcome.statistics.flux(side, component);
+        Some(FluxBasis::of(outcome).flux(side, flux))
+    }
+
+    /// Flux of a component into bin `bin` of the grid; `None` if its side is not recorded or it was not measured.
+    pub(super) fn bin(&self, component: Component, bin: usize) -> Option<Estimate> {
+        let recorded = self.spec.recorded_bins().contains(&bin);
+        let statistics = self.statistics().filter(|_| recorded)?;
+        Some(statistics.at(self.spec.grid_entries(component).get(bin)))
+    }
+
+    /// BSDF of all light in bin `bin` of the grid.
+    pub(super) fn bsdf(&self, bin: usize) -> Option<Estimate> {
+        let flux = self.bin(Component::All, bin)?;
+        Some(over(flux, projected_solid_angle(&self.spec.grid(), bin)))
+    }
+
+    /// Flux of a component into in-plane bin `i` of `side`; `None` if it is not recorded or was not measured.
+    pub(super) fn in_plane(&self, component: Component, side: Side, i: usize) -> Option<Estimate> {
+        let statistics = self.statistics().filter(|_| self.spec.records(side))?;
+        Some(components::in_plane(statistics, side, component, i))
+    }
+
+    /// Flux that was absorbed, truncated and lost.
+    pub(super) fn endings(&self) -> Option<[EstimateWithLimit; 3]> {
+        let outcome = self.outcome?;
+        let (support, budget) = (FluxBasis::of(outcome), outcome.statistics.budget());
+        Some([
+            support.absorbed(budget.absorbed),
+            support.ended(budget.truncated),
+            support.ended(budget.lost),
+        ])
+    }
+}
+
+/// A measurement, as far as it has come.
+pub struct GonioOutcome<'a> {
+    /// The configuration.
+    pub config: &'a GonioConfig,
+    /// The given surfaces, if there are any.
+    pub sample: Option<&'a AboutSample>,
+    /// The cases: by setting, polar angle and azimuth, in that order of nesting.
+    pub plan: &'a Plan,
+    /// Results.
+    pub found: &'a ResultSet<'a>,
+    /// Polar angles of the light, degrees, as in the configuration.
+    pub thetas: Vec<f64>,
+    /// Azimuths of the light, degrees.
+    pub phis: Vec<f64>,
+}
+
+impl<'a> GonioOutcome<'a> {
+    /// Tally spec of all directions that have no bins of their own.
+    #[must_use]
+    pub const fn spec(&self) -> &'a TallySpec {
+        &self.plan.settings.tally
+    }
+
+    /// Unit of the lengths of all surfaces.
+    #[must_use]
+    pub fn unit(&self) -> LengthUnit {
+        self.plan
+            .cases
+            .first()
+            .map_or_else(LengthUnit::default, |case| case.at.unit)
+    }
+
+    /// The directions.
+    pub fn directions(&self) -> impl ExactSizeIterator<Item = Direction<'a>> + Clone {
+        (0..self.plan.cases.len()).map(|number| self.numbered(number))
+    }
+
+    /// Directions that are still to be found.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.directions()
+            .filter(|one| one.outcome.is_none())
+            .count()
+    }
+
+    /// Lengths of the surface of a direction against the wavelength, where their unit is known.
+    pub(super) fn validity(&self, direction: &Direction<'_>) -> Option<Validity> {
+        let case = direction.case;
+        let lengths = match (&self.sample, case.surface.recipe()) {
+            (Some(sample), _) => sample.lengths,
+            (None, recipe) => SurfaceLengths::of_recipe(recipe?, case.at.unit),
+        };
+        let wavelength = self.config.light.wavelength_nm();
+        Validity::new(&lengths, case.light.incidence.theta(), wavelength)
+    }
+
+    pub(super) fn per_setting(&self) -> usize {
+        self.thetas.len() * self.phis.len()
+    }
+
+    /// A case of each setting.
+    pub(super) fn settings(&self) -> impl ExactSizeIterator<Item = &'a Case> {
+        self.plan
+            .cases
+            .chunks(self.per_setting())
+            .map(|cases| &cases[0])
+    }
+
+    pub(super) fn numbered(&self, number: usize) -> Direction<'a> {
+        let case = &self.plan.cases[number];
+        Direction {
+            setting: number / self.per_setting(),
+            case,
+            spec: self.plan.settings.spec_of(case),
+            outcome: self.found.case(number).map(|found| &found.outcome),
+            lobes: self.plan.lobes[number],
+        }
+    }
+
+    /// The direction of a setting, polar angle and azimuth, each by number.
+    pub(super) fn direction(&self, setting: usize, theta: usize, phi: usize) -> Direction<'a> {
+        self.numbered((setting * self.thetas.len() + theta) * self.phis.len() + phi)
+    }
+}

@@ -1,0 +1,66 @@
+//! Outcome of traced surfaces: results of the engine, and the comparison with models.
+
+use asperity_simulate::{Outcome, StoppedBy, Stopping};
+use asperity_tally::TallySpec;
+
+use super::comparison::TraceComparison;
+use super::plan::TracePlan;
+use crate::config::lobes::BinnedLobe;
+use crate::report::energies::lost_warning;
+
+/// Results on given surfaces.
+pub struct TraceOutcome<'a> {
+    /// The plan.
+    pub plan: &'a TracePlan,
+    /// Results of the engine.
+    pub outcome: &'a Outcome,
+    /// The surface against models; `None` without any, or if a stop came before.
+    pub comparison: Option<TraceComparison<'a>>,
+    /// Reason that ended the run before all that was planned was done.
+    pub stopped_by: Option<StoppedBy>,
+}
+
+impl TraceOutcome<'_> {
+    /// Returns `true` if a stop came before the comparison that was requested.
+    pub(super) const fn lacks_comparison(&self) -> bool {
+        self.comparison.is_none() && self.plan.comparison.is_some()
+    }
+
+    /// Tally spec of the statistics.
+    pub(super) const fn spec(&self) -> &TallySpec {
+        self.outcome.statistics.spec()
+    }
+
+    /// The lobes of single scattering next to the bins.
+    pub(super) fn lobes(&self) -> Vec<BinnedLobe> {
+        BinnedLobe::of_lobes(self.plan.lobes, self.spec())
+    }
+
+    /// End of the run, if it had a target or was cut short.
+    #[must_use]
+    pub fn stopping(&self) -> Option<&Stopping> {
+        let has_target = self.plan.config.run.target_error.is_some();
+        let stopping = &self.outcome.stopping;
+        (has_target || stopping.is_cut_short()).then_some(stopping)
+    }
+
+    /// Warnings for the reader, one sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.plan.warnings.clone();
+        warnings.extend(lost_warning(&self.outcome.statistics));
+        let stopping = self.stopping().into_iter();
+        warnings.extend(stopping.flat_map(|stopping| stopping.warnings.clone()));
+        let comparison = self.comparison.as_ref();
+        warnings.extend(comparison.and_then(TraceComparison::rim_warning));
+        if self.lacks_comparison() {
+            warnings.push(
+                "the run was ended before the surface was compared with models; the same command resumes it"
+                    .to_owned(),
+            );
+        }
+        warnings.extend(self.outcome.errors.mesh_warning().map(str::to_owned));
+        warnings.extend(self.lobes().iter().filter_map(BinnedLobe::warning));
+        warnings
+    }
+}

@@ -1,0 +1,72 @@
+//! Plan: light on given surfaces, checked and ready to be traced.
+
+use asperity_simulate::{Case, Lobe, Settings};
+use serde_json::Value;
+
+use super::comparison::PlannedComparison;
+use super::description::Surfaces;
+use crate::config::trace::TraceConfig;
+use crate::error::StudyError;
+use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
+use crate::validity::Validity;
+
+/// Light on given surfaces, checked and ready to be traced.
+pub struct TracePlan {
+    /// The configuration.
+    pub config: TraceConfig,
+    /// Names of the surfaces.
+    pub name: String,
+    /// Name of the first of them.
+    pub(super) first: String,
+    /// Lengths of the surfaces against the wavelength, where its unit is known.
+    pub validity: Option<Validity>,
+    pub(super) case: Case,
+    pub(super) settings: Settings,
+    pub(super) lobes: [Option<Lobe>; 2],
+    pub(super) comparison: Option<PlannedComparison>,
+    pub(super) warnings: Vec<String>,
+    /// The configuration as summary.json holds it.
+    pub(super) described: Value,
+}
+
+impl TracePlan {
+    /// Checks everything that can be before a ray is traced.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the configuration makes no sense on these surfaces.
+    pub fn new(
+        config: TraceConfig,
+        tops: GivenSurfaces,
+        bottom: Option<GivenSurface>,
+    ) -> Result<Self, StudyError> {
+        for surface in tops.iter().filter(|_| config.run.refine) {
+            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
+                let name = path.display().to_string();
+                return Err(GivenError::RefinedMesh { name }.into());
+            }
+        }
+        let settings = config.ray_settings()?;
+        let mut warnings = tops.warnings();
+        let theta = config.incidence()?.theta();
+        let validity = Validity::new(&tops.lengths(), theta, config.light.wavelength_nm());
+        let description = Surfaces::of(&tops, bottom.as_ref(), &config);
+        let cells = config.surface.cells.of_given();
+        let shapes = tops.clone().simulated(bottom, cells)?;
+        let case = config.case(shapes, tops.first.unit)?;
+        let comparison = PlannedComparison::new(&config, &tops, &case, &settings)?;
+        let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
+        warnings.extend(of_comparison.into_iter().flatten());
+        Ok(Self {
+            described: description.config(&config, &case),
+            config,
+            name: tops.name(),
+            first: tops.first.name,
+            validity,
+            lobes: Lobe::of_case(&case),
+            case,
+            settings,
+            comparison,
+            warnings,
+        })
+    }
+}

@@ -1,0 +1,52 @@
+//! Outcome of a verification: its results, judged.
+
+use asperity_results::ResultSet;
+use asperity_simulate::{Case, Stopping};
+
+use super::plan::Plan;
+use crate::comparison::judgement::Judgement;
+use crate::config::VerifyConfig;
+use crate::validity::Validity;
+
+/// Results of a verification, judged.
+pub struct VerifyOutcome<'a> {
+    /// The configuration that was run.
+    pub config: &'a VerifyConfig,
+    /// Its cases, and how they are simulated.
+    pub plan: &'a Plan,
+    /// Their results.
+    pub found: &'a ResultSet<'a>,
+    /// The cases that were found, in the order of the plan.
+    pub cases: Vec<Judgement<'a>>,
+    /// Seconds from beginning to end.
+    pub seconds: f64,
+}
+
+impl VerifyOutcome<'_> {
+    /// Returns `true` if the plan has several cases.
+    pub(crate) const fn several(&self) -> bool {
+        self.plan.cases.len() > 1
+    }
+
+    /// End of the run of a case, if it had a limit or was cut short.
+    pub(crate) fn stopping<'b>(&self, case: &Judgement<'b>) -> Option<&'b Stopping> {
+        let run = &self.config.run;
+        let is_limited = run.target_error.is_some() || run.max_time.is_some();
+        let stopping = &case.outcome.stopping;
+        (is_limited || stopping.is_cut_short()).then_some(stopping)
+    }
+
+    /// Lengths of the surfaces of a case against the wavelength; `None` if their unit is not known.
+    pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
+        let Case {
+            surface, light, at, ..
+        } = &case.outcome.case;
+        let wavelength = self.config.light.wavelength_nm();
+        Validity::of_recipe(surface.recipe()?, at.unit, light.incidence, wavelength)
+    }
+
+    /// Number of cases that an interrupt came before.
+    pub(crate) fn left_out(&self) -> usize {
+        self.plan.cases.len() - self.cases.len()
+    }
+}
