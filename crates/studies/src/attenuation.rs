@@ -68,12 +68,10 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use std::time::Instant;
-
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
 use asperity_results::Container;
-use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
+use asperity_simulate::{Cells, SimulateError, StoppedBy, counted};
 use asperity_tally::Estimate;
 use serde::Serialize;
 
@@ -199,30 +197,6 @@ impl AttenuationOutcome<'_> {
         });
         lost.into_iter().chain(stopped).collect()
     }
-}
-
-/// Measures geometric attenuation on the surfaces that `found` lacks.
-///
-/// # Errors
-/// [`StudyError`] if light cannot be followed, results cannot be kept, or the run is interrupted before its first surface is
-/// finished.
-pub fn attenuation<'a>(
-    plan: &'a AttenuationPlan,
-    found: &mut Container<'_, SurveyedSurface>,
-    observer: &dyn Observer,
-) -> Result<AttenuationOutcome<'a>, StudyError> {
-    let began = Instant::now();
-    let count = plan.config.run.realisations.0 as usize;
-    let missing = count.saturating_sub(found.resumed().cases);
-    observer.begin("measuring", (missing * plan.surfaces.len()) as u64);
-    found.compute_missing(count, observer, |number| {
-        SurveyedSurface::of(plan, number as u64, observer)
-    })?;
-    observer.end();
-    let mut outcome = plan.judge(found)?;
-    found.close()?;
-    outcome.work.seconds = began.elapsed().as_secs_f64();
-    Ok(outcome)
 }
 
 impl AttenuationPlan {

@@ -47,13 +47,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use std::time::Instant;
-
-use asperity_results::{CaseResult, ResultSet};
-use asperity_simulate::{Observer, Outcome, SimulateError, Simulation, StoppedBy};
-use serde_json::json;
-
-use crate::error::StudyError;
+use asperity_results::ResultSet;
 
 pub use case::{
     ConvergeWork, ConvergedCase, Efficiency, Measurement, MethodOutcome, Reference, SecondsTo,
@@ -63,8 +57,6 @@ pub use deviation::RepeatedError;
 pub use fit::Fit;
 pub use method::{ConvergeRun, Method};
 pub use study::ConvergeStudy;
-
-use case::{SETUP_SECONDS, StoredRun};
 
 /// Outcome of a convergence run.
 pub struct ConvergeOutcome<'a> {
@@ -84,142 +76,5 @@ impl ConvergeOutcome<'_> {
     /// Returns `true` if there were several cases to measure.
     fn several(&self) -> bool {
         self.plan.cases.len() > 1
-    }
-}
-
-/// Measures run time against error for every case and method, by those runs of `plan` that `found` lacks.
-///
-/// # Errors
-/// [`StudyError`] if a case cannot be traced, no light reaches the bins, or the run is stopped before there is any result.
-pub fn converge<'a>(
-    config: &'a ConvergeConfig,
-    plan: &'a ConvergePlan,
-    found: &'a mut ResultSet<'_>,
-    observer: &dyn Observer,
-) -> Result<ConvergeOutcome<'a>, StudyError> {
-    let began = Instant::now();
-    let mut prepared: Vec<Prepared<'_>> = Vec::new();
-    let mut rays = 0;
-    for (number, run) in plan.runs.iter().enumerate() {
-        if found.is_complete(number) {
-            continue;
-        }
-        let known = prepared.iter().position(|one| one.serves(run));
-        let place = known.unwrap_or(prepared.len());
-        if known.is_none() {
-            prepared.push(Prepared::new(config, run)?);
-        }
-        rays += prepared[place].simulation(run).rays();
-    }
-    observer.begin("tracing", rays);
-    found.compute_missing(plan.runs.len(), observer, |number| {
-        let run = &plan.runs[number];
-        let prepared = prepared.iter().find(|one| one.serves(run));
-        prepared.map_or(Ok(None), |one| one.result(number, run, observer))
-    })?;
-    observer.end();
-    if found.cases().next().is_none() {
-        return Err(SimulateError::Interrupted.into());
-    }
-    found.close()?;
-    let mut judged = judge_convergence(config, plan, found)?;
-    judged.seconds = began.elapsed().as_secs_f64();
-    Ok(judged)
-}
-
-/// Outcome of a measurement by the results of its plan. Cases that lack a run are left out.
-///
-/// # Errors
-/// [`StudyError`] if no light reaches the bins that are compared.
-pub fn judge_convergence<'a>(
-    config: &'a ConvergeConfig,
-    plan: &'a ConvergePlan,
-    found: &'a ResultSet<'_>,
-) -> Result<ConvergeOutcome<'a>, StudyError> {
-    let began = Instant::now();
-    let mut cases = Vec::new();
-    for (case_number, case) in plan.cases.iter().enumerate() {
-        let runs = plan.runs.iter().enumerate();
-        let runs = runs.filter(|(_, run)| run.case_number == case_number);
-        let stored = runs.map(|(number, run)| {
-            Some(StoredRun {
-                run,
-                result: found.case(number)?,
-            })
-        });
-        if let Some(runs) = stored.collect::<Option<Vec<_>>>() {
-            cases.push(ConvergedCase::of(plan, case, &runs)?);
-        }
-    }
-    Ok(ConvergeOutcome {
-        config,
-        plan,
-        found,
-        cases,
-        seconds: began.elapsed().as_secs_f64(),
-    })
-}
-
-/// A method, prepared for the runs of one case.
-struct Prepared<'a> {
-    /// The first of the runs.
-    run: &'a ConvergeRun,
-    simulation: Simulation,
-    /// Seconds that it took to prepare.
-    seconds: f64,
-}
-
-impl<'a> Prepared<'a> {
-    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, StudyError> {
-        let settings = config.settings(&run.method)?;
-        let clock = Instant::now();
-        Ok(Self {
-            run,
-            simulation: Simulation::new(std::slice::from_ref(&run.case), &settings)?,
-            seconds: clock.elapsed().as_secs_f64(),
-        })
-    }
-
-    fn serves(&self, run: &ConvergeRun) -> bool {
-        self.run.case_number == run.case_number && self.run.method == run.method
-    }
-
-    fn simulation(&self, run: &ConvergeRun) -> Simulation {
-        self.simulation.repeated(run.effort, run.seed)
-    }
-
-    /// One run of the engine, by its clock; `None` if it was interrupted, since it is no sample then.
-    fn result(
-        &self,
-        number: usize,
-        run: &ConvergeRun,
-        observer: &dyn Observer,
-    ) -> Result<Option<CaseResult>, StudyError> {
-        let outcomes = self.simulation(run).run(&Steps(observer));
-        if observer.stop().is_some() {
-            return Ok(None);
-        }
-        let result = |outcome: Outcome| CaseResult {
-            findings: json!({ "repeat": run.repeat, "machine": { SETUP_SECONDS: self.seconds } }),
-            outcome: Outcome {
-                number,
-                ..outcome.without_details()
-            },
-        };
-        Ok(outcomes?.into_iter().next().map(result))
-    }
-}
-
-/// Passes on steps and the stop; what a run begins and ends is a part of the measurement.
-struct Steps<'a>(&'a dyn Observer);
-
-impl Observer for Steps<'_> {
-    fn begin(&self, _stage: &str, _total: u64) {}
-    fn advance(&self, steps: u64) {
-        self.0.advance(steps);
-    }
-    fn end(&self) {}
-    fn stop(&self) -> Option<StoppedBy> {
-        self.0.stop()
     }
 }

@@ -30,7 +30,7 @@ mod verify;
 pub use attenuation::{
     AttenuationConfig, AttenuationDirections, AttenuationOutcome, AttenuationOutput,
     AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationWork,
-    Demarcation, ShadowShares, SurveyedSurface, VisibilityRow, attenuation,
+    Demarcation, ShadowShares, SurveyedSurface, VisibilityRow,
 };
 
 pub use comparison::judgement::Judgement;
@@ -53,7 +53,7 @@ pub use config::{
 pub use converge::{
     ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeStudy, ConvergeWork,
     ConvergedCase, ConvergenceConfig, Efficiency, Fit, Measurement, Method, MethodOutcome,
-    Reference, RepeatedError, SecondsTo, converge, judge_convergence,
+    Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
 pub use generate::{GenerateConfig, GeneratePlan, HeightMapConfig, SeedConfig};

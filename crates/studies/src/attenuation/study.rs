@@ -1,12 +1,14 @@
 //! Shadowing and masking as a study.
 
+use std::time::Instant;
+
 use asperity_results::{Container, Header};
 use asperity_simulate::{Observer, StoppedBy, counted};
 use serde::Serialize;
 
 use super::files::attenuation_summary;
 use super::tables::attenuation_table;
-use super::{AttenuationConfig, AttenuationOutcome, AttenuationPlan, SurveyedSurface, attenuation};
+use super::{AttenuationConfig, AttenuationOutcome, AttenuationPlan, SurveyedSurface};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
@@ -38,7 +40,18 @@ impl Study for AttenuationPlan {
         found: &'a mut Container<'_, SurveyedSurface>,
         observer: &dyn Observer,
     ) -> Result<AttenuationOutcome<'a>, StudyError> {
-        attenuation(self, found, observer)
+        let began = Instant::now();
+        let count = self.config.run.realisations.0 as usize;
+        let missing = count.saturating_sub(found.resumed().cases);
+        observer.begin("measuring", (missing * self.surfaces.len()) as u64);
+        found.compute_missing(count, observer, |number| {
+            SurveyedSurface::of(self, number as u64, observer)
+        })?;
+        observer.end();
+        let mut outcome = self.judge(found)?;
+        found.close()?;
+        outcome.work.seconds = began.elapsed().as_secs_f64();
+        Ok(outcome)
     }
 }
 

@@ -3,13 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Silent, point_stream};
+use asperity_simulate::{Observer, Silent, point_stream};
 use rand::RngExt;
 
 use super::files::attenuation_summary;
 use super::survey::Survey;
 use super::tables::attenuation_table;
 use super::*;
+use crate::study::Study;
 
 const CONFIG: &str = "
     [surface]
@@ -67,14 +68,14 @@ fn said(outcome: &AttenuationOutcome<'_>) -> (String, serde_json::Value) {
 
 fn whole(plan: &AttenuationPlan) -> (String, serde_json::Value) {
     let mut found = Container::in_memory(plan.identity());
-    said(&attenuation(plan, &mut found, &Silent).unwrap())
+    said(&plan.run(&mut found, &Silent).unwrap())
 }
 
 #[test]
 fn report_and_summary_of_an_interrupted_run_say_so() {
     let plan = plan();
     let mut found = Container::in_memory(plan.identity());
-    let outcome = attenuation(&plan, &mut found, &Interrupt::after(5)).unwrap();
+    let outcome = plan.run(&mut found, &Interrupt::after(5)).unwrap();
     // Two sigma: the third realisation was begun and not finished.
     assert_eq!(outcome.work.realisations, 2);
     let warning = "interrupted: these are the results of 2 of 5 surfaces";
@@ -101,17 +102,17 @@ fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
         let observer = Interrupt::after(surfaces);
         let mut found = open();
         let before = found.resumed().cases as u64;
-        let outcome = attenuation(&plan, &mut found, &observer).unwrap();
+        let outcome = plan.run(&mut found, &observer).unwrap();
         let measured = observer.measured.load(Ordering::Relaxed);
         assert_eq!(outcome.work.realisations, before + measured / 2);
     }
     let mut found = open();
     // Nothing is left to measure, so that no interrupt stops it.
-    let outcome = attenuation(&plan, &mut found, &Interrupt::after(0)).unwrap();
+    let outcome = plan.run(&mut found, &Interrupt::after(0)).unwrap();
     assert_eq!(said(&outcome), whole(&plan));
     // Nothing is found, and nothing written, if an interrupt comes first.
     let mut found = Container::in_memory(plan.identity());
-    let refused = attenuation(&plan, &mut found, &Interrupt::after(1));
+    let refused = plan.run(&mut found, &Interrupt::after(1));
     assert!(matches!(
         refused,
         Err(StudyError::Simulate(SimulateError::Interrupted))

@@ -1,12 +1,18 @@
 //! Run time against error as a study.
 
-use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Observer, StoppedBy, counted};
-use serde::Serialize;
+use std::time::Instant;
 
+use asperity_results::{CaseResult, Header, ResultSet};
+use asperity_simulate::{Observer, Outcome, SimulateError, Simulation, StoppedBy, counted};
+use serde::Serialize;
+use serde_json::json;
+
+use super::ConvergeOutcome;
+use super::case::{ConvergedCase, SETUP_SECONDS, StoredRun};
+use super::config::{ConvergeConfig, ConvergePlan};
 use super::json::converge_summary;
+use super::method::ConvergeRun;
 use super::tables::converge_table;
-use super::{ConvergeConfig, ConvergeOutcome, ConvergePlan, converge};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
@@ -22,6 +28,53 @@ pub struct ConvergeStudy {
     notes: Vec<String>,
 }
 
+impl ConvergeStudy {
+    /// Plans a configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn new(config: ConvergeConfig) -> Result<Self, StudyError> {
+        Ok(Self {
+            plan: config.plan()?,
+            config,
+            notes: Vec::new(),
+        })
+    }
+
+    /// Outcome by the results of the plan. Cases that lack a run are left out.
+    ///
+    /// # Errors
+    /// [`StudyError`] if no light reaches the bins that are compared.
+    pub fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+    ) -> Result<ConvergeOutcome<'a>, StudyError> {
+        let began = Instant::now();
+        let plan = &self.plan;
+        let mut cases = Vec::new();
+        for (case_number, case) in plan.cases.iter().enumerate() {
+            let runs = plan.runs.iter().enumerate();
+            let runs = runs.filter(|(_, run)| run.case_number == case_number);
+            let stored = runs.map(|(number, run)| {
+                Some(StoredRun {
+                    run,
+                    result: found.case(number)?,
+                })
+            });
+            if let Some(runs) = stored.collect::<Option<Vec<_>>>() {
+                cases.push(ConvergedCase::of(plan, case, &runs)?);
+            }
+        }
+        Ok(ConvergeOutcome {
+            config: &self.config,
+            plan,
+            found,
+            cases,
+            seconds: began.elapsed().as_secs_f64(),
+        })
+    }
+}
+
 impl Study for ConvergeStudy {
     type Kept = CaseResult;
     type Findings<'a> = ConvergeOutcome<'a>;
@@ -30,9 +83,8 @@ impl Study for ConvergeStudy {
         let mut config: ConvergeConfig = document.read()?;
         let notes = config.surface.read_files()?;
         Ok(Self {
-            plan: config.plan()?,
-            config,
             notes,
+            ..Self::new(config)?
         })
     }
 
@@ -53,7 +105,34 @@ impl Study for ConvergeStudy {
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
     ) -> Result<ConvergeOutcome<'a>, StudyError> {
-        converge(&self.config, &self.plan, found, observer)
+        let began = Instant::now();
+        let mut prepared: Vec<Prepared<'_>> = Vec::new();
+        let mut rays = 0;
+        for (number, run) in self.plan.runs.iter().enumerate() {
+            if found.is_complete(number) {
+                continue;
+            }
+            let known = prepared.iter().position(|one| one.serves(run));
+            let place = known.unwrap_or(prepared.len());
+            if known.is_none() {
+                prepared.push(Prepared::new(&self.config, run)?);
+            }
+            rays += prepared[place].simulation(run).rays();
+        }
+        observer.begin("tracing", rays);
+        found.compute_missing(self.plan.runs.len(), observer, |number| {
+            let run = &self.plan.runs[number];
+            let prepared = prepared.iter().find(|one| one.serves(run));
+            prepared.map_or(Ok(None), |one| one.result(number, run, observer))
+        })?;
+        observer.end();
+        if found.cases().next().is_none() {
+            return Err(SimulateError::Interrupted.into());
+        }
+        found.close()?;
+        let mut judged = self.judge(found)?;
+        judged.seconds = began.elapsed().as_secs_f64();
+        Ok(judged)
     }
 }
 
@@ -77,5 +156,69 @@ impl Findings for ConvergeOutcome<'_> {
     fn work(&self) -> Option<String> {
         let cases = counted(self.cases.len() as u64, "case");
         Some(format!("{cases} in {:.1} s", self.seconds))
+    }
+}
+
+/// A method, prepared for the runs of one case.
+struct Prepared<'a> {
+    /// The first of the runs.
+    run: &'a ConvergeRun,
+    simulation: Simulation,
+    /// Seconds that it took to prepare.
+    seconds: f64,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, StudyError> {
+        let settings = config.settings(&run.method)?;
+        let clock = Instant::now();
+        Ok(Self {
+            run,
+            simulation: Simulation::new(std::slice::from_ref(&run.case), &settings)?,
+            seconds: clock.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn serves(&self, run: &ConvergeRun) -> bool {
+        self.run.case_number == run.case_number && self.run.method == run.method
+    }
+
+    fn simulation(&self, run: &ConvergeRun) -> Simulation {
+        self.simulation.repeated(run.effort, run.seed)
+    }
+
+    /// One run of the engine, by its clock; `None` if it was interrupted, since it is no sample then.
+    fn result(
+        &self,
+        number: usize,
+        run: &ConvergeRun,
+        observer: &dyn Observer,
+    ) -> Result<Option<CaseResult>, StudyError> {
+        let outcomes = self.simulation(run).run(&Steps(observer));
+        if observer.stop().is_some() {
+            return Ok(None);
+        }
+        let result = |outcome: Outcome| CaseResult {
+            findings: json!({ "repeat": run.repeat, "machine": { SETUP_SECONDS: self.seconds } }),
+            outcome: Outcome {
+                number,
+                ..outcome.without_details()
+            },
+        };
+        Ok(outcomes?.into_iter().next().map(result))
+    }
+}
+
+/// Passes on steps and the stop; what a run begins and ends is a part of the measurement.
+struct Steps<'a>(&'a dyn Observer);
+
+impl Observer for Steps<'_> {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
+    }
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        self.0.stop()
     }
 }

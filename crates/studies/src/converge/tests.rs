@@ -2,13 +2,14 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_simulate::{Silent, convergence_stream};
+use asperity_simulate::{Observer, Silent, StoppedBy, convergence_stream};
 use rand::RngExt;
 use serde_json::{Value, json};
 
 use super::json::case_summary;
 use super::tables::converge_table;
 use super::*;
+use crate::study::Study;
 
 /// Two cases of two methods and two efforts.
 const SMALL: &str = "
@@ -30,31 +31,26 @@ const SMALL: &str = "
 
 /// Runs of `SMALL` with further keys of `[converge]`.
 struct Measured {
-    config: ConvergeConfig,
-    plan: ConvergePlan,
+    study: ConvergeStudy,
     found: ResultSet<'static>,
 }
 
 impl Measured {
     fn of(text: &str) -> Self {
         let config = ConvergeConfig::from_toml(text).unwrap();
-        let plan = config.plan().unwrap();
-        let mut found = ResultSet::in_memory(config.header());
-        converge(&config, &plan, &mut found, &Silent).unwrap();
-        Self {
-            config,
-            plan,
-            found,
-        }
+        let study = ConvergeStudy::new(config).unwrap();
+        let mut found = ResultSet::in_memory(study.config.header());
+        study.run(&mut found, &Silent).unwrap();
+        Self { study, found }
     }
 
     fn judge(&self) -> ConvergeOutcome<'_> {
-        judge_convergence(&self.config, &self.plan, &self.found).unwrap()
+        self.study.judge(&self.found).unwrap()
     }
 
     /// The summaries of the cases that are complete in `found`.
     fn summaries(&self, found: &ResultSet<'_>) -> Vec<Value> {
-        let outcome = judge_convergence(&self.config, &self.plan, found).unwrap();
+        let outcome = self.study.judge(found).unwrap();
         let cases = outcome.cases.iter();
         cases
             .map(|case| json!(case_summary(&outcome, case)))
@@ -83,7 +79,7 @@ impl Observer for After {
 #[test]
 fn seconds_are_medians_and_errors_at_the_reference_are_marked() {
     let mut measured = Measured::of(SMALL);
-    for (number, run) in measured.plan.runs.iter().enumerate() {
+    for (number, run) in measured.study.plan.runs.iter().enumerate() {
         let mut result = measured.found.case(number).unwrap().clone();
         if let Some(repeat) = run.repeat {
             result.outcome.work.machine.seconds = [4.0, 1.0, 2.0, 8.0][repeat as usize];
@@ -109,7 +105,7 @@ fn merged_shards_say_what_the_whole_says_and_incomplete_cases_are_left_out() {
     assert_eq!(whole.len(), 2);
     let mut stream = convergence_stream(7, "shards", 0);
     for _ in 0..4 {
-        let shard = |_| ResultSet::in_memory(measured.config.header());
+        let shard = |_| ResultSet::in_memory(measured.study.config.header());
         let mut shards: Vec<ResultSet<'_>> = (0..3).map(shard).collect();
         for (number, result) in measured.found.cases() {
             // Some are in two shards.
@@ -124,8 +120,12 @@ fn merged_shards_say_what_the_whole_says_and_incomplete_cases_are_left_out() {
         );
     }
     // All but the last run
-    let mut short = ResultSet::in_memory(measured.config.header());
-    for (number, result) in measured.found.cases().take(measured.plan.runs.len() - 1) {
+    let mut short = ResultSet::in_memory(measured.study.config.header());
+    for (number, result) in measured
+        .found
+        .cases()
+        .take(measured.study.plan.runs.len() - 1)
+    {
         short.add(number, result.clone());
     }
     assert_eq!(measured.summaries(&short), whole[..1]);
@@ -139,12 +139,12 @@ fn an_interrupted_run_is_dropped_and_finished_ones_are_not_traced_again() {
             rays,
             traced: AtomicU64::new(0),
         };
-        let _ = converge(&measured.config, &measured.plan, found, &after);
+        let _ = measured.study.run(found, &after);
         after.traced.into_inner()
     };
-    let mut found = ResultSet::in_memory(measured.config.header());
+    let mut found = ResultSet::in_memory(measured.study.config.header());
     let all = traced(
-        &mut ResultSet::in_memory(measured.config.header()),
+        &mut ResultSet::in_memory(measured.study.config.header()),
         u64::MAX,
     );
     traced(&mut found, all / 3);
