@@ -1,6 +1,6 @@
 //! Explicit geometric-optics simulation of light on random and measured rough surfaces: the library.
 //!
-//! The names that a first program needs are here; each crate of the workspace is a module with all of its names.
+//! The names that a first program needs are here; each crate that programs use is a module with all of its names.
 //!
 //! # Examples
 //! Glass with a root mean square slope of 0.25, lit at 30 degrees:

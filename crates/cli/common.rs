@@ -100,7 +100,7 @@ impl Results {
         })
     }
 
-    /// Variant for a command whose output is a file, which the text names by itself.
+    /// Prints results of a command whose output is a file, which the text names by itself.
     pub(crate) fn print_file<T: Serialize>(
         &self,
         common: &Common,

@@ -6,12 +6,11 @@
 //! is told of progress and may stop the run. A [`Simulation`] resumes from the finished parts that a
 //! [`SurfaceStore`] has kept.
 //!
-//! Folders: `input` (what is simulated, and limits), `bins` (bins that refine around narrow lobes), `methods` (how a case is estimated), `engine` (groups of
-//! cases, surfaces, blocks, rounds, pilot), `errors` (budget, mesh error, refinement), `output`.
+//! Folders: `input` (what is simulated, and limits), `bins` (bins that refine around narrow lobes), `methods` (how a case is estimated), `engine`
+//! (prepare, draw, plan, trace, reduce), `errors` (budget, mesh error, refinement), `output`.
 //!
 //! # Random streams
-//! Every block of rays has its own stream, keyed by (seed, surface, block), and results are reduced in the order
-//! of their number. The same cases and settings give the same bytes, whatever the number of threads.
+//! Random numbers are functions of seed, surface, path and step, and results are reduced in the order of their number. The same cases and settings give the same bytes, whatever the number of threads.
 
 mod bins;
 mod engine;

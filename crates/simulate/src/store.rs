@@ -18,13 +18,13 @@ pub trait SurfaceStore: Sync {
     /// Saves what was found on a surface, in place of what was saved under `key` before.
     fn save(&self, key: SurfaceKey, surface: SurfaceTallies);
 
-    /// Returns `true` if a surface whose rays are not all traced yet should be saved by now. Asked often.
+    /// Returns `true` if a surface whose rays are not all traced yet should be saved by now. Called often.
     fn is_due(&self) -> bool {
         true
     }
 }
 
-/// Which part of a run.
+/// Key of a saved part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct SurfaceKey {
     /// Number of the first traced case of those that share the surface, among the cases of the run.

@@ -1,11 +1,11 @@
-//! Context of a run: who traces it, who follows it, and what keeps its finished parts.
+//! Context of a run: engine, observer and store.
 
 use asperity_tracer::Engine;
 
 use crate::observer::Observer;
 use crate::store::SurfaceStore;
 
-/// Who traces a run, who follows it, and what keeps its finished parts, if anything does.
+/// Engine, observer and, if there is one, store of a run.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(crate) engine: &'a dyn Engine,

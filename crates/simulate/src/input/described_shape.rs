@@ -27,7 +27,7 @@ pub struct DescribedSurface {
     pub spacing: Option<[f64; 2]>,
     /// Border.
     pub border: Border,
-    /// `true` if it has no relief.
+    /// `true` if all heights are equal.
     pub is_level: bool,
     /// Hash of its heights, spline coefficients or corners.
     pub points: String,

@@ -1,4 +1,4 @@
-//! Which estimator turns light paths into results.
+//! Estimator: turns light paths into results.
 
 use std::fmt;
 use std::str::FromStr;

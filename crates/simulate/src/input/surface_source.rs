@@ -105,7 +105,7 @@ impl SurfaceSource {
         }
     }
 
-    /// Returns `true` if surfaces are given and have no relief at all.
+    /// Returns `true` if surfaces are given and all heights are equal.
     #[must_use]
     pub fn is_level(&self) -> bool {
         match self {

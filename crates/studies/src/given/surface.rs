@@ -59,7 +59,7 @@ impl GivenSurfaces {
         names.join(", ")
     }
 
-    /// The lengths that are most doubtful against a wavelength: the shortest of all surfaces.
+    /// Shortest lengths over all surfaces, to compare with the wavelength.
     pub(crate) fn lengths(&self) -> SurfaceLengths {
         let others = self.others.iter().map(GivenSurface::lengths);
         others.fold(self.first.lengths(), SurfaceLengths::shortest)

@@ -24,9 +24,9 @@ use asperity_surface::HeightField;
 pub enum Resolution {
     /// For facets: as [`Synthesis`] requires.
     Facets,
-    /// For a spline through the heights: like [`SplineSynthesis`](crate::SplineSynthesis) requires.
+    /// For a spline through the heights: as [`SplineSynthesis`](crate::SplineSynthesis) requires.
     Splines,
-    /// Not at all, and the tile need not hold them either.
+    /// No requirement; the tile may also be too small.
     Any,
 }
 

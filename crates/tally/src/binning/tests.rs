@@ -173,7 +173,7 @@ fn grids() -> Vec<HemisphereGrid> {
     grids
 }
 
-/// Grids with as many keys as each of the loops of [`SortedKeys::find_all`] takes, and with more.
+/// Grids with few and with many edges per bucket.
 fn large_grids() -> Vec<HemisphereGrid> {
     let steps = |[first, last]: [f64; 2], count: usize| -> Vec<f64> {
         let step = (last - first) / count as f64;

@@ -3,7 +3,7 @@
 //! The variance of a result from `N` surfaces of `n` rays each is `(v_s + v_r / n) / N`, with the
 //! variance `v_s` between surfaces and `v_r` of rays on their surface. It takes the time
 //! `N (c_s + n c_r)`, which is least for a given variance at `n = sqrt(v_r c_s / (v_s c_r))`. A pilot run
-//! gives the variances: records of surfaces scatter by `v_s + v_r / n`, ray blocks within them by `v_r`
+//! gives the variances: tallies of surfaces scatter by `v_s + v_r / n`, ray blocks within them by `v_r`
 //! alone. Strata make rays scatter less than `1 / n` promises, so that plans are rather too long than too
 //! short.
 //!
