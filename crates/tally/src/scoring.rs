@@ -304,18 +304,17 @@ impl<'c> Tally<'c> {
             .slice
             .is_some()
             .then(|| all_light + at.bin(&spec, exit));
-        let bins = [
-            Some(at.target.ring as usize),
-            at.in_plane_entry(&spec, exit),
-            bin,
+        let start = |flux| offsets.measures_at(offsets.bin_position(flux));
+        let starts = [
+            Some(offsets.measures_at(BinOffsets::flux_position(exit.side, group))),
+            Some(start(at.target.ring as usize)),
+            at.in_plane_entry(&spec, exit).map(start),
+            bin.map(start),
         ];
-        let bins = bins.into_iter().flatten();
-        let positions = bins.map(|flux| offsets.bin_position(flux));
-        let positions = positions.chain([BinOffsets::flux_position(exit.side, group)]);
         for (measure, column) in measures.iter().enumerate() {
             let units = self.units(column[i] * exit.flux);
-            for position in positions.clone() {
-                self.add(offsets.measures_at(position) + measure, units);
+            for start in starts.into_iter().flatten() {
+                self.add(start + measure, units);
             }
         }
     }
