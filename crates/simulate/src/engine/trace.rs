@@ -3,5 +3,8 @@
 pub(crate) mod block_run;
 pub(crate) mod blocks;
 pub(crate) mod rounds;
-pub(crate) mod stage_run;
+pub(crate) mod stage;
+mod stage_run;
+mod surface_run;
+pub(crate) mod surfaces;
 mod watch;

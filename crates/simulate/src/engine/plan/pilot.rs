@@ -14,7 +14,7 @@ use asperity_tally::{Entry, TallyValues};
 use asperity_tracer::Work;
 
 use crate::engine::reduce::tallies::CaseTallies;
-use crate::engine::trace::stage_run::{PILOT_BLOCKS, SurfacePlan};
+use crate::engine::trace::stage::{PILOT_BLOCKS, SurfacePlan};
 use crate::errors::convergence::Convergence;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;

@@ -160,7 +160,7 @@ mod tests {
     use asperity_tracer::HalfSpace;
 
     use super::*;
-    use crate::engine::trace::stage_run::SurfacePlan;
+    use crate::engine::trace::stage::SurfacePlan;
     use crate::input::case::{Case, Light};
     use crate::input::estimator::Estimator;
     use crate::input::settings::{Effort, Settings};

@@ -1,0 +1,196 @@
+//! Surface run: draws one surface, or takes a given one, and traces all cases of a stage on it.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity_surface::SlopeMoments;
+
+use super::block_run::run_blocks;
+use super::blocks::Blocks;
+use super::stage::{Part, StageRun};
+use super::surfaces::{Surfaces, have_independent_bottom};
+use crate::engine::context::Context;
+use crate::engine::draw::built_surface::BuiltSurface;
+use crate::engine::draw::drawer::Drawer;
+use crate::engine::prepare::case_run::CaseRun;
+use crate::error::SimulateError;
+use crate::input::estimator::Estimator;
+use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
+use crate::store::SurfaceKey;
+
+/// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
+const FIRST_BOTTOM: u64 = 1 << 50;
+
+/// A surface that was drawn, ready to be traced.
+struct DrawnSurface {
+    built: Arc<BuiltSurface>,
+    slopes: Option<SlopeMoments>,
+    seconds: Seconds,
+}
+
+impl StageRun<'_> {
+    /// Traces the first `count` blocks of rays on the one surface, which go on from those of the rounds `before`. If the run is to stop,
+    /// some of the last are missing. Each round is saved under its own number, since the tallies of a round decide how many blocks the
+    /// next one has.
+    pub(crate) fn run_blocks(
+        &self,
+        count: u64,
+        round: u64,
+        before: Option<SurfaceTallies>,
+        context: Context<'_>,
+    ) -> Result<SurfaceTallies, SimulateError> {
+        let blocks_before = before
+            .as_ref()
+            .map_or(0, |one| one.cases[0].tally.batches());
+        let blocks = Blocks {
+            count,
+            ..self.blocks()
+        };
+        let part = Part {
+            surface: 0,
+            blocks,
+            key: SurfaceKey {
+                number: round,
+                ..self.key(0)
+            },
+            rays_before: blocks_before * blocks.rays_of_one(),
+        };
+        let is_further = |saved: &SurfaceTallies| {
+            let case = &saved.cases[0];
+            case.tally.batches() >= blocks_before && self.is_part(part, case, &self.cases[0])
+        };
+        let saved = self.load(part.key, context).filter(is_further);
+        let drawer = self.drawer()?;
+        self.trace(&drawer, part, &mut Vec::new(), saved.or(before), context)
+    }
+
+    /// Source of the surfaces.
+    pub(super) fn drawer(&self) -> Result<Drawer<'_>, SimulateError> {
+        let refine = self.settings.refine;
+        Ok(match self.surfaces {
+            Surfaces::Random(surfaces) => Drawer::new(surfaces, refine)?,
+            Surfaces::Given(shapes) => Drawer::Given(shapes, refine),
+            Surfaces::Built(built, _) => Drawer::Built(built),
+        })
+    }
+
+    /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
+    /// accelerators.
+    fn build(
+        &self,
+        drawer: &Drawer<'_>,
+        number: u64,
+        memory: &mut Vec<f64>,
+        context: Context<'_>,
+    ) -> Result<DrawnSurface, SimulateError> {
+        if let Drawer::Built(built) = drawer {
+            return Ok(DrawnSurface {
+                built: Arc::clone(built),
+                slopes: None,
+                seconds: Seconds::default(),
+            });
+        }
+        let draw = |number, memory| {
+            context.observer.surface_drawn(number);
+            drawer.draw(self.settings.seed, number, memory)
+        };
+        let mut seconds = Seconds::default();
+        let clock = Instant::now();
+        let top = draw(number, std::mem::take(memory))?;
+        let bottom = have_independent_bottom(self.cases)
+            .then(|| draw(FIRST_BOTTOM + number, Vec::new()))
+            .transpose()?;
+        // Plain results are left as they are counted.
+        let is_plain = self.settings.estimator == Estimator::Plain;
+        let slopes = match self.surfaces {
+            Surfaces::Random(_) if !is_plain => top.slope_moments(),
+            _ => None,
+        };
+        seconds.generate = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let meshes = top.over(bottom);
+        let built = BuiltSurface::build(meshes, self.settings.accelerator, context.engine)?;
+        seconds.build = clock.elapsed().as_secs_f64();
+        Ok(DrawnSurface {
+            built: Arc::new(built),
+            slopes,
+            seconds,
+        })
+    }
+
+    /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `left`, and saves their tallies, also
+    /// before they are complete if the store is due.
+    pub(super) fn trace(
+        &self,
+        drawer: &Drawer<'_>,
+        part: Part,
+        memory: &mut Vec<f64>,
+        left: Option<SurfaceTallies>,
+        context: Context<'_>,
+    ) -> Result<SurfaceTallies, SimulateError> {
+        let DrawnSurface {
+            built,
+            slopes,
+            seconds,
+        } = self.build(drawer, part.surface, memory, context)?;
+        let clock = Instant::now();
+        let seconds_before = left.as_ref().map_or(0.0, |left| left.seconds.trace);
+        let mut left = left.into_iter().flat_map(|left| left.cases);
+        let meshes = built.shapes().count();
+        let first_blocks = |run: &CaseRun| {
+            let spec = self.settings.spec_of(&run.case);
+            let left = left.next().filter(|left| self.is_part(part, left, run));
+            left.unwrap_or_else(|| CaseOnSurface::new(run.strategy(), spec, meshes))
+        };
+        let mut found = SurfaceTallies {
+            cases: self.cases.iter().map(first_blocks).collect(),
+            slopes,
+            seconds,
+            used: built.used(),
+        };
+        for (i, run) in self.cases.iter().enumerate() {
+            let mut lit = built.lit(run, &self.settings)?;
+            let resumed = found.cases[i].work.rays - part.rays_before;
+            context.observer.advance(resumed);
+            for (window, place) in (0..).zip(self.surfaces.windows(part.surface)) {
+                lit.iter_mut().for_each(|mesh| mesh.light.window = place);
+                let first = window * part.blocks.count;
+                let done = found.cases[i].tally.batches().saturating_sub(first);
+                let blocks = Blocks {
+                    first,
+                    ..part.blocks
+                };
+                run_blocks(
+                    &lit,
+                    &self.settings,
+                    self.surfaces.stream(part.surface),
+                    blocks.after(done.min(blocks.count)),
+                    context.observer,
+                    |group| {
+                        let case = &mut found.cases[i];
+                        // Blocks behind one that a stop left out are of no use to a later run.
+                        if group.first != case.tally.batches() {
+                            return;
+                        }
+                        case.push(&group.blocks, group.work);
+                        if context.store.is_some_and(|store| store.is_due()) {
+                            found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
+                            save(part.key, &found, context);
+                        }
+                    },
+                );
+            }
+        }
+        found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
+        save(part.key, &found, context);
+        *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);
+        Ok(found)
+    }
+}
+
+fn save(key: SurfaceKey, found: &SurfaceTallies, context: Context<'_>) {
+    if let Some(store) = context.store {
+        store.save(key, found.clone());
+    }
+}
