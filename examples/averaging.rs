@@ -1,4 +1,4 @@
-//! What it costs to average s and p at every facet, as most scattering models and ray tracers do: reflected light with its
+//! Cost of averaging s and p at every facet, as most scattering models and ray tracers do: reflected light with its
 //! polarisation tracked, less the same averaged, over smoothness, material and angle.
 //!
 //! Both are traced on the same paths, so that the difference has a small error of its own. It prints a Markdown table, in

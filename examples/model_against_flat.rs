@@ -1,4 +1,4 @@
-//! How a model approaches Fresnel's equations as the surface becomes smooth.
+//! Approach of a model to Fresnel's equations as the surface becomes smooth.
 //!
 //! ```text
 //! cargo run --release --example model_against_flat

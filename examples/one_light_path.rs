@@ -1,6 +1,6 @@
 //! Follows one light path from interaction to interaction with the reference integrator.
 //!
-//! The same random numbers are used again with one more interaction allowed each time, so each line is the same path
+//! Each line uses the random numbers again with one more interaction allowed each time, so each line is the same path
 //! one step further.
 //!
 //! ```text

@@ -54,7 +54,7 @@ fn trace<G: BuildAccelerator>(
         .0)
 }
 
-/// What is compared of one surface: R, T1, T2, then the rings of both sides.
+/// Compared figures of one surface: R, T1, T2, then the rings of both sides.
 fn find(cells: Cells, case: Case, number: u64) -> Result<Vec<f64>, Box<dyn Error>> {
     let psd = Psd::gaussian(1.0 / case.0, 1.0)?;
     let (Cells::Facets(per_tau) | Cells::Smooth(per_tau)) = cells;

@@ -163,7 +163,7 @@ fn tables() -> Result<Vec<(&'static str, SurfaceRecipe)>, Box<dyn Error>> {
     ])
 }
 
-/// What has the spectrum and the distribution of heights of a file, its samples one length unit apart.
+/// Recipe with the spectrum and the distribution of heights of a file, its samples one length unit apart.
 fn like(file: &Path) -> Result<SurfaceRecipe, Box<dyn Error>> {
     let field = read_height_map(file)?.into_height_field(MissingPolicy::Fill, Border::Open)?;
     let scale = field.spacing()[0].recip();

@@ -15,7 +15,7 @@ const PAPER: &str = "attenuation --tau 0.5 --length 12.8 --spacing 0.05";
 /// Small surfaces, whose sigma is to be given.
 const SMALLEST: &str = "attenuation --tau 4 --spacing 1 --size 32";
 
-/// The same, given.
+/// A small run, as flags.
 pub(crate) const SMALL: &str =
     "attenuation --tau 4 --spacing 1 --size 32 --sigma 1.5 --realisations 3";
 
@@ -39,7 +39,7 @@ fn mean(row: &Value, key: &str) -> f64 {
     estimate(row, key)[0]
 }
 
-/// How many errors a measured value lies from `expected`.
+/// Distance of a measured value from `expected`, in standard errors.
 fn z(row: &Value, key: &str, expected: f64) -> f64 {
     let [mean, se] = estimate(row, key);
     let z = (mean - expected) / se;
@@ -101,7 +101,7 @@ fn explicit_surfaces_are_lit_as_theory_has_it_within_its_bias() {
     assert!((whole - 1.0).abs() < 1e-12);
 }
 
-/// The same waves with smooth cells of a quarter of the correlation length and with facets of a twentieth, whose slope variance
+/// Equal waves with smooth cells of a quarter of the correlation length and with facets of a twentieth, whose slope variance
 /// is 0.12 % lower, which moves fractions by less than 0.001. On smooth cells too light sees the area of the mean plane.
 #[test]
 fn smooth_cells_are_lit_as_fine_facets_are() {

@@ -15,7 +15,7 @@ use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
 
-/// What is done for each case.
+/// Effort of each case.
 #[derive(Clone, Copy)]
 struct Effort {
     surfaces: u64,
@@ -62,7 +62,7 @@ fn squared_error(estimate: Estimate) -> f64 {
 struct Scores(Vec<f64>);
 
 impl Scores {
-    /// Of the `entries` that more than a few rays reach: those are far from normally distributed. What must
+    /// Scores of the `entries` that more than a few rays reach: those are far from normally distributed. What must
     /// be the same, as all that a mirror reflects, differs by rounding alone.
     fn new(entries: &[Entry], plain: &TallyStatistics, controlled: &TallyStatistics) -> Self {
         let score = |&i: &Entry| {
@@ -164,7 +164,7 @@ fn estimators_agree_for_grooves_metals_and_mirrors() {
     }
 }
 
-/// Of a given surface the mean of the control variate is the sum over its facets. The numbers of one surface are
+/// The mean of the control variate of a given surface is the sum over its facets. The numbers of one surface are
 /// few and go together, so that only the largest deviation says something.
 #[test]
 fn estimators_agree_on_a_given_surface() {

@@ -1,4 +1,4 @@
-//! What results say of means that do not scatter: exact where that is proven, a limit where no ray told otherwise.
+//! Means that do not scatter: exact where that is proven, a limit where no ray told otherwise.
 
 use std::fs;
 

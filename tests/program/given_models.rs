@@ -88,7 +88,7 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
     assert!(!alone.contains("\"comparison\"") && !alone.contains("\"compare\""));
 }
 
-/// The same command goes on after a stop, whichever of both passes it came in.
+/// A repeated command goes on after a stop, whichever of both passes it came in.
 #[test]
 fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     let folder = tempfile::tempdir().unwrap();

@@ -142,7 +142,7 @@ fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
     }
 }
 
-/// What `verify` finds for the case of one direction is what stands in its file.
+/// The file of one direction holds the results of `verify` for its case.
 #[test]
 fn a_direction_has_the_results_of_verify() {
     let folder = with_config();
@@ -367,7 +367,7 @@ fn a_bare_medium_is_even_across_the_plane_of_incidence() {
     }
 }
 
-/// What `translucent_matrix.toml` says of its surface: 11 maxima along a line of 512 samples, by Rice's formula
+/// Figures of `translucent_matrix.toml`: 11 maxima along a line of 512 samples, by Rice's formula
 /// sqrt(m4 / m2) / (2 pi) = sqrt(6) / (2 pi tau), and some 6.9 sigma from the lowest to the highest point.
 #[test]
 fn bumps_are_as_many_and_as_high_as_the_example_says() {

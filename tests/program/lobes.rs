@@ -116,7 +116,7 @@ fn models_are_compared_over_bins_that_follow_the_light() {
     );
 }
 
-/// Of several directions each has edges of its own; arrays are padded, and a measurement resumes to the same bytes.
+/// Each of several directions has edges of its own; arrays are padded, and a measurement resumes to the same bytes.
 #[test]
 fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
     let folder = with_smooth_surface();

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::{json, refused, succeed, unwrapped, words};
 
-/// What `inspect` tells of the surface that `generate` writes with these flags.
+/// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
     let line = format!("generate {flags} --size 128 --json -o a.exr");
     let written = json(&succeed(folder, &words(&line)));

@@ -116,7 +116,7 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
     }
 }
 
-/// What the pilot run chooses is told, and gives the same bytes when it is named.
+/// The choice of the pilot run is printed, and gives the same bytes when it is named.
 #[test]
 fn a_long_run_chooses_its_branches_and_says_so() {
     let keep = tempfile::tempdir().unwrap();
@@ -243,7 +243,7 @@ fn endless_runs_end_when_their_time_is_over() {
     }
 }
 
-/// What a run says that its time limit ended.
+/// Sentence of a run that its time limit ended.
 const TIME_IS_OVER: &str =
     "the time is over; the results so far are written, and the same command resumes";
 

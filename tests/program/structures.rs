@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::support::{json, refused, succeed, unwrapped, words};
 
-/// What `inspect` tells of the surface that `generate` writes with these flags.
+/// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
     let line = format!("generate {flags} --size 128 --json -o a.exr");
     let written = json(&succeed(folder, &words(&line)));
@@ -60,7 +60,7 @@ fn settings_of_structures_are_drawn_and_read_back() {
     assert!(heights(&format!("{pyramids} 0.5")) != heights(&format!("{pyramids} 0.1")));
 }
 
-/// What has no number is left out or said, and never infinite.
+/// Statistics without a number are left out or said, and never infinite.
 #[test]
 fn statistics_without_a_number_are_left_out() {
     let folder = tempfile::tempdir().unwrap();

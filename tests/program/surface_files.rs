@@ -148,7 +148,7 @@ fn matrix(n: i32, height: impl Fn(f64, f64) -> f64) -> String {
     (0..n).map(row).collect()
 }
 
-/// What is assumed, filled and removed of the map that surfaces are to be like, and how much it can tell.
+/// Notes on the map that surfaces are to be like: unit assumed, points filled, form removed, and its limits.
 #[test]
 fn what_is_made_of_a_source_is_said() {
     let folder = tempfile::tempdir().unwrap();

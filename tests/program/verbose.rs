@@ -1,4 +1,4 @@
-//! What `--verbose` says on standard error.
+//! Messages of `--verbose` on standard error.
 
 use crate::support::{asperity, errors_of, with_surface, words};
 

@@ -1,4 +1,4 @@
-//! What is printed on a pipe fits 80 columns.
+//! Output on a pipe fits 80 columns.
 
 use std::path::Path;
 

@@ -412,7 +412,7 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_one()
     assert!(one.picture.error.iter().all(|error| error.is_nan()));
 }
 
-/// Of a sun over a medium, pictures show what straight paths to the eye find by chance. Roughness, tiles that
+/// Pictures of a sun over a medium show what straight paths to the eye find by chance. Roughness, tiles that
 /// are longer than wide with unequal spacings, and a patch that is smaller than the tile make places matter.
 #[test]
 fn light_beams_agree_with_random_paths_under_a_sun() {

@@ -11,7 +11,7 @@ pub fn slopes(recipe: &SurfaceRecipe) -> Result<SlopeCovariance, SlopeError> {
     of_covariance(recipe.slope_covariance(), recipe.is_isotropic())
 }
 
-/// Of `[xx, xy, yy]`; of isotropic surfaces the same along all axes, which rounding would tell apart.
+/// Makes the covariance of `[xx, xy, yy]`, equal along all axes for isotropic surfaces, where rounding would differ.
 pub(crate) fn of_covariance(
     [xx, xy, yy]: [f64; 3],
     isotropic: bool,

@@ -42,7 +42,7 @@ pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult
 
 /// Follows light that comes from above, one path at a time.
 ///
-/// Of the settings it takes the roulette threshold, the highest order, and whether polarisation is averaged; it always picks
+/// It takes from the settings the roulette threshold, the highest order, and the averaging of polarisation; it always picks
 /// one branch.
 pub struct PathIntegrator<'a, G: Geometry> {
     geometry: &'a G,

@@ -370,7 +370,7 @@ mod tests {
         squares.sum::<f64>() / batches as f64
     }
 
-    /// Of `n` starts: `u + v + azimuth` has the variance `3 / 12 / n` if they are random. In strata of
+    /// The mean of `u + v + azimuth` over `n` starts has the variance `3 / 12 / n` if they are random. In strata of
     /// width `w = n^(-1/2)`, a position varies by `w^2 / 12`, so `(2 / n + 1) / 12 / n`. Quasi-random ones
     /// have each coordinate in `n` strata, and their digits are scrambled apart: `3 / 12 / n^3`. The mean
     /// of `b` squares of a near to normal number scatters by `sqrt(2 / b)`, here 3.2 %; 4 of these.

@@ -121,7 +121,7 @@ pub fn visible_fractions(
 
 /// Fluxes into the rings of both sides.
 struct RingFluxes {
-    /// Of unshadowed single scattering.
+    /// Unshadowed single scattering.
     all: [Vec<f64>; 2],
     /// With masking; zero where the other is below [`MIN_FLUX`].
     masked: [Vec<f64>; 2],

@@ -21,7 +21,7 @@ pub(crate) struct LambdaCurve {
 }
 
 impl LambdaCurve {
-    /// Of components by the factor of their variance, and their weight.
+    /// Curve of components by the factor of their variance, and their weight.
     pub(crate) fn new(factors: &[[f64; 2]]) -> Self {
         let deviations = factors.iter().map(|[factor, _]| factor.sqrt());
         let (least, most) = deviations.fold((f64::INFINITY, 0.0_f64), |(least, most), d| {

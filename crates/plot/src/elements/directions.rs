@@ -7,7 +7,7 @@ use super::curve::{Curve, Style};
 pub(crate) struct Directions {
     /// Towards the light.
     pub(crate) light_deg: Option<f64>,
-    /// Of the light that a flat surface sends, and what that is called.
+    /// Direction of the light that a flat surface sends, and its name.
     pub(crate) flat_deg: Option<f64>,
     pub(crate) flat_name: &'static str,
 }

@@ -272,7 +272,7 @@ mod tests {
         assert_eq!(first_to_reach(&mut [], 0.5), None);
     }
 
-    /// Of what is correlated, facets without a slope across deviate less: the deviation is that of the section through zero.
+    /// Facets without a slope across deviate less where slopes are correlated: the deviation is that of the section through zero.
     #[test]
     fn correlated_slopes_have_the_width_of_their_section() {
         let slopes = CoreSlopes([1.0, 0.6, 1.0]);

@@ -57,7 +57,7 @@ struct KeptErrors {
     /// Squares, where there were several surfaces.
     surfaces: Option<TallyValues>,
     mesh: MeshErrors,
-    /// Of an analytic result.
+    /// Bounds of an analytic result.
     bounds: Option<TallyValues>,
 }
 

@@ -24,7 +24,7 @@ pub(crate) enum Convergence {
 }
 
 impl Convergence {
-    /// Of these random surfaces, the coarser of two with `scale` times their spacing.
+    /// Convergence on these random surfaces, the coarser of two with `scale` times their spacing.
     pub(crate) fn of_random(surfaces: &RandomSurfaces, scale: f64) -> Self {
         match (surfaces.cells(), surfaces.recipe().curvature()) {
             (Cells::Smooth, Some(_)) => Self::Fourth,
@@ -37,7 +37,7 @@ impl Convergence {
         }
     }
 
-    /// Of the facets of a height field, the coarser of two meshes.
+    /// Convergence of the facets of a height field, the coarser of two meshes.
     pub(crate) fn of_field(field: &HeightField) -> Self {
         let [dx, dy] = field.spacing();
         let [ny, nx] = field.shape();
@@ -56,7 +56,7 @@ impl Convergence {
         Self::of_facets(along_x.max(along_y))
     }
 
-    /// Of facets that turn by `turn`, root mean square slope, from one sample to the next.
+    /// Convergence of facets that turn by `turn`, root mean square slope, from one sample to the next.
     fn of_facets(turn: f64) -> Self {
         if turn <= LARGEST_TURN {
             Self::Second

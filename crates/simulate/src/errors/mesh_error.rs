@@ -83,7 +83,7 @@ impl MeshErrors {
         }
     }
 
-    /// Of given surfaces, and what their refinement showed, if they were refined.
+    /// Mesh error of given surfaces, and what their refinement showed, if they were refined.
     pub(crate) fn of_given(
         shapes: &[Shape],
         spec: TallySpec,
@@ -107,7 +107,7 @@ impl MeshErrors {
         }
     }
 
-    /// Of random surfaces of smooth cells, estimated by `method`: what their refinement showed, if they were refined, or
+    /// Mesh error of random surfaces of smooth cells, estimated by `method`: what their refinement showed, if they were refined, or
     /// else what the pilot run found, if there was one, in words.
     pub(crate) fn of_random_smooth(
         method: &Method,
@@ -125,7 +125,7 @@ impl MeshErrors {
         errors
     }
 
-    /// Of random surfaces whose slopes are not Gaussian: what their refinement showed, if they were refined, or else what
+    /// Mesh error of random surfaces whose slopes are not Gaussian: what their refinement showed, if they were refined, or else what
     /// the pilot run found, if there was one, in words.
     pub(crate) fn of_random_fields(
         method: &Method,
@@ -143,7 +143,7 @@ impl MeshErrors {
         errors
     }
 
-    /// Of one surface that was refined.
+    /// Mesh error of one surface that was refined.
     fn of_refined(refinement: Refinement) -> Self {
         Self {
             remaining: measured(&refinement),
@@ -153,7 +153,7 @@ impl MeshErrors {
         }
     }
 
-    /// Of a case whose surfaces `synthesis` draws, of flat cells; what the pilot run found, if there was one, in words.
+    /// Mesh error of a case whose surfaces `synthesis` draws, of flat cells; what the pilot run found, if there was one, in words.
     pub(crate) fn of_random(
         case: &Case,
         synthesis: &Synthesis,

@@ -71,7 +71,7 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// Of a given mesh of that spacing.
+    /// Refinement of a given mesh of that spacing.
     pub(crate) const fn new(given: [f64; 2], convergence: Convergence, shifts: MeshShifts) -> Self {
         Self {
             given,

@@ -18,7 +18,7 @@ fn smooth(smoothness: f64) -> Rough {
     Rough::smooth(smoothness, 8.0, 64)
 }
 
-/// Of 64 surfaces with two blocks each the ray error is known to 9 %, so their ratio to 13 %. The part between surfaces is
+/// From 64 surfaces with two blocks each the ray error is known to 9 %, so their ratio to 13 %. The part between surfaces is
 /// what is left of the variance of means over surfaces, which scatters by sqrt(2 / 63) of itself; three of these.
 /// Random rays: the errors of stratified ones fall faster.
 #[test]

@@ -18,7 +18,7 @@ struct Bounds {
 }
 
 impl Bounds {
-    /// Of no point at all.
+    /// Bounds of no point at all.
     const NONE: Self = Self {
         low: f64::INFINITY,
         high: f64::NEG_INFINITY,

@@ -241,7 +241,7 @@ fn places_beyond_the_tile_have_the_height_of_the_nearest_within() {
     assert_eq!(surface.height(x + 9.0, y + 1e300), surface.height(x, y));
 }
 
-/// Of a wave that is highest and lowest at a third of a cell, the extreme Bezier points are `(k d)^2 / 18`
+/// The extreme Bezier points of a wave that is highest and lowest at a third of a cell are `(k d)^2 / 18`
 /// beyond it, to corrections of `(k d)^2`.
 #[test]
 fn range_holds_all_heights_and_is_close_to_them() {

@@ -172,7 +172,7 @@ impl FieldSynthesis {
     /// The distribution of the slopes at a point of the continuous surfaces that waves on this grid make; `None` of structured ones,
     /// of which it is not known.
     ///
-    /// Of GGX slopes it includes what the amplitude's own slope adds.
+    /// For GGX slopes it includes what the amplitude's own slope adds.
     #[must_use]
     pub fn slope_mixture(&self) -> Option<SlopeMixture> {
         match &self.drawer {

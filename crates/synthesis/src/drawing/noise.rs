@@ -182,7 +182,7 @@ mod tests {
         assert!((largest - 16.0 * std::f32::consts::LN_2).abs() < 1e-5);
     }
 
-    /// Of `n` numbers, moments scatter by the square root of their variance over `n`: for a normal
+    /// Moments of `n` numbers scatter by the square root of their variance over `n`: for a normal
     /// number in units of its deviation, 1, 2, 15 and 96 for the powers 1 to 4; 1 for a product of
     /// two. The fractions beyond 1, 2, 3 and 4 deviations are `erfc(t / sqrt 2)`. Each of 13 passes
     /// |z| < 4 with probability 1 - 6e-5.

@@ -120,7 +120,7 @@ struct HalfTurn {
 }
 
 impl HalfTurn {
-    /// Of wave `i` of `n`.
+    /// Angle of wave `i` of `n`.
     fn of(i: usize, n: usize) -> Self {
         let angle = PI * i as f64 / n as f64;
         let (sin, cos) = angle.sin_cos();

@@ -49,7 +49,7 @@ use crate::{Provenance, Psd, SurfaceRecipe};
 /// ```
 #[derive(Clone)]
 pub struct Synthesis {
-    /// Of Gaussian surfaces.
+    /// Recipe of Gaussian surfaces.
     pub(super) recipe: SurfaceRecipe,
     pub(super) psd: Psd,
     pub(super) shape: [usize; 2],
@@ -205,7 +205,7 @@ impl Synthesis {
     /// enough, such as the [`HeightField::into_heights`] of an earlier surface. Its contents do not
     /// matter.
     ///
-    /// Of a surface larger than some megabytes, the system provides and clears each page again, which
+    /// The system provides and clears each page of a surface larger than some megabytes again, which
     /// may dominate the time.
     ///
     /// # Errors

@@ -41,7 +41,8 @@ pub struct Expectation {
 }
 
 impl RealisedStructure {
-    /// Of a `field` with this height from the lowest to the highest point and this mean square slope; `None` of other surfaces.
+    /// Figures of a `field` of a structure with this height from the lowest to the highest point and this mean square slope; `None` for other
+    /// surfaces.
     pub(super) fn of(field: &HeightField, height: f64, square_slope: f64) -> Option<Self> {
         let surface = Provenance::of(field.provenance())?.recipe.structured()?;
         let structure = *surface.structure();

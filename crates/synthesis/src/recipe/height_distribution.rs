@@ -10,7 +10,7 @@ use super::johnson::Johnson;
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum HeightDistribution {
-    /// Of Johnson's system, by skewness and kurtosis.
+    /// A member of Johnson's system, by skewness and kurtosis.
     Johnson(Johnson),
     /// A measured one.
     Table(HeightTable),

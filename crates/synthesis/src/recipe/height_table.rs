@@ -58,7 +58,7 @@ pub enum HeightTableError {
 }
 
 impl HeightTable {
-    /// Of heights, ascending, and the cumulative probability of each: the fraction that is lower. Linear between them.
+    /// Table of heights, ascending, and the cumulative probability of each: the fraction that is lower. Linear between them.
     ///
     /// # Errors
     /// [`HeightTableError`] if either does not ascend, or is out of range.
@@ -81,7 +81,7 @@ impl HeightTable {
         Self::of_quantiles(|p| interpolated(probabilities, heights, p))
     }
 
-    /// Of heights, ascending, and the density at each, on any scale. Linear between them, zero beyond.
+    /// Table of heights, ascending, and the density at each, on any scale. Linear between them, zero beyond.
     ///
     /// # Errors
     /// [`HeightTableError`] if heights do not ascend, or a density is negative.

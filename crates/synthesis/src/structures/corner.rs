@@ -66,7 +66,7 @@ pub(super) struct VGroove {
 }
 
 impl VGroove {
-    /// Of the sharp groove's `depth` and `width` between its rims; rims and bottom are rounded by `edge_radius`.
+    /// Corner of the sharp groove's `depth` and `width` between its rims; rims and bottom are rounded by `edge_radius`.
     pub(super) fn new(depth: f64, width: f64, edge_radius: f64) -> Self {
         let half_width = 0.5 * width;
         let slope = depth / half_width;

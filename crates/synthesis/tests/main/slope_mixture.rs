@@ -23,7 +23,7 @@ fn exceedance(mixture: &SlopeMixture, t: f64) -> f64 {
     fraction.sum()
 }
 
-/// Of lognormal heights `exp(z / delta)` the slope variance of a place is that of the waves times `exp(2 z / delta)`: the rule must
+/// The slope variance at a place of lognormal heights `exp(z / delta)` is that of the waves times `exp(2 z / delta)`: the rule must
 /// reproduce its moments of all orders, `exp(2 n^2 / delta^2)`.
 #[test]
 fn lognormal_heights_have_lognormal_slope_variances() {

@@ -15,7 +15,7 @@ pub(super) struct Amplitudes {
 }
 
 impl Amplitudes {
-    /// Of light that meets an interface at `cos_theta_i` in `[0, 1]`, from the medium that the indices of `material` are
+    /// Amplitudes of light that meets an interface at `cos_theta_i` in `[0, 1]`, from the medium that the indices of `material` are
     /// relative to.
     pub(super) fn of(material: Material, cos_theta_i: f64) -> Self {
         match material {

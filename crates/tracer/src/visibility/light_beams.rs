@@ -55,7 +55,7 @@ pub(crate) struct Beam<F> {
 #[derive(Clone, Copy)]
 struct Node {
     place: Bounds,
-    /// Of directions, in tile coordinates.
+    /// Bounds of directions, in tile coordinates.
     direction: Bounds,
 }
 

@@ -29,7 +29,7 @@ fn surface(structure: Structure, n: usize) -> Surface {
 /// opposite flank. Between 30 and 45 degrees it meets that flank if it fell within the fraction `4 sin^2 a - 1` of the first flank next to
 /// the bottom, and leaves at `180 - 4 a` degrees to the side of the first.
 ///
-/// Of 256 strata along y the two at the ends of that fraction are undecided, in 256 columns each: a standard deviation of
+/// Two of the 256 strata along y, at the ends of that fraction, are undecided, in 256 columns each: a standard deviation of
 /// `sqrt(2 * 256 / 4) / 256^2 = 1.7e-4`.
 #[test]
 fn light_on_v_grooves_of_mirrors_leaves_as_geometry_says() {

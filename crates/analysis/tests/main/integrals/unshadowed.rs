@@ -477,7 +477,7 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     assert!((0.5..1.0).contains(&(sum + absorbed)), "{sum} {absorbed}");
 }
 
-/// Of a mixture each entry is the sum over components of their fluxes, times one fraction, which lies between those of components.
+/// Each entry of a mixture is the sum over components of their fluxes, times one fraction, which lies between those of components.
 #[test]
 fn the_control_variate_of_a_mixture_is_the_sum_over_its_components() {
     let spec = spec(9, 12);

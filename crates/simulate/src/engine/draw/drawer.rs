@@ -27,7 +27,7 @@ pub(crate) enum Drawer<'a> {
 }
 
 impl<'a> Drawer<'a> {
-    /// Of random surfaces that are refined or not.
+    /// Returns the drawer of random surfaces, refined or not.
     pub(crate) fn new(given: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
         if !refine || given.cells() == Cells::Flat {
             return Ok(Self::Random(given, refine));

@@ -89,7 +89,7 @@ mod tests {
         cost_times_variance(strategies, target, 1 << 40)
     }
 
-    /// Of `(v_s + v_r / n) (c_s + n c_r)` at its least, `(sqrt(v_s c_s) + sqrt(v_r c_r))^2`.
+    /// The least `(v_s + v_r / n) (c_s + n c_r)` is `(sqrt(v_s c_s) + sqrt(v_r c_r))^2`.
     #[test]
     fn strategies_are_judged_by_variance_and_cost_at_the_best_mix() {
         let v_s = 1e-4;

@@ -325,7 +325,7 @@ pub(crate) mod tests {
         assert!(time(n) < time(1.2 * n) && time(n) < time(n / 1.2), "{n}");
     }
 
-    /// Of `k` independent entries of equal variance the relative error is `sqrt(2 / ((n - 1) k))`.
+    /// The relative error from `k` independent entries of equal variance is `sqrt(2 / ((n - 1) k))`.
     #[test]
     fn the_error_of_the_scatter_falls_with_the_number_of_independent_entries() {
         let spec = TallySpec::default();

@@ -23,7 +23,7 @@ pub(crate) struct PilotSurfaces {
 }
 
 impl PilotSurfaces {
-    /// Of surfaces of a given spacing. Facets are compared at that and at twice that, which need not resolve the
+    /// Returns the pilot surfaces for a given spacing. Facets are compared at that and at twice that, which need not resolve the
     /// surfaces, and chosen from half to twice the given spacing; smooth cells from two to four thirds of it, so from 6 to
     /// 3 per correlation length where 4 are given, between which they are compared.
     pub(crate) fn new(given: &RandomSurfaces) -> Self {

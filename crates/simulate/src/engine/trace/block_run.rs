@@ -29,14 +29,14 @@ const MIN_BLOCKS: u64 = 2;
 pub(crate) struct FinishedGroup {
     /// Number of the first block.
     pub(crate) first: u64,
-    /// Of each block, a tally of each mesh.
+    /// Tallies by block and mesh.
     pub(crate) blocks: Vec<Vec<TallyValues>>,
     pub(crate) work: Work,
 }
 
 /// Traces the blocks of one surface in parallel and hands each group to `each`, in the order of their number.
 ///
-/// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
+/// Each block is traced on all meshes of the surface with the same random numbers,
 /// and has a tally of each; the work counted is that of the first.
 ///
 /// If the run is to stop, the groups that are under way are finished, and the first blocks in any case.
@@ -249,7 +249,7 @@ mod tests {
         }
     }
 
-    /// Of the default tally 8 blocks are traced together, and ask once.
+    /// With the default tally 8 blocks are traced together, and ask once.
     #[test]
     fn a_stopped_run_finishes_the_groups_that_it_has_begun() {
         let values = Settings::default().tally.len();

@@ -195,13 +195,13 @@ impl Scatter {
 #[derive(Clone)]
 struct Sums {
     count: f64,
-    /// Of controls.
+    /// Sums of controls.
     values: Vec<f64>,
-    /// Of their products, row by row.
+    /// Sums of their products, row by row.
     products: Vec<Vec<f64>>,
-    /// Of fluxes.
+    /// Sums of fluxes.
     fluxes: TallyValues,
-    /// Of the products of each control with the fluxes.
+    /// Sums of the products of each control with the fluxes.
     mixed: Vec<TallyValues>,
 }
 

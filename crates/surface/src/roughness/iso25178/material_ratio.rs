@@ -9,7 +9,7 @@ const CENTRAL: f64 = 0.4;
 
 /// The curve of height over material ratio, from 0 at the highest peak to 1 at the lowest valley.
 ///
-/// Of `n` samples in descending order, sample `i` stands at the ratio `(i + 1/2) / n`. The curve is linear between samples and
+/// Sample `i` of `n` in descending order stands at the ratio `(i + 1/2) / n`. The curve is linear between samples and
 /// constant beyond the first and the last.
 pub(super) struct MaterialRatioCurve {
     heights: Vec<f64>,

@@ -22,7 +22,7 @@ const PER_UNIT: f64 = 64.0;
 const CHUNK: usize = 1 << 14;
 
 impl Curve {
-    /// Of a function that gives values alone; slopes are differences of neighbouring nodes of fourth order.
+    /// Curve of a function that gives values alone; slopes are differences of neighbouring nodes of fourth order.
     pub(super) fn of(function: impl Fn(f64) -> f64) -> Self {
         let count = (2.0 * RANGE * PER_UNIT) as i64;
         let at = |i: i64| function(i as f64 / PER_UNIT - RANGE);

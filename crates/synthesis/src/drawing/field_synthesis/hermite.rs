@@ -17,7 +17,7 @@ pub(super) struct HermiteSeries {
 }
 
 impl HermiteSeries {
-    /// Of a function, by the trapezium rule.
+    /// Series of a function, by the trapezium rule.
     pub(super) fn of(function: impl Fn(f64) -> f64) -> Self {
         let mut sums = [0.0; TERMS];
         let mut total = 0.0;
@@ -93,7 +93,7 @@ impl HermiteSeries {
 mod tests {
     use super::*;
 
-    /// Of the lognormal distribution with `w = exp(1 / delta^2)` the correlation is `(w^rho - 1) / (w - 1)`.
+    /// The correlation of the lognormal distribution with `w = exp(1 / delta^2)` is `(w^rho - 1) / (w - 1)`.
     #[test]
     fn lognormal_correlations_are_closed() {
         let delta: f64 = 2.0;

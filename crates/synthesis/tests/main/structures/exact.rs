@@ -174,7 +174,7 @@ fn triangles_of_touching_pyramids_have_the_angle_of_facets() {
     }
 }
 
-/// Of a tile that no hexagonal lattice fits exactly, rows move by the least that whole numbers take.
+/// Rows of a tile that no hexagonal lattice fits exactly move by the least that whole numbers take.
 #[test]
 fn hexagonal_lattices_are_adjusted_and_reported() {
     let touching = std::f64::consts::PI / (2.0 * 3_f64.sqrt());
