@@ -121,6 +121,52 @@ fn modules_form_no_import_cycles() {
     );
 }
 
+/// Folders and files of the tallies, each with those that it may use.
+const TALLY: [(&str, &[&str]); 7] = [
+    ("side", &[]),
+    ("exit", &["side"]),
+    ("spec", &["exit", "side"]),
+    ("values", &["exit", "side", "spec"]),
+    ("binning", &["exit", "side", "spec"]),
+    ("scoring", &["binning", "exit", "side", "spec", "values"]),
+    ("statistics", &["scoring", "side", "spec", "values"]),
+];
+
+#[test]
+fn folders_of_the_tallies_use_only_what_lies_below_them() {
+    assert_layers("tally", &TALLY);
+}
+
+/// Folders of height fields, each with those that it may use.
+const SURFACE: [(&str, &[&str]); 6] = [
+    ("numbers", &[]),
+    ("height_field", &["numbers"]),
+    ("spline", &["height_field"]),
+    ("slopes", &["height_field", "spline"]),
+    ("editing", &["height_field", "numbers"]),
+    ("roughness", &["editing", "height_field"]),
+];
+
+#[test]
+fn folders_of_height_fields_use_only_what_lies_below_them() {
+    assert_layers("surface", &SURFACE);
+}
+
+/// Folders of random surfaces, each with those that it may use.
+const SYNTHESIS: [(&str, &[&str]); 6] = [
+    ("spectra", &[]),
+    ("structures", &[]),
+    ("recipe", &["spectra", "structures"]),
+    ("drawing", &["recipe", "spectra", "structures"]),
+    ("realised", &["recipe", "spectra", "structures"]),
+    ("erosion", &[]),
+];
+
+#[test]
+fn folders_of_random_surfaces_use_only_what_lies_below_them() {
+    assert_layers("synthesis", &SYNTHESIS);
+}
+
 /// Folders and files of the tracer, each with those that it may use.
 const TRACER: [(&str, &[&str]); 13] = [
     ("ray", &[]),

@@ -3,7 +3,7 @@
 mod moments;
 mod regions;
 mod samples;
+mod spline_regions;
 
 pub use self::moments::SlopeMoments;
 pub use self::regions::RegionSlopes;
-pub(crate) use self::regions::by_region;

@@ -6,10 +6,11 @@ mod interpolation;
 mod mean;
 mod padding;
 mod patch;
-mod region_slopes;
 mod roughness;
 mod surface;
 mod tessellation;
 
+pub(crate) use self::patch::{Place, dot};
+pub(crate) use self::roughness::RULE;
 pub use self::roughness::SplineRoughness;
 pub use self::surface::SplineSurface;

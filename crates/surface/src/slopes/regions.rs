@@ -23,7 +23,7 @@ impl RegionSlopes {
     }
 
     /// The slopes of one place.
-    pub(crate) const fn of([x, y]: [f64; 2]) -> Self {
+    pub(super) const fn of([x, y]: [f64; 2]) -> Self {
         Self {
             mean: [x, y],
             second: [x * x, x * y, y * y],
@@ -31,7 +31,7 @@ impl RegionSlopes {
     }
 
     /// Adds `weight` times another.
-    pub(crate) fn add(&mut self, weight: f64, other: &Self) {
+    pub(super) fn add(&mut self, weight: f64, other: &Self) {
         for (sum, value) in self.mean.iter_mut().zip(other.mean) {
             *sum += weight * value;
         }
@@ -40,7 +40,7 @@ impl RegionSlopes {
         }
     }
 
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub(super) fn scaled(self, factor: f64) -> Self {
         Self {
             mean: self.mean.map(|value| factor * value),
             second: self.second.map(|value| factor * value),
@@ -79,7 +79,7 @@ impl HeightField {
 }
 
 /// Means over regions, of means over the cells of each row.
-pub(crate) fn by_region(
+pub(super) fn by_region(
     [cx, cy]: [usize; 2],
     [columns, rows]: [usize; 2],
     of_row: impl Fn(usize) -> Vec<RegionSlopes> + Sync,

@@ -48,12 +48,12 @@ impl SplineSurface {
 }
 
 /// Sum of four values by their weights.
-pub(super) fn dot(values: &[f64], weights: [f64; 4]) -> f64 {
+pub(crate) fn dot(values: &[f64], weights: [f64; 4]) -> f64 {
     values.iter().zip(weights).map(|(v, w)| v * w).sum()
 }
 
 /// A place along one axis.
-pub(super) struct Place {
+pub(crate) struct Place {
     pub(super) cell: usize,
     /// From 0 to 1 within the cell.
     u: f64,
@@ -68,7 +68,7 @@ impl Place {
     }
 
     /// A place of the first cell.
-    pub(super) const fn within_cell(u: f64) -> Self {
+    pub(crate) const fn within_cell(u: f64) -> Self {
         Self { cell: 0, u }
     }
 
@@ -80,14 +80,14 @@ impl Place {
     }
 
     /// Values of the four basis functions, which sum to 1.
-    pub(super) fn weights(&self) -> [f64; 4] {
+    pub(crate) fn weights(&self) -> [f64; 4] {
         let (u, w) = (self.u, 1.0 - self.u);
         let inner = |u: f64| (4.0 + 3.0 * u * u * (u - 2.0)) / 6.0;
         [w * w * w / 6.0, inner(u), inner(w), u * u * u / 6.0]
     }
 
     /// Their derivatives by `u`, which sum to 0.
-    pub(super) fn slope_weights(&self) -> [f64; 4] {
+    pub(crate) fn slope_weights(&self) -> [f64; 4] {
         let (u, w) = (self.u, 1.0 - self.u);
         let inner = |u: f64| 0.5 * u * (3.0 * u - 4.0);
         [-0.5 * w * w, inner(u), -inner(w), 0.5 * u * u]

@@ -34,7 +34,7 @@ pub struct SplineRoughness {
 }
 
 /// Places along a cell, from 0 to 1, and their weights: the Gauss-Legendre rule of degree seven.
-pub(super) const RULE: [(f64, f64); 4] = [
+pub(crate) const RULE: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_9, 0.326_072_577_431_273_07),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),

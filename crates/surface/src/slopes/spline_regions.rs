@@ -1,9 +1,8 @@
 //! Slopes of a spline surface by region, by integrals over its patches.
 
-use super::patch::{Place, dot};
-use super::roughness::RULE;
-use super::surface::SplineSurface;
-use crate::slopes::{RegionSlopes, by_region};
+use super::regions::{RegionSlopes, by_region};
+use crate::SplineSurface;
+use crate::spline::{Place, RULE, dot};
 
 impl SplineSurface {
     /// Slopes in each of `[columns, rows]` regions, row by row, exact but for rounding where edges of regions are edges of cells. A
