@@ -105,7 +105,7 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
         ];
         succeed(folder, &[&["trace", &name], &rest[..]].concat());
         let out = format!("v{threads}");
-        let rays = words("--size 128 --tau 8 --realisations 7 --rays 2e4");
+        let rays = words("--size 128 --tau 8 --realisations 7 --rays 2e4 --model-rays 1e4");
         let rest = ["-o", &out, "--threads", threads];
         succeed(folder, &[&["verify"], &rays[..], &rest[..]].concat());
     }

@@ -122,7 +122,7 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
 fn an_interrupted_convergence_run_resumes_to_the_same_errors() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let command = "converge --tau 4 --size 32 --theta 0,40 --samplings random --rays 4e4 --surfaces 4 --repeats 12 --reference-rays 4096 --reference-surfaces 64 --no-plots";
+    let command = "converge --tau 4 --size 32 --theta 0,40 --samplings random --rays 2e4 --surfaces 4 --repeats 12 --reference-rays 4096 --reference-surfaces 64 --no-plots";
     succeed(folder, &words(&format!("{command} -o whole")));
     let line = format!("{command} -o parts");
     let mut codes = Vec::new();

@@ -173,6 +173,8 @@ fn a_verification_of_one_side_judges_that_side() {
         realisations = 10
         rays = 5e4
         side = \"transmitted\"
+        [compare]
+        model_rays = 1e4
     ";
     fs::write(folder.join("v.toml"), config).unwrap();
     let text = succeed(folder, &["verify", "v.toml", "-o", "one"]);

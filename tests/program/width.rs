@@ -54,7 +54,7 @@ fn tables_of_given_surfaces_fit() {
     ] {
         fits(&folder, &words(line));
     }
-    let large = "generate --tau 4 --smoothness 6 --size 256 -o large.exr";
+    let large = "generate --tau 4 --smoothness 6 --size 128 -o large.exr";
     succeed(&folder, &words(large));
     let compared = "trace large.exr --rays 5e3 --no-plots --models";
     for models in ["smith", "smith,smith-separable,heitz,v-cavity"] {

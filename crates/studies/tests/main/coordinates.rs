@@ -26,6 +26,11 @@ const SETTINGS: &str = "
     bins = \"6x8\"
 ";
 
+/// The settings with models of few rays.
+fn compared() -> String {
+    format!("{SETTINGS}[compare]\nmodel_rays = 1e4")
+}
+
 /// A quantity that no command has.
 fn tint(value: f64) -> Coordinate {
     Coordinate {
@@ -148,7 +153,7 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
 fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figures() {
     let place = tempfile::tempdir().unwrap();
     let out = place.path().join("verify");
-    let config = VerifyConfig::from_toml(SETTINGS).unwrap();
+    let config = VerifyConfig::from_toml(&compared()).unwrap();
     let mut study = VerifyStudy::new(config).unwrap();
     in_two_tints(&mut study.plan);
     let folder = ResultFolder::open(&out, "verify", &[]).unwrap();
@@ -165,7 +170,7 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     }
 
     let out = place.path().join("map");
-    let config = MapConfig::from_toml(SETTINGS).unwrap();
+    let config = MapConfig::from_toml(&compared()).unwrap();
     let mut study = MapStudy::new(config).unwrap();
     in_two_tints(&mut study.plan);
     let folder = ResultFolder::open(&out, "map", &[]).unwrap();
@@ -199,7 +204,7 @@ fn gonio_and_map_draw_each_surface_once_for_all_angles_and_tints() {
     };
     assert_eq!(numbers(), each_once);
 
-    let config = MapConfig::from_toml(SETTINGS).unwrap();
+    let config = MapConfig::from_toml(&compared()).unwrap();
     let mut study = MapStudy::new(config).unwrap();
     in_two_tints(&mut study.plan);
     let mut found = ResultSet::in_memory(study.header().unwrap());
