@@ -37,12 +37,12 @@ pub enum StructureKind {
     InvertedPyramids,
 }
 
-/// The structure of `[surface]`, if it has one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The structure of `[surface]`. What is not given has the default of its kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StructureConfig {
-    /// Its name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub structure: Option<StructureKind>,
+    /// Its kind.
+    #[serde(rename = "structure")]
+    pub kind: StructureKind,
     /// Depth of features, one or several, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany<Number>>,
@@ -70,11 +70,9 @@ pub struct StructureConfig {
 }
 
 impl StructureConfig {
-    /// The chosen structure with its parameters, which are not checked here, and the first of several depths; `None` where none is chosen.
-    /// `azimuth`: radians.
+    /// The structure with its parameters, which are not checked here, and the first of several depths. `azimuth`: radians.
     #[must_use]
-    pub fn structure(&self, azimuth: f64) -> Option<Structure> {
-        let kind = self.structure?;
+    pub fn structure(&self, azimuth: f64) -> Structure {
         let or = |value: Option<Number>, otherwise: f64| value.map_or(otherwise, |v| v.0);
         let width = self.width();
         let depth = self.depth.as_ref().and_then(OneOrMany::first);
@@ -122,7 +120,7 @@ impl StructureConfig {
                 arrangement,
             }
         };
-        Some(match kind {
+        match self.kind {
             StructureKind::Pits => Structure::Pits(segments(Arrangement::Random)),
             StructureKind::Caps => Structure::Caps(segments(Arrangement::Lattice)),
             StructureKind::VGrooves => grooves(GrooveProfile::V),
@@ -146,23 +144,23 @@ impl StructureConfig {
             }),
             StructureKind::Pyramids => Structure::Pyramids(pyramids(Arrangement::Random)),
             StructureKind::InvertedPyramids => Structure::Inverted(pyramids(Arrangement::Lattice)),
-        })
+        }
     }
 
     /// Returns `true` if it has a direction that the azimuth turns.
     pub(super) const fn has_direction(&self) -> bool {
         use StructureKind::{BlazedGrooves, Scratches, SineGrooves, VGrooves};
         matches!(
-            self.structure,
-            Some(VGrooves | SineGrooves | BlazedGrooves | Scratches)
+            self.kind,
+            VGrooves | SineGrooves | BlazedGrooves | Scratches
         )
     }
 
     /// Length units per sample where that is not given: a sixteenth of the width, an eighth of that of long features.
     #[must_use]
     pub fn spacing(&self) -> f64 {
-        match self.structure {
-            Some(StructureKind::Scratches | StructureKind::Cracks) => self.width() / 8.0,
+        match self.kind {
+            StructureKind::Scratches | StructureKind::Cracks => self.width() / 8.0,
             _ => self.width() / 16.0,
         }
     }
@@ -171,9 +169,9 @@ impl StructureConfig {
     #[must_use]
     pub fn tile(&self) -> f64 {
         let side = TILE * self.width();
-        match self.structure {
-            Some(StructureKind::Scratches) => side.max(self.scratch_length()),
-            Some(StructureKind::Cracks) => {
+        match self.kind {
+            StructureKind::Scratches => side.max(self.scratch_length()),
+            StructureKind::Cracks => {
                 let density = self.density.map_or(0.3, |d| d.0);
                 side.max(10.0 * 2.0 * self.width() / density)
             }
