@@ -43,6 +43,10 @@ pub use config::error::ConfigError;
 pub use config::filtering::FilteringError;
 pub use config::measured::{MeasuredConfig, UnitError};
 pub use config::medium::{BottomKind, BottomShape, Interactions, MediumConfig, PhaseKind};
+pub use config::structure::{
+    CrackFeatures, Features, GrooveFeatures, PyramidFeatures, ScratchFeatures, SegmentFeatures,
+    StructureConfig,
+};
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{

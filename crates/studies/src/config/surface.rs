@@ -243,12 +243,46 @@ impl SurfaceConfig {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::json;
+
     use crate::config::VerifyConfig;
 
     fn grid(text: &str) -> ([u64; 2], [f64; 2]) {
         let surface = VerifyConfig::from_toml(&format!("[surface]\n{text}"));
         let surface = surface.unwrap().surface;
         (surface.size(), surface.spacing())
+    }
+
+    /// Results hold configurations, and resume by them.
+    #[test]
+    fn a_configuration_has_the_keys_that_were_given() {
+        let always = ["azimuth", "cells", "insist", "unit"];
+        for text in [
+            "tau = 8\nsmoothness = 3\ntau_y = 4\nskewness = 0.1",
+            "tau = 8\nsigma = 3\nsecond_sigma = 1\nsecond_tau = 2\nheights = \"h.csv\"",
+            "tau = 8\nslopes = \"ggx\"\nggx_alpha = [0.1, 0.2]\namplitude_ratio = 4",
+            "psd = \"matern\"\nnu = 2\ntau = 8\nsmoothness = 3",
+            "psd = \"exponential\"\ncut_off = 2\ntau = 8\nsigma = [1, 2]",
+            "psd = \"power-law\"\nhurst = 0.5\nroll_off = 9\ncut_off = 1\nsmoothness = 3",
+            "psd = \"like:map.exr\"",
+            "structure = \"pits\"\ndepth = [1, 2]\nwidth = 9\narrangement = \"lattice\"",
+            "structure = \"scratches\"\nspread = 1\nscratch_length = 99\nedge_radius = 0",
+            "structure = \"sine-grooves\"\nrandomness = 0.1\nsigma = 1\ntau = 8",
+        ] {
+            let given: toml::Table = text.parse().unwrap();
+            let given: BTreeSet<&str> = given.keys().map(String::as_str).chain(always).collect();
+            let config = VerifyConfig::from_toml(&format!("[surface]\n{text}")).unwrap();
+            let kept = json!(config.surface);
+            let kept: BTreeSet<&str> = kept
+                .as_object()
+                .unwrap()
+                .keys()
+                .map(String::as_str)
+                .collect();
+            assert_eq!(kept, given, "{text}");
+        }
     }
 
     #[test]
