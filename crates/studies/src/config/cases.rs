@@ -39,9 +39,9 @@ impl VerifyConfig {
         let is_random = recipes.count() > 0;
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return Err(ConfigError::of_other(
-                "azimuth random",
+                "random azimuth of the light",
                 "isotropic surfaces",
-                "anisotropic ones, where the azimuth of the light matters",
+                "anisotropic ones, where it matters",
             ));
         }
         if self.medium.is_some() {

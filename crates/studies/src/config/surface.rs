@@ -164,11 +164,10 @@ impl SurfaceConfig {
         let tile = match &self.structure {
             Some(structure) => structure.tile(),
             None => {
+                let ratio = self.amplitude_ratio();
+                let lengths = ratio.map_or(TILE, |ratio| 0.5 * TILE * ratio);
                 let [_, longer] = self.correlation_lengths();
-                longer
-                    * self
-                        .amplitude_ratio()
-                        .map_or(TILE, |ratio| 0.5 * TILE * ratio)
+                lengths * longer
             }
         };
         let spans = |d: f64| 2 * (0.5 * tile / d).ceil() as u64;
