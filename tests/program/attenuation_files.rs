@@ -151,7 +151,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
     for (line, expected) in [
         (
             "--length 12.82",
-            "does not divide the extent 12.82 of the surfaces into whole samples",
+            "divides the extent 12.82 of the surfaces into whole samples",
         ),
         ("--length 0", "must be a number above 0"),
         ("--spacing 0", "must be a number above 0"),
@@ -173,7 +173,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("--realisations 1e15", "take fewer"),
         ("key.toml", "unknown key `thetas`"),
         ("both.toml", "excludes"),
-        ("figure.toml", "0.7 is not among"),
+        ("figure.toml", "0.7: must be among"),
         ("missing.toml", "missing.toml"),
     ] {
         let code = if line == "missing.toml" { 1 } else { 2 };

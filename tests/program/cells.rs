@@ -236,7 +236,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "verify --accelerator flat -o out",
-            "the accelerator flat is for flat surfaces",
+            "accelerator flat: goes with flat surfaces",
         ),
         (
             "render h.ply -o out.png",

@@ -39,10 +39,10 @@ fn impossible_light_is_refused() {
     let (_keep, folder) = with_surface();
     for (more, why) in [
         ("--stokes 1,0,0", "four numbers"),
-        ("--stokes 0,0,0,0", "must exceed 0"),
+        ("--stokes 0,0,0,0", "intensity I above 0"),
         (
             "--stokes 1,0.9,0.9,0",
-            "more light is polarised than there is",
+            "no more light is polarised than there is",
         ),
         (
             "--stokes 1,1,0,0 --polarisation averaged",

@@ -14,7 +14,6 @@ mod structure_memo;
 pub(crate) mod structure_recipe;
 pub(crate) mod surface;
 mod surface_choices;
-pub(crate) mod surface_error;
 mod surface_files;
 mod surface_recipe;
 pub(crate) mod sweep;
@@ -31,7 +30,9 @@ use serde::{Deserialize, Serialize};
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 pub use crate::config::surface::SurfaceConfig;
-pub use crate::config::surface_choices::{HeightsChoice, SpectrumChoice, SurfaceFiles};
+pub use crate::config::surface_choices::{
+    GaussianName, HeightsChoice, Roughness, SecondScale, Spectrum, SurfaceFiles,
+};
 pub use crate::config::surface_files::SurfaceFileError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};

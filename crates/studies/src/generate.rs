@@ -6,7 +6,6 @@ use asperity_synthesis::{FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRe
 use serde::Deserialize;
 
 use crate::config::SurfaceConfig;
-use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::settings::Document;
 
@@ -54,10 +53,7 @@ impl GeneratePlan {
         let surface = &mut config.surface;
         let mut notes = surface.read_files()?;
         let (_, recipe) = surface.recipe()?;
-        let (shape, spacing) = (
-            surface.shape().map_err(ConfigError::from)?,
-            surface.spacing(),
-        );
+        let (shape, spacing) = (surface.shape(), surface.spacing());
         let few_lengths = amplitude_note(&recipe, surface.size(), spacing);
         let planning = FieldSynthesis::planning_bytes(&recipe, shape);
         check_memory("planning these surfaces", planning)?;

@@ -43,12 +43,16 @@ pub use config::error::ConfigError;
 pub use config::filtering::FilteringError;
 pub use config::measured::{MeasuredConfig, UnitError};
 pub use config::medium::{BottomKind, BottomShape, Interactions, MediumConfig, PhaseKind};
-pub use config::surface_error::SurfaceError;
+pub use config::structure::{
+    CrackFeatures, Features, GrooveFeatures, PyramidFeatures, ScratchFeatures, SegmentFeatures,
+    StructureConfig,
+};
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
-    Azimuth, CompareConfig, HeightsChoice, Incident, LightConfig, MaterialConfig, OutputConfig,
-    RunConfig, SpectrumChoice, SurfaceConfig, SurfaceFileError, SurfaceFiles, VerifyConfig,
+    Azimuth, CompareConfig, GaussianName, HeightsChoice, Incident, LightConfig, MaterialConfig,
+    OutputConfig, Roughness, RunConfig, SecondScale, Spectrum, SurfaceConfig, SurfaceFileError,
+    SurfaceFiles, VerifyConfig,
 };
 pub use converge::{
     ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeStudy, ConvergeWork,

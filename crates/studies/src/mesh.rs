@@ -1,6 +1,6 @@
 //! Mesh: a height map as triangles.
 
-use asperity_simulate::{Cells, Observer, check_memory};
+use asperity_simulate::{Cells, Observer, check_memory, short};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
 use asperity_tracer::{Surface, TriangleMesh};
 use serde::Deserialize;
@@ -78,15 +78,13 @@ impl FinenessConfig {
         let surface = SplineSurface::through(field);
         let unit = field.unit().suffix();
         let per_cell = match (self.deviation, self.subdivide) {
-            (Some(most), _) => {
-                surface
-                    .per_cell_within(most)
-                    .ok_or_else(|| ConfigError::Deviation {
-                        deviation: most,
-                        least: rounded_up(surface.deviation(usize::MAX)),
-                        unit,
-                    })?
-            }
+            (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
+                let least = rounded_up(surface.deviation(usize::MAX));
+                ConfigError::invalid(
+                    format!("--deviation {}{unit}", short(most)),
+                    format!("above {least}{unit}, to which heights of this surface are rounded"),
+                )
+            })?,
             (None, subdivide) => subdivide.unwrap_or(1),
         };
         let [cx, cy] = surface.cells().map(|cells| cells.saturating_mul(per_cell));

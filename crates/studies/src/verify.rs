@@ -182,7 +182,8 @@ pub(crate) fn judge_case<'a>(
     let free_azimuth = config.free_azimuth(&outcome.case);
     let other = other_slopes(config, outcome)?;
     let Some(mut surface) = ModelledSurface::of(&outcome.case) else {
-        return Err(ConfigError::GivenSurface.into());
+        let needed = "random surfaces, not given ones";
+        return Err(ConfigError::missing("a verification", needed).into());
     };
     if let (Some(other), Ok(slopes)) = (&other, &surface.slopes) {
         surface.slopes = Ok(other.distribution(slopes.covariance()));

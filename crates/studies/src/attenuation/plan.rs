@@ -93,10 +93,10 @@ impl AttenuationPlan {
             * (self.views.len() as f64 + 8.0)
             * run.realisations.0 as f64;
         if results > MAX_RESULTS {
-            return Err(ConfigError::TooManyCounts {
-                counts: results,
-                most: MAX_RESULTS,
-            }
+            return Err(ConfigError::invalid(
+                format!("{results:.1e} counts to keep"),
+                format!("at most {MAX_RESULTS:.0e}: take fewer directions or surfaces"),
+            )
             .into());
         }
         Ok(())
@@ -115,8 +115,7 @@ impl AttenuationConfig {
         let (shape, cells) = (self.shape()?, surface.cells.of_random());
         let spacing = surface.spacing.xy().map(|spacing| spacing.0);
         let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, StudyError> {
-            let psd =
-                Psd::gaussian(sigma, tau).map_err(|error| ConfigError::Surface(error.into()))?;
+            let psd = Psd::gaussian(sigma, tau).map_err(ConfigError::from)?;
             let drawn = RandomSurfaces::new(cells, psd, shape, spacing, surface.insist);
             Ok(RoughSurfaces {
                 sigma,
@@ -127,7 +126,11 @@ impl AttenuationConfig {
         let surfaces = sigmas.iter().map(of_sigma).collect::<Result<Vec<_>, _>>()?;
         let [ny, nx] = shape;
         if surface.border == Border::Open && nx.min(ny) < 3 {
-            return Err(ConfigError::SmallPatch { nx, ny }.into());
+            return Err(ConfigError::invalid(
+                format!("an open patch of {nx} x {ny} samples"),
+                "3 or more a side: it has none inside, where paper_g2 counts",
+            )
+            .into());
         }
         let lights = directions("theta", &self.light)?;
         let views = directions("view theta", &self.view)?;
@@ -136,7 +139,8 @@ impl AttenuationConfig {
         azimuths.extend(views.iter().filter(is_slanted).map(|view| view.phi()));
         azimuths.dedup();
         if cells == Cells::Smooth && run.demarcation {
-            return Err(ConfigError::HorizonsOfSmoothCells.into());
+            let needed = "horizons, which are those of flat cells";
+            return Err(ConfigError::missing("--demarcation", needed).into());
         }
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
         let models_at = self.output.models_at_sigma.as_ref();
@@ -163,7 +167,7 @@ impl AttenuationConfig {
                 let ([x, y], [dx, dy]) = (length.xy(), surface.spacing.xy());
                 [samples(x.0, dx.0), samples(y.0, dy.0)]
             }
-            (None, None) => return Err(ConfigError::EmptyList("length").into()),
+            (None, None) => return Err(ConfigError::missing("surface", "length").into()),
         };
         Ok([ny?, nx?])
     }
@@ -183,11 +187,7 @@ fn samples(length: f64, spacing: f64) -> Result<usize, StudyError> {
     if spacing > 0.0 && (1.0..MAX_SAMPLES).contains(&whole) && divides {
         return Ok(whole as usize);
     }
-    Err(ConfigError::PartSamples {
-        spacing,
-        extent: length,
-    }
-    .into())
+    Err(ConfigError::part_samples(spacing, length).into())
 }
 
 /// The values of a list, each of which may stand there once.
@@ -229,7 +229,10 @@ fn chosen(
     };
     let number = |value: f64| {
         let number = values.iter().position(|one| *one == value);
-        number.ok_or(ConfigError::NotMeasured { name, value })
+        number.ok_or_else(|| {
+            let given = format!("{name} = {}", short(value));
+            ConfigError::invalid(given, "among the values that are measured")
+        })
     };
     numbers(name, named)?.into_iter().map(number).collect()
 }

@@ -22,7 +22,9 @@ impl Study for AttenuationPlan {
     fn plan(document: &Document, _observer: &dyn Observer) -> Result<Self, StudyError> {
         let config: AttenuationConfig = document.read()?;
         if document.is_given("view.phi") && !document.is_given("view.theta") {
-            return Err(ConfigError::ViewAzimuth.into());
+            let needed =
+                "--view-theta: the viewer is straight above, where the azimuth has no meaning";
+            return Err(ConfigError::missing("--view-phi", needed).into());
         }
         config.plan()
     }

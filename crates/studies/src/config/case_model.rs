@@ -68,18 +68,17 @@ pub enum CaseModel {
 impl CaseModel {
     /// The model of that name for a surface, its material and the medium below.
     pub(crate) fn of(name: &str, surface: &ModelledSurface) -> Result<Self, ConfigError> {
+        let of_other_layers = |has_medium| ConfigError::ModelOfOtherLayers {
+            name: name.to_owned(),
+            has_medium,
+        };
         let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
         match (&surface.layer, surface.material) {
             (Some(layer), Material::Dielectric { eta }) if of_layers => {
-                let model = FlatLayer::by_name(name, eta, layer);
-                Ok(Self::Layer(model.map_err(ConfigError::LayerModel)?))
+                Ok(Self::Layer(FlatLayer::by_name(name, eta, layer)?))
             }
-            (Some(_), _) if MODEL_NAMES.contains(&name) => Err(ConfigError::ModelOfBareSurface {
-                name: name.to_owned(),
-            }),
-            (None, _) if of_layers => Err(ConfigError::ModelOfLayer {
-                name: name.to_owned(),
-            }),
+            (Some(_), _) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
+            (None, _) if of_layers => Err(of_other_layers(false)),
             _ => Ok(Self::Surface(surface.model(name)?)),
         }
     }

@@ -38,13 +38,17 @@ impl VerifyConfig {
         let isotropic = recipes.clone().all(SurfaceRecipe::is_isotropic);
         let is_random = recipes.count() > 0;
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
-            return Err(ConfigError::RandomAzimuth);
+            return Err(ConfigError::of_other(
+                "random azimuth of the light",
+                "isotropic surfaces",
+                "anisotropic ones, where it matters",
+            ));
         }
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
         if is_random && self.run.accelerator == AcceleratorKind::Flat {
-            return Err(ConfigError::FlatAccelerator);
+            return Err(flat_accelerator());
         }
         let mut names = BTreeSet::new();
         for case in cases {
@@ -64,6 +68,11 @@ impl VerifyConfig {
         }
         Ok(())
     }
+}
+
+/// Refusal of the accelerator of flat surfaces for random ones.
+pub(crate) fn flat_accelerator() -> ConfigError {
+    ConfigError::of_other("accelerator flat", "flat surfaces", "rough ones; take auto")
 }
 
 /// Checks that models are named once each, are of such a surface, and describe the light of the recorded `sides`.
@@ -95,8 +104,7 @@ pub(crate) fn check_models(
 /// Checks that light of `material` can leave on the recorded sides.
 ///
 /// # Errors
-/// [`ConfigError::NothingBelowLayer`] and [`ConfigError::NothingTransmitted`] if only transmitted light is recorded, but the layer or the
-/// material transmits none.
+/// [`ConfigError::NothingTransmitted`] if only transmitted light is recorded, but the layer or the material transmits none.
 pub fn check_sides(
     sides: Sides,
     material: Material,
@@ -106,24 +114,27 @@ pub fn check_sides(
         return Ok(());
     }
     if layer.is_some_and(|layer| !layer.transmits()) {
-        return Err(ConfigError::NothingBelowLayer);
+        return Err(ConfigError::NothingTransmitted { by: None });
     }
     match material.transmitting_index() {
         Some(_) => Ok(()),
-        None => Err(ConfigError::NothingTransmitted { material }),
+        None => Err(ConfigError::NothingTransmitted { by: Some(material) }),
     }
 }
 
 /// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
 ///
 /// # Errors
-/// [`ConfigError::LightInMedium`] and [`ConfigError::MediumControl`].
+/// [`ConfigError::Setting`] and [`ConfigError::Simulate`].
 pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
     if incident == HalfSpace::Below {
-        return Err(ConfigError::LightInMedium);
+        let needed = "light that comes from above";
+        return Err(ConfigError::missing("a medium below the surface", needed));
     }
     if estimator == Estimator::Controlled {
-        return Err(ConfigError::MediumControl);
+        return Err(ConfigError::no_control_variate(
+            "does not support a medium below the surface; take auto or plain",
+        ));
     }
     Ok(())
 }

@@ -5,32 +5,21 @@ use asperity_optics::{
     IncidenceError, LayerError, Material, MaterialError, ParticipatingMediumError,
     PhaseFunctionError,
 };
-use asperity_simulate::{TargetError, short};
+use asperity_simulate::{SimulateError, TargetError, short};
+use asperity_surface::LengthUnit;
+use asperity_synthesis::{JohnsonError, PsdError, StructureError};
 use asperity_tally::SpecError;
-use asperity_tracer::{HorizonError, PathSettingsError, Polarisation};
+use asperity_tracer::{HorizonError, PathSettingsError};
 
-use super::surface_error::SurfaceError;
-use crate::settings::SettingError;
-use crate::settings::number::MOST_COUNT;
+use crate::settings::{Given, Place, SettingError};
 
 /// Refusal of a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// A value is unknown, invalid or excluded by another.
+    /// A value is unknown, invalid, missing or excluded by another, by itself or with the surfaces and the light at hand.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// A list is empty.
-    #[error("`{0}` is an empty list; give one value or several")]
-    EmptyList(&'static str),
-    /// A list where one value is needed.
-    #[error("{name} has {count} values where one is needed")]
-    SeveralValues {
-        /// The setting.
-        name: &'static str,
-        /// Values of the list.
-        count: usize,
-    },
     /// A list holds a value twice.
     #[error("{list}: {value} is given twice")]
     GivenTwice {
@@ -38,68 +27,6 @@ pub enum ConfigError {
         list: &'static str,
         /// The value.
         value: String,
-    },
-    /// The Stokes vector of the light is invalid.
-    #[error("stokes {}: {error}", .given.iter().map(f64::to_string).collect::<Vec<_>>().join(","))]
-    Stokes {
-        /// The Stokes vector.
-        given: Vec<f64>,
-        /// The reason.
-        error: StokesError,
-    },
-    /// Models of light from one azimuth, for light from random azimuths.
-    #[error(
-        "models: they are made for light from one azimuth; leave out azimuth random, or the models"
-    )]
-    ModelsOfOneAzimuth,
-    /// Models of unpolarised light, for polarised light.
-    #[error("models: they are made for unpolarised light; leave out stokes, or the models")]
-    ModelsOfUnpolarisedLight,
-    /// A given surface where random ones are needed.
-    #[error("a verification is of random surfaces, not of a given one")]
-    GivenSurface,
-    /// Settings of reading a file, without one.
-    #[error(
-        "border, spacing, unit, assume-unit, flip, missing and remove are for a surface read from a file, but no file is given"
-    )]
-    NoFileToRead,
-    /// The given surface has not been read, which is an error of the caller.
-    #[error("the measured surface was not read")]
-    UnreadSurface,
-    /// Polarisation states of light of many directions.
-    #[error(
-        "--polarisation {0}: gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction"
-    )]
-    GonioOfStates(Polarisation),
-    /// The material is invalid.
-    #[error(transparent)]
-    Material(#[from] MaterialError),
-    /// The direction of the light is invalid.
-    #[error(transparent)]
-    Incidence(#[from] IncidenceError),
-    /// No surfaces can be drawn from `[surface]`.
-    #[error(transparent)]
-    Surface(#[from] SurfaceError),
-    /// Matrices in a map.
-    #[error(
-        "--polarisation mueller: a map compares fluxes alone; take tracked, averaged or both, or verify for the matrices"
-    )]
-    MapOfMatrices,
-    /// A map without models.
-    #[error("a map needs models to compare with; name one or several")]
-    MapWithoutModels,
-    /// A map of surfaces that no model describes.
-    #[error(
-        "no model describes anisotropic Lambertian facets, and a map needs one; verify and gonio do not"
-    )]
-    NoModelToMap,
-    /// Too many combinations of the values of lists.
-    #[error("the lists make {count:.0e} cases; at most {most:.0e} are possible")]
-    TooManyCases {
-        /// Combinations.
-        count: f64,
-        /// Most that are possible.
-        most: f64,
     },
     /// Two cases with one name.
     #[error(
@@ -109,165 +36,49 @@ pub enum ConfigError {
         /// The name.
         folder: String,
     },
-    /// A random azimuth where it matters.
-    #[error("on an anisotropic surface the azimuth of the light matters; it cannot be random")]
-    RandomAzimuth,
-    /// The accelerator of flat surfaces for rough ones.
-    #[error("the accelerator flat is for flat surfaces, but those drawn here are rough; take auto")]
-    FlatAccelerator,
-    /// A model of a layer that cannot be made.
-    #[error(transparent)]
-    LayerModel(FlatLayerError),
-    /// A model of bare surfaces, with a medium below.
-    #[error(
-        "the model {name} describes a surface without a medium below it; with a medium, take {}",
-        FlatLayer::NAMES.join(" or ")
-    )]
-    ModelOfBareSurface {
+    /// A file of the configuration that was not read, which is an error of the caller.
+    #[error("{0} was not read")]
+    Unread(&'static str),
+    /// A model of bare surfaces with a medium below, or a model of layers without a medium.
+    #[error("the model {name} describes a {}", model_and_medium(*has_medium))]
+    ModelOfOtherLayers {
         /// Its name.
         name: String,
+        /// `true` if there is a medium.
+        has_medium: bool,
     },
-    /// A model of a layer, without one.
-    #[error("the model {name} describes a medium below the surface, but no medium is given")]
-    ModelOfLayer {
-        /// Its name.
-        name: String,
-    },
-    /// Transmitted light alone, of a layer that transmits none.
-    #[error(
-        "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; take side reflected or both"
-    )]
-    NothingBelowLayer,
-    /// Transmitted light alone, of a material that transmits none.
-    #[error(
-        "nothing is transmitted by {}; take side reflected or both",
-        opaque(*.material)
-    )]
-    NothingTransmitted {
-        /// The material.
-        material: Material,
-    },
-    /// A medium below a material that transmits no light.
-    #[error("no light enters a medium below {}: take a dielectric", opaque(*.material))]
-    MediumBelow {
-        /// The material.
-        material: Material,
-    },
-    /// A medium below, with light from below.
-    #[error("the medium lies below the surface, so the light must come from above")]
-    LightInMedium,
-    /// A control variate for a surface over a medium.
-    #[error(
-        "the controlled estimator does not support a medium below the surface; take auto or plain"
-    )]
-    MediumControl,
-    /// A control variate for surfaces whose slopes are not known.
-    #[error(
-        "the distribution of slopes of structured surfaces is not known, so they have no control variate; give --estimators plain"
-    )]
-    NoControl,
-    /// A control variate for facets that reflect diffusely.
-    #[error("Lambertian facets have no control variate; give --estimators plain")]
-    DiffuseControl,
-    /// A spacing that does not divide the surfaces.
-    #[error(
-        "spacing {} does not divide the extent {} of the surfaces into whole samples",
-        short(*.spacing),
-        short(*.extent)
-    )]
-    PartSamples {
-        /// The spacing, length units.
-        spacing: f64,
-        /// Side of the surfaces, length units.
-        extent: f64,
-    },
-    /// More counts of an attenuation run than are kept.
-    #[error(
-        "{counts:.1e} counts would be kept, {most:.0e} is the most: take fewer directions or surfaces"
-    )]
-    TooManyCounts {
-        /// Counts of this configuration.
-        counts: f64,
-        /// Most that are kept.
-        most: f64,
-    },
-    /// An open patch without samples inside.
-    #[error(
-        "an open patch of {nx} x {ny} samples has none inside, where paper_g2 counts; take 3 or more a side"
-    )]
-    SmallPatch {
-        /// Samples along x.
-        nx: usize,
-        /// Samples along y.
-        ny: usize,
-    },
-    /// Horizons of smooth cells.
-    #[error("--demarcation needs horizons, which are those of flat cells")]
-    HorizonsOfSmoothCells,
-    /// Horizons that cannot be found.
-    #[error(transparent)]
-    Horizons(#[from] HorizonError),
-    /// The azimuth of a view from straight above.
-    #[error(
-        "--view-phi: the viewer is straight above, where the azimuth has no meaning; give --view-theta too"
-    )]
-    ViewAzimuth,
-    /// A value of a figure that is not measured.
-    #[error("{name}: {} is not among the values that are measured", short(*.value))]
-    NotMeasured {
-        /// The setting.
-        name: &'static str,
-        /// The value.
-        value: f64,
-    },
-    /// Triangles nearer to smooth cells than their heights are rounded to.
-    #[error(
-        "--deviation {}{unit}: must be above {least}{unit}, to which heights of this surface are rounded",
-        short(*.deviation)
-    )]
-    Deviation {
-        /// The distance.
-        deviation: f64,
-        /// Rounding of the heights, in words.
-        least: String,
-        /// Suffix of the unit.
-        unit: &'static str,
-    },
-    /// A rate of a peer, and no method that has its errors.
-    #[error(
-        "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
-    )]
-    NoMethodOfPeer,
-    /// Lists of rays and surfaces of different lengths.
-    #[error(
-        "rays has {rays} values and surfaces {surfaces}; they go together value by value, so give as many of both, or one of either"
-    )]
-    UnequalLists {
-        /// Numbers of rays.
-        rays: usize,
-        /// Numbers of surfaces.
-        surfaces: usize,
-    },
-    /// More rays than can be counted.
-    #[error("{rays} rays on each of {surfaces} surfaces are more than {MOST_COUNT:e} in all")]
-    TooManyRays {
-        /// Rays of each surface.
-        rays: u64,
-        /// Surfaces.
-        surfaces: u64,
-    },
-    /// The in-plane slice is out of range.
-    #[error(transparent)]
-    TallySpec(#[from] SpecError),
-    /// The path settings are out of range.
-    #[error(transparent)]
-    Paths(#[from] PathSettingsError),
-    /// The target error is out of range, or no result has it.
-    #[error(transparent)]
-    Target(#[from] TargetError),
     /// A model is unknown or cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A model of a layer that cannot be made.
+    #[error(transparent)]
+    LayerModel(#[from] FlatLayerError),
+    /// Transmitted light alone, of a material or a layer below it that transmits none.
+    #[error("nothing {}; take side reflected or both", not_transmitted(*.by))]
+    NothingTransmitted {
+        /// The material; `None` if it is the layer.
+        by: Option<Material>,
+    },
+    /// No simulation is possible: no memory, or no control variate.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The structure cannot be made.
+    #[error("{}", structure_sentence(.error, *.unit))]
+    Structure {
+        /// The reason.
+        error: StructureError,
+        /// The unit of lengths.
+        unit: LengthUnit,
+    },
+    /// The power spectral density is invalid.
+    #[error(transparent)]
+    Psd(#[from] PsdError),
+    /// No distribution of heights has the moments.
+    #[error(transparent)]
+    Heights(#[from] JohnsonError),
+    /// The material is invalid.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
     /// The phase function of a medium is out of range.
     #[error(transparent)]
     Phase(#[from] PhaseFunctionError),
@@ -277,26 +88,95 @@ pub enum ConfigError {
     /// A layer is out of range.
     #[error(transparent)]
     Layer(#[from] LayerError),
+    /// The direction of the light is invalid.
+    #[error(transparent)]
+    Incidence(#[from] IncidenceError),
+    /// Horizons that cannot be found.
+    #[error(transparent)]
+    Horizons(#[from] HorizonError),
+    /// The in-plane slice is out of range.
+    #[error(transparent)]
+    TallySpec(#[from] SpecError),
+    /// The path settings are out of range.
+    #[error(transparent)]
+    Paths(#[from] PathSettingsError),
+    /// The target error is out of range, or no result has it.
+    #[error(transparent)]
+    Target(#[from] TargetError),
 }
 
-/// Refusal of a Stokes vector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StokesError {
-    /// More or fewer numbers than four.
-    #[error("takes four numbers, I,Q,U,V")]
-    NotFour,
-    /// An intensity of zero or less.
-    #[error("the intensity I must exceed 0")]
-    NoIntensity,
-    /// A degree of polarisation above one.
-    #[error("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2")]
-    AboveIntensity,
-    /// Paths do not carry the polarisation of the incident light.
-    #[error(
-        "paths carry the polarisation of the incident light with --polarisation tracked or both"
-    )]
-    NotTracked,
+impl ConfigError {
+    /// A value outside what is `expected` of it.
+    pub(crate) fn invalid(given: impl Into<String>, expected: impl Into<String>) -> Self {
+        let (given, expected) = (found_later(given), expected.into());
+        SettingError::Invalid { given, expected }.into()
+    }
+
+    /// A choice that goes with its `owners`, and not with what is chosen.
+    pub(crate) fn of_other(
+        given: impl Into<String>,
+        owners: impl Into<String>,
+        chosen: &'static str,
+    ) -> Self {
+        let error = SettingError::OfOtherVariant {
+            given: found_later(given),
+            owners: owners.into(),
+            chosen,
+        };
+        error.into()
+    }
+
+    /// A choice without what it needs.
+    pub(crate) fn missing(subject: &str, needed: impl Into<String>) -> Self {
+        let (subject, needed) = (subject.to_owned(), needed.into());
+        SettingError::Missing { subject, needed }.into()
+    }
+
+    /// A spacing that does not divide surfaces of that extent, length units.
+    pub(crate) fn part_samples(spacing: f64, extent: f64) -> Self {
+        let extent = short(extent);
+        let expected =
+            format!("one that divides the extent {extent} of the surfaces into whole samples");
+        Self::invalid(format!("spacing {}", short(spacing)), expected)
+    }
+
+    /// A medium below a material that transmits no light.
+    pub(crate) fn medium_below(material: Material) -> Self {
+        let why = format!("no light enters below {}", opaque(material));
+        Self::missing("a medium", format!("a dielectric above it: {why}"))
+    }
+
+    /// Estimation with a control variate, of a case that has none; `needs` continues "the controlled estimator".
+    pub(crate) const fn no_control_variate(needs: &'static str) -> Self {
+        Self::Simulate(SimulateError::NoControlVariate { needs })
+    }
+}
+
+/// A value that is found to be wrong after its place in a file was forgotten.
+fn found_later(text: impl Into<String>) -> Given {
+    Given {
+        text: text.into(),
+        place: Place::Flag,
+    }
+}
+
+/// The end of a sentence on a model of bare surfaces with a medium, or of a layer without one.
+fn model_and_medium(has_medium: bool) -> String {
+    match has_medium {
+        true => format!(
+            "surface without a medium below it; with a medium, take {}",
+            FlatLayer::NAMES.join(" or ")
+        ),
+        false => "medium below the surface, but no medium is given".to_owned(),
+    }
+}
+
+/// The end of a sentence on a material or a layer that transmits no light.
+fn not_transmitted(by: Option<Material>) -> String {
+    match by {
+        Some(material) => format!("is transmitted by {}", opaque(material)),
+        None => "leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom".to_owned(),
+    }
 }
 
 /// A material that transmits no light, as messages call it.
@@ -305,5 +185,14 @@ const fn opaque(material: Material) -> &'static str {
         Material::Conductor { .. } => "a conductor",
         Material::Lambertian { .. } => "Lambertian facets",
         _ => "a mirror",
+    }
+}
+
+/// Sentence on a structure that cannot be made, with the flag that draws it all the same.
+fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
+    let sentence = error.clone().with_unit(unit).to_string();
+    match error {
+        StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
+        _ => sentence,
     }
 }

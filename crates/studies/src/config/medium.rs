@@ -143,7 +143,7 @@ impl MediumConfig {
     /// [`ConfigError`] if a value is out of range, or the material transmits no light.
     pub fn layer(&self, material: Material) -> Result<Layer, ConfigError> {
         let Material::Dielectric { eta } = material else {
-            return Err(ConfigError::MediumBelow { material });
+            return Err(ConfigError::medium_below(material));
         };
         let medium = self.participating_medium()?;
         match &self.thickness {
@@ -278,7 +278,7 @@ mod tests {
             ),
             (
                 &format!("{path}\n[light]\nfrom = \"below\""),
-                "come from above",
+                "comes from above",
             ),
             (
                 &format!("{path}\n[run]\nestimator = \"controlled\""),

@@ -1,5 +1,7 @@
 //! Structures of `[surface]`: pits, caps, grooves, scratches, cracks and pyramids.
 
+use std::f64::consts::PI;
+
 use asperity_synthesis::{
     Arrangement, Cracks, GrooveProfile, Grooves, Pyramids, Scratches, SphericalSegments, Structure,
 };
@@ -13,45 +15,51 @@ const WIDTH: f64 = 16.0;
 /// Side of a tile in widths of features where its size is not given.
 const TILE: f64 = 16.0;
 
-/// Name of a structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StructureKind {
-    /// Spherical pits.
-    Pits,
-    /// Spherical caps.
-    Caps,
-    /// V grooves.
-    VGrooves,
-    /// Sine grooves.
-    SineGrooves,
-    /// Blazed grooves.
-    BlazedGrooves,
-    /// Scratches.
-    Scratches,
-    /// Cracks.
-    Cracks,
-    /// Upright pyramids.
-    Pyramids,
-    /// Inverted pyramids.
-    InvertedPyramids,
-}
-
-/// The structure of `[surface]`, if it has one.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// The structure of `[surface]`. What is not given has the default of its features.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StructureConfig {
-    /// Its name.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub structure: Option<StructureKind>,
+    /// Its features.
+    #[serde(flatten)]
+    pub features: Features,
     /// Depth of features, one or several, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub depth: Option<OneOrMany<Number>>,
     /// Width of features, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<Number>,
-    /// Length of scratches, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub scratch_length: Option<Number>,
+}
+
+/// The features of a structure.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "structure", rename_all = "kebab-case")]
+pub enum Features {
+    /// Spherical pits.
+    Pits(SegmentFeatures),
+    /// Spherical caps.
+    Caps(SegmentFeatures),
+    /// V grooves.
+    VGrooves(GrooveFeatures),
+    /// Sine grooves, which have no edges.
+    SineGrooves {
+        /// Half the range of sizes, as a fraction of their mean.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        randomness: Option<Number>,
+    },
+    /// Blazed grooves.
+    BlazedGrooves(GrooveFeatures),
+    /// Scratches.
+    Scratches(ScratchFeatures),
+    /// Cracks.
+    Cracks(CrackFeatures),
+    /// Upright pyramids.
+    Pyramids(PyramidFeatures),
+    /// Inverted pyramids.
+    InvertedPyramids(PyramidFeatures),
+}
+
+/// Pits or caps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SegmentFeatures {
     /// Area of all features over that of the tile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Number>,
@@ -64,105 +72,158 @@ pub struct StructureConfig {
     /// Arrangement of features.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<Arrangement>,
-    /// Standard deviation of the directions of scratches, degrees.
+}
+
+/// Grooves with edges.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GrooveFeatures {
+    /// Radius of curvature of edges, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<Number>,
+    /// Half the range of sizes, as a fraction of their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub randomness: Option<Number>,
+}
+
+/// Scratches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScratchFeatures {
+    /// Length of scratches, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scratch_length: Option<Number>,
+    /// Area of all scratches over that of the tile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Number>,
+    /// Standard deviation of their directions, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread: Option<Number>,
+    /// Radius of curvature of edges, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<Number>,
+    /// Half the range of sizes, as a fraction of their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub randomness: Option<Number>,
+}
+
+/// Cracks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrackFeatures {
+    /// Area of all cracks over that of the tile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Number>,
+    /// Radius of curvature of edges, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<Number>,
+}
+
+/// Pyramids.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PyramidFeatures {
+    /// Area of all features over that of the tile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Number>,
+    /// Half the range of sizes, as a fraction of their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub randomness: Option<Number>,
+    /// Arrangement of features.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<Arrangement>,
+}
+
+fn or(value: Option<Number>, otherwise: f64) -> f64 {
+    value.map_or(otherwise, |value| value.0)
 }
 
 impl StructureConfig {
-    /// The chosen structure with its parameters, which are not checked here, and the first of several depths; `None` where none is chosen.
-    /// `azimuth`: radians.
+    /// The structure with its parameters, which are not checked here, and the first of several depths. `azimuth`: radians.
     #[must_use]
-    pub fn structure(&self, azimuth: f64) -> Option<Structure> {
-        let kind = self.structure?;
-        let or = |value: Option<Number>, otherwise: f64| value.map_or(otherwise, |v| v.0);
+    pub fn structure(&self, azimuth: f64) -> Structure {
         let width = self.width();
-        let depth = self.depth.as_ref().and_then(OneOrMany::first);
-        let depth = |otherwise| or(depth, otherwise);
-        let density = |otherwise| or(self.density, otherwise);
-        let edge_radius = or(self.edge_radius, 0.0);
-        let randomness = or(self.randomness, 0.0);
-        let arrangement = |otherwise| self.arrangement.unwrap_or(otherwise);
-        let segments = |otherwise| {
-            let arrangement = arrangement(otherwise);
+        let first = self.depth.as_ref().and_then(OneOrMany::first);
+        let depth = or(first, 0.25 * width);
+        let segments = |own: &SegmentFeatures, otherwise| {
+            let arrangement = own.arrangement.unwrap_or(otherwise);
+            let density = match arrangement {
+                // Touching
+                Arrangement::Lattice => PI / (2.0 * 3_f64.sqrt()),
+                Arrangement::Random => 0.5,
+                Arrangement::Separate => 0.3,
+            };
             SphericalSegments {
-                depth: depth(0.25 * width),
+                depth,
                 width,
-                density: density(match arrangement {
-                    // Touching
-                    Arrangement::Lattice => std::f64::consts::PI / (2.0 * 3_f64.sqrt()),
-                    Arrangement::Random => 0.5,
-                    Arrangement::Separate => 0.3,
-                }),
-                edge_radius,
-                randomness,
+                density: or(own.density, density),
+                edge_radius: or(own.edge_radius, 0.0),
+                randomness: or(own.randomness, 0.0),
                 arrangement,
             }
         };
-        let grooves = |profile| {
+        let grooves = |profile, edge_radius, randomness| {
             Structure::Grooves(Grooves {
                 profile,
-                depth: depth(0.25 * width),
+                depth,
                 width,
                 azimuth,
-                edge_radius,
-                randomness,
+                edge_radius: or(edge_radius, 0.0),
+                randomness: or(randomness, 0.0),
             })
         };
-        let pyramids = |otherwise| {
-            let arrangement = arrangement(otherwise);
+        let pyramids = |own: &PyramidFeatures, otherwise| {
+            let arrangement = own.arrangement.unwrap_or(otherwise);
+            let density = match arrangement {
+                Arrangement::Lattice => 1.0,
+                Arrangement::Random | Arrangement::Separate => 5.0,
+            };
             Pyramids {
-                depth: depth(Pyramids::crystal_height(width)),
+                depth: or(first, Pyramids::crystal_height(width)),
                 width,
-                density: density(match arrangement {
-                    Arrangement::Lattice => 1.0,
-                    Arrangement::Random | Arrangement::Separate => 5.0,
-                }),
-                randomness,
+                density: or(own.density, density),
+                randomness: or(own.randomness, 0.0),
                 arrangement,
             }
         };
-        Some(match kind {
-            StructureKind::Pits => Structure::Pits(segments(Arrangement::Random)),
-            StructureKind::Caps => Structure::Caps(segments(Arrangement::Lattice)),
-            StructureKind::VGrooves => grooves(GrooveProfile::V),
-            StructureKind::SineGrooves => grooves(GrooveProfile::Sine),
-            StructureKind::BlazedGrooves => grooves(GrooveProfile::Blazed),
-            StructureKind::Scratches => Structure::Scratches(Scratches {
-                depth: depth(0.25 * width),
+        match &self.features {
+            Features::Pits(own) => Structure::Pits(segments(own, Arrangement::Random)),
+            Features::Caps(own) => Structure::Caps(segments(own, Arrangement::Lattice)),
+            Features::VGrooves(own) => grooves(GrooveProfile::V, own.edge_radius, own.randomness),
+            Features::SineGrooves { randomness } => grooves(GrooveProfile::Sine, None, *randomness),
+            Features::BlazedGrooves(own) => {
+                grooves(GrooveProfile::Blazed, own.edge_radius, own.randomness)
+            }
+            Features::Scratches(own) => Structure::Scratches(Scratches {
+                depth,
                 width,
-                length: self.scratch_length(),
-                density: density(0.5),
+                length: or(own.scratch_length, 20.0 * width),
+                density: or(own.density, 0.5),
                 azimuth,
-                spread: or(self.spread, 5.0).to_radians(),
-                edge_radius,
-                randomness,
+                spread: or(own.spread, 5.0).to_radians(),
+                edge_radius: or(own.edge_radius, 0.0),
+                randomness: or(own.randomness, 0.0),
             }),
-            StructureKind::Cracks => Structure::Cracks(Cracks {
-                depth: depth(0.25 * width),
+            Features::Cracks(own) => Structure::Cracks(Cracks {
+                depth,
                 width,
-                density: density(0.3),
-                edge_radius,
+                density: or(own.density, 0.3),
+                edge_radius: or(own.edge_radius, 0.0),
             }),
-            StructureKind::Pyramids => Structure::Pyramids(pyramids(Arrangement::Random)),
-            StructureKind::InvertedPyramids => Structure::Inverted(pyramids(Arrangement::Lattice)),
-        })
+            Features::Pyramids(own) => Structure::Pyramids(pyramids(own, Arrangement::Random)),
+            Features::InvertedPyramids(own) => {
+                Structure::Inverted(pyramids(own, Arrangement::Lattice))
+            }
+        }
     }
 
     /// Returns `true` if it has a direction that the azimuth turns.
-    pub(super) const fn has_direction(&self) -> bool {
-        use StructureKind::{BlazedGrooves, Scratches, SineGrooves, VGrooves};
-        matches!(
-            self.structure,
-            Some(VGrooves | SineGrooves | BlazedGrooves | Scratches)
-        )
+    pub(super) fn has_direction(&self) -> bool {
+        let structure = self.structure(0.0);
+        matches!(structure, Structure::Grooves(_) | Structure::Scratches(_))
     }
 
     /// Length units per sample where that is not given: a sixteenth of the width, an eighth of that of long features.
     #[must_use]
     pub fn spacing(&self) -> f64 {
-        match self.structure {
-            Some(StructureKind::Scratches | StructureKind::Cracks) => self.width() / 8.0,
+        match self.features {
+            Features::Scratches(_) | Features::Cracks(_) => self.width() / 8.0,
             _ => self.width() / 16.0,
         }
     }
@@ -171,22 +232,14 @@ impl StructureConfig {
     #[must_use]
     pub fn tile(&self) -> f64 {
         let side = TILE * self.width();
-        match self.structure {
-            Some(StructureKind::Scratches) => side.max(self.scratch_length()),
-            Some(StructureKind::Cracks) => {
-                let density = self.density.map_or(0.3, |d| d.0);
-                side.max(10.0 * 2.0 * self.width() / density)
-            }
+        match self.structure(0.0) {
+            Structure::Scratches(scratches) => side.max(scratches.length),
+            Structure::Cracks(cracks) => side.max(10.0 * 2.0 * cracks.width / cracks.density),
             _ => side,
         }
     }
 
     fn width(&self) -> f64 {
-        self.width.map_or(WIDTH, |width| width.0)
-    }
-
-    fn scratch_length(&self) -> f64 {
-        self.scratch_length
-            .map_or(20.0 * self.width(), |length| length.0)
+        or(self.width, WIDTH)
     }
 }

@@ -53,10 +53,14 @@ mod tests {
         assert!(is_kept());
         assert_eq!(cases.len(), 4);
         // A marked measurement comes back for the same structure, and another one is measured anew
-        let synthesis = config.surface.structure_synthesis().unwrap();
+        let synthesis_of = |config: &VerifyConfig| {
+            let structure = config.surface.structure.as_ref().unwrap();
+            config.surface.structure_synthesis(structure).unwrap()
+        };
+        let synthesis = synthesis_of(&config);
         let mut other = config.clone();
-        other.surface.structure.depth = Some(OneOrMany::One(Number(2.0)));
-        let foreign = MeasuredStructure::of(&other.surface.structure_synthesis().unwrap()).unwrap();
+        other.surface.structure.as_mut().unwrap().depth = Some(OneOrMany::One(Number(2.0)));
+        let foreign = MeasuredStructure::of(&synthesis_of(&other)).unwrap();
         *memo.0.lock().unwrap() = Some((synthesis, foreign.clone()));
         assert_eq!(memo.measured(synthesis).unwrap(), foreign);
         assert_ne!(config.plan().unwrap().cases, cases);

@@ -4,18 +4,21 @@ use asperity_simulate::check_memory;
 use asperity_synthesis::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
 
 use super::surface::SurfaceConfig;
-use super::surface_error::SurfaceError;
 use crate::config::error::ConfigError;
+use crate::config::structure::StructureConfig;
 
 impl SurfaceConfig {
     /// The smoothness of an isotropic Gaussian surface with the same mean square slope, and the recipe of the structure.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is missing or out of range, or the tile does not hold the structure.
-    pub(super) fn structured(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
+    pub(super) fn structured(
+        &self,
+        structure: &StructureConfig,
+    ) -> Result<(f64, SurfaceRecipe), ConfigError> {
         let roughness = self.roughness_on_top()?;
-        let synthesis = self.structure_synthesis()?;
-        check_memory("this surface", synthesis.peak_bytes()).map_err(SurfaceError::Memory)?;
+        let synthesis = self.structure_synthesis(structure)?;
+        check_memory("this surface", synthesis.peak_bytes())?;
         let measured = self.measured.measured(synthesis);
         let surface = measured
             .map_err(|error| self.refused(error))?
@@ -26,18 +29,18 @@ impl SurfaceConfig {
     }
 
     /// Returns the synthesis of the structure.
-    pub(super) fn structure_synthesis(&self) -> Result<StructureSynthesis, SurfaceError> {
-        let azimuth = self.azimuth.0.to_radians();
-        let Some(structure) = self.structure.structure(azimuth) else {
-            return Err(SurfaceError::Missing("structure"));
-        };
-        let (shape, spacing) = (self.shape()?, self.spacing());
+    pub(super) fn structure_synthesis(
+        &self,
+        structure: &StructureConfig,
+    ) -> Result<StructureSynthesis, ConfigError> {
+        let structure = structure.structure(self.azimuth.0.to_radians());
+        let (shape, spacing) = (self.shape(), self.spacing());
         let synthesis = StructureSynthesis::new(structure, shape, spacing, self.insist);
         synthesis.map_err(|error| self.refused(error))
     }
 
-    const fn refused(&self, error: StructureError) -> SurfaceError {
-        SurfaceError::Structure {
+    const fn refused(&self, error: StructureError) -> ConfigError {
+        ConfigError::Structure {
             error,
             unit: self.unit,
         }
@@ -45,7 +48,7 @@ impl SurfaceConfig {
 
     /// Returns the spectrum of the roughness on top, if sigma is given.
     fn roughness_on_top(&self) -> Result<Option<Psd>, ConfigError> {
-        if self.sigma.is_none() {
+        if self.roughness.is_none() {
             return Ok(None);
         }
         let (_, recipe) = self.transformed_spectrum()?;

@@ -6,10 +6,9 @@ use asperity_synthesis::{Psd, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
 use super::structure_memo::StructureMemo;
-use super::surface_choices::{HeightsChoice, SpectrumChoice, SpectrumName, SurfaceFiles};
-use super::surface_error::SurfaceError;
+use super::surface_choices::{HeightsChoice, Roughness, SecondScale, Spectrum, SurfaceFiles};
 use crate::config::structure::StructureConfig;
-use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
+use crate::config::values::{Auto, Count, Number, OrAuto, PerAxis};
 
 /// Correlation lengths along the side of a tile whose size is not given.
 const TILE: f64 = 32.0;
@@ -51,29 +50,12 @@ impl CellsChoice {
     }
 }
 
-/// A distribution of slopes by its name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SlopesName {
-    /// Slopes of Gaussian heights.
-    #[default]
-    Gaussian,
-    /// Long tails.
-    Ggx,
-}
-
-impl SlopesName {
-    fn is_gaussian(&self) -> bool {
-        *self == Self::Gaussian
-    }
-}
-
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceConfig {
     /// Power spectral density.
-    #[serde(default, skip_serializing_if = "SpectrumChoice::is_gaussian")]
-    pub psd: SpectrumChoice,
+    #[serde(flatten)]
+    pub spectrum: Spectrum,
     /// Distribution of heights, if it is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<HeightsChoice>,
@@ -84,56 +66,26 @@ pub struct SurfaceConfig {
         skip_serializing_if = "SurfaceFiles::is_empty"
     )]
     pub files: SurfaceFiles,
-    /// Parameter of Matern's family.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub nu: Option<Number>,
-    /// Hurst exponent of a power law.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hurst: Option<Number>,
-    /// Wavelength beyond which a power law is level, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub roll_off: Option<Number>,
-    /// Wavelength of the shortest waves, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cut_off: Option<Number>,
-    /// Root mean square height of a second scale that is added, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub second_sigma: Option<Number>,
-    /// Correlation length of the second scale, length units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub second_tau: Option<Number>,
+    /// The second scale, if there is one.
+    #[serde(flatten)]
+    pub second: Option<SecondScale>,
     /// Skewness of the heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skewness: Option<Number>,
     /// Kurtosis of the heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kurtosis: Option<Number>,
-    /// Distribution of slopes.
-    #[serde(default, skip_serializing_if = "SlopesName::is_gaussian")]
-    pub slopes: SlopesName,
-    /// Roughness of GGX slopes, one or several; instead of `smoothness`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ggx_alpha: Option<OneOrMany<Number>>,
-    /// Correlation length of the amplitude of GGX slopes over that of the surface.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub amplitude_ratio: Option<Number>,
-    /// 1/e correlation length, length units; none where it follows from the spectrum.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tau: Option<Number>,
+    /// Roughness; none where it follows from the file of the spectrum, and of a structure alone.
+    #[serde(flatten)]
+    pub roughness: Option<Roughness>,
     /// Correlation length along the second principal axis, if it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tau_y: Option<Number>,
     /// Angle from +x to the first principal axis, degrees.
     pub azimuth: Number,
-    /// Smoothness `tau / sigma`, one or several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub smoothness: Option<OneOrMany<Number>>,
-    /// Root mean square height, one or several; instead of `smoothness`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sigma: Option<OneOrMany<Number>>,
-    /// The structure, if there is one; `sigma`, `tau` and `tau_y` are then those of Gaussian roughness on top.
+    /// The structure, if there is one; spectrum and roughness are then those of Gaussian roughness on top.
     #[serde(flatten)]
-    pub structure: StructureConfig,
+    pub structure: Option<StructureConfig>,
     /// Samples along x and y; those of a tile of 32 correlation lengths by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<PerAxis<Count>>,
@@ -159,8 +111,11 @@ impl SurfaceConfig {
     pub fn is_isotropic(&self) -> bool {
         let spectrum = self.unit_psd().and_then(|psd| self.turned(psd));
         let spectrum = spectrum.map_or(true, |psd| psd.is_isotropic());
-        match self.structure.structure(self.azimuth.0.to_radians()) {
-            Some(structure) => structure.is_isotropic() && (spectrum || self.sigma.is_none()),
+        match &self.structure {
+            Some(structure) => {
+                let structure = structure.structure(self.azimuth.0.to_radians());
+                structure.is_isotropic() && (spectrum || self.roughness.is_none())
+            }
             None => spectrum,
         }
     }
@@ -168,9 +123,10 @@ impl SurfaceConfig {
     /// Cells between heights. Unless named they are smooth, but flat where a structure has edges.
     #[must_use]
     pub fn cells(&self) -> Cells {
-        let is_structured = self.structure.structure.is_some();
-        if is_structured && self.cells == CellsChoice::default() {
-            let synthesis = self.structure_synthesis();
+        if let Some(structure) = &self.structure
+            && self.cells == CellsChoice::default()
+        {
+            let synthesis = self.structure_synthesis(structure);
             return match synthesis.is_ok_and(|synthesis| synthesis.suits_smooth_cells()) {
                 true => Cells::Smooth,
                 false => Cells::Flat,
@@ -186,8 +142,8 @@ impl SurfaceConfig {
         if let Some(spacing) = self.spacing {
             return spacing.xy().map(|d| d.0);
         }
-        if self.structure.structure.is_some() {
-            return [self.structure.spacing(); 2];
+        if let Some(structure) = &self.structure {
+            return [structure.spacing(); 2];
         }
         if let Some(spacing) = self.files.psd.as_ref().and_then(Psd::sampled) {
             return spacing;
@@ -205,35 +161,40 @@ impl SurfaceConfig {
     /// two, or 16 of the amplitude of GGX slopes.
     #[must_use]
     pub fn size(&self) -> [u64; 2] {
-        let [_, longer] = self.correlation_lengths();
-        let lengths = match self.slopes {
-            SlopesName::Gaussian => TILE,
-            SlopesName::Ggx => 0.5 * TILE * self.amplitude_ratio(),
-        };
-        let tile = match self.structure.structure {
-            Some(_) => self.structure.tile(),
-            None => lengths * longer,
+        let tile = match &self.structure {
+            Some(structure) => structure.tile(),
+            None => {
+                let ratio = self.amplitude_ratio();
+                let lengths = ratio.map_or(TILE, |ratio| 0.5 * TILE * ratio);
+                let [_, longer] = self.correlation_lengths();
+                lengths * longer
+            }
         };
         let spans = |d: f64| 2 * (0.5 * tile / d).ceil() as u64;
         let given = self.size.map(|size| size.xy().map(|n| n.0));
         given.unwrap_or_else(|| self.spacing().map(spans))
     }
 
-    /// Correlation length of the amplitude of GGX slopes over that of the surface.
-    pub(super) fn amplitude_ratio(&self) -> f64 {
-        self.amplitude_ratio
-            .map_or(DEFAULT_AMPLITUDE_RATIO, |ratio| ratio.0)
+    /// Correlation length of the amplitude of GGX slopes over that of the surface; `None` of other slopes.
+    pub(super) fn amplitude_ratio(&self) -> Option<f64> {
+        match &self.roughness {
+            Some(Roughness::Ggx {
+                amplitude_ratio, ..
+            }) => Some(amplitude_ratio.map_or(DEFAULT_AMPLITUDE_RATIO, |ratio| ratio.0)),
+            _ => None,
+        }
     }
 
     /// Samples `[ny, nx]` of each surface.
-    ///
-    /// # Errors
-    /// [`SurfaceError::TooManySamples`].
-    pub fn shape(&self) -> Result<[usize; 2], SurfaceError> {
+    #[must_use]
+    pub fn shape(&self) -> [usize; 2] {
         let [x, y] = self.size();
-        let samples =
-            |count: u64| usize::try_from(count).map_err(|_| SurfaceError::TooManySamples(count));
-        Ok([samples(y)?, samples(x)?])
+        // More than can be counted do not fit into memory, which is refused elsewhere
+        [y, x].map(|count| usize::try_from(count).unwrap_or(usize::MAX))
+    }
+
+    const fn has_gaussian_spectrum(&self) -> bool {
+        matches!(self.spectrum, Spectrum::Gaussian { .. })
     }
 
     /// Deficit of the slope variance of facets of this spacing against the continuous surface, as a fraction:
@@ -242,7 +203,7 @@ impl SurfaceConfig {
     pub fn facet_slope_deficit(&self, spacing: [f64; 2]) -> f64 {
         let [shorter, _] = self.correlation_lengths();
         let [dx, dy] = spacing;
-        if self.psd != SpectrumName::Gaussian
+        if !self.has_gaussian_spectrum()
             && let Ok(psd) = self.unit_psd().and_then(|psd| self.turned(psd))
         {
             let [along_x, along_y] = psd.slope_variance();
@@ -258,24 +219,19 @@ impl SurfaceConfig {
 
     /// The shorter and the longer of the two correlation lengths; 1 where they make no sense, which is refused elsewhere.
     fn correlation_lengths(&self) -> [f64; 2] {
-        let given = self.tau.filter(|_| self.psd == SpectrumName::Gaussian);
-        let tau = match given {
-            Some(tau) => tau.0,
-            None => self
-                .unit_psd()
-                .map_or(1.0, |psd| psd.correlation_lengths()[0]),
-        };
+        let psd = self.unit_psd();
+        let tau = psd.map_or(1.0, |psd| psd.correlation_lengths()[0]);
         let tau_y = self.tau_y.map_or(tau, |t| t.0);
         let [shorter, longer] = [tau.min(tau_y), tau.max(tau_y)];
-        match self.second_tau {
-            Some(second) => [shorter.min(second.0), longer.max(second.0)],
+        match self.second {
+            Some(second) => [shorter.min(second.tau.0), longer.max(second.tau.0)],
             None => [shorter, longer],
         }
     }
 
     /// Wavelengths that the grid has to resolve in addition to the correlation length.
     fn wavelengths(&self) -> [f64; 2] {
-        if self.psd == SpectrumName::Gaussian {
+        if self.has_gaussian_spectrum() {
             return [f64::INFINITY; 2];
         }
         let psd = self.unit_psd().and_then(|psd| self.turned(psd)).ok();
@@ -286,12 +242,46 @@ impl SurfaceConfig {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::json;
+
     use crate::config::VerifyConfig;
 
     fn grid(text: &str) -> ([u64; 2], [f64; 2]) {
         let surface = VerifyConfig::from_toml(&format!("[surface]\n{text}"));
         let surface = surface.unwrap().surface;
         (surface.size(), surface.spacing())
+    }
+
+    /// Results hold configurations, and resume by them.
+    #[test]
+    fn a_configuration_has_the_keys_that_were_given() {
+        let always = ["azimuth", "cells", "insist", "unit"];
+        for text in [
+            "tau = 8\nsmoothness = 3\ntau_y = 4\nskewness = 0.1",
+            "tau = 8\nsigma = 3\nsecond_sigma = 1\nsecond_tau = 2\nheights = \"h.csv\"",
+            "tau = 8\nslopes = \"ggx\"\nggx_alpha = [0.1, 0.2]\namplitude_ratio = 4",
+            "psd = \"matern\"\nnu = 2\ntau = 8\nsmoothness = 3",
+            "psd = \"exponential\"\ncut_off = 2\ntau = 8\nsigma = [1, 2]",
+            "psd = \"power-law\"\nhurst = 0.5\nroll_off = 9\ncut_off = 1\nsmoothness = 3",
+            "psd = \"like:map.exr\"",
+            "structure = \"pits\"\ndepth = [1, 2]\nwidth = 9\narrangement = \"lattice\"",
+            "structure = \"scratches\"\nspread = 1\nscratch_length = 99\nedge_radius = 0",
+            "structure = \"sine-grooves\"\nrandomness = 0.1\nsigma = 1\ntau = 8",
+        ] {
+            let given: toml::Table = text.parse().unwrap();
+            let given: BTreeSet<&str> = given.keys().map(String::as_str).chain(always).collect();
+            let config = VerifyConfig::from_toml(&format!("[surface]\n{text}")).unwrap();
+            let kept = json!(config.surface);
+            let kept: BTreeSet<&str> = kept
+                .as_object()
+                .unwrap()
+                .keys()
+                .map(String::as_str)
+                .collect();
+            assert_eq!(kept, given, "{text}");
+        }
     }
 
     #[test]

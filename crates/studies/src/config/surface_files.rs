@@ -14,7 +14,7 @@ use serde::Serialize;
 pub use self::error::SurfaceFileError;
 use self::source::Source;
 use super::surface::SurfaceConfig;
-use super::surface_choices::HeightsChoice;
+use super::surface_choices::{HeightsChoice, Spectrum};
 use crate::settings::LIKE;
 
 impl SurfaceConfig {
@@ -25,7 +25,8 @@ impl SurfaceConfig {
     /// [`SurfaceFileError`].
     pub fn read_files(&mut self) -> Result<Vec<String>, SurfaceFileError> {
         let mut notes = Vec::new();
-        if let Some(path) = self.psd.file().map(Path::to_owned) {
+        if let Spectrum::File { psd: path } = &self.spectrum {
+            let path = path.clone();
             let psd = match like(&path) {
                 Some(map) => self.read_map(map, &mut notes)?.psd,
                 None => {
@@ -103,9 +104,9 @@ fn read_table(
 
 /// A radial table, or one over the plane of wave vectors.
 fn psd_of(table: &NumberTable) -> Result<Psd, SurfaceFileError> {
-    let failed = |error: PsdError| SurfaceFileError::Psd {
+    let failed = |error: PsdError| SurfaceFileError::Spectrum {
         path: table.path().to_owned(),
-        error,
+        error: error.into(),
     };
     let column = |name| table.column(name).map(<[f64]>::to_vec);
     let density = column("density");
@@ -128,8 +129,12 @@ fn psd_of(table: &NumberTable) -> Result<Psd, SurfaceFileError> {
             .chunks(columns)
             .all(|row| row.iter().all(|k| *k == row[0]));
     if !is_grid {
-        return Err(SurfaceFileError::NoGrid {
+        return Err(SurfaceFileError::Content {
             path: table.path().to_owned(),
+            subject: "--psd",
+            needed: "the rows kx, ky of a grid, each pair once and in order of ky, then kx"
+                .to_owned(),
+            found: "others".to_owned(),
         });
     }
     let rows = ky.iter().step_by(columns).copied().collect();
@@ -163,13 +168,13 @@ fn heights_of(table: &NumberTable) -> Result<HeightTable, SurfaceFileError> {
 
 fn wrong_columns(
     table: &NumberTable,
-    setting: &'static str,
+    subject: &'static str,
     expected: &'static str,
 ) -> SurfaceFileError {
-    SurfaceFileError::Columns {
+    SurfaceFileError::Content {
         path: table.path().to_owned(),
-        setting,
-        expected,
+        subject,
+        needed: format!("the columns {expected}"),
         found: table.names().join(", "),
     }
 }

@@ -1,31 +1,30 @@
 //! `[surface]`: what random surfaces are drawn by.
 
+use asperity_simulate::short;
 use asperity_synthesis::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
-use super::surface::{MAX_SMOOTHNESS, SlopesName, SurfaceConfig};
-use super::surface_choices::{SpectrumChoice, SpectrumName};
-use super::surface_error::SurfaceError;
+use super::surface::{MAX_SMOOTHNESS, SurfaceConfig};
+use super::surface_choices::{Roughness, Spectrum};
 use crate::config::error::ConfigError;
+use crate::config::structure::StructureConfig;
+use crate::config::values::{Number, OneOrMany};
 
-/// Returns a value that the chosen spectrum or slopes need.
-fn needed<T>(value: Option<T>, name: &'static str) -> Result<T, SurfaceError> {
-    value.ok_or(SurfaceError::Missing(name))
-}
+const UNREAD_SPECTRUM: ConfigError = ConfigError::Unread("the file of the spectrum");
 
 impl SurfaceConfig {
     /// The smoothness and what surfaces are drawn by, of a configuration without lists.
     ///
     /// # Errors
-    /// [`ConfigError`] if a value is missing or out of range.
+    /// [`ConfigError`] if a value is out of range.
     pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         self.check_azimuth()?;
-        if self.structure.structure.is_some() {
-            return self.structured();
+        match (&self.structure, &self.roughness, self.amplitude_ratio()) {
+            (Some(structure), _, _) => self.structured(structure),
+            (None, Some(Roughness::Ggx { ggx_alpha, .. }), Some(ratio)) => {
+                self.student(ggx_alpha, ratio)
+            }
+            _ => self.transformed_spectrum(),
         }
-        if self.slopes == SlopesName::Ggx {
-            return self.student();
-        }
-        self.transformed_spectrum()
     }
 
     /// Surfaces of a spectrum, Gaussian or with other heights.
@@ -37,14 +36,14 @@ impl SurfaceConfig {
             Psd::Gaussian(_) => {
                 let tau_y = self.tau_y.map_or(tau, |t| t.0);
                 let azimuth = self.azimuth.0.to_radians();
-                Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth).map_err(SurfaceError::from)?
+                Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?
             }
-            other => self.turned(other.with_sigma(sigma).map_err(SurfaceError::from)?)?,
+            other => self.turned(other.with_sigma(sigma)?)?,
         };
-        let Some(second) = self.second()? else {
+        let Some(second) = self.second else {
             return Ok((smoothness, self.transformed(psd)?));
         };
-        let sum = psd.plus(second);
+        let sum = psd.plus(Psd::gaussian(second.sigma.0, second.tau.0)?);
         let [tau, _] = sum.correlation_lengths();
         Ok((tau / sum.sigma(), self.transformed(sum)?))
     }
@@ -52,31 +51,30 @@ impl SurfaceConfig {
     /// The smoothness and the root mean square height of surfaces of the correlation length `tau`: one is given and the other follows, or
     /// both follow from the file of the spectrum.
     fn smoothness_and_sigma(&self, tau: f64) -> Result<(f64, f64), ConfigError> {
-        let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
-            (Some(smoothness), None) => {
+        let (smoothness, sigma) = match (&self.roughness, &self.files.psd) {
+            (Some(Roughness::Smoothness { smoothness }), _) => {
                 let smoothness = smoothness.one("smoothness")?.0;
                 (smoothness, tau / smoothness)
             }
-            (None, Some(sigma)) => {
+            (Some(Roughness::Sigma { sigma }), _) => {
                 let sigma = sigma.one("sigma")?.0;
                 (tau / sigma, sigma)
             }
-            (None, None) if let Some(psd) = &self.files.psd => (tau / psd.sigma(), psd.sigma()),
-            _ => return Err(SurfaceError::Missing("smoothness").into()),
+            (_, Some(psd)) => (tau / psd.sigma(), psd.sigma()),
+            (_, None) => return Err(UNREAD_SPECTRUM),
         };
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
         let smoother = smoothness * ratio.max(1.0);
-        if smoother > MAX_SMOOTHNESS {
-            return Err(SurfaceError::TooSmooth(smoother).into());
-        }
-        if !(smoothness.is_finite() && smoothness > 0.0) {
-            return Err(SurfaceError::BadSmoothness(smoothness).into());
+        if !(smoothness > 0.0 && smoother <= MAX_SMOOTHNESS) {
+            let expected = "above 0 and at most 1e6, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects as well";
+            let given = format!("smoothness {}", short(smoother));
+            return Err(ConfigError::invalid(given, expected));
         }
         Ok((smoothness, sigma))
     }
 
     /// Surfaces of a spectrum with the skewness and kurtosis requested, if any are.
-    fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, SurfaceError> {
+    fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, ConfigError> {
         let has_moments = self.skewness.is_some() || self.kurtosis.is_some();
         if let Some(heights) = &self.files.heights {
             return Ok(TransformedHeights::of(psd, heights.clone()).into());
@@ -91,74 +89,61 @@ impl SurfaceConfig {
     }
 
     /// The spectrum of root mean square height 1, along one axis.
-    pub(super) fn unit_psd(&self) -> Result<Psd, SurfaceError> {
-        match self.psd {
-            SpectrumChoice::Named(name) => self.named_psd(name),
-            SpectrumChoice::File(_) => match &self.files.psd {
-                Some(psd) => Ok(psd.clone().with_sigma(1.0)?),
-                None => Err(SurfaceError::UnreadSpectrum),
-            },
-        }
-    }
-
-    /// A spectrum that has a name, of root mean square height 1.
-    fn named_psd(&self, name: SpectrumName) -> Result<Psd, SurfaceError> {
-        let tau = || Ok::<_, SurfaceError>(needed(self.tau, "tau")?.0);
-        Ok(match name {
-            SpectrumName::Gaussian => Psd::gaussian(1.0, tau()?)?,
-            SpectrumName::Exponential => {
-                Psd::exponential(1.0, tau()?, needed(self.cut_off, "cut_off")?.0)?
+    pub(super) fn unit_psd(&self) -> Result<Psd, ConfigError> {
+        Ok(match &self.spectrum {
+            Spectrum::Gaussian { tau, .. } => Psd::gaussian(1.0, tau.map_or(1.0, |tau| tau.0))?,
+            Spectrum::Exponential { tau, cut_off } => Psd::exponential(1.0, tau.0, cut_off.0)?,
+            Spectrum::Matern { tau, nu, cut_off } => {
+                Psd::matern(1.0, tau.0, nu.0, cut_off.map(|cut_off| cut_off.0))?
             }
-            SpectrumName::Matern => {
-                let nu = needed(self.nu, "nu")?.0;
-                let cut_off = self.cut_off.map(|cut_off| cut_off.0);
-                Psd::matern(1.0, tau()?, nu, cut_off)?
-            }
-            SpectrumName::PowerLaw => {
-                let hurst = needed(self.hurst, "hurst")?.0;
-                let roll_off = needed(self.roll_off, "roll_off")?.0;
-                Psd::power_law(1.0, hurst, roll_off, needed(self.cut_off, "cut_off")?.0)?
+            Spectrum::PowerLaw {
+                hurst,
+                roll_off,
+                cut_off,
+            } => Psd::power_law(1.0, hurst.0, roll_off.0, cut_off.0)?,
+            Spectrum::File { .. } => {
+                let psd = self.files.psd.clone();
+                psd.ok_or(UNREAD_SPECTRUM)?.with_sigma(1.0)?
             }
         })
     }
 
     /// The spectrum with its second axis.
-    pub(super) fn turned(&self, psd: Psd) -> Result<Psd, SurfaceError> {
+    pub(super) fn turned(&self, psd: Psd) -> Result<Psd, ConfigError> {
         match self.tau_y {
             Some(tau_y) => Ok(psd.stretched(tau_y.0, self.azimuth.0.to_radians())?),
             None => Ok(psd),
         }
     }
 
-    /// The second scale, if there is one.
-    fn second(&self) -> Result<Option<Psd>, SurfaceError> {
-        match (self.second_sigma, self.second_tau) {
-            (Some(sigma), Some(tau)) => Ok(Some(Psd::gaussian(sigma.0, tau.0)?)),
-            _ => Ok(None),
-        }
-    }
-
-    /// Surfaces of GGX slopes.
-    fn student(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        let alpha = needed(self.ggx_alpha.as_ref(), "ggx_alpha")?.one("ggx_alpha")?;
+    /// Surfaces of GGX slopes, of the roughness `alpha`, whose amplitude has a correlation length of `ratio` times theirs.
+    fn student(
+        &self,
+        alpha: &OneOrMany<Number>,
+        ratio: f64,
+    ) -> Result<(f64, SurfaceRecipe), ConfigError> {
+        let alpha = alpha.one("ggx_alpha")?;
         let unit = self.turned(self.unit_psd()?)?;
         // alpha^2 is twice the slope variance along the first axis
         let [tau, _] = unit.correlation_lengths();
         let along = self.unit_psd()?.slope_covariance()[0];
         let sigma = alpha.0 / (2.0 * along).sqrt();
-        let base = unit.with_sigma(sigma).map_err(SurfaceError::from)?;
-        let student = StudentSlopes::new(base, self.amplitude_ratio());
-        let recipe: SurfaceRecipe = student.map_err(SurfaceError::from)?.into();
+        let recipe: SurfaceRecipe = StudentSlopes::new(unit.with_sigma(sigma)?, ratio)?.into();
         Ok((tau / recipe.sigma(), recipe))
     }
 
     /// Refuses an azimuth where nothing has a direction that it would turn.
-    fn check_azimuth(&self) -> Result<(), SurfaceError> {
+    fn check_azimuth(&self) -> Result<(), ConfigError> {
         let azimuth = self.azimuth.0;
-        let has_direction = self.tau_y.is_some() || self.structure.has_direction();
-        match azimuth != 0.0 && !has_direction {
-            true => Err(SurfaceError::NoDirection { azimuth }),
-            false => Ok(()),
+        let structure = self.structure.as_ref();
+        let has_direction = structure.is_some_and(StructureConfig::has_direction);
+        if azimuth == 0.0 || self.tau_y.is_some() || has_direction {
+            return Ok(());
         }
+        Err(ConfigError::of_other(
+            format!("azimuth {}", short(azimuth)),
+            "--tau-y, grooves and scratches",
+            "surfaces that have no direction to turn",
+        ))
     }
 }

@@ -18,11 +18,13 @@ const MAX_CASES: f64 = 1e6;
 type Dimension = fn(&mut VerifyConfig) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.
-const DIMENSIONS: [(&str, Dimension); 13] = [
-    ("smoothness", |config| config.surface.smoothness.as_mut()),
-    ("sigma", |config| config.surface.sigma.as_mut()),
-    ("ggx_alpha", |config| config.surface.ggx_alpha.as_mut()),
-    ("depth", |config| config.surface.structure.depth.as_mut()),
+const DIMENSIONS: [(&str, Dimension); 11] = [
+    ("roughness", |config| {
+        Some(config.surface.roughness.as_mut()?.list_mut())
+    }),
+    ("depth", |config| {
+        config.surface.structure.as_mut()?.depth.as_mut()
+    }),
     ("eta", |config| config.material.eta_mut()),
     ("mean_free_path", |config| interactions(config)?[0].take()),
     ("albedo", |config| interactions(config)?[1].take()),
@@ -57,10 +59,11 @@ impl VerifyConfig {
             .map(|(_, values)| values.len() as f64)
             .product();
         if count > MAX_CASES {
-            return Err(ConfigError::TooManyCases {
-                count,
-                most: MAX_CASES,
-            });
+            let given = format!("{count:.0e} cases, which the lists make,");
+            return Err(ConfigError::invalid(
+                given,
+                format!("at most {MAX_CASES:.0e}"),
+            ));
         }
         let with_values = |configs: Vec<Self>, (dimension, values): (Dimension, Vec<Number>)| {
             let with = |config: Self| {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::measured::MeasuredConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::cases::{check_light, check_models, check_sides};
-use crate::config::error::{ConfigError, StokesError};
+use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
 use crate::config::{Azimuth, CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig};
@@ -136,10 +136,12 @@ impl TraceConfig {
             return Ok(());
         }
         if self.light.azimuth == Some(Azimuth::Random) {
-            return Err(ConfigError::ModelsOfOneAzimuth);
+            let needed = "light from one azimuth; leave out azimuth random, or the models";
+            return Err(ConfigError::missing("a comparison with models", needed));
         }
         if self.stokes()? != [0.0; 3] {
-            return Err(ConfigError::ModelsOfUnpolarisedLight);
+            let needed = "unpolarised light; leave out stokes, or the models";
+            return Err(ConfigError::missing("a comparison with models", needed));
         }
         let any = ModelledSurface {
             slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
@@ -177,27 +179,34 @@ impl TraceConfig {
             .iter()
             .map(|number| number.0)
             .collect();
-        let refused = |error| ConfigError::Stokes {
-            given: given.clone(),
-            error,
+        let refused = |expected| {
+            let numbers: Vec<String> = given.iter().map(f64::to_string).collect();
+            Err(ConfigError::invalid(
+                format!("stokes {}", numbers.join(",")),
+                expected,
+            ))
         };
         let &[i, q, u, v] = given.as_slice() else {
-            return Err(refused(StokesError::NotFour));
+            return refused("four numbers, I,Q,U,V");
         };
         if i <= 0.0 {
-            return Err(refused(StokesError::NoIntensity));
+            return refused("of an intensity I above 0");
         }
         let stokes = [q / i, u / i, v / i];
         let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
         if degree > 1.0 + 1e-9 {
-            return Err(refused(StokesError::AboveIntensity));
+            return refused(
+                "of Q^2 + U^2 + V^2 up to I^2: no more light is polarised than there is",
+            );
         }
         let is_tracked = matches!(
             self.run.polarisation,
             Polarisation::Tracked | Polarisation::Both
         );
         if !is_tracked && degree > 0.0 {
-            return Err(refused(StokesError::NotTracked));
+            return refused(
+                "unpolarised, unless paths carry its polarisation: with --polarisation tracked or both",
+            );
         }
         Ok(stokes)
     }

@@ -98,10 +98,10 @@ impl<T: Copy> OneOrMany<T> {
     pub fn one(&self, name: &'static str) -> Result<T, ConfigError> {
         match self.values(name)?[..] {
             [value] => Ok(value),
-            ref values => Err(ConfigError::SeveralValues {
-                name,
-                count: values.len(),
-            }),
+            ref values => Err(ConfigError::invalid(
+                format!("{} values of {name}", values.len()),
+                "one value",
+            )),
         }
     }
 
@@ -113,10 +113,13 @@ impl<T: Copy> OneOrMany<T> {
     /// All values; `name` is that of the setting.
     ///
     /// # Errors
-    /// [`ConfigError::EmptyList`] of a list without values.
+    /// [`ConfigError::Setting`] of a list without values.
     pub fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
         match self.as_slice() {
-            [] => Err(ConfigError::EmptyList(name)),
+            [] => Err(ConfigError::invalid(
+                format!("{name} = []"),
+                "one value or several",
+            )),
             values => Ok(values.to_vec()),
         }
     }

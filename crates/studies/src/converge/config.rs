@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use super::method::{ConvergeRun, Method};
+use crate::config::cases::flat_accelerator;
 use crate::config::error::ConfigError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis};
 use crate::config::{
@@ -183,7 +184,7 @@ impl ConvergeConfig {
             if spacing > 0.0 && whole >= 1.0 && (samples - whole).abs() <= 1e-9 * whole {
                 return Ok(whole as usize);
             }
-            Err(ConfigError::PartSamples { spacing, extent })
+            Err(ConfigError::part_samples(spacing, extent))
         };
         let ([x, y], [dx, dy]) = (self.extent(), spacing.xy());
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
@@ -197,7 +198,7 @@ impl ConvergeConfig {
         let samplings = once("samplings", config.samplings.values("samplings")?)?;
         let accelerators = once("accelerators", config.accelerators.values("accelerators")?)?;
         if accelerators.contains(&AcceleratorKind::Flat) {
-            return Err(ConfigError::FlatAccelerator);
+            return Err(flat_accelerator());
         }
         let mut methods = Vec::new();
         for &spacing in spacings {
@@ -224,7 +225,8 @@ impl ConvergeConfig {
             });
             let peers: Vec<Method> = of_peers.collect();
             if peers.is_empty() {
-                return Err(ConfigError::NoMethodOfPeer);
+                let needed = "errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings";
+                return Err(ConfigError::missing("peer_rate", needed));
             }
             methods.extend(peers);
         }
@@ -351,10 +353,14 @@ impl ConvergeConfig {
 /// Returns the reason why no control variate is known for a case, if none is.
 fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
     if case.material.is_diffuse() {
-        return Some(ConfigError::DiffuseControl);
+        return Some(ConfigError::no_control_variate(
+            "does not support Lambertian facets; give --estimators plain",
+        ));
     }
     let recipe = case.surface.recipe()?;
-    recipe.structured().map(|_| ConfigError::NoControl)
+    recipe.structured().map(|_| {
+        ConfigError::no_control_variate("needs the distribution of slopes, which of structured surfaces is not known; give --estimators plain")
+    })
 }
 
 /// Rays and surfaces, value by value; one value holds for all of the other.
@@ -366,10 +372,11 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
         .iter()
         .all(|len| [1, count].contains(len))
     {
-        return Err(ConfigError::UnequalLists {
-            rays: rays.len(),
-            surfaces: surfaces.len(),
-        });
+        let (rays, surfaces) = (rays.len(), surfaces.len());
+        return Err(ConfigError::invalid(
+            format!("{rays} values of rays and {surfaces} of surfaces"),
+            "as many of both, or one of either, since they go together value by value",
+        ));
     }
     let pairs = (0..count).map(|i| (rays[i % rays.len()].0, surfaces[i % surfaces.len()].0));
     let names = pairs
@@ -384,7 +391,10 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
 fn effort(rays: u64, surfaces: u64) -> Result<Effort, ConfigError> {
     match rays.checked_mul(surfaces) {
         Some(total) if total as f64 <= MOST_COUNT => Ok(Effort::Rays { total, surfaces }),
-        _ => Err(ConfigError::TooManyRays { rays, surfaces }),
+        _ => Err(ConfigError::invalid(
+            format!("{rays} rays on each of {surfaces} surfaces"),
+            format!("at most {MOST_COUNT:e} in all"),
+        )),
     }
 }
 
@@ -465,24 +475,21 @@ mod tests {
             ),
             ("[converge]\naccelerators = [\"flat\"]", "take auto"),
             ("[converge]\nspacings = [1, 1]", "1 is given twice"),
-            (
-                "[converge]\nspacings = [3]",
-                "does not divide the extent 512",
-            ),
+            ("[converge]\nspacings = [3]", "divides the extent 512"),
             ("[converge]\nspacings = [0]", "above 0"),
             ("[converge]\nspacings = [-1]", "above 0"),
             ("[converge]\nspacings = [8]", "correlation length"),
-            ("[converge]\nreference_spacing = 5", "does not divide"),
+            ("[converge]\nreference_spacing = 5", "divides the extent"),
             (
                 "[converge]\nrays = [10, 100]\nsurfaces = [1, 2, 3]",
-                "rays has 2 values and surfaces 3",
+                "2 values of rays and 3 of surfaces",
             ),
             (
                 "[converge]\nrays = [10, 10]\nsurfaces = 1",
                 "10 x 1 is given twice",
             ),
             ("[converge]\nrays = 0", "1 or more"),
-            ("[converge]\nrays = 1e14", "more than 1e15"),
+            ("[converge]\nrays = 1e14", "at most 1e15"),
             ("[converge]\nsurfaces = 1e7", "GiB"),
             ("[converge]\nrepeats = 0", "1 or more"),
             (

@@ -53,7 +53,9 @@ impl GonioLight {
     /// [`ConfigError`] if a list is empty, holds a value twice, or an angle is out of range.
     pub fn angles(&self) -> Result<[Vec<f64>; 2], ConfigError> {
         let given = |list: &Option<OneOrMany<Number>>, name| {
-            let list = list.as_ref().ok_or(ConfigError::EmptyList(name))?;
+            let list = list
+                .as_ref()
+                .ok_or_else(|| ConfigError::missing("light", name))?;
             let numbers = list.values(name)?.into_iter().map(|number| number.0);
             Ok::<Vec<f64>, ConfigError>(numbers.collect())
         };
@@ -191,12 +193,18 @@ impl GonioConfig {
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
         if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
-            return Err(ConfigError::GonioOfStates(self.run.polarisation).into());
+            return Err(ConfigError::of_other(
+                format!("--polarisation {}", self.run.polarisation),
+                "trace or verify for one direction",
+                "gonio, which keeps fluxes alone: take tracked or averaged",
+            )
+            .into());
         }
-        self.measured.check()?;
         let verification = self.as_verification()?;
         let plan = match sample {
-            None if self.measured.is_given() => return Err(ConfigError::UnreadSurface.into()),
+            None if self.measured.is_given() => {
+                return Err(ConfigError::Unread("the measured surface").into());
+            }
             None => verification.plan()?,
             Some(sample) => verification.plan_on(&sample.shapes, sample.about.unit)?,
         };

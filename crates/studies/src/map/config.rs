@@ -107,14 +107,21 @@ impl MapConfig {
     /// The verification that fills all cells.
     pub(super) fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
         if self.run.polarisation == Polarisation::Mueller {
-            return Err(ConfigError::MapOfMatrices);
+            return Err(ConfigError::of_other(
+                "--polarisation mueller",
+                "verify",
+                "a map, which compares fluxes alone: take tracked, averaged or both",
+            ));
         }
         if self.compare.models.is_empty() {
             let is_lambertian = matches!(self.material, MaterialConfig::Lambertian { .. });
-            return Err(match is_lambertian && !self.surface.is_isotropic() {
-                true => ConfigError::NoModelToMap,
-                false => ConfigError::MapWithoutModels,
-            });
+            let needed = match is_lambertian && !self.surface.is_isotropic() {
+                true => {
+                    "a model, and none describes anisotropic Lambertian facets; verify and gonio do not"
+                }
+                false => "models to compare with; name one or several",
+            };
+            return Err(ConfigError::missing("a map", needed));
         }
         Ok(VerifyConfig {
             surface: self.surface.clone(),

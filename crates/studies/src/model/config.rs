@@ -111,8 +111,7 @@ impl ModelConfig {
             SlopeCovariance::isotropic(s)?;
         }
         let azimuth = roughness.azimuth.unwrap_or(0.0).to_radians();
-        let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth)
-            .map_err(|error| ConfigError::Surface(error.into()))?;
+        let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth).map_err(ConfigError::from)?;
         let [xx, xy, yy] = psd.slope_covariance();
         Ok(SlopeCovariance::new(xx, yy, xy)?)
     }

@@ -48,7 +48,7 @@ impl Plan {
 impl SurfaceConfig {
     /// Surfaces of `recipe` on the grid of the configuration.
     fn planned(&self, recipe: SurfaceRecipe) -> Result<RandomSurfaces, StudyError> {
-        let shape = self.shape().map_err(ConfigError::from)?;
+        let shape = self.shape();
         let planning = FieldSynthesis::planning_bytes(&recipe, shape);
         check_memory("planning these surfaces", planning)?;
         let (cells, spacing) = (self.cells(), self.spacing());

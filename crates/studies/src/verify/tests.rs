@@ -18,7 +18,7 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&Judgement<'_>) -> T) 
         let psd = Psd::gaussian(6.0 / 100.0, 6.0).unwrap();
         let recipe = StudentSlopes::new(psd, 3.0).unwrap();
         let grid = &config.surface;
-        let shape = grid.shape().unwrap();
+        let shape = grid.shape();
         let surfaces = RandomSurfaces::new(grid.cells(), recipe, shape, grid.spacing(), false);
         plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }

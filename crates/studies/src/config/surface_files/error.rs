@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use asperity_io::ReadError;
 use asperity_surface::MissingError;
-use asperity_synthesis::{EstimateError, HeightTableError, PsdError};
+use asperity_synthesis::{EstimateError, HeightTableError};
 
 /// Refusal of a file that gives no spectrum or distribution of heights.
 #[derive(Debug, thiserror::Error)]
@@ -25,56 +25,27 @@ pub enum SurfaceFileError {
         /// The names allowed.
         names: &'static str,
     },
-    /// A table has other columns.
-    #[error("{}: {setting} needs the columns {expected}, but the table has {found}", path.display())]
-    Columns {
+    /// It does not hold what a spectrum or a distribution needs.
+    #[error("{}: {subject} needs {needed}, but the file has {found}", path.display())]
+    Content {
         /// The file.
         path: PathBuf,
-        /// The flag.
-        setting: &'static str,
-        /// The columns that are needed.
-        expected: &'static str,
-        /// Names of the columns that the table has.
+        /// The flag, or what is made of the file.
+        subject: &'static str,
+        /// Columns, rows or samples.
+        needed: String,
+        /// Columns, rows or samples of the file.
         found: String,
     },
-    /// A wave vector of a table is missing or there twice.
-    #[error("{}: the rows kx, ky are not those of a grid, each pair once and in order of ky, then kx", path.display())]
-    NoGrid {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The numbers of a table do not make a valid spectrum.
+    /// Its numbers do not make a valid spectrum.
     #[error("{}: {error}", path.display())]
-    Psd {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        error: PsdError,
-    },
-    /// The spectrum of a height map cannot be estimated.
-    #[error("{}: {error}", path.display())]
-    Estimate {
+    Spectrum {
         /// The file.
         path: PathBuf,
         /// The reason.
         error: EstimateError,
     },
-    /// A height map has too few samples for a spectrum.
-    #[error(
-        "{}: {nx} x {ny} samples are too few for a spectrum or a distribution; at least {least} x {least} are needed",
-        path.display()
-    )]
-    FewSamples {
-        /// The file.
-        path: PathBuf,
-        /// Samples along x.
-        nx: usize,
-        /// Samples along y.
-        ny: usize,
-        /// Fewest samples along each side.
-        least: usize,
-    },
-    /// The numbers of a table do not make a valid distribution.
+    /// Its numbers do not make a valid distribution.
     #[error("{}: {error}", path.display())]
     Heights {
         /// The file.

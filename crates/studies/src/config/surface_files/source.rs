@@ -53,7 +53,7 @@ impl Source {
             .into_height_field(MissingPolicy::Fill, Border::Open)
             .map_err(failed)?;
         check_size(path, &field)?;
-        let psd = Psd::like(&field).map_err(|error| SurfaceFileError::Estimate {
+        let psd = Psd::like(&field).map_err(|error| SurfaceFileError::Spectrum {
             path: path.to_owned(),
             error,
         })?;
@@ -73,11 +73,11 @@ fn check_size(path: &Path, field: &HeightField) -> Result<(), SurfaceFileError> 
     if nx.min(ny) >= MIN_SIDE {
         return Ok(());
     }
-    Err(SurfaceFileError::FewSamples {
+    Err(SurfaceFileError::Content {
         path: path.to_owned(),
-        nx,
-        ny,
-        least: MIN_SIDE,
+        subject: "a spectrum or a distribution",
+        needed: format!("at least {MIN_SIDE} x {MIN_SIDE} samples"),
+        found: format!("{nx} x {ny}"),
     })
 }
 
