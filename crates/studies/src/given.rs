@@ -6,8 +6,7 @@ mod reading;
 mod surface;
 mod writing;
 
-pub use self::error::GivenError;
-pub use self::reading::ReadHeightMap;
-pub use self::reading::file_name;
+pub use self::error::{FileProblem, GivenError};
+pub use self::reading::{ReadHeightMap, file_name};
 pub use self::surface::{GivenShape, GivenSurface, GivenSurfaces};
 pub use self::writing::{check_height_map_ending, write_surface};

@@ -6,16 +6,16 @@ use asperity_io::{HeightMapFormat, write_height_map};
 use asperity_surface::{HeightField, LengthUnit};
 
 use super::border::ASSUMED_BORDER;
-use super::error::GivenError;
+use super::error::{FileProblem, GivenError};
 
 /// Checks that the ending stands for a format that height maps are written in.
 ///
 /// # Errors
-/// [`GivenError::OtherEnding`].
+/// [`FileProblem::OtherEnding`].
 pub fn check_height_map_ending(path: &Path) -> Result<(), GivenError> {
     match HeightMapFormat::from_path(path) {
         Some(format) if format.can_write() => Ok(()),
-        _ => Err(GivenError::OtherEnding(path.to_owned())),
+        _ => Err(FileProblem::OtherEnding.at(path)),
     }
 }
 
