@@ -18,10 +18,7 @@ fn only_what_is_proven_is_called_exact() {
         (text, summary["energy"].clone())
     };
     let (text, energy) = trace("h.exr");
-    assert!(
-        text.contains("lost         0 (< 2.9e-3, 95 %)"),
-        "{text}"
-    );
+    assert!(text.contains("lost         0 (< 2.9e-3, 95 %)"), "{text}");
     assert!(text.contains("absorbed     0 (exact)"), "{text}");
     assert_eq!(energy["lost"]["below"], 3.0 / 1024.0);
     assert!(energy["absorbed"].get("below").is_none());
@@ -36,10 +33,7 @@ fn only_what_is_proven_is_called_exact() {
     assert!(energy["lost"].get("below").is_none());
     // What lies below it is left to chance.
     let (text, energy) = trace("--flat --mean-free-path 1 --albedo 0.9");
-    assert!(
-        text.contains("lost         0 (< 2.9e-3, 95 %)"),
-        "{text}"
-    );
+    assert!(text.contains("lost         0 (< 2.9e-3, 95 %)"), "{text}");
     assert!(text.contains("by order  1: 0.04"), "{text}");
     assert_eq!(energy["transmitted"]["below"], 3.0 / 1024.0);
 }

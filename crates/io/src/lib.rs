@@ -50,8 +50,8 @@ pub use error::{ReadError, ReadProblem, ResultFolderError, WriteError, WriteProb
 pub use files::{
     CsvField, Journal, JournalRecords, ResultFolder, available_memory, check_output_file,
     check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in,
-    read_bytes, read_journal, read_text, remove_temporary_files, write_atomically,
-    write_bytes, write_csv, write_json,
+    read_bytes, read_journal, read_text, remove_temporary_files, write_atomically, write_bytes,
+    write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};

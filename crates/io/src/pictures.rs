@@ -12,9 +12,9 @@ use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
 
 use crate::encoding::{encode_exr, png_error, single};
+use crate::endings::check_ending;
 use crate::error::{WriteError, WriteProblem};
 use crate::files::replace_alone;
-use crate::endings::check_ending;
 
 /// Radiance by pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,16 +3,26 @@
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, WriteProblem};
+use asperity_simulate::SimulateError;
 use asperity_surface::{LengthUnit, MissingError};
 use asperity_tracer::MeshSurfaceError;
 
 use crate::config::filtering::FilteringError;
 use crate::config::measured::UnitError;
+use crate::settings::Command;
 
 /// Reasons for which a given surface is refused or cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GivenError {
+    /// No surface is given.
+    #[error("{command} needs {needed}")]
+    NoSurface {
+        /// The command.
+        command: Command,
+        /// The argument that gives one.
+        needed: &'static str,
+    },
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
@@ -40,15 +50,15 @@ pub enum GivenError {
         "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind"
     )]
     OtherBottom,
+    /// The shape cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
 }
 
 /// Reasons for which the file of a surface cannot be used as requested.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileProblem {
-    /// The ending stands for no format that height maps are written in.
-    #[error("a height map is written as .exr, .npy, .gsf, .x3p or .png")]
-    OtherEnding,
     /// A triangle mesh in place of a height map.
     #[error("this is a triangle mesh, where a height map is needed; `asperity trace` takes meshes")]
     Mesh,
@@ -69,13 +79,13 @@ pub enum FileProblem {
         other: String,
     },
     /// Points are missing.
-    #[error("{0}{}", advice_on_missing(.0))]
+    #[error("{}{}", .0, advice_on_missing(.0))]
     Missing(#[from] MissingError),
     /// Filters or the removal of form cannot be applied.
     #[error(transparent)]
     Filtering(#[from] FilteringError),
     /// The triangles make no surface.
-    #[error("{0}{}", advice_on_mesh(.0))]
+    #[error("{}{}", .0, advice_on_mesh(.0))]
     Triangles(#[from] MeshSurfaceError),
     /// The file is given twice.
     #[error("the file is given twice; give each surface once")]
@@ -101,7 +111,11 @@ impl GivenError {
     pub const fn is_usage(&self) -> bool {
         match self {
             Self::Read(_) => false,
-            Self::Write(error) => matches!(error.problem, WriteProblem::NoUnit),
+            Self::Write(error) => matches!(
+                error.problem,
+                WriteProblem::NoUnit | WriteProblem::WrongEnding { .. }
+            ),
+            Self::Simulate(error) => error.is_usage(),
             Self::File { problem, .. } => !matches!(
                 problem,
                 FileProblem::Missing(_)
@@ -109,7 +123,7 @@ impl GivenError {
                     | FileProblem::Flat
                     | FileProblem::Filtering(FilteringError::Form(_))
             ),
-            Self::SameHeights { .. } | Self::OtherBottom => true,
+            Self::NoSurface { .. } | Self::SameHeights { .. } | Self::OtherBottom => true,
         }
     }
 }

@@ -12,8 +12,7 @@ use super::error::{FileProblem, GivenError};
 use super::surface::{GivenShape, GivenSurface, GivenSurfaces};
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
-use crate::error::StudyError;
-use crate::settings::{Document, SettingError};
+use crate::settings::Document;
 
 /// A height map that was read.
 #[derive(Clone, Debug)]
@@ -28,12 +27,12 @@ pub struct ReadHeightMap {
 
 impl MeasuredConfig {
     /// The file of a height map, which the command of `document` needs.
-    pub(crate) fn required_file(&self, document: &Document) -> Result<&Path, SettingError> {
-        let missing = || SettingError::Missing {
-            subject: document.command().to_string(),
-            needed: "FILE, a height map".to_owned(),
+    pub(crate) fn required_file(&self, document: &Document) -> Result<&Path, GivenError> {
+        let no_file = GivenError::NoSurface {
+            command: document.command(),
+            needed: "FILE, a height map",
         };
-        self.files().next().ok_or_else(missing)
+        self.files().next().ok_or(no_file)
     }
 
     /// Reads the given surfaces that the command of `document` needs, and the bottom of the layer of `medium` if a file gives one.
@@ -42,11 +41,11 @@ impl MeasuredConfig {
         medium: Option<&MediumConfig>,
         document: &Document,
         observer: &dyn Observer,
-    ) -> Result<(GivenSurfaces, Option<GivenSurface>), StudyError> {
+    ) -> Result<(GivenSurfaces, Option<GivenSurface>), GivenError> {
         let tops = self.read_surfaces(document.own_unit(), observer)?;
-        let tops = tops.ok_or_else(|| SettingError::Missing {
-            subject: document.command().to_string(),
-            needed: "a surface: FILE or --flat".to_owned(),
+        let tops = tops.ok_or_else(|| GivenError::NoSurface {
+            command: document.command(),
+            needed: "a surface: FILE or --flat",
         })?;
         let bottom = medium.and_then(|medium| medium.bottom_surface.file());
         let bottom = bottom.map(|path| self.read_like(&tops.first, path, observer));
@@ -240,8 +239,7 @@ impl MeasuredConfig {
 }
 
 /// The file's own name, for titles.
-#[must_use]
-pub fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
 }

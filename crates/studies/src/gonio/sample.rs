@@ -37,7 +37,7 @@ impl Sample {
     /// Surfaces from which `form` was removed when they were read, with these `cells` between heights.
     ///
     /// # Errors
-    /// Errors of [`GivenShape::simulated`].
+    /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory.
     pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, GivenError> {
         let about = AboutSample {
             name: surfaces.name(),

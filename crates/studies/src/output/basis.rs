@@ -117,11 +117,7 @@ mod tests {
         );
         assert_eq!(
             texts(1.0),
-            [
-                "1 (exact)",
-                "1 (> 1 - 3.0e-4, 95 %)",
-                "1 (no scatter)"
-            ]
+            ["1 (exact)", "1 (> 1 - 3.0e-4, 95 %)", "1 (no scatter)"]
         );
         assert_eq!(
             texts(0.04),
