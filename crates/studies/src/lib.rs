@@ -62,8 +62,7 @@ pub use given::{
     ReadHeightMap,
 };
 pub use gonio::{
-    AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy,
-    PlotScale, Sample,
+    Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, PlotScale, Sample,
 };
 pub use inspect::{
     ErosionConfig, InspectConfig, InspectLight, InspectReport, Inspection, Statistics, Texture,
