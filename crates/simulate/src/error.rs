@@ -122,9 +122,7 @@ impl SimulateError {
             Self::Synthesis(error) => error.is_usage(),
             Self::Build(error) => matches!(
                 error,
-                BuildError::NeedsHeightField { .. }
-                    | BuildError::NeedsFlatCells
-                    | BuildError::NotFlat
+                BuildError::NeedsHeightField { .. } | BuildError::NotFlat
             ),
             Self::Refinement(error) => matches!(error, RefinementError::Open),
             Self::Model(_)

@@ -19,27 +19,27 @@ use crate::settings::Document;
 
 /// Random surfaces, and which of them is drawn.
 #[derive(Clone, Debug, Deserialize)]
-pub struct GenerateConfig {
+struct GenerateConfig {
     /// The random surfaces.
-    pub surface: SurfaceConfig,
+    surface: SurfaceConfig,
     /// The height map.
-    pub generate: HeightMapConfig,
+    generate: HeightMapConfig,
     /// The random numbers.
-    pub run: SeedConfig,
+    run: SeedConfig,
 }
 
 /// `[generate]`: which of the surfaces of a seed is drawn.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct HeightMapConfig {
+struct HeightMapConfig {
     /// Number of the surface, from 0.
-    pub realisation: u64,
+    realisation: u64,
 }
 
 /// `[run]` of one surface.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct SeedConfig {
+struct SeedConfig {
     /// Seed of the surfaces.
-    pub seed: u64,
+    seed: u64,
 }
 
 /// A surface that is planned, and fits into memory.

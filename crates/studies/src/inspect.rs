@@ -26,7 +26,7 @@ const AZIMUTHS: usize = 90;
 
 /// Distributions of the heights and slopes of one surface over waves, lags and values.
 #[derive(Clone, Debug)]
-pub struct Texture {
+pub(crate) struct Texture {
     unit: LengthUnit,
     spacing: [f64; 2],
     spectrum: Vec<SpectrumRow>,
@@ -52,11 +52,8 @@ struct SpectrumRow {
 }
 
 impl Texture {
-    /// Measures a surface.
-    ///
-    /// # Errors
-    /// [`FileProblem`] if all heights are equal, or so large that their sums overflow.
-    pub fn of(field: &HeightField) -> Result<Self, FileProblem> {
+    /// Measures a surface, unless all heights are equal, or so large that their sums overflow.
+    fn of(field: &HeightField) -> Result<Self, FileProblem> {
         let heights = Histogram::of_heights(field).ok_or(FileProblem::Flat)?;
         let slopes = Histogram::of_slopes(field).ok_or(FileProblem::Flat)?;
         let spectrum = PowerSpectrum::of(field).map_err(FilteringError::from)?;

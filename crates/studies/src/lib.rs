@@ -56,7 +56,7 @@ pub use converge::{
     Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
-pub use generate::{GenerateConfig, GeneratePlan, GeneratedSurface, HeightMapConfig, SeedConfig};
+pub use generate::{GeneratePlan, GeneratedSurface};
 pub use given::{
     ComparedSurfaceError, FileProblem, GivenError, GivenShape, GivenSurface, GivenSurfaces,
     ReadHeightMap,
@@ -65,12 +65,12 @@ pub use gonio::{
     Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, PlotScale, Sample,
 };
 pub use inspect::{
-    ErosionConfig, InspectConfig, InspectLight, InspectReport, Inspection, Statistics, Texture,
+    ErosionConfig, InspectConfig, InspectLight, InspectReport, Inspection, Statistics,
     inspection_files, names_folder,
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig,
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
@@ -82,11 +82,9 @@ pub use render::{
     CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderPlan, RenderRun,
     RenderedPicture, ViewConfig,
 };
-pub use report::areal_parameters::areal_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;
 pub use report::flux_basis::FluxBasis;
-pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
 pub use report::views::Views;
 pub use study::{Findings, Study};

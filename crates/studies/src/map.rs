@@ -36,7 +36,7 @@ pub use cell::{
 };
 pub use config::{MapConfig, ToleranceConfig};
 pub use interval::{CellVerdict, Interval};
-pub use summary::{ModelSummary, summarise};
+pub use summary::ModelSummary;
 
 /// Distances of models from explicit surfaces, over smoothness, material and angle.
 pub struct MapStudy {

@@ -9,7 +9,7 @@ mod list;
 mod slopes_of;
 mod surface_bins;
 
-use asperity_analysis::{FlatLayer, MODEL_NAMES, ScatteringModel, create_model};
+use asperity_analysis::{FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model};
 use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::config::ModelConfig;
@@ -48,9 +48,9 @@ pub fn evaluate_model(
         Some(_) => Resolution::Bins,
         None => resolution,
     };
-    if FlatLayer::NAMES.contains(&name) {
+    if let Some(paths) = LayerPaths::by_name(name) {
         refuse_roughness(name, document)?;
-        let model = layer_model(name, config, material)?;
+        let model = layer_model(paths, config, material)?;
         return evaluate_layer(config, model, incidence, resolution);
     }
     let (model, notes) = rough_model(name, config, material)?;
@@ -149,14 +149,14 @@ fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationErr
     }
 }
 
-/// The model `name` of a flat layer.
+/// The model of a flat layer with these `paths`.
 fn layer_model(
-    name: &str,
+    paths: LayerPaths,
     config: &ModelConfig,
     material: Material,
 ) -> Result<LayerModel, EvaluationError> {
     let lacks = |needs| EvaluationError::Lacks {
-        name: name.to_owned(),
+        name: paths.name().to_owned(),
         needs,
     };
     let medium = config.medium.as_ref().ok_or_else(|| {
@@ -166,7 +166,7 @@ fn layer_model(
     let Material::Dielectric { eta } = material else {
         return Err(lacks("a dielectric: give --eta"));
     };
-    let model = FlatLayer::by_name(name, eta, &layer).map_err(ConfigError::LayerModel)?;
+    let model = FlatLayer::new(eta, &layer, paths).map_err(ConfigError::LayerModel)?;
     Ok(LayerModel { model, layer })
 }
 

@@ -68,16 +68,15 @@ pub enum CaseModel {
 impl CaseModel {
     /// The model of that name for a surface, its material and the medium below.
     pub(crate) fn of(name: &str, surface: &ModelledSurface) -> Result<Self, ConfigError> {
-        let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
-        match (&surface.layer, surface.material) {
-            (Some(layer), Material::Dielectric { eta }) if of_layers => {
-                let model = FlatLayer::by_name(name, eta, layer);
+        match (&surface.layer, surface.material, LayerPaths::by_name(name)) {
+            (Some(layer), Material::Dielectric { eta }, Some(paths)) => {
+                let model = FlatLayer::new(eta, layer, paths);
                 Ok(Self::Layer(model.map_err(ConfigError::LayerModel)?))
             }
-            (Some(_), _) if MODEL_NAMES.contains(&name) => Err(ConfigError::ModelOfBareSurface {
+            (Some(_), ..) if MODEL_NAMES.contains(&name) => Err(ConfigError::ModelOfBareSurface {
                 name: name.to_owned(),
             }),
-            (None, _) if of_layers => Err(ConfigError::ModelOfLayer {
+            (None, _, Some(_)) => Err(ConfigError::ModelOfLayer {
                 name: name.to_owned(),
             }),
             _ => Ok(Self::Surface(surface.model(name)?)),
