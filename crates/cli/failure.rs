@@ -7,8 +7,7 @@ use std::process::ExitCode;
 use asperity_simulate::SimulateError;
 use asperity_studies::StudyError;
 use asperity_studies::settings::Document;
-use asperity_surface::{LengthUnit, RefinementError};
-use asperity_synthesis::{StructureError, SynthesisError};
+use asperity_surface::RefinementError;
 
 /// Reason for which a command failed.
 #[derive(Debug)]
@@ -20,6 +19,14 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
+    /// Wrong usage, or what could not be done.
+    pub(crate) fn new(is_usage: bool, reason: impl Display) -> Self {
+        match is_usage {
+            true => Self::usage(reason),
+            false => Self::failed(reason),
+        }
+    }
+
     pub(crate) fn usage(reason: impl Display) -> Self {
         Self::Usage(reason.to_string())
     }
@@ -32,31 +39,18 @@ impl Failure {
     /// file, where no flag has changed it.
     pub(crate) fn of_study(document: &Document, error: StudyError) -> Self {
         match error {
-            StudyError::Simulate(error) => Self::of_simulation(document.own_unit(), error),
-            StudyError::Config(_) | StudyError::Model(_) => match document.file_to_blame() {
+            StudyError::Synthesis(error) if error.yields_to_insistence() => {
+                let error = error.with_unit(document.own_unit());
+                Self::Usage(format!("{error} with --insist"))
+            }
+            StudyError::Simulate(
+                SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement,
+            ) => Self::Usage(format!("--refine: {error}")),
+            StudyError::Config(_) => match document.file_to_blame() {
                 Some(file) => Self::Usage(format!("{file}: {error}")),
                 None => Self::usage(error),
             },
-            error if error.is_usage() => Self::usage(error),
-            error => Self::failed(error),
-        }
-    }
-
-    /// The refusal or failure of a simulation, with the flag that it is about. Lengths of random surfaces are in `unit`.
-    fn of_simulation(unit: LengthUnit, error: SimulateError) -> Self {
-        match error {
-            SimulateError::Synthesis(
-                error @ (SynthesisError::Unresolved { .. }
-                | SynthesisError::UnresolvedWaves { .. }
-                | SynthesisError::TooSmallTile { .. }
-                | SynthesisError::Structure(StructureError::Unresolved { .. })
-                | SynthesisError::Unreachable(_)),
-            ) => Self::Usage(format!("{} with --insist", error.with_unit(unit))),
-            SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement => {
-                Self::Usage(format!("--refine: {error}"))
-            }
-            error if error.is_usage() => Self::usage(error),
-            error => Self::failed(error),
+            error => Self::new(error.is_usage(), error),
         }
     }
 

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
-    AttenuationPlan, ConvergeStudy, GonioStudy, MapStudy, TracePlan, VerifyStudy,
+    AttenuationStudy, ConvergeStudy, GonioStudy, MapStudy, TraceStudy, VerifyStudy,
 };
 
 use crate::command_line::{Request, Stop, parse, program};
@@ -58,13 +58,13 @@ fn run(document: &Document) -> Result<End, Failure> {
         Command::Generate => generate::run(document, common),
         Command::Inspect => inspect::run(document, common),
         Command::Mesh => mesh::run(document, common),
-        Command::Trace => study::run::<TracePlan>(document, common),
+        Command::Trace => study::run::<TraceStudy>(document, common),
         Command::Render => render::run(document, common),
         Command::Verify => study::run::<VerifyStudy>(document, common),
         Command::Map => study::run::<MapStudy>(document, common),
         Command::Gonio => study::run::<GonioStudy>(document, common),
         Command::Converge => study::run::<ConvergeStudy>(document, common),
-        Command::Attenuation => study::run::<AttenuationPlan>(document, common),
+        Command::Attenuation => study::run::<AttenuationStudy>(document, common),
         Command::Model => model::run(document, common),
     }
 }

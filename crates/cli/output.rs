@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use asperity_io::ResultFolder;
 use asperity_studies::settings::Document;
-use asperity_studies::wrapped;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -19,14 +18,6 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// Lines for each note.
-pub(crate) fn note_lines<'a>(notes: impl IntoIterator<Item = &'a String>) -> String {
-    let notes = notes.into_iter();
-    notes
-        .map(|note| format!("{}\n", wrapped(&format!("note: {note}"))))
-        .collect()
 }
 
 /// Prints `value` as JSON.

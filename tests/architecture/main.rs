@@ -293,9 +293,15 @@ const STUDIES: [(&str, &[&str]); 21] = [
     ("comparison", &["config", "error", "output"]),
     ("report", &["comparison", "config", "output", "validity"]),
     ("study", &["config", "error", "report", "settings"]),
-    ("generate", &["config", "error", "settings"]),
-    ("mesh", &["config", "error", "given", "settings"]),
-    ("render", &["config", "error", "given", "settings"]),
+    (
+        "generate",
+        &["config", "error", "given", "output", "report", "settings"],
+    ),
+    ("mesh", &["config", "error", "given", "output", "settings"]),
+    (
+        "render",
+        &["config", "error", "given", "output", "settings"],
+    ),
     (
         "attenuation",
         &["config", "error", "output", "report", "settings", "study"],

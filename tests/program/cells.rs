@@ -225,10 +225,10 @@ fn what_smooth_cells_cannot_do_is_refused() {
             "trace h.exr --estimator controlled",
             "these cells are smooth, so take auto or plain",
         ),
-        ("trace h.ply", "this is a triangle mesh, so take flat cells"),
+        ("trace h.ply", "h.ply: --cells smooth is for height maps"),
         (
             "gonio --surface h.ply -o out",
-            "this is a triangle mesh, so take flat cells",
+            "h.ply: --cells smooth is for height maps",
         ),
         (
             "trace h.exr --accelerator flat",
@@ -240,15 +240,15 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "render h.ply -o out.png",
-            "this is a triangle mesh, so take flat cells",
+            "h.ply: --cells smooth is for height maps",
         ),
         (
             "render h.exr -o out.png --mean-free-path 2 --albedo 0.9 --thickness 99 --bottom-surface h.ply",
-            "this is a triangle mesh, so take flat cells",
+            "h.ply: --cells smooth is for height maps",
         ),
         (
             "mesh h.ply -o out.ply",
-            "h.ply names a triangle mesh, where a height map is needed",
+            "h.ply: this is a triangle mesh, where a height map is needed",
         ),
         (
             "generate -o out.exr",

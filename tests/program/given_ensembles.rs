@@ -137,7 +137,11 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     let before = MAPS.map(|name| fs::read(folder.join(name)).unwrap());
     for (line, code, what) in [
         ("trace a.exr no.exr", 1, "`no.exr` does not exist"),
-        ("trace a.exr b.exr ./a.exr", 2, "./a.exr is given twice"),
+        (
+            "trace a.exr b.exr ./a.exr",
+            2,
+            "./a.exr: the file is given twice",
+        ),
         ("trace a.exr copy.exr", 2, "hold the same heights"),
         (
             "trace a.exr bare.txt",

@@ -162,7 +162,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
         (
             "mesh.ply",
             "--models smith",
-            "mesh.ply is a triangle mesh; models are compared with height maps",
+            "mesh.ply: --models is for height maps",
         ),
         (
             "small.npy",

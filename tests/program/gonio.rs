@@ -265,8 +265,9 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
     let out = folder.join("out");
     let before = fs::read(out.join("gonio.csv")).unwrap();
     let name = NAMES[0];
-    let expected =
-        format!("out holds results of other cases, such as {name}; choose another folder");
+    let expected = format!(
+        "results of another run (the case {name} is not among those planned); choose another"
+    );
     for flags in [
         "--theta 50 --mean-free-path 4",
         "--theta 20 --mean-free-path 1",

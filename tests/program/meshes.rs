@@ -48,7 +48,7 @@ fn a_cube_above_the_ground_is_traced() {
     let trace = ["trace", "table.obj", "--theta", "30", "--rays", "1e4"];
     let tile = [&trace[..], &["--border", "mirrored", "-o", "out"]].concat();
     let text = succeed(folder, &tile);
-    assert!(text.contains("lost         none seen, below"), "{text}");
+    assert!(text.contains("lost         0 (< "), "{text}");
     assert!(text.contains("accelerator mesh"), "{text}");
     let written = files(&folder.join("out"));
     assert!(written.contains(&"lobes.svg".to_owned()), "{written:?}");

@@ -310,7 +310,7 @@ fn outputs_keep_the_file_of_a_user_and_each_other() {
         let model = words("model smith --smoothness 2 --eta 1.5 --theta 30 -o");
         let sentence = refused(&folder, &[&model[..], &[name]].concat(), 2);
         assert!(
-            sentence.contains("a model is written as .csv"),
+            sentence.contains("models are written as .csv"),
             "{sentence}"
         );
     }

@@ -21,7 +21,9 @@ pub use memory::available_memory;
 pub use parts::remove_temporary_files;
 pub use result_folder::ResultFolder;
 pub use same_file::is_same_file;
-pub use text::{read_bytes, read_json, read_text};
+#[cfg(test)]
+pub(crate) use text::read_json;
+pub use text::{read_bytes, read_text};
 
 pub(crate) use atomic::{replace, replace_alone};
 pub(crate) use fingerprint::hex;

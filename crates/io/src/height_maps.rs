@@ -187,13 +187,8 @@ fn choose(
 /// system refuses.
 pub fn write_height_map(path: impl AsRef<Path>, field: &HeightField) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let format = HeightMapFormat::from_path(path)
-        .ok_or_else(|| WriteProblem::ending(path, writable()).at(path))?;
+    let format = HeightMapFormat::of_output(path)?;
     replace_alone(path, |out| write_to(format, field, out))
-}
-
-fn writable() -> String {
-    list_endings(HeightMapFormat::can_write)
 }
 
 /// Writes a height map in a known format.
@@ -208,9 +203,6 @@ pub(crate) fn write_to<W: Write>(
         HeightMapFormat::Gsf => gsf::write(field, out),
         HeightMapFormat::X3p => x3p::write(field, out),
         HeightMapFormat::Png => png::write(field, out),
-        _ => Err(WriteProblem::WrongEnding {
-            found: format!("names a {format}, which is read but not written"),
-            allowed: writable(),
-        }),
+        _ => unreachable!("{format}s are not written"),
     }
 }

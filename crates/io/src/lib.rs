@@ -30,6 +30,7 @@
 
 mod build;
 mod encoding;
+mod endings;
 mod error;
 mod files;
 mod formats;
@@ -38,23 +39,22 @@ mod limits;
 mod meshes;
 mod number_table;
 mod pictures;
-mod surface_format;
 mod text_lines;
 
 #[cfg(test)]
 mod damage_tests;
 
 pub use build::{Build, RESULTS_EPOCH};
+pub use endings::{SurfaceFormat, check_ending};
 pub use error::{ReadError, ReadProblem, ResultFolderError, WriteError, WriteProblem};
 pub use files::{
     CsvField, Journal, JournalRecords, ResultFolder, available_memory, check_output_file,
     check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in,
-    read_bytes, read_journal, read_json, read_text, remove_temporary_files, write_atomically,
-    write_bytes, write_csv, write_json,
+    read_bytes, read_journal, read_text, remove_temporary_files, write_atomically, write_bytes,
+    write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
 pub use number_table::{NumberTable, read_number_table};
 pub use pictures::{Picture, PictureFormat, write_picture};
-pub use surface_format::SurfaceFormat;

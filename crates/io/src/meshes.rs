@@ -71,8 +71,7 @@ pub(crate) fn read_mesh_from<R: BufRead + Seek>(
 /// finite, the comment is not one line of ASCII, the format cannot count that far, or the operating system refuses.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let format = MeshFormat::from_path(path)
-        .ok_or_else(|| WriteProblem::ending(path, list_mesh_endings()).at(path))?;
+    let format = MeshFormat::of_output(path)?;
     check(format, mesh).map_err(|problem| problem.at(path))?;
     replace_alone(path, |out| match format {
         MeshFormat::Ply => Ok(ply::write(mesh, out)?),

@@ -12,6 +12,7 @@ use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
 
 use crate::encoding::{encode_exr, png_error, single};
+use crate::endings::check_ending;
 use crate::error::{WriteError, WriteProblem};
 use crate::files::replace_alone;
 
@@ -43,12 +44,10 @@ impl PictureFormat {
     /// # Errors
     /// [`WriteProblem::WrongEnding`] if no format has this ending.
     pub fn from_path(path: &Path) -> Result<Self, WriteError> {
-        let ending = path.extension().and_then(|ending| ending.to_str());
-        match ending.map(str::to_ascii_lowercase).as_deref() {
-            Some("exr") => Ok(Self::Exr),
-            Some("png") => Ok(Self::Png),
-            _ => Err(WriteProblem::ending(path, ".exr and .png".to_owned()).at(path)),
-        }
+        Ok(match check_ending(path, "pictures", &["exr", "png"])? {
+            "exr" => Self::Exr,
+            _ => Self::Png,
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 use asperity_simulate::SimulateError;
 use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
 
+use crate::lights::LightsError;
 use crate::settings::MAX_PIXELS;
 use crate::view::ViewError;
 
@@ -22,6 +23,9 @@ pub enum RenderError {
     /// The camera is in an invalid place.
     #[error(transparent)]
     View(#[from] ViewError),
+    /// A light is out of range.
+    #[error(transparent)]
+    Lights(#[from] LightsError),
     /// Rays so grazing that they would cross too many tiles.
     #[error(
         "{what} at theta {theta_deg} deg is too flat: straight lines cross up to {tiles:.0} tiles between the highest and the lowest point, {} is the most; take a larger tile or a smaller angle",

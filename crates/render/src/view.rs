@@ -1,10 +1,9 @@
 //! Cameras: the ray through each point of a picture.
 
 use std::f64::consts::PI;
-use std::fmt;
 
 use asperity_optics::Incidence;
-use asperity_simulate::short;
+use asperity_surface::{Length, LengthUnit};
 use glam::{DVec2, DVec3};
 
 /// Projection of a camera.
@@ -29,6 +28,8 @@ pub struct View {
     towards: Incidence,
     target: DVec2,
     width: f64,
+    /// Unit of the lengths in errors.
+    unit: LengthUnit,
 }
 
 /// Error of an invalid view.
@@ -36,42 +37,21 @@ pub struct View {
 #[non_exhaustive]
 pub enum ViewError {
     /// The field of view is invalid.
+    #[error("the field of view is {0} deg; it must be above 0 and below 180 deg")]
     BadFieldOfView(f64),
     /// The width is invalid.
+    #[error("the width of the view is {0:?}; it must be a length above zero")]
     BadWidth(f64),
     /// The eye is in the surface, or below it.
+    #[error(
+        "the eye is {height} above the mean plane, but the surface rises to {highest}: take a wider view, a smaller field of view, or a smaller theta"
+    )]
     EyeTooLow {
-        /// Height of the eye, length units of the surface.
-        height: f64,
-        /// That of the highest point.
-        highest: f64,
+        /// Height of the eye.
+        height: Length,
+        /// Height of the highest point.
+        highest: Length,
     },
-}
-
-impl fmt::Display for ViewError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.in_unit(""))
-    }
-}
-
-impl ViewError {
-    /// The sentence, with `unit` behind each length: a blank and its symbol, or nothing.
-    #[must_use]
-    pub fn in_unit(&self, unit: &str) -> String {
-        match self {
-            Self::BadFieldOfView(degrees) => {
-                format!("the field of view is {degrees} deg; it must be above 0 and below 180 deg")
-            }
-            Self::BadWidth(width) => {
-                format!("the width of the view is {width:?}{unit}; it must be a length above zero")
-            }
-            Self::EyeTooLow { height, highest } => format!(
-                "the eye is {}{unit} above the mean plane, but the surface rises to {}{unit}: take a wider view, a smaller field of view, or a smaller theta",
-                short(*height),
-                short(*highest)
-            ),
-        }
-    }
 }
 
 impl View {
@@ -101,7 +81,14 @@ impl View {
             towards,
             target: DVec2::from_array(target),
             width,
+            unit: LengthUnit::Arbitrary,
         })
+    }
+
+    /// The same view with its lengths in `unit`, which errors tell.
+    #[must_use]
+    pub const fn in_unit(self, unit: LengthUnit) -> Self {
+        Self { unit, ..self }
     }
 
     /// Polar angle of the rays, radians, if all are parallel.
@@ -133,7 +120,10 @@ impl View {
                 let distance = half_height / (0.5 * field_of_view).tan();
                 let eye = self.target.extend(0.0) + distance * back;
                 if eye.z.partial_cmp(&highest) != Some(std::cmp::Ordering::Greater) {
-                    let height = eye.z;
+                    let [height, highest] = [eye.z, highest].map(|value| Length {
+                        value,
+                        unit: self.unit,
+                    });
                     return Err(ViewError::EyeTooLow { height, highest });
                 }
                 Some(eye)

@@ -8,16 +8,10 @@ use asperity_io::{ReadError, ResultFolderError, WriteError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ResultsError {
-    /// A file cannot be read.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The result folder cannot be used.
+    /// The result folder cannot be used, or a file cannot be read or written.
     #[error(transparent)]
     Folder(#[from] ResultFolderError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// Results of another run, which are not overwritten.
+    /// Results of another run, of cases that this one does not plan, or of an earlier version of this program. They are not overwritten.
     #[error(
         "{} holds results of another run ({difference}); choose another folder, or remove that file",
         path.display()
@@ -25,25 +19,8 @@ pub enum ResultsError {
     OtherRun {
         /// The file.
         path: PathBuf,
-        /// First key that differs, with both values.
+        /// First key that differs, with both values, or the first other case.
         difference: String,
-    },
-    /// Results of cases that the run does not plan, and that its tables would omit.
-    #[error("{} holds results of other cases, such as {name}; choose another folder", folder.display())]
-    OtherCases {
-        /// The folder.
-        folder: PathBuf,
-        /// Name of the first one.
-        name: String,
-    },
-    /// Checkpoints of an earlier version.
-    #[error(
-        "{} is a checkpoint of an earlier version of this program, which this one does not resume; choose another folder, or remove that file",
-        path.display()
-    )]
-    Earlier {
-        /// The file.
-        path: PathBuf,
     },
     /// A damaged file.
     #[error("{} is damaged ({reason})", path.display())]
@@ -58,11 +35,20 @@ pub enum ResultsError {
     Unwritable(String),
     /// Findings of a case that are not of the form that the study stores.
     #[error("the findings of a case cannot be read ({0})")]
-    Findings(String),
-    /// Shards of different runs.
-    #[error("the shards are of different runs ({0})")]
+    Findings(#[from] serde_json::Error),
+    /// Shards of different runs, or none.
+    #[error("the shards cannot be merged ({0})")]
     OtherShard(String),
-    /// An empty list of shards.
-    #[error("there are no shards to merge")]
-    NoShards,
+}
+
+impl From<ReadError> for ResultsError {
+    fn from(error: ReadError) -> Self {
+        Self::Folder(error.into())
+    }
+}
+
+impl From<WriteError> for ResultsError {
+    fn from(error: WriteError) -> Self {
+        Self::Folder(error.into())
+    }
 }

@@ -1,7 +1,7 @@
 //! Found results: the contents of the file and the journal of an earlier run.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
 use asperity_simulate::{SurfaceKey, SurfaceTallies};
@@ -189,8 +189,9 @@ fn refuse_earlier(folder: &Path) -> Result<(), ResultsError> {
     for place in EARLIER {
         let names = names_in(folder.join(place));
         if let Some(name) = names.into_iter().find(|name| name.ends_with(".json")) {
+            let difference = "a checkpoint of an earlier version of this program, which this one does not resume";
             let path = folder.join(place).join(name);
-            return Err(ResultsError::Earlier { path });
+            return Err(other(&path, difference.to_owned()));
         }
     }
     Ok(())
@@ -218,7 +219,7 @@ fn broken(path: &Path) -> impl Fn(String) -> ResultsError {
 }
 
 fn other(path: &Path, difference: String) -> ResultsError {
-    let path: PathBuf = path.to_owned();
+    let path = path.to_owned();
     ResultsError::OtherRun { path, difference }
 }
 

@@ -83,10 +83,11 @@ impl<C: Stored> Container<'static, C> {
     /// Union of the shards of one run. Of a case that several shards have, the first complete one counts.
     ///
     /// # Errors
-    /// [`ResultsError::OtherShard`] if they are of different runs.
+    /// [`ResultsError::OtherShard`] if there are none, or they are of different runs.
     pub fn merge(shards: Vec<Container<'_, C>>) -> Result<Self, ResultsError> {
         let mut shards = shards.into_iter();
-        let first = shards.next().ok_or(ResultsError::NoShards)?;
+        let none = || ResultsError::OtherShard("there are none".to_owned());
+        let first = shards.next().ok_or_else(none)?;
         let mut header = first.header.clone();
         header.machine.seconds = 0.0;
         let mut found = Found::default();

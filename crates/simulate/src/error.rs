@@ -65,15 +65,9 @@ pub enum SimulateError {
         "a spline through given heights is the surface itself, which no finer mesh changes; refine flat cells"
     )]
     SmoothRefinement,
-    /// Smooth cells of a triangle mesh.
-    #[error("smooth cells are for height maps; this is a triangle mesh, so take flat cells")]
-    SmoothMesh,
-    /// Given surfaces, of which there are none.
-    #[error("no surface is given; at least one is needed")]
-    NoSurface,
-    /// Several given surfaces, some of them of other cells.
+    /// Given surfaces, of which there are none, or some of other cells.
     #[error(
-        "several given surfaces must all be flat cells, all smooth cells or all triangle meshes"
+        "given surfaces, at least one, must all be flat cells, all smooth cells or all triangle meshes"
     )]
     MixedCells,
     /// A setting for one given surface, where there are several.
@@ -125,20 +119,16 @@ impl SimulateError {
     #[must_use]
     pub const fn is_usage(&self) -> bool {
         match self {
-            Self::Synthesis(error) => !matches!(error, SynthesisError::OutOfMemory { .. }),
+            Self::Synthesis(error) => error.is_usage(),
             Self::Build(error) => matches!(
                 error,
-                BuildError::NeedsHeightField { .. }
-                    | BuildError::NeedsFlatCells
-                    | BuildError::NotFlat
+                BuildError::NeedsHeightField { .. } | BuildError::NotFlat
             ),
             Self::Refinement(error) => matches!(error, RefinementError::Open),
             Self::Model(_)
             | Self::Layer(_)
             | Self::NoControlVariate { .. }
             | Self::SmoothRefinement
-            | Self::SmoothMesh
-            | Self::NoSurface
             | Self::MixedCells
             | Self::OnlyOfOne { .. }
             | Self::DescribedSurface

@@ -84,7 +84,7 @@ pub use config::{
 pub use demarcation::Demarcation;
 pub use given::ShadowShares;
 pub use heights::VisibilityRow;
-pub use plan::AttenuationPlan;
+pub use plan::AttenuationStudy;
 pub use survey::SurveyedSurface;
 
 use counts::Counts;
@@ -151,7 +151,7 @@ pub struct AttenuationWork {
 /// Outcome of an attenuation run.
 pub struct AttenuationOutcome<'a> {
     /// Plan.
-    pub plan: &'a AttenuationPlan,
+    pub plan: &'a AttenuationStudy,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
     /// Angles at which shadow begins, one per sigma; empty if not requested.
@@ -199,7 +199,7 @@ impl AttenuationOutcome<'_> {
     }
 }
 
-impl AttenuationPlan {
+impl AttenuationStudy {
     /// Outcome of the surfaces that were found.
     ///
     /// # Errors

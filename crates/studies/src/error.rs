@@ -1,16 +1,16 @@
 //! Reasons for which a study is refused or fails.
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError};
-use asperity_render::{LightsError, RenderError, ViewError};
+use asperity_render::RenderError;
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
-use asperity_surface::{HeightFieldError, LengthUnit};
-use asperity_synthesis::ErosionError;
+use asperity_surface::HeightFieldError;
+use asperity_synthesis::{ErosionError, SynthesisError};
 use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;
 use crate::config::error::ConfigError;
-use crate::given::GivenError;
+use crate::given::{ComparedSurfaceError, GivenError};
 use crate::settings::SettingError;
 
 /// Reasons for which a study is refused or fails.
@@ -29,12 +29,15 @@ pub enum StudyError {
     /// A given surface cannot be used.
     #[error(transparent)]
     Given(#[from] GivenError),
+    /// A given surface cannot be compared with models.
+    #[error(transparent)]
+    ComparedSurface(#[from] ComparedSurfaceError),
+    /// The surfaces cannot be drawn.
+    #[error(transparent)]
+    Synthesis(#[from] SynthesisError),
     /// The surfaces cannot be simulated.
     #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// A model cannot be made.
-    #[error(transparent)]
-    Model(#[from] ModelError),
+    Simulate(SimulateError),
     /// Results cannot be kept.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -50,17 +53,6 @@ pub enum StudyError {
     /// A mesh has too many triangles.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The camera is in an invalid place.
-    #[error("{}", error.in_unit(unit.suffix()))]
-    View {
-        /// The reason.
-        error: ViewError,
-        /// Unit of the lengths.
-        unit: LengthUnit,
-    },
-    /// A light is out of range.
-    #[error(transparent)]
-    Lights(#[from] LightsError),
     /// A picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -71,15 +63,30 @@ pub enum StudyError {
     NoLight,
 }
 
+impl From<SimulateError> for StudyError {
+    fn from(error: SimulateError) -> Self {
+        match error {
+            SimulateError::Synthesis(error) => error.into(),
+            error => Self::Simulate(error),
+        }
+    }
+}
+
+impl From<ModelError> for StudyError {
+    fn from(error: ModelError) -> Self {
+        ConfigError::from(error).into()
+    }
+}
+
 impl From<SlopeTableError> for StudyError {
     fn from(error: SlopeTableError) -> Self {
-        Self::Model(error.into())
+        ModelError::from(error).into()
     }
 }
 
 impl From<SlopeError> for StudyError {
     fn from(error: SlopeError) -> Self {
-        Self::Model(error.into())
+        ModelError::from(error).into()
     }
 }
 
@@ -88,18 +95,20 @@ impl StudyError {
     #[must_use]
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::Setting(_)
-            | Self::Config(_)
-            | Self::Model(_)
-            | Self::Erosion(_)
-            | Self::View { .. }
-            | Self::Lights(_) => true,
+            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) | Self::Erosion(_) => {
+                true
+            }
             Self::Render(error) => matches!(
                 error,
-                RenderError::Layer(_) | RenderError::TooGrazing { .. } | RenderError::BadSize(..)
+                RenderError::View(_)
+                    | RenderError::Lights(_)
+                    | RenderError::Layer(_)
+                    | RenderError::TooGrazing { .. }
+                    | RenderError::BadSize(..)
             ),
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
+            Self::Synthesis(error) => error.is_usage(),
             Self::Simulate(error) => error.is_usage(),
             Self::Results(_)
             | Self::Comparison(_)

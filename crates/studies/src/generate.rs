@@ -1,46 +1,59 @@
 //! Generate: one random rough surface.
 
-use asperity_simulate::{SimulateError, check_memory, short};
-use asperity_surface::HeightField;
-use asperity_synthesis::{FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe};
+use std::path::Path;
+use std::time::Instant;
+
+use asperity_simulate::{Observer, check_memory, short};
+use asperity_synthesis::{
+    DrawnRoughness, FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe,
+};
 use serde::Deserialize;
 
 use crate::config::SurfaceConfig;
 use crate::error::StudyError;
+use crate::given::write_surface;
+use crate::output::{note_lines, wrapped};
+use crate::report::roughness::realisation_table;
 use crate::settings::Document;
 
 /// Random surfaces, and which of them is drawn.
 #[derive(Clone, Debug, Deserialize)]
-pub struct GenerateConfig {
+struct GenerateConfig {
     /// The random surfaces.
-    pub surface: SurfaceConfig,
+    surface: SurfaceConfig,
     /// The height map.
-    pub generate: HeightMapConfig,
+    generate: HeightMapConfig,
     /// The random numbers.
-    pub run: SeedConfig,
+    run: SeedConfig,
 }
 
 /// `[generate]`: which of the surfaces of a seed is drawn.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct HeightMapConfig {
+struct HeightMapConfig {
     /// Number of the surface, from 0.
-    pub realisation: u64,
+    realisation: u64,
 }
 
 /// `[run]` of one surface.
 #[derive(Clone, Copy, Debug, Deserialize)]
-pub struct SeedConfig {
+struct SeedConfig {
     /// Seed of the surfaces.
-    pub seed: u64,
+    seed: u64,
 }
 
 /// A surface that is planned, and fits into memory.
 pub struct GeneratePlan {
-    /// The configuration.
-    pub config: GenerateConfig,
+    config: GenerateConfig,
     synthesis: FieldSynthesis,
-    /// Notes for the user, one sentence each.
-    pub notes: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// A surface that was drawn and written.
+pub struct GeneratedSurface {
+    /// Its roughness, and that of the ensemble.
+    pub roughness: DrawnRoughness,
+    heading: String,
+    notes: Vec<String>,
 }
 
 impl GeneratePlan {
@@ -61,8 +74,7 @@ impl GeneratePlan {
             true => Resolution::Any,
             false => Resolution::Facets,
         };
-        let synthesis = FieldSynthesis::new(recipe, shape, spacing, resolution);
-        let synthesis = synthesis.map_err(SimulateError::from)?;
+        let synthesis = FieldSynthesis::new(recipe, shape, spacing, resolution)?;
         check_memory("this surface", synthesis.peak_bytes())?;
         notes.extend(spectrum_note(synthesis.spectrum_mismatch()));
         notes.extend(few_lengths);
@@ -73,15 +85,41 @@ impl GeneratePlan {
         })
     }
 
-    /// Draws the surface.
+    /// Draws the surface, and writes it as a height map. The time that it takes is explained to `observer`.
     ///
     /// # Errors
-    /// [`StudyError::Simulate`] if its heights overflow.
-    pub fn draw(&self) -> Result<HeightField, StudyError> {
+    /// [`StudyError`] if its heights overflow, or the file cannot be written.
+    pub fn write(
+        &self,
+        path: &Path,
+        observer: &dyn Observer,
+    ) -> Result<GeneratedSurface, StudyError> {
+        let clock = Instant::now();
         let (seed, number) = (self.config.run.seed, self.config.generate.realisation);
-        let field = self.synthesis.draw(seed, number);
-        let field = field.map_err(SimulateError::from)?;
-        Ok(field.with_unit(self.config.surface.unit))
+        let field = self.synthesis.draw(seed, number)?;
+        let field = field.with_unit(self.config.surface.unit);
+        observer.explain(&format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
+        let note = write_surface(path, &field)?;
+        Ok(GeneratedSurface {
+            roughness: DrawnRoughness::of(&field),
+            heading: format!(
+                "{}: {} x {} samples, periodic, seed {seed}, realisation {number}",
+                path.display(),
+                field.nx(),
+                field.ny(),
+            ),
+            notes: note.into_iter().chain(self.notes.iter().cloned()).collect(),
+        })
+    }
+}
+
+impl GeneratedSurface {
+    /// Text: file, samples, roughness and notes.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let table = realisation_table(&self.roughness);
+        let notes = note_lines(&self.notes);
+        wrapped(&format!("{}\n{table}{notes}", self.heading))
     }
 }
 

@@ -33,14 +33,14 @@ use crate::study::{Findings, Study, finished};
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
-pub use sample::{AboutSample, Sample};
+pub use sample::Sample;
 
 /// BRDF and BTDF of random or given surfaces, direction by direction.
 pub struct GonioStudy {
     /// The configuration.
     pub config: GonioConfig,
-    /// Description of the given surfaces, if there are any.
-    pub sample: Option<AboutSample>,
+    /// The given surfaces, if there are any.
+    pub sample: Option<Sample>,
     /// The directions, and how they are simulated.
     pub plan: Plan,
     header: Header,
@@ -56,7 +56,7 @@ impl GonioStudy {
         Ok(Self {
             plan: config.plan(sample.as_ref())?,
             header: config.header(sample.as_ref())?,
-            sample: sample.map(|sample| sample.about),
+            sample,
             config,
             notes: Vec::new(),
         })

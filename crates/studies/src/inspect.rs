@@ -11,33 +11,22 @@ mod tests;
 use std::f64::consts::PI;
 
 use asperity_surface::{
-    AxisAutocorrelation, HeightField, HeightFieldError, Histogram, LengthUnit, PowerSpectrum,
-    SpectralRing,
+    AxisAutocorrelation, HeightField, Histogram, LengthUnit, PowerSpectrum, SpectralRing,
 };
 use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
 pub use self::config::{ErosionConfig, InspectConfig, InspectLight, Inspection};
-pub use self::files::{inspect_report, texture_files};
+pub use self::files::{InspectReport, inspection_files, names_folder};
 pub use self::statistics::Statistics;
+use crate::config::filtering::FilteringError;
+use crate::given::FileProblem;
 
 /// Azimuths over a half turn at which a requested spectrum is averaged.
 const AZIMUTHS: usize = 90;
 
-/// Reasons for which a surface has no spectrum.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum InspectError {
-    /// All heights are equal.
-    #[error("all heights are equal: there is no spectrum, autocorrelation or histogram to write")]
-    Flat,
-    /// Its mean or plane cannot be removed.
-    #[error(transparent)]
-    Form(#[from] HeightFieldError),
-}
-
 /// Distributions of the heights and slopes of one surface over waves, lags and values.
 #[derive(Clone, Debug)]
-pub struct Texture {
+pub(crate) struct Texture {
     unit: LengthUnit,
     spacing: [f64; 2],
     spectrum: Vec<SpectrumRow>,
@@ -63,14 +52,11 @@ struct SpectrumRow {
 }
 
 impl Texture {
-    /// Measures a surface.
-    ///
-    /// # Errors
-    /// [`InspectError`] if all heights are equal, or so large that their sums overflow.
-    pub fn of(field: &HeightField) -> Result<Self, InspectError> {
-        let heights = Histogram::of_heights(field).ok_or(InspectError::Flat)?;
-        let slopes = Histogram::of_slopes(field).ok_or(InspectError::Flat)?;
-        let spectrum = PowerSpectrum::of(field)?;
+    /// Measures a surface, unless all heights are equal, or so large that their sums overflow.
+    fn of(field: &HeightField) -> Result<Self, FileProblem> {
+        let heights = Histogram::of_heights(field).ok_or(FileProblem::Flat)?;
+        let slopes = Histogram::of_slopes(field).ok_or(FileProblem::Flat)?;
+        let spectrum = PowerSpectrum::of(field).map_err(FilteringError::from)?;
         let correlation = AxisAutocorrelation::of(field);
         let recipe = Provenance::of(field.provenance()).map(|provenance| &provenance.recipe);
         let requested = recipe.and_then(|recipe| recipe.gaussian());

@@ -2,7 +2,7 @@
 //!
 //! A [`Study`] is planned, run and judged. [`VerifyStudy`] simulates light on random surfaces and compares it with statistical models;
 //! [`ConvergeStudy`] measures run time against error; [`MapStudy`] says over a grid of cases where models are within tolerance;
-//! [`GonioStudy`] measures BRDF and BTDF, direction by direction; [`TracePlan`] traces given surfaces, and [`AttenuationPlan`] measures
+//! [`GonioStudy`] measures BRDF and BTDF, direction by direction; [`TraceStudy`] traces given surfaces, and [`AttenuationStudy`] measures
 //! shadowing and masking.
 
 mod attenuation;
@@ -29,7 +29,7 @@ mod verify;
 
 pub use attenuation::{
     AttenuationConfig, AttenuationDirections, AttenuationOutcome, AttenuationOutput,
-    AttenuationPlan, AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationWork,
+    AttenuationRow, AttenuationRun, AttenuationStudy, AttenuationSurface, AttenuationWork,
     Demarcation, ShadowShares, SurveyedSurface, VisibilityRow,
 };
 
@@ -60,22 +60,21 @@ pub use converge::{
     Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
-pub use generate::{GenerateConfig, GeneratePlan, HeightMapConfig, SeedConfig};
+pub use generate::{GeneratePlan, GeneratedSurface};
 pub use given::{
-    GivenError, GivenShape, GivenSurface, GivenSurfaces, ReadHeightMap, check_height_map_ending,
-    file_name, write_surface,
+    ComparedSurfaceError, FileProblem, GivenError, GivenShape, GivenSurface, GivenSurfaces,
+    ReadHeightMap,
 };
 pub use gonio::{
-    AboutSample, Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy,
-    PlotScale, Sample,
+    Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, PlotScale, Sample,
 };
 pub use inspect::{
-    ErosionConfig, InspectConfig, InspectError, InspectLight, Inspection, Statistics, Texture,
-    inspect_report, texture_files,
+    ErosionConfig, InspectConfig, InspectLight, InspectReport, Inspection, Statistics,
+    inspection_files, names_folder,
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
-    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig, summarise,
+    JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig,
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
@@ -87,17 +86,14 @@ pub use render::{
     CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderPlan, RenderRun,
     RenderedPicture, ViewConfig,
 };
-pub use report::areal_parameters::areal_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;
-pub use report::figures::height_map_figure;
 pub use report::flux_basis::FluxBasis;
-pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
 pub use report::views::Views;
 pub use study::{Findings, Study};
 pub use surface_lengths::SurfaceLengths;
-pub use trace::{TraceComparison, TraceOutcome, TracePlan};
+pub use trace::{TraceComparison, TraceOutcome, TraceStudy};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::plan::Plan;
 pub use verify::{VerifyOutcome, VerifyStudy};

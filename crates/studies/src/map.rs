@@ -36,7 +36,7 @@ pub use cell::{
 };
 pub use config::{MapConfig, ToleranceConfig};
 pub use interval::{CellVerdict, Interval};
-pub use summary::{ModelSummary, summarise};
+pub use summary::ModelSummary;
 
 /// Distances of models from explicit surfaces, over smoothness, material and angle.
 pub struct MapStudy {
@@ -74,7 +74,7 @@ impl MapStudy {
         Ok(MapOutcome {
             config: &self.config,
             plan: &self.plan,
-            results: results.map_err(|error| ResultsError::Findings(error.to_string()))?,
+            results: results.map_err(ResultsError::from)?,
             cut_short: found.cut_short(),
             stopped_by: found.stopped_by(),
         })

@@ -1,5 +1,8 @@
 //! Mesh: a height map as triangles.
 
+use std::path::Path;
+
+use asperity_io::{MeshFormat, MeshView, WriteError, write_mesh};
 use asperity_simulate::{Cells, Observer, check_memory, short};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
 use asperity_tracer::{Surface, TriangleMesh};
@@ -9,6 +12,7 @@ use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
 use crate::config::trace::CellsConfig;
 use crate::error::StudyError;
+use crate::output::wrapped;
 use crate::settings::Document;
 
 /// Bytes per cell of the height field and its triangles.
@@ -36,12 +40,50 @@ pub struct FinenessConfig {
 
 /// The triangles of a height map.
 pub struct MeshedSurface {
-    /// The triangles.
-    pub mesh: TriangleMesh,
-    /// Unit of their lengths.
-    pub unit: LengthUnit,
+    mesh: TriangleMesh,
+    /// Unit of the lengths.
+    unit: LengthUnit,
     /// The surface and the distance from it, where cells are smooth.
-    pub comment: String,
+    comment: String,
+}
+
+impl MeshedSurface {
+    /// Writes the triangles.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the file cannot be written, or its format cannot hold the mesh.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let view = MeshView {
+            vertices: &self.mesh.vertices,
+            triangles: &self.mesh.triangles,
+            comment: &self.comment,
+        };
+        write_mesh(path, &view)
+    }
+
+    /// Text on the mesh that was written as `path`.
+    #[must_use]
+    pub fn text(&self, path: &Path) -> String {
+        let unit = match self.unit {
+            LengthUnit::Arbitrary => "arbitrary units",
+            unit => unit.symbol(),
+        };
+        let mut text = format!(
+            "{}: {} vertices, {} triangles, lengths in {unit}\n",
+            path.display(),
+            self.mesh.vertices.len(),
+            self.mesh.triangles.len(),
+        );
+        if !self.comment.is_empty() {
+            text.push_str(&format!("{}\n", self.comment));
+            if MeshFormat::from_path(path) == Some(MeshFormat::Stl) {
+                text.push_str(
+                    "note: STL rounds coordinates to single precision, which this distance leaves out\n",
+                );
+            }
+        }
+        wrapped(&text)
+    }
 }
 
 impl MeshConfig {
@@ -54,7 +96,7 @@ impl MeshConfig {
         document: &Document,
         observer: &dyn Observer,
     ) -> Result<MeshedSurface, StudyError> {
-        let file = self.measured.required_file(document.command())?;
+        let file = self.measured.required_file(document)?;
         let field = self.measured.read_height_map(file, observer)?.field;
         let unit = field.unit();
         let (field, comment) = match self.surface.cells.of_given() {

@@ -9,7 +9,7 @@ mod list;
 mod slopes_of;
 mod surface_bins;
 
-use asperity_analysis::{FlatLayer, MODEL_NAMES, ScatteringModel, create_model};
+use asperity_analysis::{FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model};
 use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::config::ModelConfig;
@@ -20,6 +20,7 @@ use self::layer_bins::{LayerBins, LayerModel};
 pub use self::list::model_list;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
+use crate::config::error::ConfigError;
 use crate::settings::Document;
 
 /// Directions or bins at which a model is evaluated.
@@ -47,9 +48,9 @@ pub fn evaluate_model(
         Some(_) => Resolution::Bins,
         None => resolution,
     };
-    if FlatLayer::NAMES.contains(&name) {
+    if let Some(paths) = LayerPaths::by_name(name) {
         refuse_roughness(name, document)?;
-        let model = layer_model(name, config, material)?;
+        let model = layer_model(paths, config, material)?;
         return evaluate_layer(config, model, incidence, resolution);
     }
     let (model, notes) = rough_model(name, config, material)?;
@@ -67,13 +68,21 @@ fn rough_model(
         return Err(EvaluationError::Unknown { name });
     }
     if config.medium.is_some() {
-        return Err(EvaluationError::SurfaceAlone { name });
+        return Err(EvaluationError::Excludes {
+            name,
+            reason: "describes a surface without a medium below it",
+            advice: format!("a medium is for {}", FlatLayer::NAMES.join(" and ")),
+        });
     }
     let (slopes, notes) = config.slopes(&name)?;
     let model = create_model(&name, slopes, material)?;
     let follows_rays = model.random_walk().is_some();
     if !follows_rays && (config.run.rays.is_some() || config.run.seed.is_some()) {
-        return Err(EvaluationError::NoRays { name });
+        return Err(EvaluationError::Excludes {
+            name,
+            reason: "has a closed form and follows no rays",
+            advice: "leave out --rays and --seed".to_owned(),
+        });
     }
     Ok((model, notes))
 }
@@ -88,11 +97,18 @@ fn evaluate_surface(
     let follows_rays = model.random_walk().is_some();
     let density = model.density();
     let asks_for_directions = config.model.step.is_some() || config.model.sphere;
+    let of_bins = |reason| {
+        Err(EvaluationError::Excludes {
+            name: model.name().to_owned(),
+            reason,
+            advice: "take --bins in place of --step and --sphere".to_owned(),
+        })
+    };
     // A histogram has as many values as cells, and means over bins alone
     if asks_for_directions && density.is_some_and(|density| density.tabulated().is_some()) {
-        return Err(EvaluationError::Histogram {
-            name: model.name().to_owned(),
-        });
+        return of_bins(
+            "of a file is a histogram of slopes, which means something over bins alone",
+        );
     }
     match density.filter(|density| density.tabulated().is_none()) {
         Some(density) if resolution == Resolution::Directions && !follows_rays => {
@@ -104,9 +120,7 @@ fn evaluate_surface(
             let directions = Directions::of(&config.model, incidence, about, bsdf)?;
             Ok(Box::new(directions))
         }
-        _ if asks_for_directions => Err(EvaluationError::NoDensity {
-            name: model.name().to_owned(),
-        }),
+        _ if asks_for_directions => of_bins("follows rays and has no value at a single direction"),
         _ => Ok(Box::new(SurfaceBins::of(config, model, notes, incidence)?)),
     }
 }
@@ -127,30 +141,33 @@ fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationErr
     let mut settings = OF_ROUGH_SURFACES.iter();
     match settings.find(|(setting, _)| document.is_given(setting)) {
         None => Ok(()),
-        Some((_, flag)) => Err(EvaluationError::FlatFaces {
+        Some((_, flag)) => Err(EvaluationError::Excludes {
             name: name.to_owned(),
-            flag,
+            reason: "is of flat faces, follows no rays and scatters once at most",
+            advice: format!("leave out --{flag}"),
         }),
     }
 }
 
-/// The model `name` of a flat layer.
+/// The model of a flat layer with these `paths`.
 fn layer_model(
-    name: &str,
+    paths: LayerPaths,
     config: &ModelConfig,
     material: Material,
 ) -> Result<LayerModel, EvaluationError> {
-    let owned = || name.to_owned();
-    let medium = config.medium.as_ref();
-    let medium = medium.ok_or_else(|| EvaluationError::NoMedium { name: owned() })?;
+    let lacks = |needs| EvaluationError::Lacks {
+        name: paths.name().to_owned(),
+        needs,
+    };
+    let medium = config.medium.as_ref().ok_or_else(|| {
+        lacks("a medium: give --mean-free-path and --albedo, or --absorption and --scattering")
+    })?;
     let layer = medium.layer(material)?;
     let Material::Dielectric { eta } = material else {
-        return Err(EvaluationError::NoDielectric { name: owned() });
+        return Err(lacks("a dielectric: give --eta"));
     };
-    Ok(LayerModel {
-        model: FlatLayer::by_name(name, eta, &layer)?,
-        layer,
-    })
+    let model = FlatLayer::new(eta, &layer, paths).map_err(ConfigError::LayerModel)?;
+    Ok(LayerModel { model, layer })
 }
 
 fn evaluate_layer(

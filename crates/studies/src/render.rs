@@ -3,13 +3,15 @@
 mod config;
 mod text;
 
-use asperity_render::{RenderError, RenderOutcome, RenderSettings, exposure, render};
+use asperity_io::write_picture;
+use asperity_render::{RenderSettings, render};
 use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 
 pub use self::config::{
     CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderRun, ViewConfig,
 };
+pub use self::text::RenderedPicture;
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
@@ -19,28 +21,19 @@ use crate::settings::Document;
 /// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
 const ROULETTE: f64 = 0.2;
 
+/// Comment on the channels of an EXR.
+const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error, NaN where unknown; A: fraction of the pixel that shows the surface";
+
 /// Note on smooth cells: light beams need flat facets.
 const SUN_BY_CHANCE: &str = "below smooth cells sunlight is found by random paths alone, which takes many samples or a wide sun";
 
 /// A picture that is planned: the surface is read, and all settings are checked.
 pub struct RenderPlan {
     /// The configuration, with lengths in the unit of the surface.
-    pub config: RenderConfig,
-    /// The surface.
-    pub surface: GivenSurface,
+    config: RenderConfig,
+    surface: GivenSurface,
     settings: RenderSettings,
     shape: Shape,
-}
-
-/// A picture, and what is said of it.
-pub struct RenderedPicture {
-    /// The picture, its errors and missing light.
-    pub outcome: RenderOutcome,
-    /// Factor from radiance to the brightness of a PNG.
-    pub exposure: f64,
-    /// Name of the surface.
-    name: String,
-    notes: Vec<String>,
 }
 
 impl RenderPlan {
@@ -49,20 +42,14 @@ impl RenderPlan {
     /// # Errors
     /// [`StudyError`] if a value is invalid, a file cannot be read, or the camera lies below the surface.
     pub fn new(
-        config: RenderConfig,
+        config: &RenderConfig,
         document: &Document,
         observer: &dyn Observer,
     ) -> Result<Self, StudyError> {
-        let surfaces = config
+        let medium = config.medium.as_ref();
+        let (surfaces, bottom) = config
             .measured
-            .read_surfaces(document.own_unit(), observer)?;
-        let surfaces = surfaces.ok_or_else(|| GivenError::NoSurface {
-            command: document.command(),
-            needed: "a surface: FILE or --flat",
-        })?;
-        let bottom = config.bottom_file();
-        let bottom = bottom.map(|path| config.measured.read_like(&surfaces.first, path, observer));
-        let bottom = bottom.transpose()?;
+            .read_with_bottom(medium, document, observer)?;
         let config: RenderConfig = document.clone().in_unit(surfaces.first.unit)?.read()?;
         let medium = config.medium.as_ref();
         let surface = surfaces.first.clone();
@@ -87,10 +74,11 @@ impl RenderPlan {
         })
     }
 
-    /// Renders the picture until the time of the configuration is over.
+    /// Renders the picture until the time of the configuration is over, and writes it.
     ///
     /// # Errors
-    /// [`StudyError`] if the layer does not fit below the surface, a ray is too grazing, or a stop comes before the first pass is finished.
+    /// [`StudyError`] if the layer does not fit below the surface, a ray is too grazing, a stop comes before the first pass is finished, or
+    /// a file cannot be written.
     pub fn render(&self, observer: &dyn Observer) -> Result<RenderedPicture, StudyError> {
         let config = &self.config;
         let time = config.run.max_time.and_then(Seconds::duration);
@@ -104,24 +92,21 @@ impl RenderPlan {
             layer.as_ref(),
             &self.settings,
             &observer,
-        );
-        let outcome = outcome.map_err(|error| match error {
-            RenderError::View(error) => StudyError::View {
-                error,
-                unit: self.surface.unit,
-            },
-            error => error.into(),
-        })?;
+        )?;
         let is_left_to_chance = config.surface.cells.of_given() == Cells::Smooth
             && config.medium.is_some()
             && config.lights.sun > 0.0;
         let notes = is_left_to_chance.then(|| SUN_BY_CHANCE.to_owned());
+        let exposure = config.picture.exposure;
+        let exposure = exposure.unwrap_or_else(|| asperity_render::exposure(&outcome.picture));
+        let files = config.picture.output.as_slice();
+        for path in files {
+            write_picture(path, &outcome.picture, exposure, COMMENT).map_err(GivenError::from)?;
+        }
         Ok(RenderedPicture {
-            exposure: config
-                .picture
-                .exposure
-                .unwrap_or_else(|| exposure(&outcome.picture)),
+            exposure,
             outcome,
+            files: files.to_vec(),
             name: self.surface.name.clone(),
             notes: self.surface.notes.iter().cloned().chain(notes).collect(),
         })

@@ -17,18 +17,17 @@ use serde_json::json;
 pub use self::comparison::TraceComparison;
 use self::files::trace_summary;
 pub use self::outcome::TraceOutcome;
-pub use self::plan::TracePlan;
+pub use self::plan::TraceStudy;
 use self::text::trace_table;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
-use crate::given::GivenError;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study};
 
-impl Study for TracePlan {
+impl Study for TraceStudy {
     type Kept = CaseResult;
     type Findings<'a> = TraceOutcome<'a>;
 
@@ -36,15 +35,10 @@ impl Study for TracePlan {
         let config: TraceConfig = document.read()?;
         // Checked before the surfaces are read, which may take long.
         config.check()?;
-        let unit = document.own_unit();
-        let tops = config.measured.read_surfaces(unit, observer)?;
-        let tops = tops.ok_or_else(|| GivenError::NoSurface {
-            command: document.command(),
-            needed: "a surface: FILE or --flat",
-        })?;
-        let bottom = config.medium.as_ref().and_then(|m| m.bottom_surface.file());
-        let bottom = bottom.map(|path| config.measured.read_like(&tops.first, path, observer));
-        let bottom = bottom.transpose()?;
+        let medium = config.medium.as_ref();
+        let (tops, bottom) = config
+            .measured
+            .read_with_bottom(medium, document, observer)?;
         let config = document.clone().in_unit(tops.first.unit)?.read()?;
         Self::new(config, tops, bottom)
     }

@@ -157,14 +157,6 @@ impl<'c> Tally<'c> {
         self.book(exit, self.weight(exit, at.ring) * exit.flux, &at);
     }
 
-    /// Subtracts, under a control variate, light that a facet would send away if nothing were in its
-    /// way, but that is shadowed or masked. A direction that leads into the surface is no exit of the
-    /// control variate.
-    pub fn add_masked(&mut self, exit: &Exit) {
-        let at = self.direction(exit);
-        self.book(exit, self.masked_weight(exit, at.ring) * exit.flux, &at);
-    }
-
     /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.
     #[inline(always)]
     fn locate(&self, exits: &mut ExitColumns) {
@@ -175,7 +167,7 @@ impl<'c> Tally<'c> {
         exits.find_targets(&self.spec.offsets());
     }
 
-    /// Adds exit number `i` to the bins that [`Tally::locate`] has found: as [`Tally::add_exit`] and [`Tally::add_masked`] do.
+    /// Adds exit number `i` to the bins that [`Tally::locate`] has found: as [`Tally::add_exit`] does, or subtracted where it is masked.
     #[inline(always)]
     fn add_located(&mut self, exits: &ExitColumns, i: usize) {
         let exit = exits.exit(i);
@@ -485,8 +477,8 @@ impl<'c> Tallies<'c> {
         self.0.locate(exits);
     }
 
-    /// Adds exits to the bins that [`Tallies::locate`] has found, in the tallies of their batches, and removes them: as [`Tally::add_exit`] and
-    /// [`Tally::add_masked`] do.
+    /// Adds exits to the bins that [`Tallies::locate`] has found, in the tallies of their batches, and removes them: as [`Tally::add_exit`]
+    /// does, or subtracted where they are masked.
     pub fn add_located(&mut self, exits: &mut ExitColumns) {
         for i in 0..exits.len() {
             self.of(exits.batch[i]).add_located(exits, i);

@@ -378,16 +378,6 @@ impl TallySpec {
         Entries::new(start, self.grid.len())
     }
 
-    /// Rays per incident ray that reached the bins of both sides, in the order of [`HemisphereGrid`].
-    ///
-    /// # Panics
-    /// If the component is not kept; see the table above.
-    #[must_use]
-    pub fn grid_hit_entries(&self, component: Component) -> Entries {
-        let start = self.hit_entries(Side::Reflected, component).start;
-        Entries::new(start, self.grid.len())
-    }
-
     /// Flux into the bins of the sides that are recorded, in the order of [`HemisphereGrid`].
     ///
     /// # Panics

@@ -170,12 +170,6 @@ impl TallyStatistics {
         &self.means
     }
 
-    /// All means, without the statistics.
-    #[must_use]
-    pub fn into_means(self) -> TallyValues {
-        self.means
-    }
-
     /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number
     /// with fewer than two batches.
     #[must_use]

@@ -19,7 +19,13 @@ impl LayerPaths {
     /// Both, in the order of [`FlatLayer::NAMES`].
     pub const ALL: [Self; 2] = [Self::HanrahanKrueger, Self::All];
 
-    /// The name under which [`FlatLayer::by_name`] knows the model.
+    /// The model of this name, if there is one.
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|paths| paths.name() == name)
+    }
+
+    /// The name of the model.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -71,12 +77,6 @@ pub struct FlatLayer {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlatLayerError {
-    /// No model has this name.
-    #[error("unknown model `{name}` of a layer; the models are {}", FlatLayer::NAMES.join(", "))]
-    Unknown {
-        /// The given name.
-        name: String,
-    },
     /// Invalid index of the top face.
     #[error(transparent)]
     Index(#[from] MaterialError),
@@ -91,23 +91,9 @@ pub enum FlatLayerError {
 }
 
 impl FlatLayer {
-    /// The names that [`FlatLayer::by_name`] knows.
+    /// The names of all models.
     pub const NAMES: [&'static str; 2] =
         [LayerPaths::HanrahanKrueger.name(), LayerPaths::All.name()];
-
-    /// The model of that name of `layer` below a face of index `eta`: see [`FlatLayer::new`].
-    ///
-    /// # Errors
-    /// [`FlatLayerError`]: an unknown name, or as [`FlatLayer::new`].
-    pub fn by_name(name: &str, eta: f64, layer: &Layer) -> Result<Self, FlatLayerError> {
-        let known = LayerPaths::ALL
-            .into_iter()
-            .find(|paths| paths.name() == name);
-        let paths = known.ok_or_else(|| FlatLayerError::Unknown {
-            name: name.to_owned(),
-        })?;
-        Self::new(eta, layer, paths)
-    }
 
     /// `layer` below a flat face of index `eta`, n_layer / n_above, which may be one.
     ///

@@ -108,9 +108,6 @@ pub enum ReadProblem {
     /// Numbers that make no surface.
     #[error("{0}")]
     Surface(#[from] HeightFieldError),
-    /// JSON text without the expected value.
-    #[error("is not as expected: {0}")]
-    Json(#[from] serde_json::Error),
     /// Refusal of the operating system.
     #[error("{0}")]
     Io(#[source] io::Error),

@@ -25,11 +25,11 @@ pub struct WriteError {
 #[non_exhaustive]
 pub enum WriteProblem {
     /// No writable format has this ending.
-    #[error("{found}; allowed are {allowed}")]
+    #[error("{found}; {allowed}")]
     WrongEnding {
         /// Ending of the file.
         found: String,
-        /// Endings that are written.
+        /// Clause on the endings that are written.
         allowed: String,
     },
     /// A format in metres, and a surface without a unit.
@@ -73,9 +73,6 @@ pub enum WriteProblem {
     /// Refusal of the operating system to make a folder or to let files into it.
     #[error("{0}")]
     Folder(#[source] io::Error),
-    /// A value that JSON cannot express.
-    #[error("{0}")]
-    Json(#[source] serde_json::Error),
     /// Refusal of the operating system.
     #[error("{0}")]
     Io(#[from] io::Error),
@@ -88,7 +85,6 @@ impl Display for WriteError {
             WriteProblem::Io(_) | WriteProblem::NoFolder(_) => {
                 write!(f, "cannot write `{path}`: {problem}")
             }
-            WriteProblem::Json(_) => write!(f, "cannot write `{path}` as JSON: {problem}"),
             WriteProblem::FolderIsFile(_) => {
                 write!(f, "cannot make the folder `{path}`: {problem}")
             }
@@ -107,11 +103,11 @@ impl Error for WriteError {
 }
 
 impl WriteProblem {
-    /// An ending that is not among the `allowed` ones.
-    pub(crate) fn ending(path: &Path, allowed: String) -> Self {
+    /// An ending that is not among the `allowed` ones of files that hold `what`, in the plural.
+    pub(crate) fn ending(path: &Path, what: &str, allowed: &str) -> Self {
         Self::WrongEnding {
             found: format!("has {}", ending_found(path)),
-            allowed,
+            allowed: format!("{what} are written as {allowed}"),
         }
     }
 

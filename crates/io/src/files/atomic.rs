@@ -40,17 +40,14 @@ pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteErro
 /// Numbers have as many digits as give the same double back; NaN and infinity become `null`.
 ///
 /// # Errors
-/// [`WriteProblem::Json`] if `value` cannot be expressed; otherwise for the reasons of [`write_atomically`].
+/// [`WriteProblem::Io`] if `value` cannot be expressed; otherwise for the reasons of [`write_atomically`].
 pub fn write_json(
     path: impl AsRef<Path>,
     value: &(impl Serialize + ?Sized),
 ) -> Result<(), WriteError> {
     let path = path.as_ref();
     replace(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value).map_err(|error| match error.is_io() {
-            true => WriteProblem::Io(error.into()),
-            false => WriteProblem::Json(error),
-        })?;
+        serde_json::to_writer_pretty(&mut *out, value).map_err(io::Error::from)?;
         Ok(out.write_all(b"\n")?)
     })
 }

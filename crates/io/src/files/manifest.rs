@@ -68,7 +68,7 @@ impl Manifest {
                 ReadProblem::Io(error) if error.kind() == io::ErrorKind::NotADirectory => {
                     return Ok(None);
                 }
-                ReadProblem::Json(error) => return Err(invalid(error.to_string())),
+                ReadProblem::Malformed(reason) => return Err(invalid(reason)),
                 _ => return Err(error.into()),
             },
         };

@@ -48,10 +48,11 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<String, ReadError> {
 /// Reads a value from a JSON file.
 ///
 /// # Errors
-/// [`ReadError`] if [`read_text`] fails, with [`ReadProblem::Json`] if the text does not hold such a value.
-pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, ReadError> {
+/// [`ReadError`] if [`read_text`] fails, with [`ReadProblem::Malformed`] if the text does not hold such a value.
+pub(crate) fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, ReadError> {
     let path = path.as_ref();
-    serde_json::from_str(&read_text(path)?).map_err(|error| ReadProblem::Json(error).at(path))
+    let value = serde_json::from_str(&read_text(path)?);
+    value.map_err(|error| ReadProblem::malformed(error).in_format(path, "JSON file"))
 }
 
 #[cfg(test)]

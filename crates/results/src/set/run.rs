@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
 use asperity_io::ResultFolder;
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::ResultSet;
 use crate::case_result::CaseResult;
 use crate::error::ResultsError;
-use crate::found::Complete;
+use crate::found::{Complete, FILE};
 use crate::header::Header;
 use crate::store::Pace;
 
@@ -58,10 +58,11 @@ impl<'a> ResultSet<'a> {
             let place = names.get(&name).copied();
             let place = place.filter(|&i| cases[i].summary_json() == known.summary_json());
             let Some(place) = place else {
-                let folder = self
-                    .folder
-                    .map_or_else(PathBuf::new, |f| f.path().to_owned());
-                return Err(ResultsError::OtherCases { folder, name });
+                let folder = self.folder.map_or(Path::new(""), ResultFolder::path);
+                return Err(ResultsError::OtherRun {
+                    path: folder.join(FILE),
+                    difference: format!("the case {name} is not among those planned"),
+                });
             };
             is_changed |= place != number;
             Arc::make_mut(&mut case).outcome.number = place;

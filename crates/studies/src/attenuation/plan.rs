@@ -4,7 +4,7 @@ use asperity_analysis::SlopeCovariance;
 use asperity_optics::Incidence;
 use asperity_results::Header;
 use asperity_simulate::{
-    Cells, RandomSurfaces, SimulateError, check_memory, short, smooth_traced_bytes, traced_bytes,
+    Cells, RandomSurfaces, check_memory, short, smooth_traced_bytes, traced_bytes,
 };
 use asperity_surface::Border;
 use asperity_synthesis::Psd;
@@ -17,7 +17,7 @@ use crate::config::values::{Number, OneOrMany};
 use crate::error::StudyError;
 
 /// A configuration with its lists checked.
-pub struct AttenuationPlan {
+pub struct AttenuationStudy {
     /// The configuration.
     pub config: AttenuationConfig,
     /// Surfaces, by sigma.
@@ -43,7 +43,7 @@ pub(super) struct RoughSurfaces {
     pub(super) drawn: RandomSurfaces,
 }
 
-impl AttenuationPlan {
+impl AttenuationStudy {
     /// Header of the results: all settings but those of the figures.
     #[must_use]
     pub(super) fn identity(&self) -> Header {
@@ -108,7 +108,7 @@ impl AttenuationConfig {
     ///
     /// # Errors
     /// [`StudyError`] if a value is out of range, two contradict each other, or a surface does not fit into memory.
-    pub fn plan(&self) -> Result<AttenuationPlan, StudyError> {
+    pub fn plan(&self) -> Result<AttenuationStudy, StudyError> {
         let (surface, run) = (&self.surface, &self.run);
         let sigmas = numbers("sigma", &surface.sigma)?;
         let tau = surface.tau.0;
@@ -116,10 +116,9 @@ impl AttenuationConfig {
         let spacing = surface.spacing.xy().map(|spacing| spacing.0);
         let of_sigma = |&sigma: &f64| -> Result<RoughSurfaces, StudyError> {
             let psd = Psd::gaussian(sigma, tau).map_err(ConfigError::from)?;
-            let drawn = RandomSurfaces::new(cells, psd, shape, spacing, surface.insist);
             Ok(RoughSurfaces {
                 sigma,
-                drawn: drawn.map_err(SimulateError::from)?,
+                drawn: RandomSurfaces::new(cells, psd, shape, spacing, surface.insist)?,
                 slopes: SlopeCovariance::isotropic(tau / sigma)?,
             })
         };
@@ -145,7 +144,7 @@ impl AttenuationConfig {
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
         let models_at = self.output.models_at_sigma.as_ref();
         let over_sigma_at = self.output.over_sigma_at_theta.as_ref();
-        let plan = AttenuationPlan {
+        let plan = AttenuationStudy {
             config: self.clone(),
             models_at: chosen("models_at_sigma", models_at, &sigmas, 3)?,
             over_sigma_at: chosen("over_sigma_at_theta", over_sigma_at, &thetas, 5)?,

@@ -5,7 +5,7 @@ use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
 use super::ground::Point;
-use super::plan::AttenuationPlan;
+use super::plan::AttenuationStudy;
 use super::points::{chunks, points, samples};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
@@ -21,7 +21,7 @@ pub(super) struct Skyline {
 impl Skyline {
     /// The skylines of a surface, one per azimuth, which tell rises of `least` and more apart.
     pub(super) fn of_each_azimuth(
-        plan: &AttenuationPlan,
+        plan: &AttenuationStudy,
         surface: &Surface,
         index: u64,
         least: f64,
@@ -43,7 +43,7 @@ impl Skyline {
 
 /// The least rise of interest on the surface of the first sigma; on others all rises are larger or smaller as
 /// sigma is.
-pub(super) fn least_rise(plan: &AttenuationPlan) -> f64 {
+pub(super) fn least_rise(plan: &AttenuationStudy) -> f64 {
     let first = &plan.surfaces[0];
     let sigmas = plan.surfaces.iter().map(|surfaces| surfaces.sigma);
     let steepest = sigmas.fold(0.0, f64::max);

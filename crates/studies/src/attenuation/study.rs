@@ -8,14 +8,14 @@ use serde::Serialize;
 
 use super::files::attenuation_summary;
 use super::tables::attenuation_table;
-use super::{AttenuationConfig, AttenuationOutcome, AttenuationPlan, SurveyedSurface};
+use super::{AttenuationConfig, AttenuationOutcome, AttenuationStudy, SurveyedSurface};
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study};
 
-impl Study for AttenuationPlan {
+impl Study for AttenuationStudy {
     type Kept = SurveyedSurface;
     type Findings<'a> = AttenuationOutcome<'a>;
 

@@ -17,7 +17,7 @@ use super::counts::Counts;
 use super::demarcation::Rises;
 use super::ground::{Ground, Point};
 use super::heights::{self, BINS};
-use super::plan::{AttenuationPlan, RoughSurfaces};
+use super::plan::{AttenuationStudy, RoughSurfaces};
 use super::points::{chunks, points, samples};
 use super::skyline::{Skyline, cotangent, least_rise};
 use crate::error::StudyError;
@@ -36,7 +36,7 @@ impl Stored for SurveyedSurface {}
 impl SurveyedSurface {
     /// Surveys realisation `index`; `None` if the run is to stop.
     pub(super) fn of(
-        plan: &AttenuationPlan,
+        plan: &AttenuationStudy,
         index: u64,
         observer: &dyn Observer,
     ) -> Result<Option<Self>, StudyError> {
@@ -66,7 +66,11 @@ impl SurveyedSurface {
 
 impl RoughSurfaces {
     /// The surface of realisation `index`.
-    pub(super) fn shape(&self, plan: &AttenuationPlan, index: u64) -> Result<Shape, SimulateError> {
+    pub(super) fn shape(
+        &self,
+        plan: &AttenuationStudy,
+        index: u64,
+    ) -> Result<Shape, SimulateError> {
         let run = &plan.config.run;
         let shape = self.drawn.draw_into(run.seed, index, Vec::new())?;
         Ok(with_border(shape, plan.config.surface.border))
@@ -112,7 +116,7 @@ pub(super) struct Survey<'a> {
 impl<'a> Survey<'a> {
     /// The counts that a plan needs of a surface.
     pub(super) fn of(
-        plan: &'a AttenuationPlan,
+        plan: &'a AttenuationStudy,
         surfaces: &RoughSurfaces,
         index: u64,
         skylines: &'a [Skyline],

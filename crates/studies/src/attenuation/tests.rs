@@ -26,7 +26,7 @@ const CONFIG: &str = "
     demarcation = true
 ";
 
-fn plan() -> AttenuationPlan {
+fn plan() -> AttenuationStudy {
     AttenuationConfig::from_toml(CONFIG)
         .unwrap()
         .plan()
@@ -66,7 +66,7 @@ fn said(outcome: &AttenuationOutcome<'_>) -> (String, serde_json::Value) {
     (attenuation_table(outcome), summary)
 }
 
-fn whole(plan: &AttenuationPlan) -> (String, serde_json::Value) {
+fn whole(plan: &AttenuationStudy) -> (String, serde_json::Value) {
     let mut found = Container::in_memory(plan.identity());
     said(&plan.run(&mut found, &Silent).unwrap())
 }

@@ -72,13 +72,12 @@ impl CaseModel {
             name: name.to_owned(),
             has_medium,
         };
-        let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
-        match (&surface.layer, surface.material) {
-            (Some(layer), Material::Dielectric { eta }) if of_layers => {
-                Ok(Self::Layer(FlatLayer::by_name(name, eta, layer)?))
+        match (&surface.layer, surface.material, LayerPaths::by_name(name)) {
+            (Some(layer), Material::Dielectric { eta }, Some(paths)) => {
+                Ok(Self::Layer(FlatLayer::new(eta, layer, paths)?))
             }
-            (Some(_), _) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
-            (None, _) if of_layers => Err(of_other_layers(false)),
+            (Some(_), ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
+            (None, _, Some(_)) => Err(of_other_layers(false)),
             _ => Ok(Self::Surface(surface.model(name)?)),
         }
     }

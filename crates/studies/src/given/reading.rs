@@ -8,10 +8,11 @@ use asperity_surface::{Border, Form, HeightField, LengthUnit, MissingPolicy};
 use asperity_tracer::{Geometry, MeshSurface};
 
 use super::border::{ASSUMED_BORDER, border_notes};
-use super::error::GivenError;
+use super::error::{FileProblem, GivenError};
 use super::surface::{GivenShape, GivenSurface, GivenSurfaces};
 use crate::config::measured::MeasuredConfig;
-use crate::settings::Command;
+use crate::config::medium::MediumConfig;
+use crate::settings::Document;
 
 /// A height map that was read.
 #[derive(Clone, Debug)]
@@ -25,14 +26,31 @@ pub struct ReadHeightMap {
 }
 
 impl MeasuredConfig {
-    /// The file of a height map, which `command` needs.
-    ///
-    /// # Errors
-    /// [`GivenError::NoSurface`] without a file.
-    pub fn required_file(&self, command: Command) -> Result<&Path, GivenError> {
-        let needed = "FILE, a height map";
-        let no_file = GivenError::NoSurface { command, needed };
+    /// The file of a height map, which the command of `document` needs.
+    pub(crate) fn required_file(&self, document: &Document) -> Result<&Path, GivenError> {
+        let no_file = GivenError::NoSurface {
+            command: document.command(),
+            needed: "FILE, a height map",
+        };
         self.files().next().ok_or(no_file)
+    }
+
+    /// Reads the given surfaces that the command of `document` needs, and the bottom of the layer of `medium` if a file gives one.
+    pub(crate) fn read_with_bottom(
+        &self,
+        medium: Option<&MediumConfig>,
+        document: &Document,
+        observer: &dyn Observer,
+    ) -> Result<(GivenSurfaces, Option<GivenSurface>), GivenError> {
+        let tops = self.read_surfaces(document.own_unit(), observer)?;
+        let tops = tops.ok_or_else(|| GivenError::NoSurface {
+            command: document.command(),
+            needed: "a surface: FILE or --flat",
+        })?;
+        let bottom = medium.and_then(|medium| medium.bottom_surface.file());
+        let bottom = bottom.map(|path| self.read_like(&tops.first, path, observer));
+        let bottom = bottom.transpose()?;
+        Ok((tops, bottom))
     }
 
     /// Reads the given surfaces, if there are any. Lengths of the flat surface are in `unit`, those of all files in that of the first.
@@ -48,7 +66,7 @@ impl MeasuredConfig {
         let files: Vec<&Path> = self.files().collect();
         for (i, path) in files.iter().enumerate() {
             if files[..i].iter().any(|other| is_same_file(other, path)) {
-                return Err(GivenError::Twice((*path).to_owned()));
+                return Err(FileProblem::Twice.at(path));
             }
         }
         let (first, others) = match files.split_first() {
@@ -93,11 +111,11 @@ impl MeasuredConfig {
         if read.unit == surface.unit || surface.file.is_none() {
             return Ok(read);
         }
-        Err(GivenError::OtherUnit {
-            path: path.to_owned(),
+        let problem = FileProblem::OtherUnit {
             unit: read.unit,
             other: surface.name.clone(),
-        })
+        };
+        Err(problem.at(path))
     }
 
     /// Reads a height map, fills or refuses missing points, filters it and removes form.
@@ -109,15 +127,11 @@ impl MeasuredConfig {
         path: &Path,
         observer: &dyn Observer,
     ) -> Result<ReadHeightMap, GivenError> {
-        let of_file = || path.to_owned();
         if MeshFormat::from_path(path).is_some() {
-            return Err(GivenError::Mesh(of_file()));
+            return Err(FileProblem::Mesh.at(path));
         }
-        let in_unit = |error| GivenError::Unit {
-            path: of_file(),
-            error,
-        };
-        let mut raw = self.scaled(read_height_map(path)?).map_err(in_unit)?;
+        let raw = self.scaled(read_height_map(path)?);
+        let mut raw = raw.map_err(|error| FileProblem::from(error).at(path))?;
         let mut notes = std::mem::take(&mut raw.notes);
         if !raw.spacing_is_known() {
             notes.push(
@@ -132,15 +146,9 @@ impl MeasuredConfig {
         raw.border = self.border.or(raw.border);
         let is_border_known = raw.border.is_some();
         let field = raw.into_height_field(self.missing, ASSUMED_BORDER);
-        let field = field.map_err(|error| GivenError::Missing {
-            path: of_file(),
-            error,
-        })?;
+        let field = field.map_err(|error| FileProblem::from(error).at(path))?;
         let field = self.filtered(field);
-        let field = field.map_err(|error| GivenError::Filtering {
-            path: of_file(),
-            error,
-        })?;
+        let field = field.map_err(|error| FileProblem::from(error).at(path))?;
         notes.extend(border_notes(&field, is_border_known));
         let [dx, dy] = field.spacing().map(short);
         observer.explain(&format!(
@@ -176,8 +184,7 @@ impl MeasuredConfig {
             (self.remove != Form::None, "--remove"),
         ] {
             if given {
-                let path = path.to_owned();
-                return Err(GivenError::HeightMapFlag { flag, path });
+                return Err(FileProblem::ForHeightMaps(flag).at(path));
             }
         }
         let MeshData {
@@ -186,10 +193,7 @@ impl MeasuredConfig {
         } = read_mesh(path)?;
         // No mesh format states a unit
         let own = self.unit_of_file(LengthUnit::Arbitrary);
-        let own = own.map_err(|error| GivenError::Unit {
-            path: path.to_owned(),
-            error,
-        })?;
+        let own = own.map_err(|error| FileProblem::from(error).at(path))?;
         let unit = self.unit.unwrap_or(own);
         if let Some(convert) = own.conversion(unit) {
             for coordinate in vertices.as_flattened_mut() {
@@ -198,10 +202,7 @@ impl MeasuredConfig {
         }
         let border = self.border.unwrap_or(Border::Open);
         let mesh = MeshSurface::new(&vertices, triangles, border);
-        let mesh = mesh.map_err(|error| GivenError::Triangles {
-            path: path.to_owned(),
-            error,
-        })?;
+        let mesh = mesh.map_err(|error| FileProblem::from(error).at(path))?;
         let [x, y, z] = mesh.size();
         observer.explain(&format!(
             "{}: {} vertices, {} triangles, extent {x} x {y} x {z}{}, {border} border",
@@ -238,8 +239,7 @@ impl MeasuredConfig {
 }
 
 /// The file's own name, for titles.
-#[must_use]
-pub fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
     name.to_string_lossy().into_owned()
 }

@@ -1,14 +1,14 @@
 //! Given surface: a height map, a triangle mesh or a plane, with its description and warnings.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use asperity_simulate::{Cells, Shape, SimulateError, smooth_shape};
+use asperity_simulate::{Cells, Shape, smooth_shape};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
 use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
-use super::error::GivenError;
+use super::error::{FileProblem, GivenError};
 use crate::surface_lengths::SurfaceLengths;
 
 /// A given surface.
@@ -102,43 +102,48 @@ impl GivenSurfaces {
     /// The shapes to simulate, with these `cells` between heights, each over `bottom` if there is one.
     ///
     /// # Errors
-    /// Errors of [`GivenShape::simulated`], and [`GivenError::OtherBottom`].
+    /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory, or surface and bottom are of two kinds.
     pub fn simulated(
         self,
         bottom: Option<GivenSurface>,
         cells: Cells,
     ) -> Result<Vec<Shape>, GivenError> {
-        let bottom = bottom
-            .map(|bottom| bottom.shape.simulated(cells))
-            .transpose()?;
+        let bottom = bottom.map(|bottom| bottom.simulated(cells)).transpose()?;
         let all = std::iter::once(self.first).chain(self.others);
         let shapes = all.map(|one| {
-            let top = one.shape.simulated(cells)?;
+            let top = one.simulated(cells)?;
             match &bottom {
                 None => Ok(top),
-                Some(bottom) => Ok(top.over(bottom.clone()).ok_or(GivenError::OtherBottom)?),
+                Some(bottom) => top.over(bottom.clone()).ok_or(GivenError::OtherBottom),
             }
         });
         shapes.collect()
     }
 }
 
-impl GivenShape {
+impl GivenSurface {
     /// The shape to simulate, with these `cells` between heights.
-    ///
-    /// # Errors
-    /// [`SimulateError::SmoothMesh`], and [`SimulateError::NotEnoughMemory`] for smooth cells.
-    pub fn simulated(self, cells: Cells) -> Result<Shape, SimulateError> {
-        match (self, cells) {
-            (Self::Field(field), Cells::Flat) => Ok(Shape::height_field(field)),
-            (Self::Field(field), Cells::Smooth) => smooth_shape(&field),
-            (Self::Mesh(mesh), Cells::Flat) => Ok(Shape::triangle_mesh(mesh)),
-            (Self::Mesh(_), Cells::Smooth) => Err(SimulateError::SmoothMesh),
+    fn simulated(self, cells: Cells) -> Result<Shape, GivenError> {
+        if cells == Cells::Smooth {
+            return Ok(smooth_shape(self.height_map("--cells smooth")?)?);
+        }
+        Ok(match self.shape {
+            GivenShape::Field(field) => Shape::height_field(field),
+            GivenShape::Mesh(mesh) => Shape::triangle_mesh(mesh),
+        })
+    }
+
+    /// The heights, for the setting of this `flag`, which a triangle mesh does not have.
+    pub(crate) fn height_map(&self, flag: &'static str) -> Result<&HeightField, GivenError> {
+        match &self.shape {
+            GivenShape::Field(field) => Ok(field),
+            GivenShape::Mesh(_) => {
+                let path = self.file.as_deref().unwrap_or(Path::new(&self.name));
+                Err(FileProblem::ForHeightMaps(flag).at(path))
+            }
         }
     }
-}
 
-impl GivenSurface {
     /// One flat periodic cell, with lengths in `unit`.
     pub(super) fn flat(unit: LengthUnit) -> Self {
         let field = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]);

@@ -8,22 +8,11 @@ use asperity_surface::{HeightField, LengthUnit};
 use super::border::ASSUMED_BORDER;
 use super::error::GivenError;
 
-/// Checks that the ending stands for a format that height maps are written in.
-///
-/// # Errors
-/// [`GivenError::OtherEnding`].
-pub fn check_height_map_ending(path: &Path) -> Result<(), GivenError> {
-    match HeightMapFormat::from_path(path) {
-        Some(format) if format.can_write() => Ok(()),
-        _ => Err(GivenError::OtherEnding(path.to_owned())),
-    }
-}
-
 /// Writes a height map; returns a note if the format cannot hold spacing, unit or border.
-///
-/// # Errors
-/// [`GivenError::Write`].
-pub fn write_surface(path: &Path, field: &HeightField) -> Result<Option<String>, GivenError> {
+pub(crate) fn write_surface(
+    path: &Path,
+    field: &HeightField,
+) -> Result<Option<String>, GivenError> {
     write_height_map(path, field)?;
     let ([dx, dy], unit, border) = (field.spacing(), field.unit(), field.border());
     let is_default =

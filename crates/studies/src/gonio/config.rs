@@ -182,7 +182,7 @@ impl GonioConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn header(&self, sample: Option<&Sample>) -> Result<Header, ConfigError> {
-        let measured = sample.map(|sample| &sample.about.description);
+        let measured = sample.map(|sample| &sample.description);
         let document = self.as_verification()?.document_of_cases(measured);
         Ok(Header::new("gonio", self.run.seed, document))
     }
@@ -206,7 +206,7 @@ impl GonioConfig {
                 return Err(ConfigError::Unread("the measured surface").into());
             }
             None => verification.plan()?,
-            Some(sample) => verification.plan_on(&sample.shapes, sample.about.unit)?,
+            Some(sample) => verification.plan_on(&sample.shapes, sample.unit)?,
         };
         let specs = plan.cases.iter().map(|case| plan.settings.spec_of(case));
         for spec in specs.clone() {

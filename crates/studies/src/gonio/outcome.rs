@@ -7,7 +7,7 @@ use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallySta
 
 use super::components;
 use super::config::GonioConfig;
-use super::sample::AboutSample;
+use super::sample::Sample;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{EstimateWithLimit, over, projected_solid_angle};
 use crate::report::flux_basis::FluxBasis;
@@ -83,7 +83,7 @@ pub struct GonioOutcome<'a> {
     /// The configuration.
     pub config: &'a GonioConfig,
     /// The given surfaces, if there are any.
-    pub sample: Option<&'a AboutSample>,
+    pub sample: Option<&'a Sample>,
     /// The cases: by setting, polar angle and azimuth, in that order of nesting.
     pub plan: &'a Plan,
     /// Results.

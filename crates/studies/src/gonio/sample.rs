@@ -14,13 +14,6 @@ use crate::surface_lengths::SurfaceLengths;
 pub struct Sample {
     /// Their shapes.
     pub shapes: Vec<Shape>,
-    /// Their description.
-    pub about: AboutSample,
-}
-
-/// Description of given surfaces.
-#[derive(Clone, Debug)]
-pub struct AboutSample {
     /// Their names, for titles.
     pub name: String,
     /// Unit of their lengths.
@@ -37,9 +30,9 @@ impl Sample {
     /// Surfaces from which `form` was removed when they were read, with these `cells` between heights.
     ///
     /// # Errors
-    /// Errors of [`GivenShape::simulated`].
+    /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory.
     pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, GivenError> {
-        let about = AboutSample {
+        Ok(Self {
             name: surfaces.name(),
             unit: surfaces.first.unit,
             description: surfaces.described(|surface| description(surface, form)),
@@ -48,10 +41,7 @@ impl Sample {
                 Some(_) => surfaces.warnings(),
                 None => Vec::new(),
             },
-        };
-        Ok(Self {
             shapes: surfaces.simulated(None, cells)?,
-            about,
         })
     }
 }

@@ -1,5 +1,7 @@
 //! The configuration of an inspected height map: how it is read, eroded and lit.
 
+use std::path::PathBuf;
+
 use asperity_optics::Incidence;
 use asperity_simulate::{Observer, short};
 use asperity_surface::HeightField;
@@ -49,22 +51,24 @@ pub struct ErosionConfig {
 
 /// A height map with its statistics.
 pub struct Inspection {
+    pub(super) file: PathBuf,
     /// The heights, eroded.
-    pub field: HeightField,
+    pub(super) field: HeightField,
     /// Its roughness and shadows.
     pub statistics: Statistics,
-    /// Notes for the user on how the file was read and eroded, one sentence each.
-    pub notes: Vec<String>,
+    /// Notes for the user on how the file was read, eroded and written, one sentence each.
+    pub(super) notes: Vec<String>,
 }
 
 impl InspectConfig {
     /// Reads the configuration of a document.
     ///
     /// # Errors
-    /// [`StudyError`] if a value is invalid or lacks another.
+    /// [`StudyError`] if there is no file, or a value is invalid or lacks another.
     pub fn new(document: &Document) -> Result<Self, StudyError> {
         let config: Self = document.read()?;
         config.light.directions()?;
+        config.measured.required_file(document)?;
         Ok(config)
     }
 
@@ -77,13 +81,14 @@ impl InspectConfig {
         document: &Document,
         observer: &dyn Observer,
     ) -> Result<Inspection, StudyError> {
-        let file = self.measured.required_file(document.command())?;
+        let file = self.measured.required_file(document)?;
         let mut read = self.measured.read_height_map(file, observer)?;
         let in_unit: Self = document.clone().in_unit(read.field.unit())?.read()?;
         let (field, note) = in_unit.erosion.eroded(read.field)?;
         read.notes.extend(note);
         let (cells, lights) = (self.surface.cells.of_given(), self.light.directions()?);
         Ok(Inspection {
+            file: file.to_owned(),
             statistics: Statistics::of(&field, cells, &lights)?,
             field,
             notes: read.notes,

@@ -1,37 +1,104 @@
 //! The files of an inspected surface.
 
-use asperity_io::ResultFolder;
+use std::path::Path;
+
+use asperity_io::{HeightMapFormat, ResultFolder, write_bytes};
 use asperity_simulate::Silent;
-use asperity_surface::HeightField;
 use serde::Serialize;
 use serde_json::Value;
 
 use super::Texture;
-use crate::output::Head;
+use super::config::Inspection;
+use super::statistics::Statistics;
+use crate::error::StudyError;
+use crate::given::{file_name, write_surface};
+use crate::output::{Head, note_lines, wrapped};
 use crate::report::error::ReportError;
 use crate::report::figures::height_map_figure;
 use crate::report::views::Views;
 
-/// An inspected surface.
-struct Inspected<'a, S> {
-    field: &'a HeightField,
-    name: &'a str,
-    texture: &'a Texture,
-    parameters: &'a S,
+/// The tables and figures of an inspected surface.
+pub struct InspectReport<'a> {
+    inspection: &'a Inspection,
+    name: String,
+    texture: Texture,
 }
 
-/// Names of all files of [`inspect_report`].
+/// Names of all files of an [`InspectReport`].
 #[must_use]
-pub fn texture_files() -> Vec<String> {
-    views::<()>().names()
+pub fn inspection_files() -> Vec<String> {
+    views().names()
+}
+
+/// Returns `true` if `path` names a folder for tables and figures, rather than a height map: it has no ending, or is a folder that exists.
+#[must_use]
+pub fn names_folder(path: &Path) -> bool {
+    path.extension().is_none() || path.is_dir() && HeightMapFormat::from_path(path).is_none()
+}
+
+impl Inspection {
+    /// Draws the heights, as SVG or PNG by the ending of `path`.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the file cannot be written or the figure drawn.
+    pub fn draw(&self, path: &Path) -> Result<(), ReportError> {
+        let figure = height_map_figure(&self.field, &file_name(&self.file))?;
+        let is_svg = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+        let bytes = match is_svg {
+            true => figure.svg()?.into_bytes(),
+            false => figure.png()?,
+        };
+        Ok(write_bytes(path, &bytes)?)
+    }
+
+    /// Writes the heights, and notes what the format leaves out.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the file cannot be written.
+    pub fn write(&mut self, path: &Path) -> Result<(), StudyError> {
+        self.notes.extend(write_surface(path, &self.field)?);
+        Ok(())
+    }
+
+    /// Measures spectrum, autocorrelation and histograms.
+    ///
+    /// # Errors
+    /// [`StudyError`] if all heights are equal, or so large that their sums overflow.
+    pub fn report(&self) -> Result<InspectReport<'_>, StudyError> {
+        let texture = Texture::of(&self.field);
+        Ok(InspectReport {
+            inspection: self,
+            name: file_name(&self.file),
+            texture: texture.map_err(|problem| problem.at(&self.file))?,
+        })
+    }
+
+    /// Text: roughness and shadows, then notes.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let (file, statistics) = (self.file.display(), self.statistics.text());
+        wrapped(&format!("{file}: {statistics}{}", note_lines(&self.notes)))
+    }
+}
+
+impl InspectReport<'_> {
+    /// Writes tables and figures into `folder`, and, last, summary.json, which also holds the roughness.
+    ///
+    /// # Errors
+    /// [`ReportError`] if a file cannot be written or a figure drawn.
+    pub fn write(&self, folder: &ResultFolder) -> Result<(), ReportError> {
+        views().write(folder, self, &Silent)
+    }
 }
 
 #[derive(Serialize)]
-struct Summary<'a, S> {
+struct Summary<'a> {
     #[serde(flatten)]
     head: Head,
     /// Parameters and whatever else is known of the surface.
-    surface: &'a S,
+    surface: &'a Statistics,
     /// Area of the plane of wave vectors that each wave of `psd.csv` stands for.
     wave_area: f64,
     /// Fractions of facets too steep for `slopes.csv`, along x and y.
@@ -39,8 +106,8 @@ struct Summary<'a, S> {
     columns: Value,
 }
 
-fn views<'a, S: Serialize + Sync>() -> Views<'a, Inspected<'a, S>> {
-    let mut views: Views<'a, Inspected<'a, S>> = Views::new();
+fn views<'a>() -> Views<'a, InspectReport<'a>> {
+    let mut views: Views<'a, InspectReport<'a>> = Views::new();
     views.csv("psd.csv", |one| Some(one.texture.spectrum_table()));
     views.csv("autocorrelation.csv", |one| {
         Some(one.texture.correlation_table())
@@ -48,51 +115,31 @@ fn views<'a, S: Serialize + Sync>() -> Views<'a, Inspected<'a, S>> {
     views.csv("heights.csv", |one| Some(one.texture.heights_table()));
     views.csv("slopes.csv", |one| Some(one.texture.slopes_table()));
     views.figure("psd", |one| {
-        let figure = one.texture.spectrum_figure(one.name);
+        let figure = one.texture.spectrum_figure(&one.name);
         Ok(figure.map(|figure| figure.draw()).transpose()?)
     });
     views.figure("autocorrelation", |one| {
-        Ok(Some(one.texture.correlation_figure(one.name).draw()?))
+        Ok(Some(one.texture.correlation_figure(&one.name).draw()?))
     });
     views.figure("heights", |one| {
-        Ok(Some(one.texture.heights_figure(one.name).draw()?))
+        Ok(Some(one.texture.heights_figure(&one.name).draw()?))
     });
     views.figure("slopes", |one| {
-        Ok(Some(one.texture.slopes_figure(one.name).draw()?))
+        Ok(Some(one.texture.slopes_figure(&one.name).draw()?))
     });
     views.figure("height_map", |one| {
-        Ok(Some(height_map_figure(one.field, one.name)?))
+        Ok(Some(height_map_figure(&one.inspection.field, &one.name)?))
     });
     views.json("summary.json", |one| Some(summary(one)));
     views
 }
 
-fn summary<'a, S: Serialize + Sync>(one: &Inspected<'a, S>) -> Summary<'a, S> {
+fn summary<'a>(one: &InspectReport<'a>) -> Summary<'a> {
     Summary {
         head: Head::of("inspect"),
-        surface: one.parameters,
+        surface: &one.inspection.statistics,
         wave_area: one.texture.wave_area,
         steeper: [0, 1].map(|axis| one.texture.slopes[axis].outside),
-        columns: views::<S>().columns(one),
+        columns: views().columns(one),
     }
-}
-
-/// Writes tables and figures of the surface called `name` into `folder`, and, last, summary.json, which also holds `parameters`.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a figure drawn.
-pub fn inspect_report<S: Serialize + Sync>(
-    folder: &ResultFolder,
-    field: &HeightField,
-    name: &str,
-    texture: &Texture,
-    parameters: &S,
-) -> Result<(), ReportError> {
-    let inspected = Inspected {
-        field,
-        name,
-        texture,
-        parameters,
-    };
-    views().write(folder, &inspected, &Silent)
 }

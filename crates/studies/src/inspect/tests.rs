@@ -1,4 +1,5 @@
 use asperity_io::{ResultFolder, read_text};
+use asperity_simulate::Cells;
 use asperity_surface::Roughness;
 use asperity_synthesis::{Psd, Synthesis};
 use serde_json::Value;
@@ -30,12 +31,17 @@ fn files_hold_the_mean_square_height_and_all_values() {
     let out = folder.path().join("out");
     let field = drawn();
     let results = ResultFolder::open(&out, "inspect", &[]).unwrap();
-    results.check(texture_files()).unwrap();
-    let texture = Texture::of(&field).unwrap();
+    results.check(inspection_files()).unwrap();
     let roughness = Roughness::of(&field);
-    inspect_report(&results, &field, "drawn", &texture, &roughness).unwrap();
+    let inspection = Inspection {
+        file: "drawn".into(),
+        statistics: Statistics::of(&field, Cells::Flat, &[]).unwrap(),
+        field,
+        notes: Vec::new(),
+    };
+    inspection.report().unwrap().write(&results).unwrap();
     results.finish(true).unwrap();
-    for name in texture_files() {
+    for name in inspection_files() {
         assert!(out.join(&name).exists(), "{name}");
     }
 
@@ -92,7 +98,7 @@ fn requested_density_is_the_mean_over_azimuths() {
 #[test]
 fn a_flat_surface_is_refused() {
     let flat = HeightField::new(vec![1.0; 9], [3, 3], [1.0, 1.0]).unwrap();
-    assert!(matches!(Texture::of(&flat), Err(InspectError::Flat)));
+    assert!(matches!(Texture::of(&flat), Err(FileProblem::Flat)));
 }
 
 /// GGX in polar coordinates is `2 t dt / (1 + t^2)^2` of `t` over alpha; here it is integrated over lines across the x axis instead.

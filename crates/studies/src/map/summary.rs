@@ -78,8 +78,7 @@ fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
 }
 
 /// The verdicts of a map in short: by material and further coordinates, comparison and model.
-#[must_use]
-pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
+pub(crate) fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     let mut summaries = Vec::new();
     for panel in panels(outcome) {
         for light in ComparedLight::BOTH {

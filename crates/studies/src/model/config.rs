@@ -98,8 +98,9 @@ impl ModelConfig {
     fn gaussian_slopes(&self, name: &str) -> Result<SlopeCovariance, EvaluationError> {
         let roughness = &self.surface;
         let s = roughness.smoothness;
-        let s = s.ok_or_else(|| EvaluationError::NoSmoothness {
+        let s = s.ok_or_else(|| EvaluationError::Lacks {
             name: name.to_owned(),
+            needs: "a rough surface: give --smoothness, or --slopes-of",
         })?;
         if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {
             return Err(EvaluationError::NoSecondSmoothness);

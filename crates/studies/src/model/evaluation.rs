@@ -5,7 +5,7 @@ use std::path::Path;
 use asperity_io::WriteError;
 use serde_json::Value;
 
-use crate::output::Table;
+use crate::output::{Table, wrapped};
 
 /// A model that was evaluated.
 pub trait Evaluation {
@@ -18,6 +18,23 @@ pub trait Evaluation {
     /// The rows as CSV, where they stand for the text unless a file holds them.
     fn csv(&self) -> Option<String> {
         None
+    }
+
+    /// Notes as comments, and the rows as CSV, where these stand for the text.
+    fn commented_csv(&self) -> Option<String> {
+        let notes = self.notes().iter().map(|note| format!("# {note}\n"));
+        Some(notes.collect::<String>() + &self.csv()?)
+    }
+
+    /// Description, notes and energies, with the `file` that holds the rows.
+    fn report(&self, file: Option<&Path>) -> String {
+        let notes = self.notes().iter().map(|note| format!("{note}\n"));
+        let notes: String = notes.collect();
+        let mut text = format!("{}\n{notes}{}", self.description(), self.text());
+        if let Some(path) = file {
+            text.push_str(&format!("{}: {}\n", path.display(), self.rows()));
+        }
+        wrapped(&text)
     }
 
     /// Number and kind of rows, as in `1296 bins`.

@@ -83,6 +83,14 @@ pub fn wrapped(text: &str) -> String {
     lines.join("\n")
 }
 
+/// Lines of text for each note.
+pub(crate) fn note_lines<'a>(notes: impl IntoIterator<Item = &'a String>) -> String {
+    let notes = notes.into_iter();
+    notes
+        .map(|note| format!("{}\n", wrapped(&format!("note: {note}"))))
+        .collect()
+}
+
 /// One paragraph whose lines all begin with `indent`.
 pub(crate) fn indented(text: &str, indent: &str) -> String {
     joined(format!("{indent}{text}").split(' '), " ", indent)

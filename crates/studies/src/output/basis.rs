@@ -73,10 +73,8 @@ impl EstimateWithLimit {
     pub(crate) fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
         match (se, self.below, self.above) {
-            (Some(0.0), Some(limit), _) => format!("none seen, below {}", two_digits(limit)),
-            (Some(0.0), _, Some(limit)) => {
-                format!("1, all seen, above 1 - {}", two_digits(1.0 - limit))
-            }
+            (Some(0.0), Some(limit), _) => format!("0 (< {}, 95 %)", two_digits(limit)),
+            (Some(0.0), _, Some(limit)) => format!("1 (> 1 - {}, 95 %)", two_digits(1.0 - limit)),
             (Some(0.0), ..) => match self.basis {
                 Basis::Proven => format!("{} (exact)", short(mean)),
                 Basis::Quadrature => format!("{} (quadrature)", short(mean)),
@@ -115,15 +113,11 @@ mod tests {
         };
         assert_eq!(
             texts(0.0),
-            ["0 (exact)", "none seen, below 3.0e-4", "0 (no scatter)"]
+            ["0 (exact)", "0 (< 3.0e-4, 95 %)", "0 (no scatter)"]
         );
         assert_eq!(
             texts(1.0),
-            [
-                "1 (exact)",
-                "1, all seen, above 1 - 3.0e-4",
-                "1 (no scatter)"
-            ]
+            ["1 (exact)", "1 (> 1 - 3.0e-4, 95 %)", "1 (no scatter)"]
         );
         assert_eq!(
             texts(0.04),

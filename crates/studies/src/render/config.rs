@@ -1,9 +1,9 @@
 //! The configuration of a picture: surface, medium, camera and lights.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use asperity_optics::Incidence;
-use asperity_render::{Lights, Patch, Projection, Sun, View};
+use asperity_render::{Lights, Patch, Projection, RenderError, Sun, View};
 use asperity_surface::LengthUnit;
 use serde::Deserialize;
 
@@ -125,11 +125,6 @@ impl RenderConfig {
         Ok(config)
     }
 
-    /// File of the bottom of the layer, if it is given as one.
-    pub(super) fn bottom_file(&self) -> Option<&Path> {
-        self.medium.as_ref()?.bottom_surface.file()
-    }
-
     /// The view of a tile of that extent, lengths in `unit`.
     pub(super) fn view(&self, extent: [f64; 2], unit: LengthUnit) -> Result<View, StudyError> {
         let camera = &self.camera;
@@ -145,20 +140,23 @@ impl RenderConfig {
         let towards = direction(self.view.theta, self.view.phi)?;
         let width = camera.width.unwrap_or(extent[0]);
         let view = View::new(projection, towards, target, width);
-        view.map_err(|error| StudyError::View { error, unit })
+        Ok(view.map_err(RenderError::from)?.in_unit(unit))
     }
 }
 
 impl LightingConfig {
     pub(super) fn lights(&self) -> Result<Lights, StudyError> {
-        let patch = self
-            .patch
-            .map(|[x0, y0, x1, y1]| Patch::new([x0, y0], [x1, y1]));
-        let patch = patch.transpose()?;
         let towards = direction(self.sun_theta, self.sun_phi)?;
-        let sun = Sun::new(towards, self.sun, self.sun_radius.to_radians(), patch)?;
-        let sun = (self.sun > 0.0).then_some(sun);
-        Ok(Lights::new(self.sky, self.below, sun)?.with_horizon(self.horizon)?)
+        let lights = || {
+            let patch = self
+                .patch
+                .map(|[x0, y0, x1, y1]| Patch::new([x0, y0], [x1, y1]));
+            let patch = patch.transpose()?;
+            let sun = Sun::new(towards, self.sun, self.sun_radius.to_radians(), patch)?;
+            let sun = (self.sun > 0.0).then_some(sun);
+            Lights::new(self.sky, self.below, sun)?.with_horizon(self.horizon)
+        };
+        Ok(lights().map_err(RenderError::from)?)
     }
 }
 

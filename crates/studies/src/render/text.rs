@@ -1,11 +1,28 @@
 //! Text of a picture: what was rendered, and what of its light is missing.
 
+use std::path::PathBuf;
+
+use asperity_render::RenderOutcome;
 use asperity_simulate::{counted, short};
 
-use super::RenderedPicture;
+use crate::output::{note_lines, wrapped};
+
+/// A picture, and what is said of it.
+pub struct RenderedPicture {
+    /// The picture, its errors and missing light.
+    pub outcome: RenderOutcome,
+    /// Factor from radiance to the brightness of a PNG.
+    pub(super) exposure: f64,
+    /// Name of the surface.
+    pub(super) name: String,
+    /// Notes for the user on the surface and its light, one sentence each.
+    pub(super) notes: Vec<String>,
+    /// The files.
+    pub(super) files: Vec<PathBuf>,
+}
 
 impl RenderedPicture {
-    /// Surface, rays, radiance and exposure, then missing light and notes.
+    /// Text: surface, rays, radiance and exposure, then missing light, notes and files.
     #[must_use]
     pub fn text(&self) -> String {
         let outcome = &self.outcome;
@@ -41,12 +58,10 @@ impl RenderedPicture {
                 ));
             }
         }
-        text
-    }
-
-    /// Notes for the user on the surface and its light, one sentence each.
-    #[must_use]
-    pub fn notes(&self) -> &[String] {
-        &self.notes
+        text.push_str(&note_lines(&self.notes));
+        for path in &self.files {
+            text.push_str(&format!("picture in {}\n", path.display()));
+        }
+        wrapped(&text)
     }
 }

@@ -6,8 +6,7 @@ use asperity_surface::{Iso25178, LengthUnit};
 use super::roughness::{Parameter, number, parameter_table};
 
 /// Functional, hybrid and spatial parameters with their meaning; lengths are in `unit`.
-#[must_use]
-pub fn areal_table(parameters: &Iso25178, unit: LengthUnit) -> String {
+pub(crate) fn areal_table(parameters: &Iso25178, unit: LengthUnit) -> String {
     let (f, s) = (&parameters.functional, &parameters.spatial);
     let unit = unit.suffix();
     let length = |value| format!("{}{unit}", short(value));

@@ -10,10 +10,7 @@ use crate::config::error::ConfigError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The result folder cannot be used.
+    /// The result folder cannot be used, or a file cannot be written.
     #[error(transparent)]
     Folder(#[from] ResultFolderError),
     /// The configuration makes no sense.
@@ -25,4 +22,10 @@ pub enum ReportError {
     /// A plot cannot be drawn.
     #[error("a plot could not be drawn: {0}")]
     Plot(#[from] PlotError),
+}
+
+impl From<WriteError> for ReportError {
+    fn from(error: WriteError) -> Self {
+        Self::Folder(error.into())
+    }
 }

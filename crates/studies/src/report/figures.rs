@@ -41,7 +41,7 @@ pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result
 ///
 /// # Errors
 /// [`asperity_plot::PlotError`] if it cannot be drawn.
-pub fn height_map_figure(
+pub(crate) fn height_map_figure(
     field: &HeightField,
     name: &str,
 ) -> Result<Figure, asperity_plot::PlotError> {

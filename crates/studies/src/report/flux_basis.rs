@@ -160,7 +160,7 @@ mod tests {
         ..GLASS
     };
     const EXACT: &str = "0 (exact)";
-    const UNSEEN: &str = "none seen, below 3.0e-4";
+    const UNSEEN: &str = "0 (< 3.0e-4, 95 %)";
 
     /// Reflected, transmitted, absorbed and lost.
     fn texts(support: FluxBasis) -> [String; 4] {

@@ -55,8 +55,7 @@ fn suffix(unit: LengthUnit) -> String {
 }
 
 /// The grid, and all parameters of a surface with their conventions.
-#[must_use]
-pub fn roughness_table(r: &Roughness) -> String {
+pub(crate) fn roughness_table(r: &Roughness) -> String {
     let [ny, nx] = r.shape;
     let [dx, dy] = r.spacing.map(short);
     let [x, y] = r.extent.map(short);
@@ -152,8 +151,7 @@ struct Both {
 }
 
 /// Parameters of the facets, `r`, next to those of the smooth surface through the same heights.
-#[must_use]
-pub fn smooth_table(r: &Roughness, smooth: &SplineRoughness) -> String {
+pub(crate) fn smooth_table(r: &Roughness, smooth: &SplineRoughness) -> String {
     let u = suffix(r.unit);
     let row = |name, [facets, smooth]: [String; 2]| Both {
         name,
@@ -203,8 +201,7 @@ struct Statistic<'a> {
 }
 
 /// Requested statistics next to those of this realisation; empty for a surface that was not generated.
-#[must_use]
-pub fn realisation_table(drawn: &DrawnRoughness) -> String {
+pub(crate) fn realisation_table(drawn: &DrawnRoughness) -> String {
     type Row<'a> = Statistic<'a>;
     let r = &drawn.roughness;
     if let Some(structure) = &drawn.realised_structure {

@@ -3,14 +3,14 @@
 #[cfg(test)]
 mod tests;
 
-use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes};
+use asperity_analysis::{SlopeDistribution, SlopeTableError, SmithSlopes};
 use asperity_simulate::{Case, Effort, Estimator, Observer, Outcome, Settings, Shape, short};
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
 use asperity_tracer::Polarisation;
 use serde_json::{Value, json};
 
-use super::region_plan::{MIN_REGIONS, MIN_WIDTH, RegionPlan, TooSmall};
+use super::region_plan::RegionPlan;
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
@@ -23,7 +23,7 @@ use crate::config::error::ConfigError;
 use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
-use crate::given::{GivenError, GivenShape, GivenSurfaces};
+use crate::given::{ComparedSurfaceError, GivenSurfaces};
 
 /// Mean slope, over the root mean square slope, above which a surface is called tilted.
 const TILTED: f64 = 0.05;
@@ -65,7 +65,7 @@ impl Slopes {
     /// The `models` that are of isotropic surfaces and take the mean of the slope variances.
     ///
     /// # Errors
-    /// [`GivenError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
+    /// [`ComparedSurfaceError::Anisotropic`] if the variances differ by more than they are known to; other refusals of models.
     fn isotropic_models<'a>(
         &self,
         models: &'a [String],
@@ -81,7 +81,7 @@ impl Slopes {
         for name in models {
             CaseModel::of(name, &modelled).map_err(|error| match error {
                 ConfigError::Model(error) if error.is_anisotropic() => {
-                    StudyError::from(GivenError::Anisotropic {
+                    StudyError::from(ComparedSurfaceError::Anisotropic {
                         name: surface.to_owned(),
                         variances: self.isotropy.variances,
                         error,
@@ -126,23 +126,11 @@ impl PlannedComparison {
         }
         if !surfaces.others.is_empty() {
             let count = 1 + surfaces.others.len();
-            return Err(GivenError::ComparedSeveral { count }.into());
+            return Err(ComparedSurfaceError::Several { count }.into());
         }
         let surface = &surfaces.first;
-        let name = || surface.name.clone();
-        let GivenShape::Field(field) = &surface.shape else {
-            return Err(GivenError::ComparedMesh { name: name() }.into());
-        };
-        let plan = RegionPlan::of(field).map_err(|error| match error {
-            TooSmall::Correlated => GivenError::Correlated { name: name() },
-            TooSmall::Widths([x, y]) => GivenError::FewRegions {
-                name: name(),
-                x,
-                y,
-                regions: MIN_REGIONS,
-                width: MIN_WIDTH,
-            },
-        })?;
+        let field = surface.height_map("--models")?;
+        let plan = RegionPlan::of(field, &surface.name)?;
         let regions = [plan.regions.columns as usize, plan.regions.rows as usize];
         let found = match case.surface.shapes() {
             [Shape::Smooth { top, .. }] => top.spline().region_slopes(regions),
@@ -153,15 +141,10 @@ impl PlannedComparison {
         if of_layers {
             warnings.push(AVERAGED_LAYERS.to_owned());
         }
-        let shifts = RegionShifts::new(&centred(field.border(), found), plan.widths())
-            .map_err(ModelError::from)
-            .map_err(ConfigError::from)?;
+        let shifts = RegionShifts::new(&centred(field.border(), found), plan.widths())?;
         let tabulates = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
         let tables = tabulates.then(|| tables(field, case, regions));
-        let tables = tables
-            .transpose()
-            .map_err(ModelError::from)
-            .map_err(ConfigError::from)?;
+        let tables = tables.transpose()?;
         let slopes = Slopes {
             isotropy: Isotropy::of(shifts.elements()),
             plan,

@@ -4,14 +4,14 @@ use asperity_simulate::{Outcome, StoppedBy, Stopping};
 use asperity_tally::TallySpec;
 
 use super::comparison::TraceComparison;
-use super::plan::TracePlan;
+use super::plan::TraceStudy;
 use crate::config::lobes::BinnedLobe;
 use crate::report::energies::lost_warning;
 
 /// Results on given surfaces.
 pub struct TraceOutcome<'a> {
     /// The plan.
-    pub plan: &'a TracePlan,
+    pub plan: &'a TraceStudy,
     /// Results of the engine.
     pub outcome: &'a Outcome,
     /// The surface against models; `None` without any, or if a stop came before.

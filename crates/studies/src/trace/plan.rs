@@ -7,11 +7,11 @@ use super::comparison::PlannedComparison;
 use super::description::Surfaces;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
-use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
+use crate::given::{GivenSurface, GivenSurfaces};
 use crate::validity::Validity;
 
 /// Light on given surfaces, checked and ready to be traced.
-pub struct TracePlan {
+pub struct TraceStudy {
     /// The configuration.
     pub config: TraceConfig,
     /// Names of the surfaces.
@@ -29,7 +29,7 @@ pub struct TracePlan {
     pub(super) described: Value,
 }
 
-impl TracePlan {
+impl TraceStudy {
     /// Checks everything that can be before a ray is traced.
     ///
     /// # Errors
@@ -40,10 +40,7 @@ impl TracePlan {
         bottom: Option<GivenSurface>,
     ) -> Result<Self, StudyError> {
         for surface in tops.iter().filter(|_| config.run.refine) {
-            if let (GivenShape::Mesh(_), Some(path)) = (&surface.shape, &surface.file) {
-                let name = path.display().to_string();
-                return Err(GivenError::RefinedMesh { name }.into());
-            }
+            surface.height_map("--refine")?;
         }
         let settings = config.ray_settings()?;
         let mut warnings = tops.warnings();

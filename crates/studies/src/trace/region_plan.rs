@@ -3,8 +3,10 @@
 use asperity_simulate::Regions;
 use asperity_surface::{HeightField, Roughness};
 
+use crate::given::ComparedSurfaceError;
+
 /// Fewest regions: from fewer the error is known to no better than a fifth.
-pub(crate) const MIN_REGIONS: u32 = 16;
+const MIN_REGIONS: u32 = 16;
 
 /// Most regions: more tell no more of the error, and have fewer rays each.
 const MAX_REGIONS: u32 = 64;
@@ -14,7 +16,7 @@ const MAX_REGIONS: u32 = 64;
 const WIDTH: f64 = 5.0;
 
 /// Least width of a region in correlation lengths.
-pub(crate) const MIN_WIDTH: f64 = 2.0;
+const MIN_WIDTH: f64 = 2.0;
 
 /// Steps from [`WIDTH`] to [`MIN_WIDTH`].
 const STEPS: u32 = 30;
@@ -29,24 +31,22 @@ pub(super) struct RegionPlan {
     pub(super) extent: [f64; 2],
 }
 
-/// Reasons for which a surface has too few regions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum TooSmall {
-    /// The heights do not lose their correlation, or are all equal.
-    Correlated,
-    /// Widths of the surface along x and y, in correlation lengths.
-    Widths([f64; 2]),
-}
-
 impl RegionPlan {
-    pub(super) fn of(field: &HeightField) -> Result<Self, TooSmall> {
+    /// The regions of the surface called `name`.
+    pub(super) fn of(field: &HeightField, name: &str) -> Result<Self, ComparedSurfaceError> {
+        let name = || name.to_owned();
         let roughness = Roughness::of(field);
         let (Some(x), Some(y)) = (roughness.tau_x, roughness.tau_y) else {
-            return Err(TooSmall::Correlated);
+            return Err(ComparedSurfaceError::Correlated { name: name() });
         };
         let extent = field.extent();
         let widths = [extent[0] / x, extent[1] / y];
-        let regions = regions(widths).ok_or(TooSmall::Widths(widths))?;
+        let regions = regions(widths).ok_or_else(|| ComparedSurfaceError::FewRegions {
+            name: name(),
+            widths,
+            regions: MIN_REGIONS,
+            width: MIN_WIDTH,
+        })?;
         Ok(Self {
             regions,
             correlation: [x, y],

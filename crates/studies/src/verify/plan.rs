@@ -1,8 +1,8 @@
 //! Plan: the cases that a configuration stands for, and how they are simulated.
 
 use asperity_simulate::{
-    Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SimulateError,
-    SurfaceSource, check_memory,
+    Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SurfaceSource,
+    check_memory,
 };
 use asperity_surface::LengthUnit;
 use asperity_synthesis::{FieldSynthesis, SurfaceRecipe};
@@ -52,8 +52,8 @@ impl SurfaceConfig {
         let planning = FieldSynthesis::planning_bytes(&recipe, shape);
         check_memory("planning these surfaces", planning)?;
         let (cells, spacing) = (self.cells(), self.spacing());
-        let surfaces = RandomSurfaces::new(cells, recipe, shape, spacing, self.insist);
-        Ok(surfaces.map_err(SimulateError::from)?)
+        let insist = self.insist;
+        Ok(RandomSurfaces::new(cells, recipe, shape, spacing, insist)?)
     }
 }
 

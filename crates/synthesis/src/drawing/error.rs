@@ -98,6 +98,25 @@ pub enum SynthesisError {
 }
 
 impl SynthesisError {
+    /// Returns `true` if other input would help, rather than more memory.
+    #[must_use]
+    pub const fn is_usage(&self) -> bool {
+        !matches!(self, Self::OutOfMemory { .. })
+    }
+
+    /// Returns `true` if the surface can be drawn all the same, on insistence.
+    #[must_use]
+    pub const fn yields_to_insistence(&self) -> bool {
+        matches!(
+            self,
+            Self::Unresolved { .. }
+                | Self::UnresolvedWaves { .. }
+                | Self::TooSmallTile { .. }
+                | Self::Structure(StructureError::Unresolved { .. })
+                | Self::Unreachable(_)
+        )
+    }
+
     /// Returns the error with its lengths in `unit`; numbers are not converted.
     #[must_use]
     pub fn with_unit(mut self, unit: LengthUnit) -> Self {

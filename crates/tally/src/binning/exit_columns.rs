@@ -142,7 +142,8 @@ impl ExitColumns {
         self.push_as(exit, batch, false, measures);
     }
 
-    /// Adds light of batch number `batch` for [`crate::Tally::add_masked`].
+    /// Adds light of batch number `batch` that a facet would send away if nothing were in its way, but that is shadowed or masked, to be
+    /// subtracted under a control variate. A direction that leads into the surface is no exit of the control variate.
     #[inline]
     pub fn push_masked(&mut self, exit: &Exit, batch: u32) {
         self.push_as(exit, batch, true, &[]);

@@ -90,12 +90,9 @@ pub enum BuildError {
         /// Height range over the column spacing.
         columns: f64,
     },
-    /// An accelerator for flat surfaces, and another one.
-    #[error("the accelerator flat is for flat surfaces; take auto")]
-    NotFlat,
-    /// An accelerator for flat surfaces, and smooth cells.
+    /// An accelerator for flat surfaces, and another one, or smooth cells.
     #[error("the accelerator flat is for flat surfaces of flat cells; take auto")]
-    NeedsFlatCells,
+    NotFlat,
     /// An accelerator for height fields, and a mesh.
     #[error(
         "the accelerator {kind} needs a height field, but this is a triangle mesh; take auto, mesh or brute-force"

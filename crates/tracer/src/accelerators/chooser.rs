@@ -52,7 +52,7 @@ impl BuildAccelerator for SmoothSurface {
         check_height_range(self)?;
         Ok(match self.resolve(kind) {
             AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
-            AcceleratorKind::Flat => return Err(BuildError::NeedsFlatCells),
+            AcceleratorKind::Flat => return Err(BuildError::NotFlat),
             AcceleratorKind::Auto | AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })

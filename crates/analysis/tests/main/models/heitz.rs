@@ -362,7 +362,7 @@ fn turning_surface_and_light_turns_the_result() {
     let run = |slopes, phi| {
         let model = Heitz::new(slopes, glass(1.5)).unwrap();
         let wi = from_spherical(1.0, phi);
-        sampled(&model, spec, 4_000, 8, |_| wi).0.into_means()
+        sampled(&model, spec, 4_000, 8, |_| wi).0.means().clone()
     };
     let (a, b) = (run(here, 0.3), run(there, 0.3 + 0.5 * PI));
     let n_phi = spec.grid().n_phi();
@@ -387,7 +387,8 @@ fn nearly_equal_variances_agree_with_equal_ones() {
         let model = Heitz::new(slopes, glass(1.5)).unwrap();
         sampled(&model, spec, 4_000, 9, |_| from_spherical(0.8, 1.0))
             .0
-            .into_means()
+            .means()
+            .clone()
     };
     let (a, b) = (
         run(isotropic(1.0)),

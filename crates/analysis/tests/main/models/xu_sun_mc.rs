@@ -139,11 +139,12 @@ impl BsdfModel for Averaged {
 fn single_p_value(walked: &Expectation, exact: &dyn BsdfModel, theta_deg: f64) -> f64 {
     let spec = spec();
     let exact = bin_fluxes(exact, light(theta_deg).0.wi(), &spec.grid());
-    let hits = spec.grid_hit_entries(Component::Single);
+    let hits = |side| spec.hit_entries(side, Component::Single);
+    let hits: Vec<_> = Side::BOTH.into_iter().flat_map(hits).collect();
     let errors = walked.statistics().error_squares();
     let (mut chi_squared, mut bins) = (0.0, 0);
     for (k, i) in spec.grid_entries(Component::Single).iter().enumerate() {
-        let rays = walked.statistics().means()[hits.get(k)] * walked.rays() as f64;
+        let rays = walked.statistics().means()[hits[k]] * walked.rays() as f64;
         if rays < 200.0 {
             continue;
         }

@@ -6,9 +6,10 @@ use asperity_surface::{LengthUnit, RegionSlopes};
 use asperity_synthesis::Psd;
 
 use super::*;
+use crate::given::GivenShape;
 use crate::given::GivenSurface;
 use crate::study::Study;
-use crate::trace::{TraceOutcome, TracePlan};
+use crate::trace::{TraceOutcome, TraceStudy};
 
 /// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
 const SMOOTH: f64 = 10.0;
@@ -31,18 +32,18 @@ fn isotropic(smoothness: f64, seed: u64) -> GivenSurface {
     surface(Psd::gaussian(4.0 / smoothness, 4.0).unwrap(), seed)
 }
 
-fn planned(surface: GivenSurface, settings: &str) -> TracePlan {
+fn planned(surface: GivenSurface, settings: &str) -> TraceStudy {
     let text = format!("[output]\nplots = false\n{settings}");
     let config = TraceConfig::from_toml(&text).unwrap();
     let tops = GivenSurfaces {
         first: surface,
         others: Vec::new(),
     };
-    TracePlan::new(config, tops, None).unwrap()
+    TraceStudy::new(config, tops, None).unwrap()
 }
 
 /// Returns the value that `read` takes from the outcome of a run.
-fn run<T>(plan: TracePlan, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
+fn run<T>(plan: TraceStudy, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
     let mut found = ResultSet::in_memory(plan.header().unwrap());
     read(&plan.run(&mut found, &Silent).unwrap())
 }

@@ -151,7 +151,7 @@ fn scaling_all_lengths_changes_no_byte() {
                 slab(medium(2.0 * scale, 0.9), 16.0 * scale, bottom),
             )
         };
-        scene.trace(2, 20).0.into_means()
+        scene.trace(2, 20).0.means().clone()
     };
     let reference = scene(1.0);
     assert!(reference.budget().transmitted > 0.01);
@@ -172,7 +172,7 @@ fn the_accelerator_changes_no_byte() {
                 theta_deg: 70.0,
                 ..Scene::new(surface(), slab(medium(3.0, 0.95), 24.0, bottom))
             };
-            scene.trace(1, 20).0.into_means()
+            scene.trace(1, 20).0.means().clone()
         };
         let reference = found(AcceleratorKind::BruteForce);
         for kind in [AcceleratorKind::Pyramid, AcceleratorKind::Mesh] {

@@ -98,11 +98,11 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         (Component::Single, Component::Single),
         (Component::Multiple, Component::Multiple),
     ] {
-        for (bin, hit) in spec
-            .grid_entries(component)
-            .iter()
-            .zip(spec.grid_hit_entries(hits))
-        {
+        for (bin, hit) in spec.grid_entries(component).iter().zip(
+            Side::BOTH
+                .into_iter()
+                .flat_map(|side| spec.hit_entries(side, hits)),
+        ) {
             // Fewer rays have skewed errors. The free ones choose: they scatter less.
             if free.means()[hit] * rays >= 200.0 {
                 check(bin);
