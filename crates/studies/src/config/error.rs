@@ -58,11 +58,6 @@ pub enum ConfigError {
     /// A given surface where random ones are needed.
     #[error("a verification is of random surfaces, not of a given one")]
     GivenSurface,
-    /// Settings of reading a file, without one.
-    #[error(
-        "border, spacing, unit, assume-unit, flip, missing and remove are for a surface read from a file, but no file is given"
-    )]
-    NoFileToRead,
     /// The given surface has not been read, which is an error of the caller.
     #[error("the measured surface was not read")]
     UnreadSurface,

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use asperity_surface::{Border, Form, HeightFieldError, LengthUnit, MissingPolicy, RawHeightMap};
 use serde::{Deserialize, Serialize};
 
-use super::error::ConfigError;
 use super::values::{OneOrMany, PerAxis};
 use crate::settings::Length;
 
@@ -65,21 +64,6 @@ impl MeasuredConfig {
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let files = self.file.as_ref().map_or(&[][..], OneOrMany::as_slice);
         files.iter().map(PathBuf::as_path)
-    }
-
-    /// Refuses what says how a file is read where there is none.
-    pub(crate) fn check(&self) -> Result<(), ConfigError> {
-        let reads_file = self.border.is_some()
-            || self.spacing.is_some()
-            || self.unit.is_some()
-            || self.assume_unit.is_some()
-            || self.flip
-            || self.missing != MissingPolicy::Refuse
-            || self.remove != Form::None;
-        if self.file.is_none() && reads_file {
-            return Err(ConfigError::NoFileToRead);
-        }
-        Ok(())
     }
 
     /// The unit of the lengths in a file that states `stated`, before they are converted.

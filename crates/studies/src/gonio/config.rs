@@ -193,7 +193,6 @@ impl GonioConfig {
         if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
             return Err(ConfigError::GonioOfStates(self.run.polarisation).into());
         }
-        self.measured.check()?;
         let verification = self.as_verification()?;
         let plan = match sample {
             None if self.measured.is_given() => return Err(ConfigError::UnreadSurface.into()),
