@@ -301,11 +301,12 @@ impl Setting {
         }
     }
 
-    /// Returns `true` if `pattern` means it with this value. A switch that is off and an empty list are as not given.
+    /// Returns `true` if `pattern` means it with this value. A switch that is off is as one that is not given.
     pub(super) fn has_value(&self, pattern: &str, value: &Value) -> bool {
-        let is_named = |name: &str| match name.ends_with(':') {
-            true => value.as_str().is_some_and(|value| value.starts_with(name)),
-            false => self.kind.parse(name, self.range).as_ref() == Some(value),
+        let is_named = |name: &str| match value {
+            Value::Array(values) if values.is_empty() => name == "none",
+            Value::String(value) if name.ends_with(':') => value.starts_with(name),
+            _ => self.kind.parse(name, self.range).as_ref() == Some(value),
         };
         let (path, is_meant) = match pattern.split_once('=') {
             Some((path, name)) => (path, is_named(name)),
@@ -314,8 +315,7 @@ impl Setting {
                 None => (pattern, true),
             },
         };
-        let is_given = *value != Value::Bool(false) && *value != Value::Array(Vec::new());
-        self.matches(path) && is_given && is_meant
+        self.matches(path) && *value != Value::Bool(false) && is_meant
     }
 
     /// Values allowed, to follow "must be", with the unit and examples.

@@ -603,5 +603,11 @@ fn models_may_be_one_name_several_or_none() {
         models("[compare]\nmodels = \"smith\""),
         serde_json::json!(["smith"])
     );
-    assert_eq!(models("[compare]\nmodels = []"), serde_json::json!([]));
+    let none = "[compare]\nmodels = []";
+    assert_eq!(models(none), serde_json::json!([]));
+    // None at all is a choice, which also a flat surface allows.
+    let mut flat = Document::of_text(Command::Trace, none).unwrap();
+    flat.add_flags(&[flag("flat", "")], None).unwrap();
+    assert!(flat.is_given("compare.models"));
+    flat.read::<serde_json::Value>().unwrap();
 }

@@ -26,7 +26,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("a flat surface").when(&["measured.flat"]),
         variant("a rough surface").allows(&[
             "run.refine",
-            "compare.models",
+            "compare.models!none",
             "surface.cells=smooth",
         ]),
     ])
