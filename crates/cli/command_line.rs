@@ -49,10 +49,12 @@ impl From<Failure> for Stop {
 /// Reads the request of the command line, with the settings of its configuration file.
 pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     let is_full = arguments.iter().any(|argument| argument == HELP_ALL);
-    // Full help is what `--help` prints then.
-    let read = arguments.iter().map(|argument| match argument {
-        argument if argument == HELP_ALL => OsStr::new("--help"),
-        argument => argument.as_os_str(),
+    // Full help is what `--help` prints then, and the command `help` without it.
+    let is_help = arguments.get(1).is_some_and(|argument| argument == "help");
+    let read = arguments.iter().filter_map(|argument| match argument {
+        argument if argument != HELP_ALL => Some(argument.as_os_str()),
+        _ if is_help => None,
+        _ => Some(OsStr::new("--help")),
     });
     let matches = program(is_full)
         .try_get_matches_from(read)

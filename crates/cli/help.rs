@@ -198,7 +198,7 @@ fn flag(setting: &Setting, command: Command) -> Option<String> {
 
 /// Meaning of a setting, with its choices and its default.
 fn explanation(setting: &Setting, command: Command) -> String {
-    let mut text = setting.help.to_owned();
+    let mut text = setting.flag_help();
     let choices = setting.kind.choices();
     if !choices.is_empty() {
         let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
@@ -215,7 +215,7 @@ fn explanation(setting: &Setting, command: Command) -> String {
 
 /// Meaning of a setting, with its default, where choices are listed apart.
 pub(crate) fn summary(setting: &Setting, command: Command) -> String {
-    setting.help.to_owned() + &default(setting, command)
+    setting.flag_help() + &default(setting, command)
 }
 
 /// Returns the default in brackets, or an empty string for a setting without one.

@@ -8,6 +8,7 @@ use asperity_studies::settings::Document;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::output_files::refuse_input;
 
 /// Prints `text`; a reader that has gone away is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -46,6 +47,7 @@ pub(crate) fn result_folder(
     document: &Document,
     names: &[String],
 ) -> Result<ResultFolder, Failure> {
+    refuse_input(path, document)?;
     let inputs = document.input_files();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     let command = document.command().name();

@@ -9,24 +9,22 @@ use crate::failure::Failure;
 
 /// Checks that the files `outputs` can be written, and replace no file that the run of `document` reads.
 pub(crate) fn check_outputs(outputs: &[&Path], document: &Document) -> Result<(), Failure> {
-    let inputs = document.input_files();
     for output in outputs {
-        for input in &inputs {
-            refuse_input(output, input)?;
-        }
+        refuse_input(output, document)?;
         check_output_file(output).map_err(Failure::failed)?;
     }
     refuse_equal_names(outputs)
 }
 
-/// Refuses to replace a file that is read.
-fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
-    match is_same_file(output, input) {
-        true => Err(Failure::usage(format!(
+/// Refuses to replace a file that the run of `document` reads.
+pub(crate) fn refuse_input(output: &Path, document: &Document) -> Result<(), Failure> {
+    let mut inputs = document.input_files().into_iter();
+    match inputs.find(|input| is_same_file(output, input)) {
+        Some(input) => Err(Failure::usage(format!(
             "{} is the input of this command, which would replace it; choose another output",
             input.display()
         ))),
-        false => Ok(()),
+        None => Ok(()),
     }
 }
 

@@ -110,7 +110,7 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     let resumed = asperity(folder, &words(&line));
     assert!(resumed.status.success());
     let notes = errors_of(&resumed);
-    assert!(notes.contains("resumed with what"), "{notes}");
+    assert!(notes.contains("resumed after the rays"), "{notes}");
     trace(folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
@@ -169,7 +169,11 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
             "--models smith",
             "correlation lengths wide; errors by parts of a surface need 16 parts",
         ),
-        ("--flat", "--models smith", "all equal"),
+        (
+            "--flat",
+            "--models smith",
+            "goes with a rough surface, not a flat surface",
+        ),
         ("rough.npy", "--models smith,smith", "given twice"),
         ("rough.npy", "--models ggx", "ggx"),
         ("rough.npy", "--models flat-layer", "no medium is given"),

@@ -421,6 +421,11 @@ fn bad_input_gets_a_sentence() {
         ("gonio --surface h.npy -o out", 1, "h.npy"),
         ("gonio --flat --border open -o out", 2, "not a flat surface"),
         (
+            "gonio --border open -o out",
+            2,
+            "--border open needs --surface (",
+        ),
+        (
             "gonio g.toml --material mirror -o out",
             2,
             "no light enters",

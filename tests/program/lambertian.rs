@@ -43,7 +43,7 @@ fn materials_and_models_that_do_not_fit_get_one_sentence() {
         ),
         (
             "verify --reflectance 0.5",
-            "goes with material lambertian, not dielectric",
+            "--reflectance 0.5 needs --material lambertian",
         ),
         (
             &format!("verify {white} --eta 1.5"),

@@ -93,7 +93,7 @@ fn layers_are_refused_what_their_models_cannot_do() {
         ("flat-layer --theta 30", "needs a medium"),
         (
             "flat-layer --theta 30 --thickness 1",
-            "a medium needs mean_free_path and albedo",
+            "needs a medium: give --mean-free-path and --albedo",
         ),
         (
             "flat-layer --theta 30 --scattering 1 --smoothness 3",

@@ -159,7 +159,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             format!("{medium} --bottom mirror"),
-            "goes with a medium with a thickness",
+            "--bottom mirror needs --thickness",
         ),
         (
             format!("{medium} --thickness 50 --bottom-surface independent"),
@@ -189,7 +189,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             "--g 0.5".to_owned(),
-            "a medium needs mean_free_path and albedo",
+            "--g 0.5 needs a medium: give --mean-free-path and --albedo",
         ),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");

@@ -38,7 +38,10 @@ fn light_of_any_state_leaves_as_the_matrix_says() {
 fn impossible_light_is_refused() {
     let (_keep, folder) = with_surface();
     for (more, why) in [
-        ("--stokes 1,0,0", "four numbers"),
+        (
+            "--stokes 1,0,0",
+            "--stokes 1,0,0: must be 4 numbers as I,Q,U,V",
+        ),
         ("--stokes 0,0,0,0", "intensity I above 0"),
         (
             "--stokes 1,0.9,0.9,0",

@@ -240,7 +240,11 @@ fn lengths_in_messages_have_their_unit() {
 fn help_is_a_command_too_and_missing_values_are_named_by_what_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for (command, flag) in [("help", "--help"), ("help gonio", "gonio --help")] {
+    for (command, flag) in [
+        ("help", "--help"),
+        ("help gonio", "gonio --help"),
+        ("help gonio --help-all", "gonio --help-all"),
+    ] {
         let [by_command, by_flag] = [command, flag].map(|line| succeed(folder, &words(line)));
         assert_eq!(by_command, by_flag);
     }

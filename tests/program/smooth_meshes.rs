@@ -110,7 +110,7 @@ fn wrong_fineness_is_refused() {
     let (_keep, folder) = with_surface();
     let files = crate::support::files(&folder);
     for (flags, expected) in [
-        ("--subdivide 2", "goes with cells smooth"),
+        ("--subdivide 2", "--subdivide 2 needs --cells smooth"),
         ("--deviation 2 --cells flat", "goes with cells smooth"),
         ("--cells smooth --subdivide 0", "whole number of 1 or more"),
         ("--cells smooth --deviation 0", "a number above 0"),

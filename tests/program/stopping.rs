@@ -172,7 +172,7 @@ fn bad_targets_and_times_get_a_sentence() {
         ("--target-error -1", "--target-error -1: must be"),
         ("--target-error nan", "nan"),
         ("--target-error 1e-3 --of ring", "in-plane"),
-        ("--of bins", "no target error"),
+        ("--of bins", "--of bins needs --target-error"),
         (
             "--target-error 1e-3 --of transmitted --material mirror",
             "nothing is transmitted",

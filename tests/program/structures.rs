@@ -90,10 +90,7 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     for (flags, expected) in [
         ("--structure sponge", "must be pits, caps,"),
-        (
-            "--depth 3",
-            "goes with a structure, not surfaces without a structure",
-        ),
+        ("--depth 3", "--depth 3 needs --structure"),
         (
             "--structure v-grooves --density 0.5",
             "goes with structure pits, caps, scratches, cracks, pyramids or inverted-pyramids, not v-grooves",
@@ -104,8 +101,14 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         ),
         ("--structure pits --depth 9", "above 0, up to 8"),
         ("--structure pits --smoothness 3", "excludes"),
-        ("--structure pits --tau-y 3", "which sigma gives"),
-        ("--structure pits --tau 4", "which sigma gives"),
+        (
+            "--structure pits --tau-y 3",
+            "with --structure pits needs --sigma",
+        ),
+        (
+            "--structure pits --tau 4",
+            "with --structure pits needs --sigma",
+        ),
         ("--structure pits --azimuth 60", "no direction"),
         (
             "--structure pits --sigma 1 --tau 4 --azimuth 60",
@@ -200,7 +203,7 @@ fn height_maps_are_eroded_by_inspect() {
     assert!(!said("1").contains("less than the spacing"));
     for (flags, expected) in [
         ("--etch 300", "more than 64 spacings"),
-        ("--slip-steps 5", "goes with an angle of repose"),
+        ("--slip-steps 5", "--slip-steps 5 needs --repose"),
         ("--repose 90", "from 0 to below 90"),
     ] {
         let said = refused(folder, &words(&format!("inspect a.exr {flags}")), 2);

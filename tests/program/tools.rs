@@ -132,7 +132,7 @@ fn man_writes_a_page_for_every_command() {
             let flag = setting.flag_name();
             // Of two settings of one flag the first stands for both.
             if flag.is_some() && !explained.contains(&flag) {
-                let help = escaped(setting.help);
+                let help = escaped(&setting.flag_help());
                 assert!(page.contains(&help), "{command}: {help}");
                 explained.push(flag);
             }

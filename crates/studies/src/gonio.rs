@@ -85,10 +85,6 @@ impl Study for GonioStudy {
 
     fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError> {
         let mut config: GonioConfig = document.read()?;
-        if document.is_given("measured.*") && !config.measured.is_given() {
-            let of_files = "border, spacing, unit, assume-unit, flip, missing or remove";
-            return Err(ConfigError::missing(of_files, "a surface read from a file").into());
-        }
         let unit = document.own_unit();
         let surfaces = config.measured.read_surfaces(unit, observer)?;
         if let Some(surfaces) = &surfaces {

@@ -193,7 +193,7 @@ mod tests {
             ("[material]\neta = 1", "delta"),
             (
                 "[material]\nkappa = 1",
-                "kappa = 1: goes with material conductor, not dielectric",
+                "kappa = 1 needs material conductor",
             ),
             (
                 "[material]\nkind = \"conductor\"\neta = 0.2",
@@ -208,7 +208,7 @@ mod tests {
                 "for both axes or two as COLUMNSxROWS",
             ),
             ("[surface]\nsize = [64, 0]", "1 or more"),
-            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+            ("[surface]\nsmoothness = [3, 3.0000001]", "same folder"),
             ("[compare]\nmodels = [\"smith\", \"smith\"]", "twice"),
             ("[surface]\ntau = -16", "tau"),
             ("[run]\nrays = 0", "1 or more"),
@@ -241,7 +241,7 @@ mod tests {
             ("[run]\ntarget_error = inf", "above 0"),
             ("[run]\ntarget_error = 1e-3\nrays = 1e5", "excludes"),
             ("[run]\ntarget_error = 1e-3\nof = \"ring\"", "ring"),
-            ("[run]\nof = \"bins\"", "no target error"),
+            ("[run]\nof = \"bins\"", "of = \"bins\" needs target_error"),
             (
                 "[run]\ntarget_error = 1e-3\nof = \"transmitted\"\n[material]\nkind = \"mirror\"",
                 "nothing is transmitted",

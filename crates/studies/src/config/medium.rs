@@ -253,11 +253,11 @@ mod tests {
             (&format!("{path}\nphase = \"henyey-greenstein\""), "needs g"),
             (
                 &format!("{path}\nbottom = \"open\""),
-                "goes with a medium with a thickness",
+                "bottom = \"open\" needs thickness",
             ),
             (
                 &format!("{path}\nbottom_surface = \"same\""),
-                "goes with a medium with a thickness, not one without end",
+                "bottom_surface = \"same\" needs thickness",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"open\"\nbottom_surface = \"same\""),
@@ -269,7 +269,7 @@ mod tests {
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom_reflectance = 1"),
-                "goes with bottom lambertian, not interface",
+                "bottom_reflectance = 1 needs bottom lambertian",
             ),
             (&format!("{path}\nmax_scatterings = 1e10"), "4294967295"),
             (

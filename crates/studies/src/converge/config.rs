@@ -503,7 +503,7 @@ mod tests {
                 "[converge]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",
                 "nothing is transmitted",
             ),
-            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+            ("[surface]\nsmoothness = [3, 3.0000001]", "same folder"),
             ("[run]\nrays = 5", "unknown section `run`"),
             ("[light]\ntheta = 90", "below 90"),
         ] {

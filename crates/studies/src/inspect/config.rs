@@ -24,12 +24,13 @@ pub struct InspectConfig {
     /// The height map.
     pub measured: MeasuredConfig,
     /// The lights.
+    #[serde(rename = "shadow")]
     pub light: InspectLight,
     /// The erosion.
     pub erosion: ErosionConfig,
 }
 
-/// `[light]`: directions of lights whose shadow is measured.
+/// Directions of lights whose shadow is measured.
 #[derive(Clone, Debug, Deserialize)]
 pub struct InspectLight {
     /// Polar angles, degrees.

@@ -14,7 +14,7 @@ mod run;
 mod single;
 mod surface;
 
-pub(super) use self::groups::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES};
+pub(super) use self::groups::{GROUPS, HELD_BY, RANDOM_OR_GIVEN, RANDOM_SURFACES};
 use super::command::Command;
 use super::setting::Setting;
 
@@ -42,20 +42,19 @@ const fn section(name: &'static str, title: &'static str, settings: &'static [Se
 
 /// All sections, in the order of the help.
 pub static SECTIONS: &[Section] = &[
-    section("surface", "Random surfaces, cells", surface::SETTINGS),
+    section("surface", "Surface", surface::SETTINGS),
     section("generate", "Height map", single::GENERATE_SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
     section("erosion", "Erosion", single::EROSION),
     section("mesh", "Triangle mesh", single::MESH_SETTINGS),
     section("material", "Material", material::MATERIAL_SETTINGS),
     Section {
-        name: "medium",
-        title: "Medium below the surface",
         optional: true,
-        settings: material::MEDIUM,
+        ..section("medium", "Medium below the surface", material::MEDIUM)
     },
     section("light", "Light", light::LIGHT),
     section("view", "View", light::VIEW),
+    section("shadow", "Shadow", light::SHADOW),
     section("run", "Run", run::SETTINGS),
     section("compare", "Models", compare::COMPARE),
     section("map", "Tolerances", compare::MAP),

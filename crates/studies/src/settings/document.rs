@@ -1,6 +1,6 @@
 //! Document: the values of one run, in layers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use asperity_surface::LengthUnit;
@@ -8,7 +8,9 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::command::{Command, Commands};
-use super::definitions::{GROUPS, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, settings_of};
+use super::definitions::{
+    GROUPS, HELD_BY, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, settings_of,
+};
 use super::entry::{Entry, is_any};
 use super::error::{Given, Place, SettingError};
 use super::file::File;
@@ -101,18 +103,7 @@ impl Document {
             .map(|(name, values)| self.flag_entry(name, values, &names))
             .collect::<Result<Vec<_>, _>>()?;
         if let Some((path, values)) = positional {
-            let entry = self.positional_entry(path, values)?;
-            let flag = entry.as_ref().and_then(|positional| {
-                let same = |flag: &&Entry| std::ptr::eq(flag.setting, positional.setting);
-                entries.iter().find(same)
-            });
-            if let Some(flag) = flag {
-                return Err(SettingError::Excluded {
-                    first: flag.given.clone(),
-                    second: values.join(" "),
-                });
-            }
-            entries.extend(entry);
+            entries.extend(self.positional_entry(path, values)?);
         }
         self.add_layer(entries)
     }
@@ -216,9 +207,7 @@ impl Document {
     /// [`SettingError::NoUnit`] if a length has a unit and the surface has none, and [`SettingError::Unreadable`] if
     /// `T` does not fit the definitions, which is an error of this program.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, SettingError> {
-        for group in GROUPS {
-            self.check(group)?;
-        }
+        GROUPS.iter().try_for_each(|group| self.check(group))?;
         let document = match self.has_file() {
             true => self.to_json(None),
             false => {
@@ -269,8 +258,8 @@ impl Document {
         let holds = |group: &Group| {
             self.chosen(group).is_none_or(|(variant, _)| {
                 let is_other = group.owns(setting, &value) && !variant.has(setting, &value);
-                let is_kept = group.keeps_defaults || !is_other;
-                is_kept && !is_any(variant.without_default, setting, &value)
+                let is_kept = group.keeps_all_defaults || !is_other;
+                is_kept && !is_any(variant.without_default_of, setting, &value)
             })
         };
         GROUPS.iter().all(holds).then_some(value)
@@ -282,30 +271,29 @@ impl Document {
         self.is_given(pattern) || self.sections.iter().any(is_section)
     }
 
-    /// Returns the variant of a group that holds, with the value that chooses it; `None` where none holds or the group does not matter.
-    fn chosen(&self, group: &Group) -> Option<(&'static Variant, Option<&Entry>)> {
-        if !group.within.is_empty() && !self.has(group.within) {
-            return None;
-        }
-        let by = |entry| Some((group.chosen_by(entry)?, Some(entry)));
-        let otherwise = || group.variants.iter().find(|variant| variant.otherwise);
-        let chosen = self.entries.values().find_map(by);
-        chosen.or_else(|| Some((otherwise()?, None)))
+    /// Returns the variant of a group that holds.
+    fn variant(&self, group: &Group) -> Option<&'static Variant> {
+        Some(self.chosen(group)?.0)
     }
 
-    /// Refuses settings that the chosen variant of a group does not have, and one that lacks what it needs.
+    /// Returns the variant of a group that holds, with the value that chooses it; `None` where none holds or the group does not matter.
+    fn chosen(&self, group: &Group) -> Option<(&'static Variant, Option<&Entry>)> {
+        if !group.only_with.is_empty() && !self.has(group.only_with) {
+            return None;
+        }
+        let by = |entry| Some((group.variant_of(entry)?, Some(entry)));
+        let default = || group.variants.iter().find(|variant| variant.is_default);
+        let chosen = self.entries.values().find_map(by);
+        chosen.or_else(|| Some((default()?, None)))
+    }
+
+    /// Refuses settings that the variant of a group that holds does not have, and one that lacks what it needs.
     fn check(&self, group: &Group) -> Result<(), SettingError> {
+        let mut entries = self.entries.values();
+        let within = entries.find(|entry| entry.is(group.only_with));
         let Some((variant, by)) = self.chosen(group) else {
-            return match !group.subject.is_empty() && self.has(group.within) {
-                true => Err(SettingError::Missing {
-                    subject: group.subject.to_owned(),
-                    needed: group
-                        .variants
-                        .iter()
-                        .map(|variant| variant.name)
-                        .collect::<Vec<_>>()
-                        .join(", or "),
-                }),
+            return match !group.required.is_empty() && self.has(group.only_with) {
+                true => Err(self.without_choice(group, within)),
                 false => Ok(()),
             };
         };
@@ -313,35 +301,94 @@ impl Document {
             group.owns(entry.setting, &entry.value) && !variant.has(entry.setting, &entry.value)
         };
         if let Some(entry) = self.entries.values().find(is_other) {
-            let kind = self.setting(group.kind).and_then(Setting::flag_name);
-            let kind = kind.map_or_else(String::new, |name| name + " ");
-            return Err(SettingError::OfOtherVariant {
-                given: entry.given.clone(),
-                owners: kind + &joined_by_or(&group.owners(entry)),
-                chosen: variant.name,
-            });
+            let chosen = by.map(|_| variant.name);
+            return Err(self.of_other_variant(group, entry, chosen, within));
         }
-        let Some(by) = by else {
+        let Some(cause) = by.or(within) else {
             return Ok(());
         };
         let missing = variant.needs.iter().filter(|path| !self.is_given(path));
         let missing: Vec<String> = missing
-            .filter_map(|path| {
-                let setting = self.setting(path)?;
-                let name = match by.given.place {
-                    Place::Flag => format!("--{}", setting.flag_name()?),
-                    Place::File { .. } => setting.key.to_owned(),
-                };
-                Some(format!("{name} ({})", setting.help))
-            })
+            .filter_map(|path| Some(explained(self.setting(path)?, &cause.given.place)))
             .collect();
         match missing.is_empty() {
             true => Ok(()),
             false => Err(SettingError::Missing {
-                subject: by.given.to_string(),
+                subject: match by {
+                    Some(by) => by.given.to_string(),
+                    None => format!("{}{}", cause.given.place, variant.name),
+                },
                 needed: missing.join(" and "),
             }),
         }
+    }
+
+    /// Refusal of a group without the variant that it has to have; `within` is a value for the sake of which.
+    fn without_choice(&self, group: &Group, within: Option<&Entry>) -> SettingError {
+        let name = |path: &&str| {
+            let setting = self.setting(path)?;
+            Some(match within {
+                Some(entry) => setting.name_in(&entry.given.place),
+                None => setting.key.to_owned(),
+            })
+        };
+        let names = |variant: &Variant| {
+            let names: Vec<String> = variant.chosen_by.iter().filter_map(name).collect();
+            names.join(" and ")
+        };
+        let choices: Vec<String> = group.variants.iter().map(names).collect();
+        let choices = choices.join(", or ");
+        let (subject, needed) = match within {
+            Some(entry) => (
+                entry.given.to_string(),
+                format!("{}: give {choices}", group.required),
+            ),
+            None => (group.required.to_owned(), choices),
+        };
+        SettingError::Missing { subject, needed }
+    }
+
+    /// Refusal of a value that the variant which holds does not have: the `chosen` one, or else that by default.
+    fn of_other_variant(
+        &self,
+        group: &Group,
+        entry: &Entry,
+        chosen: Option<&'static str>,
+        within: Option<&Entry>,
+    ) -> SettingError {
+        let (given, owners) = (entry.given.clone(), group.owners(entry));
+        let names = joined_by_or(&owners.iter().map(|owner| owner.name).collect::<Vec<_>>());
+        let owned_by = match self.setting(group.kind).and_then(Setting::flag_name) {
+            Some(kind) => format!("{kind} {names}"),
+            None => names,
+        };
+        if let Some(chosen) = chosen {
+            return SettingError::OfOtherVariant {
+                given,
+                owners: owned_by,
+                chosen,
+            };
+        }
+        let chooser = match *owners {
+            [
+                Variant {
+                    chosen_by: [path], ..
+                },
+            ] => self.setting(path),
+            _ => None,
+        };
+        let needed = match (chooser, &given.place) {
+            (Some(setting), place) => explained(setting, place),
+            (None, Place::Flag) => format!("--{owned_by}"),
+            (None, Place::File { .. }) => owned_by,
+        };
+        let subject = match within {
+            Some(within) if !group.only_with.ends_with('*') => {
+                format!("{given} with {}", within.given.text)
+            }
+            _ => given.to_string(),
+        };
+        SettingError::Missing { subject, needed }
     }
 
     /// Returns the setting `section.key` of the command.
@@ -433,10 +480,10 @@ impl Document {
             RANDOM_OR_GIVEN
                 .variants
                 .iter()
-                .find(|variant| is_any(variant.by, setting, &Value::Null))
+                .find(|variant| is_any(variant.chosen_by, setting, &Value::Null))
         });
         chosen
-            .or_else(|| Some(self.chosen(&RANDOM_OR_GIVEN)?.0))
+            .or_else(|| self.variant(&RANDOM_OR_GIVEN))
             .is_some_and(given)
     }
 
@@ -452,42 +499,85 @@ impl Document {
         })
     }
 
-    /// Puts a layer above all others.
+    /// Puts a layer above all others, and clears what does not go with it there.
     fn add_layer(&mut self, layer: Vec<Entry>) -> Result<(), SettingError> {
+        self.check_layer(&layer)?;
+        for (holder, held) in HELD_BY {
+            let is_new = |entry: &Entry| {
+                let below = self.value_of(entry.setting);
+                entry.is(holder) && below.is_some_and(|below| below != entry.value)
+            };
+            if layer.iter().any(is_new) {
+                self.entries.retain(|_, below| !below.is_any(held));
+            }
+        }
+        let of_layer = |group: &Group| layer.iter().find_map(|entry| group.variant_of(entry));
+        let groups: Vec<_> = GROUPS
+            .iter()
+            .map(|group| (group, of_layer(group), self.variant(group)))
+            .collect();
+        let keys: BTreeSet<_> = layer.iter().map(Entry::section_and_key).collect();
+        let entries = layer.into_iter();
+        let entries = entries.map(|entry| (entry.section_and_key(), entry));
+        self.entries.extend(entries);
+        for (group, of_layer, before) in groups {
+            let Some(now) = of_layer.or_else(|| self.variant(group)) else {
+                continue;
+            };
+            if of_layer.is_some() || before.is_none_or(|before| before.name != now.name) {
+                self.entries.retain(|key, Entry { setting, value, .. }| {
+                    keys.contains(key) || !group.owns(setting, value) || now.has(setting, value)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a layer with values that exclude each other, or with one case twice.
+    fn check_layer(&self, layer: &[Entry]) -> Result<(), SettingError> {
+        let excluded = |first: &Entry, second: &Entry| {
+            Err(SettingError::Excluded {
+                first: first.given.clone(),
+                second: second.given.text.clone(),
+            })
+        };
         for (i, entry) in layer.iter().enumerate() {
             let same = |other: &&Entry| std::ptr::eq(other.setting, entry.setting);
             if let Some(other) = layer[..i].iter().find(same) {
-                return Err(SettingError::Twice {
-                    first: entry.given.clone(),
-                    second: other.given.text.clone(),
+                return excluded(other, entry);
+            }
+            let repeats =
+                |values: &Vec<Value>| (1..values.len()).any(|i| values[..i].contains(&values[i]));
+            let makes_cases =
+                CASES.contains(&entry.setting.section) && entry.setting.is_list(self.command);
+            if makes_cases && entry.value.as_array().is_some_and(repeats) {
+                return Err(SettingError::Invalid {
+                    given: entry.given.clone(),
+                    expected: "different values, none given twice".to_owned(),
                 });
             }
         }
         for group in GROUPS {
-            let mut chosen = layer.iter().filter_map(|e| Some((e, group.chosen_by(e)?)));
+            let mut chosen = layer
+                .iter()
+                .filter_map(|entry| Some((entry, group.variant_of(entry)?)));
             let Some((first, variant)) = chosen.next() else {
                 continue;
             };
-            if let Some((second, _)) = chosen.find(|(_, other)| !std::ptr::eq(*other, variant)) {
-                return Err(SettingError::Excluded {
-                    first: first.given.clone(),
-                    second: second.given.text.clone(),
-                });
+            if let Some((second, _)) = chosen.find(|(_, other)| other.name != variant.name) {
+                return excluded(first, second);
             }
-            let stays = |below: &Entry| {
-                let Entry { setting, value, .. } = below;
-                !group.owns(setting, value) || variant.has(setting, value)
-            };
-            self.entries.retain(|_, below| stays(below));
-        }
-        let is_cleared = |below: &Entry| layer.iter().any(|e| below.is_any(e.setting.clears));
-        self.entries.retain(|_, below| !is_cleared(below));
-        for entry in layer {
-            let place = (entry.setting.section, entry.setting.key);
-            self.entries.insert(place, entry);
         }
         Ok(())
     }
+}
+
+/// Sections whose lists are expanded into cases.
+const CASES: [&str; 5] = ["surface", "material", "medium", "light", "view"];
+
+/// Name of a setting with its meaning, as it is written where a value was given.
+fn explained(setting: &Setting, place: &Place) -> String {
+    format!("{} ({})", setting.name_in(place), setting.help)
 }
 
 /// Lengths as the numbers that they were given as.

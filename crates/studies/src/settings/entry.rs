@@ -14,6 +14,11 @@ pub(super) struct Entry {
 }
 
 impl Entry {
+    /// Section and key of its setting.
+    pub(super) const fn section_and_key(&self) -> (&'static str, &'static str) {
+        (self.setting.section, self.setting.key)
+    }
+
     /// Returns `true` if `pattern` means it.
     pub(super) fn is(&self, pattern: &str) -> bool {
         self.setting.has_value(pattern, &self.value)

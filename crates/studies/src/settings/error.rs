@@ -58,17 +58,9 @@ pub enum SettingError {
         /// The values allowed.
         expected: String,
     },
-    /// Two values that exclude each other.
+    /// Two values that exclude each other, or of one setting.
     #[error("{first}: excludes {second}; give one or the other")]
     Excluded {
-        /// One of them.
-        first: Given,
-        /// The text of the other.
-        second: String,
-    },
-    /// One setting under two names.
-    #[error("{first}: the same setting as {second}; give one or the other")]
-    Twice {
         /// One of them.
         first: Given,
         /// The text of the other.
@@ -103,14 +95,6 @@ pub enum SettingError {
         /// The commands that have all sections of the file.
         readers: Commands,
     },
-    /// A value where a section must be.
-    #[error("{place}`{section}` must be a section, written as [{section}]")]
-    NotASection {
-        /// Its place.
-        place: Place,
-        /// Its name.
-        section: String,
-    },
     /// A setting that other commands have.
     #[error("{place}{name} is for {}, not for {command}", names(*commands))]
     OfOtherCommands {
@@ -123,7 +107,7 @@ pub enum SettingError {
         /// The command at hand.
         command: Command,
     },
-    /// The file is not TOML.
+    /// The file is not TOML, or not in sections.
     #[error("{place}{reason}")]
     Syntax {
         /// Its place.

@@ -36,8 +36,8 @@ impl File<'_> {
                 return Err(self.unknown_section(place, name, &sections));
             }
             let DeValue::Table(keys) = value.get_ref() else {
-                let section = name.to_owned();
-                return Err(SettingError::NotASection { place, section });
+                let reason = format!("`{name}` must be a section, written as [{name}]");
+                return Err(SettingError::Syntax { place, reason });
             };
             sections.push(name.to_owned());
             for (key, value) in keys {

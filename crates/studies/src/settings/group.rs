@@ -1,8 +1,8 @@
 //! Group: variants of which one holds, and the settings that belong to each.
 //!
 //! A variant is chosen by the value of a *kind* setting, such as `material.kind`, or by the settings of its own that are given, as a target
-//! error is in place of numbers of rays. Settings of two variants exclude each other in a file, and on the command line. Those of a flag take
-//! the place of those of a file. Defaults of settings hold within the chosen variant alone.
+//! error is in place of numbers of rays. Settings of two variants exclude each other in a file, and on the command line. A flag that chooses
+//! a variant, or changes which one holds, clears what the file has of the others. Defaults of settings hold within the chosen variant alone.
 //!
 //! Lists of settings hold patterns: `section.key`, `section.*`, `section.key=value`, `section.key!value` for any other value, and, with `-`
 //! before it, what they do not mean. A value that ends in `:` is the beginning of one.
@@ -21,11 +21,11 @@ pub(super) struct Group {
     /// The setting whose value is the name of a variant; empty where settings of the variants choose.
     pub(super) kind: &'static str,
     /// The setting or section without which the group does not matter; empty if there is none.
-    pub(super) within: &'static str,
-    /// Subject of the sentence that refuses a group without a chosen variant; empty where none is needed.
-    pub(super) subject: &'static str,
+    pub(super) only_with: &'static str,
+    /// Name of what is missing where no variant is chosen; empty where none is needed.
+    pub(super) required: &'static str,
     /// `true` if defaults of other variants hold as well.
-    pub(super) keeps_defaults: bool,
+    pub(super) keeps_all_defaults: bool,
     pub(super) variants: &'static [Variant],
 }
 
@@ -35,29 +35,29 @@ pub(super) struct Variant {
     /// The value of the kind, or a name in sentences.
     pub(super) name: &'static str,
     /// Settings that choose it.
-    pub(super) by: &'static [&'static str],
+    pub(super) chosen_by: &'static [&'static str],
     /// Further settings that it has to have.
     pub(super) needs: &'static [&'static str],
     /// Further settings that it may have.
-    pub(super) takes: &'static [&'static str],
+    pub(super) allows: &'static [&'static str],
     /// Settings whose defaults do not hold with it, though they may be given.
-    pub(super) without_default: &'static [&'static str],
+    pub(super) without_default_of: &'static [&'static str],
     /// `true` if it holds where nothing chooses one.
-    pub(super) otherwise: bool,
+    pub(super) is_default: bool,
 }
 
 /// Variants that their own settings choose.
 pub(super) const fn group(variants: &'static [Variant]) -> Group {
-    kind("", variants)
+    group_by("", variants)
 }
 
 /// Variants that the value of the setting `kind` chooses.
-pub(super) const fn kind(kind: &'static str, variants: &'static [Variant]) -> Group {
+pub(super) const fn group_by(kind: &'static str, variants: &'static [Variant]) -> Group {
     Group {
         kind,
-        within: "",
-        subject: "",
-        keeps_defaults: false,
+        only_with: "",
+        required: "",
+        keeps_all_defaults: false,
         variants,
     }
 }
@@ -66,33 +66,33 @@ pub(super) const fn kind(kind: &'static str, variants: &'static [Variant]) -> Gr
 pub(super) const fn variant(name: &'static str) -> Variant {
     Variant {
         name,
-        by: &[],
+        chosen_by: &[],
         needs: &[],
-        takes: &[],
-        without_default: &[],
-        otherwise: false,
+        allows: &[],
+        without_default_of: &[],
+        is_default: false,
     }
 }
 
 impl Group {
-    pub(super) const fn within(mut self, pattern: &'static str) -> Self {
-        self.within = pattern;
+    pub(super) const fn only_with(mut self, pattern: &'static str) -> Self {
+        self.only_with = pattern;
         self
     }
 
-    pub(super) const fn one_of_them(mut self, subject: &'static str) -> Self {
-        self.subject = subject;
+    pub(super) const fn required(mut self, name: &'static str) -> Self {
+        self.required = name;
         self
     }
 
-    pub(super) const fn keeping_defaults(mut self) -> Self {
-        self.keeps_defaults = true;
+    pub(super) const fn keeps_all_defaults(mut self) -> Self {
+        self.keeps_all_defaults = true;
         self
     }
 
     /// Section under which it is listed: that of its kind, or of its first setting.
     pub(super) fn section(&self) -> &'static str {
-        let settings = self.variants.iter().flat_map(|variant| variant.by);
+        let settings = self.variants.iter().flat_map(|variant| variant.chosen_by);
         let first = settings.copied().next().unwrap_or_default();
         let path = if self.kind.is_empty() {
             first
@@ -103,10 +103,10 @@ impl Group {
     }
 
     /// Returns the variant that an entry chooses.
-    pub(super) fn chosen_by(&self, entry: &Entry) -> Option<&'static Variant> {
+    pub(super) fn variant_of(&self, entry: &Entry) -> Option<&'static Variant> {
         let mut variants = self.variants.iter();
         if self.kind.is_empty() {
-            return variants.find(|variant| entry.is_any(variant.by));
+            return variants.find(|variant| entry.is_any(variant.chosen_by));
         }
         let name = entry.value.as_str().filter(|_| entry.is(self.kind))?;
         let choices = entry.setting.kind.choices();
@@ -120,19 +120,18 @@ impl Group {
         variants.any(|variant| variant.has(setting, value))
     }
 
-    /// Names of the variants that an entry belongs to, as in `psd exponential or matern`.
-    pub(super) fn owners(&self, entry: &Entry) -> Vec<&'static str> {
+    /// Variants that an entry belongs to.
+    pub(super) fn owners(&self, entry: &Entry) -> Vec<&'static Variant> {
         let owners = self.variants.iter();
         owners
             .filter(|variant| variant.has(entry.setting, &entry.value))
-            .map(|variant| variant.name)
             .collect()
     }
 }
 
 impl Variant {
-    pub(super) const fn by(mut self, settings: &'static [&'static str]) -> Self {
-        self.by = settings;
+    pub(super) const fn when(mut self, settings: &'static [&'static str]) -> Self {
+        self.chosen_by = settings;
         self
     }
 
@@ -141,24 +140,24 @@ impl Variant {
         self
     }
 
-    pub(super) const fn takes(mut self, settings: &'static [&'static str]) -> Self {
-        self.takes = settings;
+    pub(super) const fn allows(mut self, settings: &'static [&'static str]) -> Self {
+        self.allows = settings;
         self
     }
 
-    pub(super) const fn without_default(mut self, settings: &'static [&'static str]) -> Self {
-        self.without_default = settings;
+    pub(super) const fn without_default_of(mut self, settings: &'static [&'static str]) -> Self {
+        self.without_default_of = settings;
         self
     }
 
-    pub(super) const fn otherwise(mut self) -> Self {
-        self.otherwise = true;
+    pub(super) const fn by_default(mut self) -> Self {
+        self.is_default = true;
         self
     }
 
     /// Returns `true` if a setting of this value belongs to it.
     pub(super) fn has(&self, setting: &Setting, value: &Value) -> bool {
-        let lists = [self.by, self.needs, self.takes];
+        let lists = [self.chosen_by, self.needs, self.allows];
         lists.iter().any(|list| is_any(list, setting, value))
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::command::{Command, Commands};
-use super::definitions::{GROUPS, SECTIONS};
+use super::definitions::{GROUPS, HELD_BY, SECTIONS};
 use super::group::{Group, Variant};
 use super::kind::{Kind, such_as};
 use super::setting::{Arity, Setting};
@@ -29,10 +29,19 @@ pub fn reference_page() -> String {
         let of_section = |group: &&Group| group.section() == section.name;
         let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
         if !groups.is_empty() {
-            page.push_str("\nOne row of each block holds. Settings of the others in the block do not go with it.\n\n");
+            page.push_str("\nOne row of each block holds, by flags or by their keys. Settings of the others in the block do not go with it.\n\n");
             page.push_str("| with | it may have | it needs |\n|---|---|---|\n");
             let blocks: Vec<String> = groups.into_iter().map(block).collect();
             page.push_str(&blocks.join("| | | |\n"));
+        }
+        for (holder, held) in HELD_BY {
+            if holder.split('.').next() == Some(section.name) {
+                let (holder, held) = (listed(&[holder]), listed(held));
+                let _ = writeln!(
+                    page,
+                    "\nAnother {holder} than that of the file clears {held} of the file."
+                );
+            }
         }
     }
     page.push_str("\n## Old spellings\n\nThese stay valid and are not shown in the help.\n\n");
@@ -65,27 +74,26 @@ Lengths are in the unit of the surface, or have their own: `5um` on the command 
 
 /// Rows of the variants of a group.
 fn block(group: &Group) -> String {
-    let kind = settings_named(group.kind).next();
     let row = |variant: &Variant| {
-        let chosen = match kind {
-            Some(kind) => format!("`{} = \"{}\"`", kind.key, variant.name),
-            None if variant.by.is_empty() => variant.name.to_owned(),
-            None => format!("{}: {}", variant.name, listed(variant.by)),
+        let chosen = match group.kind {
+            "" if variant.chosen_by.is_empty() => variant.name.to_owned(),
+            "" => format!("{}: {}", variant.name, listed(variant.chosen_by)),
+            kind => format!("{} {}", listed(&[kind]), variant.name),
         };
-        let chosen = match variant.otherwise {
+        let chosen = match variant.is_default {
             true => chosen + ", or nothing",
             false => chosen,
         };
         format!(
             "| {chosen} | {} | {} |\n",
-            listed(variant.takes),
+            listed(variant.allows),
             listed(variant.needs)
         )
     };
     group.variants.iter().map(row).collect()
 }
 
-/// Keys of patterns, in code style with commas.
+/// Flags of patterns, in code style with commas.
 fn listed(patterns: &[&str]) -> String {
     let shown = patterns.iter().map(|pattern| {
         let (but, pattern) = match pattern.strip_prefix('-') {
@@ -93,16 +101,18 @@ fn listed(patterns: &[&str]) -> String {
             None => ("", *pattern),
         };
         let path = pattern.split(['=', '!']).next().unwrap_or_default();
-        let key = match path.split_once('.') {
-            Some((section, "*")) => format!("any of `[{section}]`"),
-            _ => format!("`{path}`"),
+        let flag = settings_named(path).find_map(Setting::flag_name);
+        let name = match (path.split_once('.'), flag) {
+            (Some((section, "*")), _) => format!("any of `[{section}]`"),
+            (_, Some(flag)) => format!("`--{flag}`"),
+            (_, None) => format!("`{path}`"),
         };
         let value = match pattern[path.len()..].split_at_checked(1) {
             Some(("=", value)) => format!(" = {value}"),
             Some(("!", value)) => format!(" other than {value}"),
             _ => String::new(),
         };
-        format!("{but}{key}{value}")
+        format!("{but}{name}{value}")
     });
     shown.collect::<Vec<_>>().join(", ")
 }

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::command::{Command, Commands};
+use super::error::Place;
 use super::kind::{Kind, such_as};
 use super::range::Range;
 
@@ -29,7 +30,7 @@ pub struct Setting {
     pub range: Range,
     /// The name of the value in the help.
     pub value_name: &'static str,
-    /// Meaning, in one sentence without a full stop.
+    /// Meaning of the key, in one sentence without a full stop.
     pub help: &'static str,
     /// The commands that have it.
     pub commands: Commands,
@@ -41,8 +42,6 @@ pub struct Setting {
     pub default_in: &'static [(Commands, Option<&'static str>)],
     /// Default in words, where it depends on other settings.
     pub otherwise: &'static str,
-    /// Settings of a lower layer that it clears, as `section.key` or `section.*`.
-    pub clears: &'static [&'static str],
     /// The commands whose short help shows it.
     pub basic: Commands,
 }
@@ -97,7 +96,6 @@ pub(super) const fn setting(key: &'static str, kind: Kind) -> Setting {
         },
         default_in: &[],
         otherwise: "",
-        clears: &[],
         basic: Commands::NONE,
     }
 }
@@ -213,11 +211,6 @@ impl Setting {
         self
     }
 
-    pub(super) const fn clears(mut self, settings: &'static [&'static str]) -> Self {
-        self.clears = settings;
-        self
-    }
-
     /// Its name in messages and tables: `section.key`.
     #[must_use]
     pub fn path(&self) -> String {
@@ -231,6 +224,24 @@ impl Setting {
             Flag::OfKey => Some(self.key.replace('_', "-")),
             Flag::Named(name) | Flag::Off(name) => Some(name.to_owned()),
             Flag::None => None,
+        }
+    }
+
+    /// Its name where a value was given: the flag, or the key of a file.
+    pub(super) fn name_in(&self, place: &Place) -> String {
+        match (place, self.flag_name()) {
+            (Place::Flag, Some(flag)) => format!("--{flag}"),
+            _ => self.key.to_owned(),
+        }
+    }
+
+    /// Meaning of its flag, which is not that of the key for one that switches off.
+    #[must_use]
+    pub fn flag_help(&self) -> String {
+        let (first, rest) = self.help.split_at(1);
+        match self.flag {
+            Flag::Off(_) => format!("Do not {}{rest}", first.to_lowercase()),
+            _ => self.help.to_owned(),
         }
     }
 
@@ -292,19 +303,19 @@ impl Setting {
 
     /// Returns `true` if `pattern` means it with this value. A switch that is off is as one that is not given.
     pub(super) fn has_value(&self, pattern: &str, value: &Value) -> bool {
-        let (path, test): (&str, fn(&str, &str) -> bool) = match pattern.find(['=', '!']) {
-            Some(at) if pattern[at..].starts_with('!') => {
-                (&pattern[..at], |value, other| value != other)
-            }
-            Some(at) => (&pattern[..at], |value, named| {
-                value == named || named.ends_with(':') && value.starts_with(named)
-            }),
-            None => (pattern, |_, _| true),
+        let is_named = |name: &str| match value {
+            Value::Array(values) if values.is_empty() => name == "none",
+            Value::String(value) if name.ends_with(':') => value.starts_with(name),
+            _ => self.kind.parse(name, self.range).as_ref() == Some(value),
         };
-        let named = pattern[path.len()..].trim_start_matches(['=', '!']);
-        self.matches(path)
-            && *value != Value::Bool(false)
-            && test(value.as_str().unwrap_or_default(), named)
+        let (path, is_meant) = match pattern.split_once('=') {
+            Some((path, name)) => (path, is_named(name)),
+            None => match pattern.split_once('!') {
+                Some((path, name)) => (path, !is_named(name)),
+                None => (pattern, true),
+            },
+        };
+        self.matches(path) && *value != Value::Bool(false) && is_meant
     }
 
     /// Values allowed, to follow "must be", with the unit and examples.

@@ -129,10 +129,10 @@ fn groups_name_settings_and_their_values() {
                 assert!(known, "{}: {}", group.kind, variant.name);
             }
             let lists = [
-                variant.by,
+                variant.chosen_by,
                 variant.needs,
-                variant.takes,
-                variant.without_default,
+                variant.allows,
+                variant.without_default_of,
             ];
             for pattern in lists.concat() {
                 let mut parts = pattern.trim_start_matches('-').split(['=', '!']);
@@ -141,8 +141,7 @@ fn groups_name_settings_and_their_values() {
                 assert!(!named.is_empty(), "{pattern}");
                 let value = parts.next().filter(|value| !value.ends_with(':'));
                 for setting in named {
-                    let choices = setting.kind.choices();
-                    let is_known = |value| choices.iter().any(|choice| choice.name == value);
+                    let is_known = |value| setting.kind.parse(value, setting.range).is_some();
                     assert!(value.is_none_or(is_known), "{pattern}");
                 }
             }
@@ -191,10 +190,12 @@ fn every_range_is_kept_and_named_with_the_flag_and_the_key() {
                 _ => bad.to_owned(),
             };
             let said = refusal(command, "", &[flag(&name, &bad)]);
-            assert!(
-                said.starts_with(&format!("--{name} {bad}: must be a number")),
-                "{said}"
-            );
+            let what = match setting.arity {
+                Arity::Tuple(names) => format!("{} numbers", names.len()),
+                _ => "a number".to_owned(),
+            };
+            let start = format!("--{name} {bad}: must be {what}");
+            assert!(said.starts_with(&start), "{said}");
             if setting.range != Range::Any {
                 assert!(said.contains(&setting.range.to_string()), "{said}");
             }
@@ -261,19 +262,14 @@ fn settings_of_another_variant_are_refused_with_both_names() {
             "--eta 1.5: goes with material dielectric or conductor, not mirror",
         ),
         (
-            "[surface]\nnu = 1.5",
+            "[surface]\npsd = \"gaussian\"\nnu = 1.5",
             vec![],
-            "c.toml: line 2: nu = 1.5: goes with psd matern, not gaussian",
+            "c.toml: line 3: nu = 1.5: goes with psd matern, not gaussian",
         ),
         (
-            "[surface]\ndepth = 2",
-            vec![],
-            "depth = 2: goes with a structure, not surfaces without a structure",
-        ),
-        (
-            "[surface]\nstructure = \"pits\"\ntau = 3",
-            vec![],
-            "tau = 3: goes with roughness on top of a structure, which sigma gives, not a structure alone",
+            "[measured]\nflat = true",
+            vec![flag("cells", "smooth")],
+            "--cells smooth: goes with a rough surface, not a flat surface",
         ),
         (
             "[measured]\nfile = \"h.npy\"",
@@ -306,11 +302,96 @@ fn a_variant_without_a_setting_that_it_needs_is_refused_with_what_that_is() {
         ),
         (
             vec![flag("thickness", "3")],
-            "a medium needs mean_free_path and albedo, or absorption and scattering",
+            "--thickness 3 needs a medium: give --mean-free-path and --albedo, or --absorption and --scattering",
+        ),
+        (
+            vec![flag("absorption", "0"), flag("scattering", "0")],
+            "a medium that neither absorbs nor scatters needs --thickness (Depth of the medium below the mean plane)",
         ),
     ] {
         assert_eq!(refusal(Command::Verify, "", &flags), expected);
     }
+    let file = "[medium]\ng = 0.5";
+    assert_eq!(
+        refusal(Command::Verify, file, &[]),
+        "c.toml: line 2: g = 0.5 needs a medium: give mean_free_path and albedo, or absorption and scattering"
+    );
+    let clear = Document::of_text(Command::Verify, "[medium]\nscattering = 0\nthickness = 9");
+    clear.unwrap().read::<serde_json::Value>().unwrap();
+}
+
+/// A variant that holds by default is not what the user chose, so that the refusal says how to choose the other.
+#[test]
+fn settings_of_a_variant_that_is_not_chosen_name_what_chooses_it() {
+    for (command, file, flags, expected) in [
+        (
+            Command::Verify,
+            "[medium]\nscattering = 1",
+            vec![flag("bottom-eta", "1.5")],
+            "--bottom-eta 1.5 needs --thickness (Depth of the medium below the mean plane)",
+        ),
+        (
+            Command::Verify,
+            "[medium]\nscattering = 1\nbottom_eta = 1.5",
+            vec![],
+            "c.toml: line 3: bottom_eta = 1.5 needs thickness (Depth of the medium below the mean plane)",
+        ),
+        (
+            Command::Verify,
+            "[surface]\ncut_off = 1.5",
+            vec![],
+            "c.toml: line 2: cut_off = 1.5 needs psd exponential, matern or power-law",
+        ),
+        (
+            Command::Verify,
+            "",
+            vec![flag("structure", "pits"), flag("tau", "3")],
+            "--tau 3 with --structure pits needs --sigma (Root mean square height, in place of smoothness)",
+        ),
+        (
+            Command::Mesh,
+            "",
+            vec![flag("subdivide", "3")],
+            "--subdivide 3 needs --cells smooth",
+        ),
+        (
+            Command::Gonio,
+            "",
+            vec![flag("flip", "")],
+            "--flip needs --surface (Height map or triangle mesh, repeated for each of an ensemble)",
+        ),
+        (
+            Command::Inspect,
+            "",
+            vec![flag("phi", "3")],
+            "--phi 3 needs --theta (Polar angle towards a light whose shadow is measured)",
+        ),
+        (
+            Command::Render,
+            "",
+            vec![flag("sun", "0"), flag("sun-theta", "3")],
+            "--sun-theta 3: goes with a sun that shines, not a sun of radiance 0",
+        ),
+    ] {
+        assert_eq!(refusal(command, file, &flags), expected);
+    }
+    let mut document = Document::new(Command::Verify);
+    document.add_flags(&[flag("phi", "3")], None).unwrap();
+    document.read::<serde_json::Value>().unwrap();
+}
+
+#[test]
+fn lists_of_cases_hold_each_value_once() {
+    let said = refusal(Command::Gonio, "", &[flag("theta", "30,30")]);
+    assert_eq!(
+        said,
+        "--theta 30,30: must be different values, none given twice"
+    );
+    let said = refusal(Command::Verify, "[surface]\nsmoothness = [3, 3.0]", &[]);
+    assert!(said.starts_with("c.toml: line 2: smoothness = [3, 3.0]: must be different"));
+    let mut converge = Document::new(Command::Converge);
+    let rays = [flag("rays", "10,10"), flag("surfaces", "4,8")];
+    converge.add_flags(&rays, None).unwrap();
 }
 
 #[test]
@@ -336,6 +417,54 @@ fn a_flag_that_chooses_another_variant_clears_what_does_not_go_with_it() {
     let of = |key: &str| document.value(&format!("surface.{key}"));
     assert_eq!([of("structure"), of("depth")], [None, None]);
     assert_eq!(of("cells"), Some("flat".into()));
+}
+
+#[test]
+fn a_flag_that_changes_which_variant_holds_clears_what_does_not_go_with_it() {
+    let cleared = |file: &str, flags: &[_]| {
+        let mut document = Document::of_text(Command::Verify, file).unwrap();
+        document.add_flags(flags, None).unwrap();
+        document.read::<serde_json::Value>().unwrap();
+        document
+    };
+    // Without sigma a structure has no roughness on top, whose the length and the spectrum are.
+    let file = "[surface]\nsmoothness = 3\ntau = 8\npsd = \"matern\"\nnu = 1.5\ncut_off = 2";
+    let pits = cleared(file, &[flag("structure", "pits")]);
+    for key in ["smoothness", "tau", "psd", "nu", "cut_off"] {
+        assert!(!pits.is_given(&format!("surface.{key}")), "{key}");
+    }
+    let rough = cleared(file, &[flag("structure", "pits"), flag("sigma", "2")]);
+    assert!(rough.is_given("surface.tau") && rough.is_given("surface.nu"));
+    // An invalid file stays invalid.
+    let file = "[surface]\nnu = 1.5";
+    refusal(Command::Verify, file, &[flag("theta", "3")]);
+}
+
+#[test]
+fn another_value_clears_what_holds_for_the_one_of_the_file() {
+    let with = |command, file: &str, flags: &[_]| {
+        let mut document = Document::of_text(command, file).unwrap();
+        document.add_flags(flags, None).unwrap();
+        document
+    };
+    let gold = "[material]\nkind = \"conductor\"\neta = 0.21\nkappa = 3.27";
+    let eta = |flags: &[_]| with(Command::Verify, gold, flags).value("material.eta");
+    assert_eq!(eta(&[flag("material", "dielectric")]), None);
+    assert_eq!(eta(&[flag("material", "conductor")]), Some(0.21.into()));
+    assert_eq!(eta(&[flag("kappa", "2")]), Some(0.21.into()));
+    let glass = "[material]\neta = 1.4";
+    let flags = [flag("material", "conductor"), flag("kappa", "3")];
+    let said = refusal(Command::Verify, glass, &flags);
+    assert!(said.starts_with("--material conductor needs --eta"));
+
+    let file = "[measured]\nfile = \"a.npy\"\nborder = \"open\"";
+    let has_border = |file: &str, name| {
+        let document = with(Command::Trace, file, &[flag("surface", name)]);
+        document.is_given("measured.border")
+    };
+    assert!(has_border(file, "a.npy") && !has_border(file, "b.npy"));
+    // A file that names no surface says how any is read.
+    assert!(has_border("[measured]\nborder = \"open\"", "b.npy"));
 }
 
 #[test]
@@ -474,5 +603,11 @@ fn models_may_be_one_name_several_or_none() {
         models("[compare]\nmodels = \"smith\""),
         serde_json::json!(["smith"])
     );
-    assert_eq!(models("[compare]\nmodels = []"), serde_json::json!([]));
+    let none = "[compare]\nmodels = []";
+    assert_eq!(models(none), serde_json::json!([]));
+    // None at all is a choice, which also a flat surface allows.
+    let mut flat = Document::of_text(Command::Trace, none).unwrap();
+    flat.add_flags(&[flag("flat", "")], None).unwrap();
+    assert!(flat.is_given("compare.models"));
+    flat.read::<serde_json::Value>().unwrap();
 }

@@ -1,6 +1,6 @@
 //! Groups: which settings go together, which exclude each other, and which need others.
 
-use crate::settings::group::{A_FILE, Group, group, kind, variant};
+use crate::settings::group::{A_FILE, Group, group, group_by, variant};
 
 /// Name of the variant of random surfaces.
 pub(in crate::settings) const RANDOM_SURFACES: &str = "random surfaces";
@@ -8,31 +8,37 @@ pub(in crate::settings) const RANDOM_SURFACES: &str = "random surfaces";
 /// Random and given surfaces.
 pub(in crate::settings) const RANDOM_OR_GIVEN: Group = group(&[
     variant(RANDOM_SURFACES)
-        .by(&["surface.*", "-surface.cells"])
-        .takes(&["run.realisations", "medium.bottom_surface=independent"]),
+        .when(&["surface.*", "-surface.cells"])
+        .allows(&["run.realisations", "medium.bottom_surface=independent"])
+        .by_default(),
     variant("a given surface")
-        .by(&["measured.file"])
-        .takes(&["measured.*", "-measured.flat"]),
-    variant("a flat surface").by(&["measured.flat"]),
+        .when(&["measured.file"])
+        .allows(&["measured.*", "-measured.flat"]),
+    variant("a flat surface").when(&["measured.flat"]),
 ])
-.keeping_defaults();
+.keeps_all_defaults();
 
 /// All groups. An earlier one is checked first.
 pub(in crate::settings) static GROUPS: &[Group] = &[
     // Surfaces
     RANDOM_OR_GIVEN,
     group(&[
-        variant("a flat surface").by(&["measured.flat"]),
-        variant("a surface that is not flat").takes(&["run.refine"]),
+        variant("a flat surface").when(&["measured.flat"]),
+        variant("a rough surface").allows(&[
+            "run.refine",
+            "compare.models!none",
+            "surface.cells=smooth",
+        ]),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("smoothness").when(&["surface.smoothness"]),
+        variant("sigma").when(&["surface.sigma"]),
+        variant("ggx_alpha").when(&["surface.ggx_alpha"]),
     ]),
     group(&[
-        variant("smoothness").by(&["surface.smoothness"]),
-        variant("sigma").by(&["surface.sigma"]),
-        variant("ggx_alpha").by(&["surface.ggx_alpha"]),
-    ]),
-    group(&[
-        variant("slopes of a file").by(&["surface.slopes_of"]),
-        variant("Gaussian slopes").by(&[
+        variant("slopes of a file").when(&["surface.slopes_of"]),
+        variant("Gaussian slopes").when(&[
             "surface.smoothness",
             "surface.smoothness_y",
             "surface.azimuth",
@@ -41,140 +47,142 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     // Structures
     group(&[
         variant("surfaces without a structure")
-            .by(&["surface.smoothness"])
-            .takes(&[
+            .when(&["surface.smoothness"])
+            .allows(&[
                 "surface.heights",
                 "surface.skewness",
                 "surface.kurtosis",
                 "surface.slopes!gaussian",
             ])
-            .otherwise(),
-        variant("a structure").by(&["surface.structure"]).takes(&[
-            "surface.depth",
-            "surface.width",
-            "surface.scratch_length",
-            "surface.density",
-            "surface.edge_radius",
-            "surface.randomness",
-            "surface.arrangement",
-            "surface.spread",
-        ]),
+            .by_default(),
+        variant("a structure")
+            .when(&["surface.structure"])
+            .allows(&[
+                "surface.depth",
+                "surface.width",
+                "surface.scratch_length",
+                "surface.density",
+                "surface.edge_radius",
+                "surface.randomness",
+                "surface.arrangement",
+                "surface.spread",
+            ]),
     ]),
-    kind(
+    group_by(
         "surface.structure",
         &[
-            variant("pits").takes(SEGMENTS),
-            variant("caps").takes(SEGMENTS),
-            variant("v-grooves").takes(&["surface.edge_radius", "surface.randomness"]),
-            variant("sine-grooves").takes(&["surface.randomness"]),
-            variant("blazed-grooves").takes(&["surface.edge_radius", "surface.randomness"]),
-            variant("scratches").takes(&[
+            variant("pits").allows(SEGMENTS),
+            variant("caps").allows(SEGMENTS),
+            variant("v-grooves").allows(&["surface.edge_radius", "surface.randomness"]),
+            variant("sine-grooves").allows(&["surface.randomness"]),
+            variant("blazed-grooves").allows(&["surface.edge_radius", "surface.randomness"]),
+            variant("scratches").allows(&[
                 "surface.scratch_length",
                 "surface.density",
                 "surface.edge_radius",
                 "surface.randomness",
                 "surface.spread",
             ]),
-            variant("cracks").takes(&["surface.density", "surface.edge_radius"]),
-            variant("pyramids").takes(PYRAMIDS),
-            variant("inverted-pyramids").takes(PYRAMIDS),
+            variant("cracks").allows(&["surface.density", "surface.edge_radius"]),
+            variant("pyramids").allows(PYRAMIDS),
+            variant("inverted-pyramids").allows(PYRAMIDS),
         ],
     ),
     group(&[
-        variant("roughness on top of a structure, which sigma gives")
-            .by(&["surface.sigma"])
-            .takes(&[
+        variant("roughness on top of a structure")
+            .when(&["surface.sigma"])
+            .allows(&[
                 "surface.tau",
                 "surface.tau_y",
                 "surface.psd!gaussian",
                 "surface.second_sigma",
                 "surface.second_tau",
             ]),
-        variant("a structure alone").otherwise(),
+        variant("a structure alone").by_default(),
     ])
-    .within("surface.structure"),
+    .only_with("surface.structure"),
     // Spectra, heights and slopes
-    kind(
+    group_by(
         "surface.psd",
         &[
-            variant("gaussian").takes(LENGTHS).otherwise(),
+            variant("gaussian").allows(LENGTHS).by_default(),
             variant("exponential")
-                .takes(LENGTHS)
+                .allows(LENGTHS)
                 .needs(&["surface.cut_off"]),
             variant("matern")
-                .takes(&["surface.tau", "surface.tau_y", "surface.cut_off"])
+                .allows(&["surface.tau", "surface.tau_y", "surface.cut_off"])
                 .needs(&["surface.nu"]),
-            variant("power-law").takes(&["surface.tau_y"]).needs(&[
+            variant("power-law").allows(&["surface.tau_y"]).needs(&[
                 "surface.hurst",
                 "surface.roll_off",
                 "surface.cut_off",
             ]),
-            variant(A_FILE).without_default(&["surface.smoothness"]),
+            variant(A_FILE).without_default_of(&["surface.smoothness"]),
         ],
     ),
     group(&[variant("the spacing of a height map")
-        .by(&["surface.psd=like:"])
-        .without_default(&["surface.spacing"])]),
+        .when(&["surface.psd=like:"])
+        .without_default_of(&["surface.spacing"])]),
     group(&[variant("a second scale")
-        .by(SECOND_SCALE)
+        .when(SECOND_SCALE)
         .needs(SECOND_SCALE)]),
     group(&[
-        variant("heights").by(&["surface.heights"]),
-        variant("skewness and kurtosis").by(&["surface.skewness", "surface.kurtosis"]),
+        variant("heights").when(&["surface.heights"]),
+        variant("skewness and kurtosis").when(&["surface.skewness", "surface.kurtosis"]),
     ]),
-    kind(
+    group_by(
         "surface.slopes",
         &[
             variant("gaussian")
-                .takes(&[
+                .allows(&[
                     "surface.second_sigma",
                     "surface.second_tau",
                     "surface.heights!gaussian",
                     "surface.skewness",
                     "surface.kurtosis",
                 ])
-                .otherwise(),
+                .by_default(),
             variant("ggx")
-                .takes(&["surface.amplitude_ratio"])
+                .allows(&["surface.amplitude_ratio"])
                 .needs(&["surface.ggx_alpha"]),
         ],
     ),
     group(&[
-        variant("size").by(&["surface.size"]),
-        variant("length").by(&["surface.length"]),
+        variant("size").when(&["surface.size"]),
+        variant("length").when(&["surface.length"]),
     ]),
     group(&[
-        variant("subdivide").by(&["mesh.subdivide"]),
-        variant("deviation").by(&["mesh.deviation"]),
+        variant("subdivide").when(&["mesh.subdivide"]),
+        variant("deviation").when(&["mesh.deviation"]),
     ]),
-    kind(
+    group_by(
         "surface.cells",
         &[
-            variant("auto").otherwise(),
+            variant("auto").by_default(),
             variant("flat"),
-            variant("smooth").takes(&["mesh.subdivide", "mesh.deviation"]),
+            variant("smooth").allows(&["mesh.subdivide", "mesh.deviation"]),
         ],
     ),
     group(&[
         variant("an angle of repose")
-            .by(&["erosion.repose"])
-            .takes(&["erosion.slip_steps"]),
-        variant("surfaces that do not slip").otherwise(),
+            .when(&["erosion.repose"])
+            .allows(&["erosion.slip_steps"]),
+        variant("surfaces that do not slip").by_default(),
     ])
-    .keeping_defaults(),
-    kind(
+    .keeps_all_defaults(),
+    group_by(
         "camera.projection",
         &[
-            variant("pinhole").takes(&["camera.fov"]).otherwise(),
+            variant("pinhole").allows(&["camera.fov"]).by_default(),
             variant("orthographic"),
         ],
     )
-    .keeping_defaults(),
+    .keeps_all_defaults(),
     // Materials and media
-    kind(
+    group_by(
         "material.kind",
         &[
-            variant("dielectric").takes(&["material.eta"]).otherwise(),
+            variant("dielectric").allows(&["material.eta"]).by_default(),
             variant("conductor").needs(&["material.eta", "material.kappa"]),
             variant("mirror"),
             variant("lambertian").needs(&["material.reflectance"]),
@@ -182,13 +190,26 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ),
     group(&[
         variant("mean_free_path and albedo")
-            .by(&["medium.mean_free_path", "medium.albedo"])
+            .when(&["medium.mean_free_path", "medium.albedo"])
             .needs(&["medium.mean_free_path", "medium.albedo"]),
-        variant("absorption and scattering").by(&["medium.absorption", "medium.scattering"]),
+        variant("absorption and scattering").when(&["medium.absorption", "medium.scattering"]),
     ])
-    .within("medium.*")
-    .one_of_them("a medium"),
-    kind(
+    .only_with("medium.*")
+    .required("a medium"),
+    group(&[
+        variant("a medium that absorbs or scatters")
+            .when(&[
+                "medium.mean_free_path",
+                "medium.absorption!0",
+                "medium.scattering!0",
+            ])
+            .allows(&["medium.thickness"]),
+        variant("a medium that neither absorbs nor scatters")
+            .needs(&["medium.thickness"])
+            .by_default(),
+    ])
+    .only_with("medium.*"),
+    group_by(
         "medium.phase",
         &[
             variant("isotropic"),
@@ -198,49 +219,76 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ),
     group(&[
         variant("a medium with a thickness")
-            .by(&["medium.thickness"])
-            .takes(&[
+            .when(&["medium.thickness"])
+            .allows(&[
                 "medium.bottom",
                 "medium.bottom_eta",
                 "medium.bottom_reflectance",
                 "medium.bottom_surface!flat",
             ]),
-        variant("one without end").otherwise(),
+        variant("one without end").by_default(),
     ])
-    .within("medium.*"),
-    kind(
+    .only_with("medium.*"),
+    group_by(
         "medium.bottom",
         &[
             variant("interface")
-                .takes(&["medium.bottom_eta", "medium.bottom_surface!flat"])
-                .otherwise(),
+                .allows(&["medium.bottom_eta", "medium.bottom_surface!flat"])
+                .by_default(),
             variant("lambertian")
-                .takes(&["medium.bottom_reflectance", "medium.bottom_surface!flat"]),
-            variant("absorbing").takes(&["medium.bottom_surface!flat"]),
-            variant("mirror").takes(&["medium.bottom_surface!flat"]),
+                .allows(&["medium.bottom_reflectance", "medium.bottom_surface!flat"]),
+            variant("absorbing").allows(&["medium.bottom_surface!flat"]),
+            variant("mirror").allows(&["medium.bottom_surface!flat"]),
             variant("open"),
         ],
     ),
     // Light, effort and results
     group(&[
-        variant("theta and phi").by(&["light.theta", "light.phi"]),
-        variant("directions").by(&["light.directions"]),
+        variant("theta and phi").when(&["light.theta", "light.phi"]),
+        variant("directions").when(&["light.directions"]),
     ]),
     group(&[
-        variant("numbers of surfaces and rays").by(&["run.realisations", "run.rays"]),
-        variant("a target error")
-            .by(&["run.target_error"])
-            .takes(&["run.of"]),
+        variant("a light whose shadow is measured")
+            .when(&["shadow.theta"])
+            .allows(&["shadow.phi"]),
+        variant("no light").by_default(),
     ])
-    .keeping_defaults(),
+    .keeps_all_defaults(),
     group(&[
-        variant("bins").by(&["run.bins", "results.json"]),
-        variant("directions").by(&["model.step", "model.sphere"]),
+        variant("a sun of radiance 0").when(&["lights.sun=0"]),
+        variant("a sun that shines").allows(&[
+            "lights.sun_theta",
+            "lights.sun_phi",
+            "lights.sun_radius",
+            "lights.patch",
+        ]),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("numbers of surfaces and rays")
+            .when(&["run.realisations", "run.rays"])
+            .by_default(),
+        variant("a target error")
+            .when(&["run.target_error"])
+            .allows(&["run.of"]),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("bins").when(&["run.bins", "results.json"]),
+        variant("directions").when(&["model.step", "model.sphere"]),
     ]),
     group(&[
-        variant("quiet").by(&["program.quiet"]),
-        variant("verbose").by(&["program.verbose"]),
+        variant("quiet").when(&["program.quiet"]),
+        variant("verbose").when(&["program.verbose"]),
     ]),
+];
+
+/// Settings whose values hold for one value of another, which stands first: a layer with another value of that clears them.
+pub(in crate::settings) static HELD_BY: &[(&str, &[&str])] = &[
+    ("measured.file", &["measured.*"]),
+    ("material.kind", &["material.eta"]),
+    ("surface.sigma", &["output.models_at_sigma"]),
+    ("light.theta", &["output.over_sigma_at_theta"]),
 ];
 
 const LENGTHS: &[&str] = &["surface.tau", "surface.tau_y"];

@@ -1,15 +1,16 @@
-//! `[light]` and `[view]`: directions.
+//! `[light]`, `[view]` and the light of a shadow: directions.
 
 use asperity_surface::LengthUnit;
 
 use super::choices::{AZIMUTH, FROM};
 use super::commands::{
-    ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY,
+    ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MAP, MODEL, RENDER, SWEEPS, TRACE, TRACING,
+    VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, table};
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
@@ -20,7 +21,6 @@ pub(super) const LIGHT: &[Setting] = &table(
     [
         basic("theta", Kind::Number)
             .help("Polar angle of the direction towards the light")
-            .clears(&["output.over_sigma_at_theta"])
             .unit(DEGREES)
             .range(POLAR)
             .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
@@ -29,25 +29,19 @@ pub(super) const LIGHT: &[Setting] = &table(
                 (GONIO, Some("0,15,30,45,60,75")),
                 (ATTENUATION, Some("0,15,30,45,60,75,85")),
             ]),
-        basic("phi", Kind::Number)
+        setting("phi", Kind::Number)
             .help("Azimuth of the direction towards the light")
+            .basic(
+                TRACE
+                    .and(MAP)
+                    .and(GONIO)
+                    .and(CONVERGE)
+                    .and(ATTENUATION)
+                    .and(MODEL),
+            )
             .unit(DEGREES)
             .arity(Arity::ListIn(GONIO))
             .default("0"),
-        basic("theta", Kind::Number)
-            .help("Polar angle towards a light whose shadow is measured")
-            .commands(INSPECT)
-            .unit(DEGREES)
-            .range(POLAR)
-            .arity(Arity::ListIn(INSPECT))
-            .otherwise("no shadow is measured")
-            .flag_only(),
-        basic("phi", Kind::Number)
-            .help("Azimuth of the direction towards the light")
-            .commands(INSPECT)
-            .unit(DEGREES)
-            .default("0")
-            .flag_only(),
         setting("directions", Kind::Grid)
             .help("Centres of the bins of a hemisphere, in place of theta and phi")
             .commands(GONIO)
@@ -71,9 +65,25 @@ pub(super) const LIGHT: &[Setting] = &table(
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")
             .commands(TRACE)
-            .arity(Arity::ListIn(TRACE))
-            .value_name("I,Q,U,V")
+            .arity(Arity::Tuple(&["I", "Q", "U", "V"]))
             .otherwise("unpolarised"),
+    ],
+);
+
+pub(super) const SHADOW: &[Setting] = &flags(
+    "shadow",
+    INSPECT,
+    [
+        basic("theta", Kind::Number)
+            .help("Polar angle towards a light whose shadow is measured")
+            .unit(DEGREES)
+            .range(POLAR)
+            .arity(Arity::ListIn(INSPECT))
+            .otherwise("no shadow is measured"),
+        basic("phi", Kind::Number)
+            .help("Azimuth of the direction towards the light")
+            .unit(DEGREES)
+            .default("0"),
     ],
 );
 

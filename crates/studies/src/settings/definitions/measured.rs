@@ -27,8 +27,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .commands(TRACE.and(GONIO))
             .flag(Flag::Named("surface"))
             .value_name("FILE")
-            .arity(Arity::Repeated)
-            .clears(&["measured.*"]),
+            .arity(Arity::Repeated),
         basic("flat", Kind::Switch)
             .help("A flat surface")
             .commands(TRACE.and(RENDER).and(GONIO)),

@@ -16,7 +16,7 @@ pub(super) const FIGURES: &[Setting] = &table(
     FIGURES_IN,
     [
         setting("plots", Kind::Switch)
-            .help("Draw no figures")
+            .help("Draw figures")
             .flag(Flag::Off("no-plots")),
         setting("scale", SCALE)
             .help("Discs of a figure that share a colour scale")

@@ -26,10 +26,12 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .default_in(&[(ATTENUATION, Some("20"))]),
         basic("rays", Kind::Count)
             .help("Rays per case, over all its surfaces")
-            .commands(TRACING.and(MODEL))
-            .default("1e6")
-            .default_in(&[(MODEL, None)])
-            .otherwise("1e6 for a model that follows rays"),
+            .default("1e6"),
+        basic("rays", Kind::Count)
+            .help("Rays that a model follows")
+            .commands(MODEL)
+            .otherwise("1e6 for a model that follows rays")
+            .flag_only(),
         basic("target_error", Kind::Number)
             .help("Error to reach, in place of numbers of surfaces and rays")
             .commands(AIMED)
@@ -103,11 +105,11 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Also trace at half the spacing, for the error of the mesh")
             .commands(AIMED),
         setting("fold", Kind::Switch)
-            .help("Do not average bins on either side of the plane of incidence")
+            .help("Average bins on either side of the plane of incidence")
             .commands(RANDOM)
             .flag(Flag::Off("no-fold")),
         setting("mirror", Kind::Switch)
-            .help("Do not follow mirrored rays (mirror_g2)")
+            .help("Follow mirrored rays (mirror_g2)")
             .commands(ATTENUATION)
             .flag(Flag::Off("no-mirror")),
         basic("heights", Kind::Switch)

@@ -47,7 +47,6 @@ pub(super) const SETTINGS: &[Setting] = &table(
         basic("sigma", Kind::Length)
             .help("Root mean square height, in place of smoothness")
             .commands(RANDOM.and(ATTENUATION))
-            .clears(&["output.models_at_sigma"])
             .range(Range::Above(0.0))
             .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
             .default_in(&[(ATTENUATION, Some("0.5"))]),
@@ -94,18 +93,18 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("5"),
         setting("azimuth", Kind::Number)
             .help("Angle from +x to the first principal axis, grooves, scratches")
-            .basic(MODEL)
-            .commands(RANDOM.and(MODEL))
             .unit(DEGREES)
-            .default("0")
-            .default_in(&[(MODEL, None)]),
+            .default("0"),
+        basic("azimuth", Kind::Number)
+            .help("Angle from +x to the first principal axis of the slopes")
+            .commands(MODEL)
+            .unit(DEGREES),
         basic("unit", DRAWN_UNIT)
             .help("Unit of lengths")
             .commands(RANDOM.and(ATTENUATION))
             .otherwise("that of the first length with a unit, else 1"),
-        setting("size", Kind::Count)
+        basic("size", Kind::Count)
             .help("Samples along x and y")
-            .basic(GENERATE.and(ATTENUATION))
             .commands(RANDOM.and(ATTENUATION))
             .arity(Arity::PerAxis)
             .default("512")
@@ -121,9 +120,8 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .range(Range::Above(0.0))
             .arity(Arity::PerAxis)
             .default("12.8"),
-        setting("spacing", Kind::Length)
+        basic("spacing", Kind::Length)
             .help("Distance between samples")
-            .basic(GENERATE.and(ATTENUATION))
             .commands(RANDOM.and(ATTENUATION))
             .range(Range::Above(0.0))
             .arity(Arity::PerAxis)
