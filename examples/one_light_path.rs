@@ -1,6 +1,6 @@
 //! Follows one light path from interaction to interaction with the reference integrator.
 //!
-//! Each line uses the random numbers again with one more interaction allowed each time, so each line is the same path
+//! Every line follows the path of the same random numbers, with one more interaction allowed, so that it is the same path
 //! one step further.
 //!
 //! ```text

@@ -46,7 +46,7 @@ impl Failure {
             StudyError::Simulate(
                 SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement,
             ) => Self::Usage(format!("--refine: {error}")),
-            StudyError::Config(_) => match document.file_to_blame() {
+            StudyError::Config(_) if error.is_usage() => match document.file_to_blame() {
                 Some(file) => Self::Usage(format!("{file}: {error}")),
                 None => Self::usage(error),
             },

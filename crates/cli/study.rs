@@ -35,7 +35,7 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     say_notes(found.notes());
     let resumed = found.resumed();
     if resumed.parts > 0 {
-        say("resumed after the rays of the run that was ended");
+        say("resumed from the rays that an interrupted run had finished");
     }
     if resumed.cases > 0 {
         common.say(|| format!("{} resumed", counted(resumed.cases as u64, "case")));

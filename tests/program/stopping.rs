@@ -118,7 +118,7 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
 
 /// The choice of the pilot run is printed, and gives the same bytes when it is named.
 #[test]
-#[ignore = "slow: cargo test -- --ignored, see CONTRIBUTING.md"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn a_long_run_chooses_its_branches_and_says_so() {
     let keep = tempfile::tempdir().unwrap();
     let folder = keep.path();

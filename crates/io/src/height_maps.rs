@@ -203,6 +203,17 @@ pub(crate) fn write_to<W: Write>(
         HeightMapFormat::Gsf => gsf::write(field, out),
         HeightMapFormat::X3p => x3p::write(field, out),
         HeightMapFormat::Png => png::write(field, out),
-        _ => unreachable!("{format}s are not written"),
+        HeightMapFormat::Text
+        | HeightMapFormat::Tiff
+        | HeightMapFormat::DigitalSurf
+        | HeightMapFormat::MetroPro
+        | HeightMapFormat::Wyko
+        | HeightMapFormat::SensofarPlu
+        | HeightMapFormat::SensofarPlux
+        | HeightMapFormat::Alicona
+        | HeightMapFormat::Sdf
+        | HeightMapFormat::Bcr
+        | HeightMapFormat::Nanoscope
+        | HeightMapFormat::Gwyddion => unreachable!("{format}s are not written"),
     }
 }

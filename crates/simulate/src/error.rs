@@ -65,10 +65,11 @@ pub enum SimulateError {
         "a spline through given heights is the surface itself, which no finer mesh changes; refine flat cells"
     )]
     SmoothRefinement,
-    /// Given surfaces, of which there are none, or some of other cells.
-    #[error(
-        "given surfaces, at least one, must all be flat cells, all smooth cells or all triangle meshes"
-    )]
+    /// No given surface at all.
+    #[error("there is no given surface")]
+    NoSurface,
+    /// Given surfaces of different cells.
+    #[error("given surfaces must all be flat cells, all smooth cells or all triangle meshes")]
     MixedCells,
     /// A setting for one given surface, where there are several.
     #[error(
@@ -129,6 +130,7 @@ impl SimulateError {
             | Self::Layer(_)
             | Self::NoControlVariate { .. }
             | Self::SmoothRefinement
+            | Self::NoSurface
             | Self::MixedCells
             | Self::OnlyOfOne { .. }
             | Self::DescribedSurface

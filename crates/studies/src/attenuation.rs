@@ -150,8 +150,8 @@ pub struct AttenuationWork {
 
 /// Outcome of an attenuation run.
 pub struct AttenuationOutcome<'a> {
-    /// Plan.
-    pub plan: &'a AttenuationStudy,
+    /// Study.
+    pub study: &'a AttenuationStudy,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
     /// Angles at which shadow begins, one per sigma; empty if not requested.
@@ -167,14 +167,14 @@ pub struct AttenuationOutcome<'a> {
 impl AttenuationOutcome<'_> {
     /// Rows of the first view, on which what is lit does not depend.
     fn of_first_view(&self) -> impl Iterator<Item = &AttenuationRow> {
-        self.rows.iter().step_by(self.plan.views.len())
+        self.rows.iter().step_by(self.study.views.len())
     }
 
     /// Independent points over all surfaces of a sigma: no more than there are patches of a correlation length, in which points see
     /// much the same.
     fn independent_points(&self) -> f64 {
-        let drawn = &self.plan.surfaces[0].drawn;
-        let tau = self.plan.config.surface.tau.0;
+        let drawn = &self.study.surfaces[0].drawn;
+        let tau = self.study.config.surface.tau.0;
         let patches = patches(drawn.shape(), drawn.spacing(), [tau; 2]);
         patches.min(self.work.points as f64) * self.work.realisations as f64
     }
@@ -192,7 +192,7 @@ impl AttenuationOutcome<'_> {
             format!(
                 "interrupted: these are the results of {} of {}",
                 work.realisations,
-                counted(self.plan.config.run.realisations.0, "surface")
+                counted(self.study.config.run.realisations.0, "surface")
             )
         });
         lost.into_iter().chain(stopped).collect()
@@ -232,7 +232,7 @@ impl AttenuationStudy {
         }
         let lost = found_surfaces().flat_map(|one| &one.counts);
         Ok(AttenuationOutcome {
-            plan: self,
+            study: self,
             rows,
             demarcation,
             visibility,

@@ -95,6 +95,7 @@ impl StudyError {
     #[must_use]
     pub fn is_usage(&self) -> bool {
         match self {
+            Self::Config(ConfigError::Simulate(error)) | Self::Simulate(error) => error.is_usage(),
             Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) | Self::Erosion(_) => {
                 true
             }
@@ -109,7 +110,6 @@ impl StudyError {
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
             Self::Synthesis(error) => error.is_usage(),
-            Self::Simulate(error) => error.is_usage(),
             Self::Results(_)
             | Self::Comparison(_)
             | Self::HeightField(_)

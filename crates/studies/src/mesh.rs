@@ -122,9 +122,11 @@ impl FinenessConfig {
         let per_cell = match (self.deviation, self.subdivide) {
             (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
                 let least = rounded_up(surface.deviation(usize::MAX));
-                ConfigError::invalid(
+                ConfigError::unsuitable(
                     format!("--deviation {}{unit}", short(most)),
-                    format!("above {least}{unit}, to which heights of this surface are rounded"),
+                    format!(
+                        "must be above {least}{unit}, to which heights of this surface are rounded"
+                    ),
                 )
             })?,
             (None, subdivide) => subdivide.unwrap_or(1),

@@ -88,7 +88,7 @@ impl Study for TraceStudy {
             planned.judge(&self.case, &regions.outcome, seed, &deadline)
         });
         let mut outcome = TraceOutcome {
-            plan: self,
+            study: self,
             outcome: &whole.outcome,
             comparison: comparison.transpose()?,
             stopped_by: None,

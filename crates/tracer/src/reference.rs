@@ -42,8 +42,8 @@ pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult
 
 /// Follows light that comes from above, one path at a time.
 ///
-/// It takes from the settings the roulette threshold, the highest order, and the averaging of polarisation; it always picks
-/// one branch.
+/// Takes the roulette threshold, the highest order and the averaging of polarisation from the settings; always picks one
+/// branch.
 pub struct PathIntegrator<'a, G: Geometry> {
     geometry: &'a G,
     accelerator: &'a dyn Accelerator<G>,

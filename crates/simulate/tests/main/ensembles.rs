@@ -186,5 +186,5 @@ fn what_is_for_one_given_surface_is_refused_for_several() {
         ),
     ];
     assert_eq!(refused(&free, &mixed), SimulateError::MixedCells);
-    assert_eq!(refused(&free, &[]), SimulateError::MixedCells);
+    assert_eq!(refused(&free, &[]), SimulateError::NoSurface);
 }

@@ -18,13 +18,13 @@ type Plot = fn(&AttenuationOutcome<'_>) -> Option<Curves>;
 /// All plots, by name of their files.
 pub(super) const FIGURES: [(&str, Plot); 4] = [
     ("attenuation_theta", |found| {
-        (found.plan.lights.len() > 1).then(|| over_theta(found))
+        (found.study.lights.len() > 1).then(|| over_theta(found))
     }),
     ("attenuation_models", |found| {
-        (found.plan.lights.len() > 1).then(|| models_over_theta(found))
+        (found.study.lights.len() > 1).then(|| models_over_theta(found))
     }),
     ("attenuation_sigma", |found| {
-        (found.plan.surfaces.len() > 1).then(|| over_sigma(found))
+        (found.study.surfaces.len() > 1).then(|| over_sigma(found))
     }),
     ("visibility", |found| {
         (!found.visibility.is_empty()).then(|| visibility(found))
@@ -42,7 +42,7 @@ const XU_SUN_STYLE: Style = Style::Hollow(3);
 
 /// The lit fraction over theta, a curve per sigma.
 fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
-    let surfaces = &outcome.plan.surfaces;
+    let surfaces = &outcome.study.surfaces;
     let last = (surfaces.len().max(2) - 1) as f64;
     let curves = surfaces.iter().enumerate().map(|(i, surfaces)| {
         let name = format!("σ = {}", short(surfaces.sigma));
@@ -62,11 +62,11 @@ fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
 
 /// The lit fraction over theta against models, for some sigma.
 fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
-    let phi = outcome.plan.lights[0].phi();
+    let phi = outcome.study.lights[0].phi();
     // Points come first in the legend.
     let mut curves = Vec::new();
-    for (i, &number) in outcome.plan.models_at.iter().enumerate() {
-        let surfaces = &outcome.plan.surfaces[number];
+    for (i, &number) in outcome.study.models_at.iter().enumerate() {
+        let surfaces = &outcome.study.surfaces[number];
         let (sigma, slopes) = (surfaces.sigma, &surfaces.slopes);
         let colour = Colour::Nth(i);
         let name = format!("explicit, σ = {}", short(sigma));
@@ -98,14 +98,14 @@ fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
 
 /// The lit fraction over sigma against Smith's, for some angles.
 fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
-    let surface = &outcome.plan.config.surface;
-    let sigmas = || outcome.plan.surfaces.iter().map(|surfaces| surfaces.sigma);
+    let surface = &outcome.study.config.surface;
+    let sigmas = || outcome.study.surfaces.iter().map(|surfaces| surfaces.sigma);
     let least = sigmas().fold(f64::INFINITY, f64::min);
     let most = sigmas().fold(0.0, f64::max);
     let fine = || steps([least, most]);
     let mut curves = Vec::new();
-    for (i, &number) in outcome.plan.over_sigma_at.iter().enumerate() {
-        let light = outcome.plan.lights[number];
+    for (i, &number) in outcome.study.over_sigma_at.iter().enumerate() {
+        let light = outcome.study.lights[number];
         let (theta, wi) = (light.theta_deg(), light.wi());
         let colour = Colour::Nth(i);
         let name = format!("explicit, θᵢ = {}°", short(theta));
@@ -137,10 +137,10 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
 
 /// The visibility over height on the surfaces of the first sigma, a colour per angle.
 fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
-    let surfaces = &outcome.plan.surfaces[0];
-    let smoothness = outcome.plan.config.surface.tau.0 / surfaces.sigma;
+    let surfaces = &outcome.study.surfaces[0];
+    let smoothness = outcome.study.config.surface.tau.0 / surfaces.sigma;
     let mut curves = Vec::new();
-    let of_lights = outcome.visibility.chunks(BINS).zip(&outcome.plan.lights);
+    let of_lights = outcome.visibility.chunks(BINS).zip(&outcome.study.lights);
     for (i, (rows, light)) in of_lights.enumerate() {
         let colour = Colour::Nth(i);
         let points = rows.iter().filter_map(|row| {
@@ -242,7 +242,7 @@ fn lit_over_theta(outcome: &AttenuationOutcome<'_>, sigma: f64) -> Vec<Point> {
 }
 
 fn subtitle(outcome: &AttenuationOutcome<'_>) -> String {
-    let surface = &outcome.plan.config.surface;
+    let surface = &outcome.study.config.surface;
     let border = match surface.border {
         Border::Periodic => String::new(),
         other => format!(", {other} border"),

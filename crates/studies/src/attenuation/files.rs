@@ -39,13 +39,13 @@ impl AttenuationConfig {
 
 /// The contents of summary.json.
 pub(super) fn attenuation_summary(outcome: &AttenuationOutcome<'_>) -> Value {
-    let config = &outcome.plan.config;
+    let config = &outcome.study.config;
     let (attenuation, demarcation) = (attenuation(outcome), demarcation(outcome));
     let visibility = visibility(outcome);
     let mut summary = json!({
         "seed": config.run.seed,
         "config": config,
-        "mesh_slope_deficit": outcome.plan.mesh_slope_deficit(),
+        "mesh_slope_deficit": outcome.study.mesh_slope_deficit(),
         "rows": attenuation.json(&outcome.rows),
         "demarcation": demarcation.json(&outcome.demarcation),
         "visibility": visibility.json(&outcome.visibility),

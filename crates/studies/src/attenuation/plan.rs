@@ -93,9 +93,9 @@ impl AttenuationStudy {
             * (self.views.len() as f64 + 8.0)
             * run.realisations.0 as f64;
         if results > MAX_RESULTS {
-            return Err(ConfigError::invalid(
+            return Err(ConfigError::unsuitable(
                 format!("{results:.1e} counts to keep"),
-                format!("at most {MAX_RESULTS:.0e}: take fewer directions or surfaces"),
+                format!("must be at most {MAX_RESULTS:.0e}: take fewer directions or surfaces"),
             )
             .into());
         }
@@ -125,9 +125,9 @@ impl AttenuationConfig {
         let surfaces = sigmas.iter().map(of_sigma).collect::<Result<Vec<_>, _>>()?;
         let [ny, nx] = shape;
         if surface.border == Border::Open && nx.min(ny) < 3 {
-            return Err(ConfigError::invalid(
+            return Err(ConfigError::unsuitable(
                 format!("an open patch of {nx} x {ny} samples"),
-                "3 or more a side: it has none inside, where paper_g2 counts",
+                "must have 3 or more a side, since paper_g2 counts those inside",
             )
             .into());
         }
@@ -144,7 +144,7 @@ impl AttenuationConfig {
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
         let models_at = self.output.models_at_sigma.as_ref();
         let over_sigma_at = self.output.over_sigma_at_theta.as_ref();
-        let plan = AttenuationStudy {
+        let study = AttenuationStudy {
             config: self.clone(),
             models_at: chosen("models_at_sigma", models_at, &sigmas, 3)?,
             over_sigma_at: chosen("over_sigma_at_theta", over_sigma_at, &thetas, 5)?,
@@ -153,8 +153,8 @@ impl AttenuationConfig {
             views,
             azimuths,
         };
-        plan.check_size()?;
-        Ok(plan)
+        study.check_size()?;
+        Ok(study)
     }
 
     /// Samples `[ny, nx]`.
@@ -166,7 +166,9 @@ impl AttenuationConfig {
                 let ([x, y], [dx, dy]) = (length.xy(), surface.spacing.xy());
                 [samples(x.0, dx.0), samples(y.0, dy.0)]
             }
-            (None, None) => return Err(ConfigError::missing("surface", "length").into()),
+            (None, None) => {
+                return Err(ConfigError::missing("attenuation", "--size or --length").into());
+            }
         };
         Ok([ny?, nx?])
     }
@@ -230,7 +232,7 @@ fn chosen(
         let number = values.iter().position(|one| *one == value);
         number.ok_or_else(|| {
             let given = format!("{name} = {}", short(value));
-            ConfigError::invalid(given, "among the values that are measured")
+            ConfigError::unsuitable(given, "must be among the values that are measured")
         })
     };
     numbers(name, named)?.into_iter().map(number).collect()

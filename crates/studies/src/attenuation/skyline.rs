@@ -21,7 +21,7 @@ pub(super) struct Skyline {
 impl Skyline {
     /// The skylines of a surface, one per azimuth, which tell rises of `least` and more apart.
     pub(super) fn of_each_azimuth(
-        plan: &AttenuationStudy,
+        study: &AttenuationStudy,
         surface: &Surface,
         index: u64,
         least: f64,
@@ -30,28 +30,28 @@ impl Skyline {
             let horizons = Horizons::new(surface, azimuth, least).map_err(ConfigError::from)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
-                let points = points(surface, plan.config.run.seed, index, chunk).map(of);
+                let points = points(surface, study.config.run.seed, index, chunk).map(of);
                 let samples = samples(surface, azimuth, chunk).map(of);
                 (points.collect(), samples.collect())
             });
             let (points, samples) = found.unzip();
             Ok(Self { points, samples })
         };
-        plan.azimuths.iter().map(along).collect()
+        study.azimuths.iter().map(along).collect()
     }
 }
 
 /// The least rise of interest on the surface of the first sigma; on others all rises are larger or smaller as
 /// sigma is.
-pub(super) fn least_rise(plan: &AttenuationStudy) -> f64 {
-    let first = &plan.surfaces[0];
-    let sigmas = plan.surfaces.iter().map(|surfaces| surfaces.sigma);
+pub(super) fn least_rise(study: &AttenuationStudy) -> f64 {
+    let first = &study.surfaces[0];
+    let sigmas = study.surfaces.iter().map(|surfaces| surfaces.sigma);
     let steepest = sigmas.fold(0.0, f64::max);
-    let cotangents = plan.directions().map(cotangent);
+    let cotangents = study.directions().map(cotangent);
     let mut least = cotangents.fold(f64::INFINITY, |least, c| {
         least.min(c * first.sigma / steepest)
     });
-    if plan.config.run.demarcation {
+    if study.config.run.demarcation {
         // More than half of all points are dark where rises are as small as this.
         least = least.min(0.1 * first.slopes.xx().sqrt());
     }

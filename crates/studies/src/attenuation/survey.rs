@@ -36,27 +36,28 @@ impl Stored for SurveyedSurface {}
 impl SurveyedSurface {
     /// Surveys realisation `index`; `None` if the run is to stop.
     pub(super) fn of(
-        plan: &AttenuationStudy,
+        study: &AttenuationStudy,
         index: u64,
         observer: &dyn Observer,
     ) -> Result<Option<Self>, StudyError> {
-        let run = &plan.config.run;
+        let run = &study.config.run;
         let (mut counts, mut rises, mut skylines) = (Vec::new(), None, Vec::new());
-        for (number, surfaces) in plan.surfaces.iter().enumerate() {
+        for (number, surfaces) in study.surfaces.iter().enumerate() {
             if observer.stop().is_some() {
                 return Ok(None);
             }
-            let shape = surfaces.shape(plan, index)?;
+            let shape = surfaces.shape(study, index)?;
             // Light too grazing would cross too many tiles: it is refused before horizons are computed.
-            plan.directions()
+            study
+                .directions()
                 .try_for_each(|direction| check_shape(&shape, *direction))?;
             // Horizons scale with height, so that those of the first surface serve all.
             if let (0, Shape::HeightField { top, .. }) = (number, &shape) {
-                let least = least_rise(plan);
-                skylines = Skyline::of_each_azimuth(plan, top, index, least)?;
+                let least = least_rise(study);
+                skylines = Skyline::of_each_azimuth(study, top, index, least)?;
                 rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
-            let survey = Survey::of(plan, surfaces, index, &skylines);
+            let survey = Survey::of(study, surfaces, index, &skylines);
             counts.push(survey.count(&shape)?);
             observer.advance(1);
         }
@@ -68,12 +69,12 @@ impl RoughSurfaces {
     /// The surface of realisation `index`.
     pub(super) fn shape(
         &self,
-        plan: &AttenuationStudy,
+        study: &AttenuationStudy,
         index: u64,
     ) -> Result<Shape, SimulateError> {
-        let run = &plan.config.run;
+        let run = &study.config.run;
         let shape = self.drawn.draw_into(run.seed, index, Vec::new())?;
-        Ok(with_border(shape, plan.config.surface.border))
+        Ok(with_border(shape, study.config.surface.border))
     }
 }
 
@@ -116,22 +117,22 @@ pub(super) struct Survey<'a> {
 impl<'a> Survey<'a> {
     /// The counts that a plan needs of a surface.
     pub(super) fn of(
-        plan: &'a AttenuationStudy,
+        study: &'a AttenuationStudy,
         surfaces: &RoughSurfaces,
         index: u64,
         skylines: &'a [Skyline],
     ) -> Self {
-        let run = &plan.config.run;
+        let run = &study.config.run;
         Self {
             seed: run.seed,
             index,
-            lights: &plan.lights,
-            views: &plan.views,
+            lights: &study.lights,
+            views: &study.views,
             mirror: run.mirror,
             sigma: run.heights.then_some(surfaces.sigma),
-            azimuths: &plan.azimuths,
+            azimuths: &study.azimuths,
             skylines,
-            steeper: surfaces.sigma / plan.surfaces[0].sigma,
+            steeper: surfaces.sigma / study.surfaces[0].sigma,
         }
     }
 

@@ -52,7 +52,7 @@ fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -
 /// attenuation.csv: a row per sigma, light and view.
 pub(super) fn attenuation(outcome: &AttenuationOutcome<'_>) -> Table<'static, AttenuationRow> {
     type Row = AttenuationRow;
-    let unit = outcome.plan.config.surface.unit;
+    let unit = outcome.study.config.surface.unit;
     let independent = outcome.independent_points();
     // From straight above nothing is hidden.
     let unless = move |is_proven: bool| match is_proven {
@@ -100,7 +100,7 @@ pub(super) fn attenuation(outcome: &AttenuationOutcome<'_>) -> Table<'static, At
 
 /// demarcation.csv: a row per sigma.
 pub(super) fn demarcation(outcome: &AttenuationOutcome<'_>) -> Table<'static, Demarcation> {
-    let unit = outcome.plan.config.surface.unit;
+    let unit = outcome.study.config.surface.unit;
     type Row = Demarcation;
     let measured = |name, heading, about, value: fn(&Row) -> Option<Estimate>| {
         let column = Column::estimate(name, about, value);
@@ -157,7 +157,7 @@ pub(super) fn demarcation(outcome: &AttenuationOutcome<'_>) -> Table<'static, De
 /// visibility.csv: a row per sigma, light and height.
 pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, VisibilityRow> {
     type Row = VisibilityRow;
-    let unit = outcome.plan.config.surface.unit;
+    let unit = outcome.study.config.surface.unit;
     let independent = outcome.independent_points();
     let support = move |row: &Row| match row.theta {
         0.0 => Basis::Proven,
@@ -188,7 +188,7 @@ pub(super) fn visibility(outcome: &AttenuationOutcome<'_>) -> Table<'static, Vis
 
 /// Measured fractions next to theory: report.txt.
 pub(super) fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
-    let surface = &outcome.plan.config.surface;
+    let surface = &outcome.study.config.surface;
     let unit = surface.unit;
     let work = &outcome.work;
     let mut out = format!(
@@ -204,7 +204,7 @@ pub(super) fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     let cells = match surface.cells.of_random() {
         Cells::Flat => format!(
             "the slope variance of the mesh is {:.2} % below that of the continuous surface",
-            100.0 * outcome.plan.mesh_slope_deficit(),
+            100.0 * outcome.study.mesh_slope_deficit(),
         ),
         Cells::Smooth => {
             "cells are smooth, with the slope variance of the continuous surface".to_owned()
@@ -219,7 +219,7 @@ pub(super) fn attenuation_table(outcome: &AttenuationOutcome<'_>) -> String {
     // What depends on the light alone is the same for each view.
     let of_first_view = outcome.of_first_view().collect();
     let of_light = "sigma theta lit smith_lit v_cavity_lit smith_lit_as_printed g1 smith_g1 v_cavity_g1 mirror_g2";
-    if outcome.plan.views.iter().all(|view| view.is_vertical()) {
+    if outcome.study.views.iter().all(|view| view.is_vertical()) {
         out += &fractions(&format!("{of_light} paper_g2"), 2, of_first_view);
     } else {
         let of_both = "sigma theta phi view_theta view_phi g2 smith_correlated_g2 smith_separable_g2 v_cavity_g2 paper_g2";

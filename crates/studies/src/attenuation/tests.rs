@@ -66,16 +66,16 @@ fn said(outcome: &AttenuationOutcome<'_>) -> (String, serde_json::Value) {
     (attenuation_table(outcome), summary)
 }
 
-fn whole(plan: &AttenuationStudy) -> (String, serde_json::Value) {
-    let mut found = Container::in_memory(plan.identity());
-    said(&plan.run(&mut found, &Silent).unwrap())
+fn whole(study: &AttenuationStudy) -> (String, serde_json::Value) {
+    let mut found = Container::in_memory(study.identity());
+    said(&study.run(&mut found, &Silent).unwrap())
 }
 
 #[test]
 fn report_and_summary_of_an_interrupted_run_say_so() {
-    let plan = plan();
-    let mut found = Container::in_memory(plan.identity());
-    let outcome = plan.run(&mut found, &Interrupt::after(5)).unwrap();
+    let study = plan();
+    let mut found = Container::in_memory(study.identity());
+    let outcome = study.run(&mut found, &Interrupt::after(5)).unwrap();
     // Two sigma: the third realisation was begun and not finished.
     assert_eq!(outcome.work.realisations, 2);
     let warning = "interrupted: these are the results of 2 of 5 surfaces";
@@ -87,7 +87,7 @@ fn report_and_summary_of_an_interrupted_run_say_so() {
     assert_eq!(summary["stopped_by"], "interrupt");
     assert_eq!(summary["warnings"][0], warning);
 
-    let (report, summary) = whole(&plan);
+    let (report, summary) = whole(&study);
     assert!(!report.contains("interrupted"));
     assert!(summary["stopped_by"].is_null());
 }
@@ -96,23 +96,23 @@ fn report_and_summary_of_an_interrupted_run_say_so() {
 fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
     let place = tempfile::tempdir().unwrap();
     let folder = ResultFolder::open(place.path(), "attenuation", &[]).unwrap();
-    let plan = plan();
-    let open = || Container::open(&folder, plan.identity()).unwrap();
+    let study = plan();
+    let open = || Container::open(&folder, study.identity()).unwrap();
     for surfaces in [2, 5, 20] {
         let observer = Interrupt::after(surfaces);
         let mut found = open();
         let before = found.resumed().cases as u64;
-        let outcome = plan.run(&mut found, &observer).unwrap();
+        let outcome = study.run(&mut found, &observer).unwrap();
         let measured = observer.measured.load(Ordering::Relaxed);
         assert_eq!(outcome.work.realisations, before + measured / 2);
     }
     let mut found = open();
     // Nothing is left to measure, so that no interrupt stops it.
-    let outcome = plan.run(&mut found, &Interrupt::after(0)).unwrap();
-    assert_eq!(said(&outcome), whole(&plan));
+    let outcome = study.run(&mut found, &Interrupt::after(0)).unwrap();
+    assert_eq!(said(&outcome), whole(&study));
     // Nothing is found, and nothing written, if an interrupt comes first.
-    let mut found = Container::in_memory(plan.identity());
-    let refused = plan.run(&mut found, &Interrupt::after(1));
+    let mut found = Container::in_memory(study.identity());
+    let refused = study.run(&mut found, &Interrupt::after(1));
     assert!(matches!(
         refused,
         Err(StudyError::Simulate(SimulateError::Interrupted))
@@ -121,23 +121,23 @@ fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
 
 #[test]
 fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
-    let plan = plan();
-    let expected = whole(&plan);
+    let study = plan();
+    let expected = whole(&study);
     let mut rng = point_stream(3, 0, 0);
     for _ in 0..4 {
         let owners: Vec<u32> = (0..5).map(|_| rng.random_range(0..3)).collect();
         let shard = |number: u32| {
-            let mut found = Container::in_memory(plan.identity());
+            let mut found = Container::in_memory(study.identity());
             // All shards have the last surface.
             let own = |index: usize| match owners[index] == number || index == 4 {
-                true => SurveyedSurface::of(&plan, index as u64, &Silent),
+                true => SurveyedSurface::of(&study, index as u64, &Silent),
                 false => Ok(None),
             };
             found.compute_missing(5, &Silent, own).unwrap();
             found
         };
         let merged = Container::merge((0..3).map(shard).collect()).unwrap();
-        let judged = plan.judge(&merged).unwrap();
+        let judged = study.judge(&merged).unwrap();
         assert_eq!(said(&judged), expected, "{owners:?}");
     }
 }
@@ -149,13 +149,15 @@ fn horizons_and_visibility_rays_count_the_same() {
         let config = CONFIG.replace("[light]", &format!("border = \"{border}\"\n[light]"));
         let config = config.replace("theta = [30, 70]", "theta = [20, 60, 85]\nphi = 30");
         let config = format!("{config}[view]\ntheta = [0, 50]\nphi = 200\n");
-        let plan = AttenuationConfig::from_toml(&config).unwrap();
-        let plan = plan.plan().unwrap();
+        let study = AttenuationConfig::from_toml(&config).unwrap();
+        let study = study.plan().unwrap();
         for index in 0..3 {
-            let by_horizons = SurveyedSurface::of(&plan, index, &Silent).unwrap().unwrap();
-            for (surfaces, by_horizons) in plan.surfaces.iter().zip(&by_horizons.counts) {
-                let shape = surfaces.shape(&plan, index).unwrap();
-                let survey = Survey::of(&plan, surfaces, index, &[]);
+            let by_horizons = SurveyedSurface::of(&study, index, &Silent)
+                .unwrap()
+                .unwrap();
+            for (surfaces, by_horizons) in study.surfaces.iter().zip(&by_horizons.counts) {
+                let shape = surfaces.shape(&study, index).unwrap();
+                let survey = Survey::of(&study, surfaces, index, &[]);
                 let by_rays = survey.count(&shape).unwrap();
                 assert_eq!(&by_rays, by_horizons, "{border} {index}");
                 // Some points are shadowed.

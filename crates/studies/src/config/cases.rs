@@ -38,10 +38,9 @@ impl VerifyConfig {
         let isotropic = recipes.clone().all(SurfaceRecipe::is_isotropic);
         let is_random = recipes.count() > 0;
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
-            return Err(ConfigError::of_other(
-                "random azimuth of the light",
-                "isotropic surfaces",
-                "anisotropic ones, where it matters",
+            return Err(ConfigError::unsuitable(
+                "azimuth random",
+                "the azimuth of the light matters on anisotropic surfaces",
             ));
         }
         if self.medium.is_some() {
@@ -72,7 +71,10 @@ impl VerifyConfig {
 
 /// Refusal of the accelerator of flat surfaces for random ones.
 pub(crate) fn flat_accelerator() -> ConfigError {
-    ConfigError::of_other("accelerator flat", "flat surfaces", "rough ones; take auto")
+    ConfigError::unsuitable(
+        "accelerator flat",
+        "it is for flat surfaces, but those drawn here are rough; take auto",
+    )
 }
 
 /// Checks that models are named once each, are of such a surface, and describe the light of the recorded `sides`.

@@ -11,7 +11,7 @@ use asperity_synthesis::{JohnsonError, PsdError, StructureError};
 use asperity_tally::SpecError;
 use asperity_tracer::{HorizonError, PathSettingsError};
 
-use crate::settings::{Given, Place, SettingError};
+use crate::settings::SettingError;
 
 /// Refusal of a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,6 +20,14 @@ pub enum ConfigError {
     /// A value is unknown, invalid, missing or excluded by another, by itself or with the surfaces and the light at hand.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// A value that does not suit the surfaces, the light or the study.
+    #[error("{given}: {reason}")]
+    Unsuitable {
+        /// The value, with the name of its setting.
+        given: String,
+        /// The reason, and what to take instead.
+        reason: String,
+    },
     /// A list holds a value twice.
     #[error("{list}: {value} is given twice")]
     GivenTwice {
@@ -106,24 +114,10 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// A value outside what is `expected` of it.
-    pub(crate) fn invalid(given: impl Into<String>, expected: impl Into<String>) -> Self {
-        let (given, expected) = (found_later(given), expected.into());
-        SettingError::Invalid { given, expected }.into()
-    }
-
-    /// A choice that goes with its `owners`, and not with what is chosen.
-    pub(crate) fn of_other(
-        given: impl Into<String>,
-        owners: impl Into<String>,
-        chosen: &'static str,
-    ) -> Self {
-        let error = SettingError::OfOtherVariant {
-            given: found_later(given),
-            owners: owners.into(),
-            chosen,
-        };
-        error.into()
+    /// A value that does not suit the surfaces, the light or the study.
+    pub(crate) fn unsuitable(given: impl Into<String>, reason: impl Into<String>) -> Self {
+        let (given, reason) = (given.into(), reason.into());
+        Self::Unsuitable { given, reason }
     }
 
     /// A choice without what it needs.
@@ -135,9 +129,8 @@ impl ConfigError {
     /// A spacing that does not divide surfaces of that extent, length units.
     pub(crate) fn part_samples(spacing: f64, extent: f64) -> Self {
         let extent = short(extent);
-        let expected =
-            format!("one that divides the extent {extent} of the surfaces into whole samples");
-        Self::invalid(format!("spacing {}", short(spacing)), expected)
+        let reason = format!("must divide the extent {extent} of the surfaces into whole samples");
+        Self::unsuitable(format!("spacing {}", short(spacing)), reason)
     }
 
     /// A medium below a material that transmits no light.
@@ -149,14 +142,6 @@ impl ConfigError {
     /// Estimation with a control variate, of a case that has none; `needs` continues "the controlled estimator".
     pub(crate) const fn no_control_variate(needs: &'static str) -> Self {
         Self::Simulate(SimulateError::NoControlVariate { needs })
-    }
-}
-
-/// A value that is found to be wrong after its place in a file was forgotten.
-fn found_later(text: impl Into<String>) -> Given {
-    Given {
-        text: text.into(),
-        place: Place::Flag,
     }
 }
 

@@ -66,9 +66,9 @@ impl SurfaceConfig {
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
         let smoother = smoothness * ratio.max(1.0);
         if !(smoothness > 0.0 && smoother <= MAX_SMOOTHNESS) {
-            let expected = "above 0 and at most 1e6, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects as well";
+            let reason = "must be above 0 and at most 1e6, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects the same";
             let given = format!("smoothness {}", short(smoother));
-            return Err(ConfigError::invalid(given, expected));
+            return Err(ConfigError::unsuitable(given, reason));
         }
         Ok((smoothness, sigma))
     }
@@ -140,10 +140,9 @@ impl SurfaceConfig {
         if azimuth == 0.0 || self.tau_y.is_some() || has_direction {
             return Ok(());
         }
-        Err(ConfigError::of_other(
+        Err(ConfigError::unsuitable(
             format!("azimuth {}", short(azimuth)),
-            "--tau-y, grooves and scratches",
-            "surfaces that have no direction to turn",
+            "the surfaces have no direction to turn; give tau_y, or grooves or scratches",
         ))
     }
 }

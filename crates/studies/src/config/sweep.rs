@@ -59,10 +59,9 @@ impl VerifyConfig {
             .map(|(_, values)| values.len() as f64)
             .product();
         if count > MAX_CASES {
-            let given = format!("{count:.0e} cases, which the lists make,");
-            return Err(ConfigError::invalid(
-                given,
-                format!("at most {MAX_CASES:.0e}"),
+            return Err(ConfigError::unsuitable(
+                format!("{count:.0e} cases of all lists"),
+                format!("must be at most {MAX_CASES:.0e}"),
             ));
         }
         let with_values = |configs: Vec<Self>, (dimension, values): (Dimension, Vec<Number>)| {

@@ -179,25 +179,23 @@ impl TraceConfig {
             .iter()
             .map(|number| number.0)
             .collect();
-        let refused = |expected| {
+        let refused = |reason| {
             let numbers: Vec<String> = given.iter().map(f64::to_string).collect();
-            Err(ConfigError::invalid(
+            Err(ConfigError::unsuitable(
                 format!("stokes {}", numbers.join(",")),
-                expected,
+                reason,
             ))
         };
         let &[i, q, u, v] = given.as_slice() else {
-            return refused("four numbers, I,Q,U,V");
+            return refused("must be four numbers, I,Q,U,V");
         };
         if i <= 0.0 {
-            return refused("of an intensity I above 0");
+            return refused("the intensity I must exceed 0");
         }
         let stokes = [q / i, u / i, v / i];
         let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
         if degree > 1.0 + 1e-9 {
-            return refused(
-                "of Q^2 + U^2 + V^2 up to I^2: no more light is polarised than there is",
-            );
+            return refused("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2");
         }
         let is_tracked = matches!(
             self.run.polarisation,
@@ -205,7 +203,7 @@ impl TraceConfig {
         );
         if !is_tracked && degree > 0.0 {
             return refused(
-                "unpolarised, unless paths carry its polarisation: with --polarisation tracked or both",
+                "paths carry the polarisation of the incident light with --polarisation tracked or both",
             );
         }
         Ok(stokes)

@@ -98,9 +98,9 @@ impl<T: Copy> OneOrMany<T> {
     pub fn one(&self, name: &'static str) -> Result<T, ConfigError> {
         match self.values(name)?[..] {
             [value] => Ok(value),
-            ref values => Err(ConfigError::invalid(
+            ref values => Err(ConfigError::unsuitable(
                 format!("{} values of {name}", values.len()),
-                "one value",
+                "must be one value",
             )),
         }
     }
@@ -113,12 +113,12 @@ impl<T: Copy> OneOrMany<T> {
     /// All values; `name` is that of the setting.
     ///
     /// # Errors
-    /// [`ConfigError::Setting`] of a list without values.
+    /// [`ConfigError::Unsuitable`] for a list without values.
     pub fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
         match self.as_slice() {
-            [] => Err(ConfigError::invalid(
+            [] => Err(ConfigError::unsuitable(
                 format!("{name} = []"),
-                "one value or several",
+                "must be one value or several",
             )),
             values => Ok(values.to_vec()),
         }

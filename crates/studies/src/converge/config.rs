@@ -359,7 +359,7 @@ fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
     }
     let recipe = case.surface.recipe()?;
     recipe.structured().map(|_| {
-        ConfigError::no_control_variate("needs the distribution of slopes, which of structured surfaces is not known; give --estimators plain")
+        ConfigError::no_control_variate("needs the distribution of slopes, which is not known for structured surfaces; give --estimators plain")
     })
 }
 
@@ -373,9 +373,9 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
         .all(|len| [1, count].contains(len))
     {
         let (rays, surfaces) = (rays.len(), surfaces.len());
-        return Err(ConfigError::invalid(
+        return Err(ConfigError::unsuitable(
             format!("{rays} values of rays and {surfaces} of surfaces"),
-            "as many of both, or one of either, since they go together value by value",
+            "they go together value by value, so give as many of both, or one of either",
         ));
     }
     let pairs = (0..count).map(|i| (rays[i % rays.len()].0, surfaces[i % surfaces.len()].0));
@@ -391,9 +391,9 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
 fn effort(rays: u64, surfaces: u64) -> Result<Effort, ConfigError> {
     match rays.checked_mul(surfaces) {
         Some(total) if total as f64 <= MOST_COUNT => Ok(Effort::Rays { total, surfaces }),
-        _ => Err(ConfigError::invalid(
+        _ => Err(ConfigError::unsuitable(
             format!("{rays} rays on each of {surfaces} surfaces"),
-            format!("at most {MOST_COUNT:e} in all"),
+            format!("must be at most {MOST_COUNT:e} in all"),
         )),
     }
 }

@@ -55,7 +55,7 @@ impl GonioLight {
         let given = |list: &Option<OneOrMany<Number>>, name| {
             let list = list
                 .as_ref()
-                .ok_or_else(|| ConfigError::missing("light", name))?;
+                .ok_or_else(|| ConfigError::missing("gonio", name))?;
             let numbers = list.values(name)?.into_iter().map(|number| number.0);
             Ok::<Vec<f64>, ConfigError>(numbers.collect())
         };
@@ -193,10 +193,9 @@ impl GonioConfig {
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
         if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
-            return Err(ConfigError::of_other(
+            return Err(ConfigError::unsuitable(
                 format!("--polarisation {}", self.run.polarisation),
-                "trace or verify for one direction",
-                "gonio, which keeps fluxes alone: take tracked or averaged",
+                "gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
             )
             .into());
         }

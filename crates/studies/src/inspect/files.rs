@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::{HeightMapFormat, ResultFolder, write_bytes};
+use asperity_io::{HeightMapFormat, ResultFolder, check_ending, write_bytes};
 use asperity_simulate::Silent;
 use serde::Serialize;
 use serde_json::Value;
@@ -43,12 +43,9 @@ impl Inspection {
     /// [`ReportError`] if the file cannot be written or the figure drawn.
     pub fn draw(&self, path: &Path) -> Result<(), ReportError> {
         let figure = height_map_figure(&self.field, &file_name(&self.file))?;
-        let is_svg = path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
-        let bytes = match is_svg {
-            true => figure.svg()?.into_bytes(),
-            false => figure.png()?,
+        let bytes = match check_ending(path, "plots", &["svg", "png"])? {
+            "svg" => figure.svg()?.into_bytes(),
+            _ => figure.png()?,
         };
         Ok(write_bytes(path, &bytes)?)
     }

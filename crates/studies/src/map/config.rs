@@ -107,19 +107,18 @@ impl MapConfig {
     /// The verification that fills all cells.
     pub(super) fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
         if self.run.polarisation == Polarisation::Mueller {
-            return Err(ConfigError::of_other(
+            return Err(ConfigError::unsuitable(
                 "--polarisation mueller",
-                "verify",
-                "a map, which compares fluxes alone: take tracked, averaged or both",
+                "a map compares fluxes alone; take tracked, averaged or both, or verify for the matrices",
             ));
         }
         if self.compare.models.is_empty() {
             let is_lambertian = matches!(self.material, MaterialConfig::Lambertian { .. });
             let needed = match is_lambertian && !self.surface.is_isotropic() {
                 true => {
-                    "a model, and none describes anisotropic Lambertian facets; verify and gonio do not"
+                    "a model, and none describes anisotropic Lambertian facets; take verify or gonio, which need none"
                 }
-                false => "models to compare with; name one or several",
+                false => "models to compare with; name one or several with --models",
             };
             return Err(ConfigError::missing("a map", needed));
         }

@@ -7,7 +7,7 @@ use super::command::{Command, Commands};
 use super::definitions::{GROUPS, HELD_BY, SECTIONS};
 use super::group::{Group, Variant};
 use super::kind::{Kind, such_as};
-use super::setting::{Arity, Setting};
+use super::setting::{Arity, Flag, Setting};
 
 /// The page, in Markdown.
 #[must_use]
@@ -29,7 +29,7 @@ pub fn reference_page() -> String {
         let of_section = |group: &&Group| group.section() == section.name;
         let groups: Vec<&Group> = GROUPS.iter().filter(of_section).collect();
         if !groups.is_empty() {
-            page.push_str("\nOne row of each block holds, by flags or by their keys. Settings of the others in the block do not go with it.\n\n");
+            page.push_str("\nExactly one row of each block applies, chosen by flags or by their keys. Settings of the other rows of the block do not go with it.\n\n");
             page.push_str("| with | it may have | it needs |\n|---|---|---|\n");
             let blocks: Vec<String> = groups.into_iter().map(block).collect();
             page.push_str(&blocks.join("| | | |\n"));
@@ -39,7 +39,7 @@ pub fn reference_page() -> String {
                 let (holder, held) = (listed(&[holder]), listed(held));
                 let _ = writeln!(
                     page,
-                    "\nAnother {holder} than that of the file clears {held} of the file."
+                    "\nOn the command line, another value of {holder} than that of the file clears {held} of the file."
                 );
             }
         }
@@ -62,8 +62,8 @@ const INTRODUCTION: &str = "# Settings
 <!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
 
 Every setting of every command. A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
-the file, and the file overrides the defaults. A flag takes the place of keys of the file that do not go with it; below each
-section stands which those are. Relative paths of
+the file, and the file overrides the defaults. A flag takes the place of keys of the file that do not go with it; each section
+lists them at its end. Relative paths of
 files are taken from the folder that the program runs in, also those in a configuration file.
 
 Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
@@ -234,6 +234,9 @@ fn commands(commands: Commands) -> String {
 /// Meaning of a setting and of its choices.
 fn meaning(setting: &Setting) -> String {
     let choices = setting.kind.choices();
+    if let Flag::Off(flag) = setting.flag {
+        return format!("{}; `--{flag}`: off", setting.help);
+    }
     if choices.is_empty() {
         return setting.help.to_owned();
     }

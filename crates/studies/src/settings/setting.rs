@@ -238,9 +238,8 @@ impl Setting {
     /// Meaning of its flag, which is not that of the key for one that switches off.
     #[must_use]
     pub fn flag_help(&self) -> String {
-        let (first, rest) = self.help.split_at(1);
-        match self.flag {
-            Flag::Off(_) => format!("Do not {}{rest}", first.to_lowercase()),
+        match (self.flag, self.help.split_at_checked(1)) {
+            (Flag::Off(_), Some((first, rest))) => format!("Do not {}{rest}", first.to_lowercase()),
             _ => self.help.to_owned(),
         }
     }

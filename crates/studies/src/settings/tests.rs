@@ -427,7 +427,7 @@ fn a_flag_that_changes_which_variant_holds_clears_what_does_not_go_with_it() {
         document.read::<serde_json::Value>().unwrap();
         document
     };
-    // Without sigma a structure has no roughness on top, whose the length and the spectrum are.
+    // Without sigma a structure has no roughness on top, to which length and spectrum belong.
     let file = "[surface]\nsmoothness = 3\ntau = 8\npsd = \"matern\"\nnu = 1.5\ncut_off = 2";
     let pits = cleared(file, &[flag("structure", "pits")]);
     for key in ["smoothness", "tau", "psd", "nu", "cut_off"] {
@@ -605,7 +605,7 @@ fn models_may_be_one_name_several_or_none() {
     );
     let none = "[compare]\nmodels = []";
     assert_eq!(models(none), serde_json::json!([]));
-    // None at all is a choice, which also a flat surface allows.
+    // None at all is a choice, that a flat surface allows too.
     let mut flat = Document::of_text(Command::Trace, none).unwrap();
     flat.add_flags(&[flag("flat", "")], None).unwrap();
     assert!(flat.is_given("compare.models"));

@@ -17,7 +17,7 @@ use crate::report::energies::recorded_orders;
 /// Slopes and regions, fluxes next to those of the models, and the tests.
 pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparison) -> String {
     let compared = &comparison.judgement;
-    let orders = recorded_orders(outcome.plan.config.run.max_order);
+    let orders = recorded_orders(outcome.study.config.run.max_order);
     let mut out = format!("\n{}\n\n", wrapped(&slopes_line(comparison)));
     out.push_str(&flux_table(comparison));
     for component in COMPARED {

@@ -24,7 +24,7 @@ impl TraceConfig {
             views.figure("height_map", |outcome| {
                 // That of the first surface.
                 let field = outcome.outcome.case.surface.heights();
-                let figure = field.map(|field| height_map_figure(&field, &outcome.plan.first));
+                let figure = field.map(|field| height_map_figure(&field, &outcome.study.first));
                 Ok(figure.transpose()?)
             });
         }
@@ -39,14 +39,14 @@ impl TraceOutcome<'_> {
         ShownCase {
             outcome: self.outcome,
             judgement: self.comparison.as_ref().map(|of| &of.judgement),
-            max_order: self.plan.config.run.max_order,
+            max_order: self.study.config.run.max_order,
         }
     }
 }
 
 /// The contents of summary.json.
 pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
-    let config = outcome.plan.described.clone();
+    let config = outcome.study.described.clone();
     let tables = CaseViews {
         spec: outcome.spec(),
         compared: outcome.comparison.is_some(),
@@ -57,6 +57,6 @@ pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
     summary.columns = tables.columns(outcome.shown());
     summary.lobes = outcome.lobes();
     summary.warnings = outcome.warnings();
-    summary.validity = outcome.plan.validity;
+    summary.validity = outcome.study.validity;
     summary
 }

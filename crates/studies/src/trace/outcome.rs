@@ -10,8 +10,8 @@ use crate::report::energies::lost_warning;
 
 /// Results on given surfaces.
 pub struct TraceOutcome<'a> {
-    /// The plan.
-    pub plan: &'a TraceStudy,
+    /// The study.
+    pub study: &'a TraceStudy,
     /// Results of the engine.
     pub outcome: &'a Outcome,
     /// The surface against models; `None` without any, or if a stop came before.
@@ -23,7 +23,7 @@ pub struct TraceOutcome<'a> {
 impl TraceOutcome<'_> {
     /// Returns `true` if a stop came before the comparison that was requested.
     pub(super) const fn lacks_comparison(&self) -> bool {
-        self.comparison.is_none() && self.plan.comparison.is_some()
+        self.comparison.is_none() && self.study.comparison.is_some()
     }
 
     /// Tally spec of the statistics.
@@ -33,13 +33,13 @@ impl TraceOutcome<'_> {
 
     /// The lobes of single scattering next to the bins.
     pub(super) fn lobes(&self) -> Vec<BinnedLobe> {
-        BinnedLobe::of_lobes(self.plan.lobes, self.spec())
+        BinnedLobe::of_lobes(self.study.lobes, self.spec())
     }
 
     /// End of the run, if it had a target or was cut short.
     #[must_use]
     pub fn stopping(&self) -> Option<&Stopping> {
-        let has_target = self.plan.config.run.target_error.is_some();
+        let has_target = self.study.config.run.target_error.is_some();
         let stopping = &self.outcome.stopping;
         (has_target || stopping.is_cut_short()).then_some(stopping)
     }
@@ -47,7 +47,7 @@ impl TraceOutcome<'_> {
     /// Warnings for the reader, one sentence each.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.plan.warnings.clone();
+        let mut warnings = self.study.warnings.clone();
         warnings.extend(lost_warning(&self.outcome.statistics));
         let stopping = self.stopping().into_iter();
         warnings.extend(stopping.flat_map(|stopping| stopping.warnings.clone()));

@@ -17,7 +17,7 @@ pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
     let found = outcome.outcome;
     let mut text = format!(
         "{}, {}\nflux fractions; standard errors from {} {}\n{}{}{}{}\n",
-        outcome.plan.name,
+        outcome.study.name,
         light_line(&found.case),
         found.statistics.batches(),
         found.errors_from,
@@ -35,7 +35,7 @@ pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
     {
         let _ = writeln!(text, "{line}");
     }
-    if let Some(validity) = &outcome.plan.validity {
+    if let Some(validity) = &outcome.study.validity {
         let _ = writeln!(text, "{}", wrapped(&format!("note: {validity}")));
     }
     for warning in outcome.warnings() {

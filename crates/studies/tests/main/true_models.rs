@@ -38,7 +38,7 @@ fn p_values(case: &TrueModel, seeds: std::ops::Range<u64>) -> Vec<f64> {
 /// test. Of `n` tests at level `a`, `n a` reject on average, and more than `n a + 4 sqrt(n a)` in fewer than one case in 10^4. Flips of 12
 /// surfaces have the least p value 1/2048.
 #[test]
-#[ignore = "slow: cargo test -- --ignored, see CONTRIBUTING.md"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn true_models_are_rejected_as_often_as_their_level_says() {
     const SEEDS: u64 = 200;
     let cases = [

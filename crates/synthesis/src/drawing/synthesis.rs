@@ -205,7 +205,7 @@ impl Synthesis {
     /// enough, such as the [`HeightField::into_heights`] of an earlier surface. Its contents do not
     /// matter.
     ///
-    /// The system provides and clears each page of a surface larger than some megabytes again, which
+    /// For a surface of more than some megabytes the system provides and clears each page anew, which
     /// may dominate the time.
     ///
     /// # Errors

@@ -51,7 +51,7 @@ fn check_number(shapes: &[Shape], settings: &Settings) -> Result<(), SimulateErr
     let kind = shapes.first().map(discriminant);
     let is_other = |shape| Some(discriminant(shape)) != kind;
     Err(match (shapes, what) {
-        ([], _) => SimulateError::MixedCells,
+        ([], _) => SimulateError::NoSurface,
         ([_], _) => return Ok(()),
         (_, Some((what, _))) => SimulateError::OnlyOfOne { what },
         (shapes, _) if shapes.iter().any(is_other) => SimulateError::MixedCells,

@@ -29,7 +29,7 @@ struct Numbered {
     complete: bool,
 }
 
-/// Whose turn it is of the surfaces that are run side by side.
+/// Turns of the surfaces that are run side by side.
 struct Turns {
     next: AtomicU64,
     end: u64,

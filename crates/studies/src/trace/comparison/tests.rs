@@ -63,7 +63,7 @@ const GLASS: &str = "[material]\neta = 1.5\n[light]\ntheta = 30\n[run]\nbins = \
 /// Of `n` surfaces of which a model is true, `n a` are rejected at level `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than
 /// one of 10^4 such tests.
 #[test]
-#[ignore = "slow: cargo test -- --ignored, see CONTRIBUTING.md"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn true_models_are_rejected_as_often_as_their_level_says() {
     const SEEDS: u64 = 40;
     let grooves = Psd::anisotropic_gaussian(4.0 / SMOOTH, 4.0, 6.0, 0.5).unwrap();
@@ -103,7 +103,7 @@ fn log_normal(seed: u64) -> GivenSurface {
 /// Variant of [`true_models_are_rejected_as_often_as_their_level_says`] for surfaces with any slopes: errors include those of the table of slopes.
 /// Smith's model of Gaussian slopes is right for one of them and wrong for the other.
 #[test]
-#[ignore = "slow: cargo test -- --ignored, see CONTRIBUTING.md"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {
     const SEEDS: u64 = 20;
     let of_seed = |seed: u64| {
