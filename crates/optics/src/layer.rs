@@ -23,7 +23,7 @@ pub enum Bottom {
     Mirror,
     /// Reflects a fraction of the light into all directions, by Lambert's law.
     Lambertian {
-        /// That fraction, `[0, 1]`; the rest is absorbed.
+        /// Reflected fraction of the light, `[0, 1]`; the rest is absorbed.
         reflectance: f64,
     },
 }

@@ -42,7 +42,7 @@ pub enum Material {
     /// Opaque and diffuse: reflects a fraction of the light in the cosine distribution about the normal of a facet, to the
     /// side that it came from, unpolarised; the rest is absorbed.
     Lambertian {
-        /// That fraction, `[0, 1]`.
+        /// Reflected fraction of the light, `[0, 1]`.
         reflectance: f64,
     },
 }

@@ -23,7 +23,7 @@ pub enum PlotError {
     /// A number is not finite, or outside the range that has a meaning.
     #[error("{what} must be {range}, value {index} is {value}")]
     OutOfRange {
-        /// Which input.
+        /// Input.
         what: String,
         /// The range, in words.
         range: &'static str,

@@ -39,7 +39,7 @@
 //! [`ShadowShares`] counts lit, averted and hidden points of one height map, for `inspect --theta`.
 //!
 //! # Visibility
-//! Of flat cells the horizon of a point, the steepest rise along an azimuth, answers for all its polar angles
+//! For flat cells the horizon of a point, the steepest rise along an azimuth, answers for all its polar angles
 //! ([`asperity_tracer::Horizons`]), and for all sigma, to which it is proportional. One visibility ray per point and direction
 //! ([`asperity_tracer::trace_visibility`]) gives the same answers: tests compare them. Mirrored rays have no azimuth in common and are
 //! always visibility rays.

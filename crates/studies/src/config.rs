@@ -187,7 +187,7 @@ pub struct RunConfig {
     /// The error to reach; surfaces and rays are then as many as it takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<Number>,
-    /// Whose error it is; that of the bins by default.
+    /// Quantity of the error; that of the bins by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub of: Option<Quantity>,
     /// Time after which nothing more is begun, in seconds.

@@ -19,7 +19,7 @@ pub struct SurfaceLengths {
 }
 
 impl SurfaceLengths {
-    /// Of random surfaces, by what they are drawn by.
+    /// Lengths of random surfaces, by what they are drawn by.
     #[must_use]
     pub fn of_recipe(recipe: &SurfaceRecipe, unit: LengthUnit) -> Self {
         let [first, second] = recipe.correlation_lengths();
@@ -44,7 +44,7 @@ impl SurfaceLengths {
         }
     }
 
-    /// Of a height map, by neighbouring samples.
+    /// Lengths of a height map, by neighbouring samples.
     #[must_use]
     pub fn of_field(field: &HeightField) -> Self {
         let roughness = Roughness::of(field);
@@ -57,7 +57,7 @@ impl SurfaceLengths {
         }
     }
 
-    /// Of a triangle mesh, over the area that it covers in the mean plane; without correlation length and curvature.
+    /// Lengths of a triangle mesh, over the area that it covers in the mean plane; without correlation length and curvature.
     #[must_use]
     pub fn of_mesh(mesh: &MeshSurface, unit: LengthUnit) -> Self {
         let (mut area, mut first, mut second) = (0.0, 0.0, 0.0);

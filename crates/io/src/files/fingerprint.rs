@@ -19,7 +19,7 @@ pub(super) struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// That of the file `path`.
+    /// Fingerprint of the file `path`.
     pub(super) fn of(path: &Path) -> Result<Self, ReadError> {
         Self::read(path).map_err(ReadError::io(path))
     }

@@ -199,7 +199,7 @@ impl ErrorOverTime {
 /// Style of the runs of a method.
 #[derive(Clone, Copy)]
 struct MethodStyle {
-    /// That of its family.
+    /// Colour of its family.
     colour: Colour,
     /// Number of the marker and of the dash pattern: that of its variant.
     variant: usize,

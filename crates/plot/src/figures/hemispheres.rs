@@ -16,7 +16,7 @@ use crate::elements::theme;
 use crate::error::{Valid, check_length};
 use crate::{Figure, PlotError, Side};
 
-/// Which discs share their colours.
+/// Discs that share their colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SharedColours {
     /// All.
@@ -112,7 +112,7 @@ pub struct Hemispheres {
     pub rows: Vec<String>,
     /// Names of the columns, left to right.
     pub columns: Vec<String>,
-    /// Which discs share their colours.
+    /// Discs that share their colours.
     pub colours: SharedColours,
     /// The cells row by row; `None` where nothing was measured yet.
     pub cells: Vec<Option<Hemisphere>>,

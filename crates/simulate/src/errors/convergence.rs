@@ -85,7 +85,7 @@ impl Convergence {
             }
     }
 
-    /// That part in words.
+    /// The part in words.
     pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::Fourth => {

@@ -10,7 +10,7 @@ use super::case::Case;
 use super::coordinates::Coordinate;
 use crate::text::short;
 
-/// Which side of a case a part describes.
+/// Side of a case that a part describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseGroup {
     /// The surface.

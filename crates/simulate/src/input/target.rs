@@ -206,7 +206,7 @@ impl Target {
         self.error
     }
 
-    /// Whose error it is.
+    /// Quantity of the error.
     #[must_use]
     pub const fn of(&self) -> Quantity {
         self.of

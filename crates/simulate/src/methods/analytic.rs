@@ -15,7 +15,7 @@ use crate::slopes::slopes;
 
 /// The result of a case with no rays traced.
 pub(crate) struct AnalyticResult {
-    /// Whose control variate it is.
+    /// Method of its control variate.
     pub(crate) method: Method,
     pub(crate) statistics: TallyStatistics,
     /// Largest deviation of any sum of fluxes.

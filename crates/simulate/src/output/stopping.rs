@@ -35,7 +35,7 @@ pub struct PilotFigures {
 pub struct Stopping {
     /// The target error.
     pub target_error: Option<f64>,
-    /// Whose error it is.
+    /// Quantity of the error.
     pub of: Option<Quantity>,
     /// The error reached: with a target, or `None` where there is none.
     pub error: Option<f64>,

@@ -38,7 +38,7 @@ pub struct SummaryWork {
     pub slope_control: Option<f64>,
     /// `true` if bins on either side of the plane of incidence are averaged.
     pub folded: bool,
-    /// Which branches its paths follow.
+    /// Branches that its paths follow.
     pub branching: Branching,
     /// Flux below which Russian roulette decides.
     pub roulette: f64,

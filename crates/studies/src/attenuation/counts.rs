@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Numbers of points by direction, or by height.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Seen<T> {
-    /// Of the points that face a direction.
+    /// Points that face a direction.
     pub(super) facing: Vec<T>,
-    /// Of those of them that nothing hides.
+    /// Points among them that nothing hides.
     pub(super) free: Vec<T>,
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Rises {
 }
 
 impl Rises {
-    /// Of a surface whose points have these horizons, chunk by chunk, which tell rises of `least` and more apart.
+    /// Demarcation of a surface whose points have these horizons, chunk by chunk, which tell rises of `least` and more apart.
     pub(super) fn of(horizons: &[Vec<Horizon>], least: f64) -> Self {
         let horizons = || horizons.iter().flatten();
         let mut steepest: Vec<f64> = horizons().map(|h| h.steepest()).collect();
@@ -89,7 +89,7 @@ pub struct Demarcation {
 const PAPER: [(f64, f64); 3] = [(0.1, 85.8), (0.5, 21.4), (0.9, 15.6)];
 
 impl Demarcation {
-    /// Of surfaces `factor` times as high as those with these `rises`.
+    /// Demarcation of surfaces `factor` times as high as those with these `rises`.
     pub(super) fn new(surfaces: &RoughSurfaces, tau: f64, rises: &[Rises], factor: f64) -> Self {
         let RoughSurfaces { sigma, slopes, .. } = surfaces;
         let angle = |rise: f64| rise.recip().atan().to_degrees();

@@ -34,7 +34,7 @@ pub struct ShadowShares {
 }
 
 impl ShadowShares {
-    /// Of a height map with these `cells` under each of `lights`.
+    /// Shadow shares of a height map with these `cells` under each of `lights`.
     ///
     /// # Errors
     /// [`SimulateError`] if light is so grazing, or the surface so high, that rays cross too many tiles.

@@ -257,7 +257,7 @@ impl<G: Ground> Site<'_, G> {
         number.unwrap_or(0)
     }
 
-    /// Which points face and see a direction, by their horizons or by rays.
+    /// Points that face and see a direction, by their horizons or by rays.
     fn mark(
         &self,
         direction: &Incidence,

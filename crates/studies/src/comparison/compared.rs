@@ -1,4 +1,4 @@
-//! Which components of the light are compared with models, and their names in files.
+//! Components of the light that are compared with models, and their names in files.
 
 use std::borrow::Cow;
 

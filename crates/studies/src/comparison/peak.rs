@@ -32,7 +32,7 @@ pub struct PeakDifference {
     pub unresolved_deg: f64,
 }
 
-/// Which bins a profile has.
+/// Bins of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Span {
     /// From -90 to 90 degrees.

@@ -19,7 +19,7 @@ impl RayCounts<'_> {
         self.expectation.statistics().spec()
     }
 
-    /// Of every recorded bin. Where rings are spread evenly over azimuth, a bin stands for its ring.
+    /// Counts of every recorded bin. Where rings are spread evenly over azimuth, a bin stands for its ring.
     pub(super) fn of_bins(&self) -> Vec<RayCount> {
         let sectors = self.spec().grid().n_phi();
         let bins = 0..self.spec().recorded_bins().len();
@@ -36,7 +36,7 @@ impl RayCounts<'_> {
         rings.flat_map(|of_ring| vec![of_ring; sectors]).collect()
     }
 
-    /// Of sums of bins, which count from the first that is recorded.
+    /// Counts of sums of bins, which count from the first that is recorded.
     pub(super) fn of_groups(&self, groups: &[Vec<usize>]) -> Vec<RayCount> {
         // The rays of a bin and of its mirror image count for both.
         let weight = if self.outcome.work.folded { 0.5 } else { 1.0 };
@@ -44,7 +44,7 @@ impl RayCounts<'_> {
         groups.iter().map(of_group).collect()
     }
 
-    /// Of a sum of bins, each of whose rays counts with `weight`.
+    /// Count of a sum of bins, each of whose rays counts with `weight`.
     fn of(&self, bins: &[usize], weight: f64) -> RayCount {
         let means = self.outcome.statistics.means();
         let of_model = self.expectation.statistics().means();

@@ -30,7 +30,7 @@ pub(crate) struct RegionShifts {
     covariance: SlopeCovariance,
     /// Cholesky factor of the covariance: elements xx, xy and yy.
     factor: [f64; 3],
-    /// Of each region, elements xx, xy and yy of its covariance less that of the surface, in units in which that is one.
+    /// For each region, elements xx, xy and yy of its covariance less that of the surface, in units in which that is one.
     shifts: Vec<[f64; 3]>,
     /// Standard errors of the elements xx, xy and yy of the covariance.
     errors: [f64; 3],

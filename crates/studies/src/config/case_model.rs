@@ -59,9 +59,9 @@ impl ModelledSurface {
 
 /// A model for a case.
 pub enum CaseModel {
-    /// Of a rough surface with nothing below that scatters.
+    /// Model of a rough surface with nothing below that scatters.
     Surface(Box<dyn ScatteringModel>),
-    /// Of a medium between flat faces.
+    /// Model of a medium between flat faces.
     Layer(FlatLayer),
 }
 

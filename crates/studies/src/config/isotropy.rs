@@ -22,7 +22,7 @@ pub(crate) struct Isotropy {
 }
 
 impl Isotropy {
-    /// Of the elements xx, xy and yy of a slope covariance.
+    /// Isotropy of the elements xx, xy and yy of a slope covariance.
     pub(crate) fn of([xx, xy, yy]: [Estimate; 3]) -> Self {
         let mean = 0.5 * (xx.mean + yy.mean);
         let (along, across) = (0.5 * (xx.mean - yy.mean), xy.mean);

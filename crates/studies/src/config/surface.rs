@@ -31,7 +31,7 @@ impl Default for CellsChoice {
 }
 
 impl CellsChoice {
-    /// Of random surfaces, whose heights between the samples are known: smooth unless others are named.
+    /// Cells of random surfaces, whose heights between the samples are known: smooth unless others are named.
     #[must_use]
     pub const fn of_random(self) -> Cells {
         match self.0.named() {
@@ -40,7 +40,7 @@ impl CellsChoice {
         }
     }
 
-    /// Of a given surface, about which a spline would assume more than its samples tell: flat unless others are named.
+    /// Cells of a given surface, about which a spline would assume more than its samples tell: flat unless others are named.
     #[must_use]
     pub const fn of_given(self) -> Cells {
         match self.0.named() {

@@ -52,7 +52,7 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     wrapped(&out)
 }
 
-/// Which plain random rays others are compared with, where there are two kinds.
+/// Plain random rays that others are compared with, where there are two kinds.
 fn which_plain(case: &ConvergedCase) -> &'static str {
     let all = || case.methods.iter().map(|other| &other.method);
     let of = |branching| all().any(|m| m.is_plain_and_random() && m.branching == branching);

@@ -63,7 +63,7 @@ pub enum FileProblem {
     #[error("this is a triangle mesh, where a height map is needed; `asperity trace` takes meshes")]
     Mesh,
     /// A setting of height maps with a triangle mesh.
-    #[error("{0} is for height maps; this is a triangle mesh, which is traced as it is")]
+    #[error("{0} is for height maps, and this is a triangle mesh")]
     ForHeightMaps(&'static str),
     /// The unit of the lengths is not as requested.
     #[error(transparent)]

@@ -22,7 +22,7 @@ use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::error::ReportError;
 use crate::report::figures::{plot_side, save};
 
-/// Which rows a matrix has.
+/// Rows of a matrix.
 #[derive(Clone, Copy)]
 enum Rows {
     Thetas,

@@ -20,7 +20,7 @@ pub(super) struct Peak {
 }
 
 impl Peak {
-    /// Of all light that leaves on `side`; `None` if none does, or the direction was not measured.
+    /// Peak of all light that leaves on `side`; `None` if none does, or the direction was not measured.
     pub(super) fn of(direction: &Direction<'_>, side: Side) -> Option<Self> {
         let spec = &direction.spec;
         let grid = spec.grid();

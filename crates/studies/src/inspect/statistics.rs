@@ -14,15 +14,15 @@ use crate::report::roughness::{realisation_table, roughness_table, smooth_table}
 /// Roughness of the samples and facets, and of the smooth cells through the same heights.
 #[derive(Clone, Debug, Serialize)]
 pub struct Statistics {
-    /// Of samples and facets.
+    /// Roughness of samples and facets.
     #[serde(flatten)]
     pub facets: DrawnRoughness,
-    /// Of ISO 25178-2.
+    /// Parameters of ISO 25178-2.
     #[serde(flatten)]
     pub areal: Iso25178,
     /// The cells between heights.
     pub cells: Cells,
-    /// Of the smooth cells, if cells are smooth.
+    /// Roughness of the smooth cells, if cells are smooth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smooth: Option<SplineRoughness>,
     /// Lit and shadowed fractions, one per light.

@@ -181,7 +181,7 @@ impl CellModel {
     }
 }
 
-/// Of both sides, where it is kept.
+/// Tracked less averaged flux of both sides, where it is kept.
 fn tracked_less_averaged(spec: &TallySpec, case: &Judgement<'_>) -> Option<[Estimate; 2]> {
     let of = |side| {
         let flux = spec.flux_entry(side, Component::All);

@@ -28,7 +28,7 @@ impl CellVerdict {
         }
     }
 
-    /// Of several: beyond if one is, within if all are.
+    /// Verdict on several: beyond if one is, within if all are.
     pub(super) fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Self {
         verdicts
             .into_iter()

@@ -17,7 +17,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    /// Of a result of `command`, written by this build.
+    /// Head of a result of `command`, written by this build.
     pub(crate) fn of(command: &'static str) -> Self {
         Self {
             schema: SCHEMA,

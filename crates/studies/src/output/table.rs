@@ -235,7 +235,7 @@ impl<'a, R> Table<'a, R> {
         self
     }
 
-    /// Whose first `keys` columns, instead of one, tell rows apart: text that is broken into blocks repeats them.
+    /// Table whose first `keys` columns, instead of one, tell rows apart: text that is broken into blocks repeats them.
     pub(crate) fn keys(mut self, keys: usize) -> Self {
         self.keys = keys;
         self

@@ -111,7 +111,7 @@ pub(crate) fn distribution_table(
     table.transposed_text(models)
 }
 
-/// Which bins enter the test.
+/// Bins that enter the test.
 const fn tested_bins(case: &Judgement<'_>) -> &'static str {
     match (case.free_azimuth, case.outcome.work.control_variate) {
         (true, None) => "bins in rings of 20 rays or more",
@@ -130,7 +130,7 @@ const fn sign_flips(case: &Judgement<'_>) -> &'static str {
     }
 }
 
-/// Which models were sampled, and by how many rays.
+/// Models that were sampled, and by how many rays.
 pub(crate) fn sampled_models(case: &Judgement<'_>) -> Option<String> {
     let sampled = |m: &&ModelOutcome| !m.expectation.is_exact();
     let names: Vec<&str> = case

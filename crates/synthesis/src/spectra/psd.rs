@@ -396,7 +396,7 @@ impl Psd {
     /// `[-C_xx(0), -C_xy(0), -C_yy(0)]`. Along a principal axis of correlation length `tau` it is
     /// `2 sigma^2 / tau^2` of a Gaussian.
     ///
-    /// That of the facets of a mesh is
+    /// The covariance of the facets of a mesh is
     /// [`Synthesis::facet_slope_covariance`](crate::Synthesis::facet_slope_covariance).
     #[must_use]
     pub fn slope_covariance(&self) -> [f64; 3] {

@@ -25,7 +25,7 @@ impl Support {
     pub(super) const MIRRORED: [[usize; DIRECTIONS]; 2] =
         [[4, 3, 2, 1, 0, 7, 6, 5], [0, 7, 6, 5, 4, 3, 2, 1]];
 
-    /// That of no facet.
+    /// Support of no facet.
     pub(super) const NONE: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
 
     /// An upper bound of the steepest rise in the direction and by the length of `u`.
@@ -41,12 +41,12 @@ impl Support {
         [sector & 7, sector >> 4 & 7].map(|direction| self.0[direction as usize])
     }
 
-    /// That of the facets of both.
+    /// Support of the facets of both.
     pub(super) fn join(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k].max(other.0[k])))
     }
 
-    /// That of all mirror images too.
+    /// Support with all mirror images.
     pub(super) fn with_images(&self) -> Self {
         Self::MIRRORED
             .into_iter()

@@ -6,9 +6,9 @@ use asperity_surface::Border;
 pub(super) trait Joined: Copy {
     /// Bounds assumed beyond an open border, wider than those of any block.
     const BEYOND: Self;
-    /// That of two blocks together.
+    /// Bounds of two blocks together.
     fn joined(self, other: Self) -> Self;
-    /// That of the image of a block, mirrored along x (axis 0) or y.
+    /// Bounds of the image of a block, mirrored along x (axis 0) or y.
     fn mirrored(self, axis: usize) -> Self;
 }
 

@@ -13,7 +13,7 @@ pub struct Heading {
     pub origin: DVec3,
     /// Unit direction in physical lengths, mirrored with the tile.
     pub direction: DVec3,
-    /// Which axes, `[x, y]`, are mirrored against the world.
+    /// Axes, `[x, y]`, that are mirrored against the world.
     pub mirrored: [bool; 2],
 }
 

@@ -188,7 +188,7 @@ fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> Trave
 pub(crate) struct Traversal {
     /// Unit direction in physical lengths, in the orientation of the current tile.
     direction: DVec3,
-    /// Which axes of the current tile are mirrored against the world.
+    /// Axes of the current tile that are mirrored against the world.
     mirrored: [bool; 2],
     /// Beyond the first tile: few rays come there.
     crossing: Option<Box<Crossing>>,

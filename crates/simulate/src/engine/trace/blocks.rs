@@ -53,7 +53,7 @@ impl Blocks {
         }
     }
 
-    /// Those after the first `done`.
+    /// Blocks after the first `done`.
     pub(crate) const fn after(self, done: u64) -> Self {
         Self {
             first: self.first + done,

@@ -18,7 +18,7 @@ const FIRST_REGION: u64 = 1 << 41;
 /// Surfaces by their number.
 #[derive(Clone, Copy)]
 pub(crate) enum Surfaces<'a> {
-    /// Those that a recipe draws.
+    /// Surfaces that a recipe draws.
     Random(&'a RandomSurfaces),
     /// Given ones.
     Given(&'a [Shape]),

@@ -39,7 +39,7 @@ pub(crate) enum ControlMoments {
 }
 
 impl ControlMoments {
-    /// Those for this light on surfaces of this spectrum; `folded`: whether bins are averaged with their mirror images.
+    /// Moments for this light on surfaces of this spectrum; `folded`: whether bins are averaged with their mirror images.
     pub(crate) fn of(light: &Light, recipe: &SurfaceRecipe, folded: bool) -> Self {
         if light.random_azimuth && recipe.is_isotropic() {
             Self::Isotropic

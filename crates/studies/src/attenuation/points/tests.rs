@@ -22,7 +22,7 @@ fn all_samples(surface: &Surface, azimuth: f64) -> Vec<Point<Facet>> {
         .collect()
 }
 
-/// Which samples light from `cot(theta)` reaches, asked by rays and by horizons, which must agree at each.
+/// Samples that light from `cot(theta)` reaches, asked by rays and by horizons, which must agree at each.
 fn lit(surface: &Surface, azimuth: f64, cotangent: f64) -> Vec<bool> {
     let light = direction(cotangent, azimuth);
     // Degrees and back: as exact as the azimuth that a run has.

@@ -6,7 +6,7 @@ use crate::config::values::Number;
 use crate::verify::judge_case;
 use asperity_simulate::{Outcome, Silent, simulate};
 
-/// Of sums and differences of a few numbers near one.
+/// Rounding of sums and differences of a few numbers near one.
 const ROUNDING: f64 = 1e-14;
 
 fn peak() -> PeakDifference {

@@ -60,7 +60,7 @@ const MIRROR: &str = "[material]\nkind = \"mirror\"\n[light]\ntheta = 30\n[run]\
 
 const GLASS: &str = "[material]\neta = 1.5\n[light]\ntheta = 30\n[run]\nbins = \"9x12\"\nrays = 50000\n[compare]\nmodel_rays = 20000\n";
 
-/// Of `n` surfaces of which a model is true, `n a` are rejected at level `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than
+/// For `n` surfaces of which a model is true, `n a` are rejected at level `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than
 /// one of 10^4 such tests.
 #[test]
 #[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
