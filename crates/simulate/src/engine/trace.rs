@@ -4,7 +4,7 @@ pub(crate) mod block_run;
 pub(crate) mod blocks;
 pub(crate) mod rounds;
 pub(crate) mod stage;
-mod stage_run;
 mod surface_run;
 pub(crate) mod surfaces;
+mod turns;
 mod watch;

@@ -146,7 +146,7 @@ impl<'a> Batches<'a> {
         }
         let run = self.group.run_of(Stage::Result);
         if self.group.has_ray_blocks() {
-            let surface = run.run_blocks(count, self.round, self.surface.take(), context)?;
+            let surface = run.run_round(count, self.round, self.surface.take(), context)?;
             self.tallies = CaseTallies::of_surfaces(&run.specs(), vec![surface.clone()]);
             self.surface = Some(surface);
         } else {

@@ -32,7 +32,7 @@ impl StageRun<'_> {
     /// Traces the first `count` blocks of rays on the one surface, which go on from those of the rounds `before`. If the run is to stop,
     /// some of the last are missing. Each round is saved under its own number, since the tallies of a round decide how many blocks the
     /// next one has.
-    pub(crate) fn run_blocks(
+    pub(crate) fn run_round(
         &self,
         count: u64,
         round: u64,

@@ -1,4 +1,4 @@
-//! Stage run: runs surfaces side by side, as far as memory allows.
+//! Turns: runs surfaces side by side, as far as memory allows.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
