@@ -83,9 +83,9 @@ fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones(
     let (_keep, folder) = with_surface();
     let long = VERIFY.replace(
         "--realisations 4 --rays 2e4",
-        "--realisations 100 --rays 2e5",
+        "--realisations 400 --rays 8e5",
     );
-    for line in [format!("{TRACE} --rays 1e6"), long] {
+    for line in [format!("{TRACE} --rays 4e6"), long] {
         let line = format!("{line} --no-plots --cells smooth");
         succeed(&folder, &words(&format!("{line} -o whole")));
         let stopped = asperity(&folder, &words(&format!("{line} --max-time 0.05 -o part")));

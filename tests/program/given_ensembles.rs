@@ -178,7 +178,7 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
         ("trace a.exr b.exr --flat", 2, "--flat"),
         ("trace a.exr --surface b.exr", 2, "give one or the other"),
         ("trace one.toml two.toml", 2, "both configurations"),
-        ("trace a.exr b.exr -o b.exr", 1, "b.exr"),
+        ("trace a.exr b.exr -o b.exr", 2, "b.exr is the input"),
         ("inspect a.exr b.exr", 2, "unexpected argument"),
         ("render a.exr b.exr -o x.png", 2, "unexpected argument"),
     ] {

@@ -100,7 +100,7 @@ fn bad_numbers_get_a_sentence_and_code_2() {
             "twice",
         ),
         (
-            vec!["verify", "--smoothness", "3,3", "-o", "out"],
+            vec!["verify", "--smoothness", "3,3.0000001", "-o", "out"],
             "same folder",
         ),
         (

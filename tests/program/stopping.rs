@@ -271,7 +271,7 @@ fn resumes(folder: &Path, arguments: &[&str]) -> bool {
 #[test]
 fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
     let (_keep, folder) = with_surface();
-    for effort in ["--rays 1e6", "--target-error 1e-5 --of reflected --refine"] {
+    for effort in ["--rays 4e6", "--target-error 5e-6 --of reflected --refine"] {
         let flags = format!("trace h.exr --theta 30 --bins 9x4 {effort}");
         let run = |more: &str| {
             let line = format!("{flags} {more}");
