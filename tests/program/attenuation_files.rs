@@ -151,7 +151,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
     for (line, expected) in [
         (
             "--length 12.82",
-            "divides the extent 12.82 of the surfaces into whole samples",
+            "must divide the extent 12.82 of the surfaces into whole samples",
         ),
         ("--length 0", "must be a number above 0"),
         ("--spacing 0", "must be a number above 0"),

@@ -236,7 +236,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "verify --accelerator flat -o out",
-            "accelerator flat: goes with flat surfaces",
+            "accelerator flat: it is for flat surfaces",
         ),
         (
             "render h.ply -o out.png",

@@ -211,7 +211,7 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
         ("--estimators best", 2, "plain or controlled"),
         ("--samplings random,random", 2, "given twice"),
         ("--accelerators flat", 2, "take auto"),
-        ("--spacings 3", 2, "divides the extent"),
+        ("--spacings 3", 2, "divide the extent"),
         ("--spacings 8", 2, "--insist"),
         ("--rays 0", 2, "1 or more"),
         ("--rays 10,100 --surfaces 1,2,3", 2, "value by value"),

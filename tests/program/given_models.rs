@@ -110,7 +110,7 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     let resumed = asperity(folder, &words(&line));
     assert!(resumed.status.success());
     let notes = errors_of(&resumed);
-    assert!(notes.contains("resumed after the rays"), "{notes}");
+    assert!(notes.contains("resumed from the rays"), "{notes}");
     trace(folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();

@@ -42,10 +42,10 @@ fn impossible_light_is_refused() {
             "--stokes 1,0,0",
             "--stokes 1,0,0: must be 4 numbers as I,Q,U,V",
         ),
-        ("--stokes 0,0,0,0", "intensity I above 0"),
+        ("--stokes 0,0,0,0", "intensity I must exceed 0"),
         (
             "--stokes 1,0.9,0.9,0",
-            "no more light is polarised than there is",
+            "more light is polarised than there is",
         ),
         (
             "--stokes 1,1,0,0 --polarisation averaged",

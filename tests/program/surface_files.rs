@@ -70,7 +70,10 @@ fn spectra_over_the_plane_are_lit_from_fixed_azimuths() {
     let output = crate::support::asperity(folder, &words(&random));
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("not anisotropic ones"), "{message}");
+    assert!(
+        message.contains("matters on anisotropic surfaces"),
+        "{message}"
+    );
     let output = crate::support::asperity(folder, &words(&format!("{verify} -o fixed")));
     assert!(output.status.success());
     let summary = std::fs::read_to_string(folder.join("fixed/summary.json")).unwrap();

@@ -39,8 +39,8 @@ impl VerifyConfig {
         let is_random = recipes.count() > 0;
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return Err(ConfigError::unsuitable(
-                "azimuth random",
-                "the azimuth of the light matters on anisotropic surfaces",
+                "azimuth random of the light",
+                "it matters on anisotropic surfaces; name one, or leave it out",
             ));
         }
         if self.medium.is_some() {

@@ -74,7 +74,8 @@ impl MeasuredConfig {
     pub fn unit_of_file(&self, stated: LengthUnit) -> Result<LengthUnit, UnitError> {
         let own = match (stated, self.assume_unit) {
             (LengthUnit::Arbitrary, Some(assumed)) => assumed,
-            (stated, Some(assumed)) if assumed != stated => {
+            // Of several files some may state a unit
+            (stated, Some(assumed)) if assumed != stated && self.files().count() == 1 => {
                 return Err(UnitError::Stated { stated, assumed });
             }
             (stated, _) => stated,
@@ -178,6 +179,11 @@ mod tests {
                 assumed: stated.1
             })
         );
+        // Of several files the assumed unit is that of those that state none
+        let mut several = measured(assumed);
+        several.file = Some(OneOrMany::Many(vec!["a.npy".into(), "b.sur".into()]));
+        assert_eq!(several.unit_of_file(stated.0), Ok(stated.0));
+        assert_eq!(several.unit_of_file(LengthUnit::Arbitrary), Ok(stated.1));
         let unit = LengthUnit::Micrometre;
         assert_eq!(
             scaled("unit = \"um\"", LengthUnit::Arbitrary),

@@ -70,7 +70,7 @@ pub enum FileProblem {
     Unit(#[from] UnitError),
     /// The unit of the lengths does not go with that of another surface.
     #[error(
-        "its lengths are in {unit}, but {other} states no unit; say what its numbers are in with --assume-unit"
+        "its lengths are in {unit}, but {other} states no unit; give the unit of {other} with --assume-unit"
     )]
     OtherUnit {
         /// Unit of the lengths.

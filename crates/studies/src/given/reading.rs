@@ -104,6 +104,7 @@ impl MeasuredConfig {
     ) -> Result<GivenSurface, GivenError> {
         let physical = Some(surface.unit).filter(|unit| *unit != LengthUnit::Arbitrary);
         let reading = Self {
+            file: None,
             unit: physical.or(self.unit),
             ..self.clone()
         };

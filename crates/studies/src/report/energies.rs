@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::{ControlVariateMean, ErrorBudget, SummaryWork, short};
+use asperity_simulate::{ControlVariateMean, ErrorBudget, SummaryWork, counted, short};
 use asperity_tally::{
     Component, Entry, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
 };
@@ -182,13 +182,13 @@ pub(crate) fn work_line(work: &SummaryWork) -> String {
         None => String::new(),
     };
     wrapped(&format!(
-        "{} rays, {estimator}{folded}{slope_control}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
+        "{} rays, {estimator}{folded}{slope_control}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {}",
         work.rays,
         work.segments,
         work.segments_skipped,
         work.accelerator,
         instructions,
         work.machine.seconds,
-        work.machine.threads
+        counted(work.machine.threads as u64, "thread")
     ))
 }

@@ -164,6 +164,7 @@ impl File<'_> {
         let DeValue::Array(values) = value else {
             let value = one(value)?;
             return match (setting.kind, setting.arity) {
+                (Kind::Models, _) if value == "none" => Some(Value::Array(Vec::new())),
                 (Kind::Models, _) => Some(Value::Array(vec![value])),
                 (_, Arity::Tuple(_)) => None,
                 _ => Some(value),

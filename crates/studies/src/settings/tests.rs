@@ -435,6 +435,8 @@ fn a_flag_that_changes_which_variant_holds_clears_what_does_not_go_with_it() {
     }
     let rough = cleared(file, &[flag("structure", "pits"), flag("sigma", "2")]);
     assert!(rough.is_given("surface.tau") && rough.is_given("surface.nu"));
+    let ggx = "[surface]\nslopes = \"ggx\"\nggx_alpha = 0.3";
+    assert!(!cleared(ggx, &[flag("smoothness", "3")]).is_given("surface.slopes"));
     // An invalid file stays invalid.
     let file = "[surface]\nnu = 1.5";
     refusal(Command::Verify, file, &[flag("theta", "3")]);
@@ -604,8 +606,10 @@ fn models_may_be_one_name_several_or_none() {
         serde_json::json!(["smith"])
     );
     let none = "[compare]\nmodels = []";
-    assert_eq!(models(none), serde_json::json!([]));
-    // None at all is a choice, that a flat surface allows too.
+    for none in [none, "[compare]\nmodels = \"none\""] {
+        assert_eq!(models(none), serde_json::json!([]));
+    }
+    // None at all is a choice that a flat surface allows too.
     let mut flat = Document::of_text(Command::Trace, none).unwrap();
     flat.add_flags(&[flag("flat", "")], None).unwrap();
     assert!(flat.is_given("compare.models"));

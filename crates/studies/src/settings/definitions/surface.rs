@@ -113,7 +113,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
                 (ATTENUATION, None),
                 (TRACING, None),
             ])
-            .otherwise("a tile of 32 correlation lengths, of length, or of 16 widths or more"),
+            .otherwise("a tile of 32 correlation lengths, of 16 widths or more of structures; in attenuation of length"),
         basic("length", Kind::Length)
             .help("Side of the tile, in place of size; a multiple of the spacing")
             .commands(ATTENUATION)
