@@ -167,7 +167,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("--tau 0", "tau"),
         ("--realisations 0", "1 or more"),
         ("--border mirrored", "periodic or open"),
-        ("--border open --size 40,2 --insist", "none inside"),
+        ("--border open --size 40,2 --insist", "3 or more a side"),
         ("--length 12.8 --size 256", "--size"),
         ("--sigma 1e-300", "smoothness"),
         ("--realisations 1e15", "take fewer"),

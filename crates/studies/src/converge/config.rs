@@ -475,11 +475,11 @@ mod tests {
             ),
             ("[converge]\naccelerators = [\"flat\"]", "take auto"),
             ("[converge]\nspacings = [1, 1]", "1 is given twice"),
-            ("[converge]\nspacings = [3]", "divides the extent 512"),
+            ("[converge]\nspacings = [3]", "divide the extent 512"),
             ("[converge]\nspacings = [0]", "above 0"),
             ("[converge]\nspacings = [-1]", "above 0"),
             ("[converge]\nspacings = [8]", "correlation length"),
-            ("[converge]\nreference_spacing = 5", "divides the extent"),
+            ("[converge]\nreference_spacing = 5", "divide the extent"),
             (
                 "[converge]\nrays = [10, 100]\nsurfaces = [1, 2, 3]",
                 "2 values of rays and 3 of surfaces",
