@@ -435,8 +435,6 @@ fn a_flag_that_changes_which_variant_holds_clears_what_does_not_go_with_it() {
     }
     let rough = cleared(file, &[flag("structure", "pits"), flag("sigma", "2")]);
     assert!(rough.is_given("surface.tau") && rough.is_given("surface.nu"));
-    let ggx = "[surface]\nslopes = \"ggx\"\nggx_alpha = 0.3";
-    assert!(!cleared(ggx, &[flag("smoothness", "3")]).is_given("surface.slopes"));
     // An invalid file stays invalid.
     let file = "[surface]\nnu = 1.5";
     refusal(Command::Verify, file, &[flag("theta", "3")]);

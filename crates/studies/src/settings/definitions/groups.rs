@@ -34,9 +34,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     group(&[
         variant("smoothness").when(&["surface.smoothness"]),
         variant("sigma").when(&["surface.sigma"]),
-        variant("ggx_alpha")
-            .when(&["surface.ggx_alpha"])
-            .allows(&["surface.slopes=ggx"]),
+        variant("ggx_alpha").when(&["surface.ggx_alpha"]),
     ]),
     group(&[
         variant("slopes of a file").when(&["surface.slopes_of"]),
