@@ -216,7 +216,10 @@ fn controlled_and_plain_means_agree() {
         ];
         for (k, (starts, control_variate)) in others.into_iter().enumerate() {
             let other = setting.run(starts, control_variate, seed + 1 + k as u64);
-            assert_closed(&other);
+            // Weights of starts on the surface sum to the incident flux in the mean alone
+            if starts == Starts::FromAbove || control_variate.is_some() {
+                assert_closed(&other);
+            }
             let mut squares = 0.0;
             let mut worst = (0.0_f64, TallySpec::BUDGET.lost);
             let mut compared = 0;
