@@ -8,6 +8,7 @@ mod grid;
 mod length;
 mod mean;
 mod provenance;
+mod turned_cells;
 mod unit;
 
 pub use self::border::Border;
@@ -19,4 +20,5 @@ pub(crate) use self::mean::mean_height;
 pub use self::provenance::ProvenanceRecord;
 #[cfg(test)]
 pub(crate) use self::provenance::RecordedLength;
+pub use self::turned_cells::TurnedCells;
 pub use self::unit::LengthUnit;

@@ -24,8 +24,8 @@ pub use editing::{
     RefinementError,
 };
 pub use height_field::{
-    Border, HeightField, HeightFieldError, Length, LengthUnit, ProvenanceRecord, are_allowed,
-    check_grid,
+    Border, HeightField, HeightFieldError, Length, LengthUnit, ProvenanceRecord, TurnedCells,
+    are_allowed, check_grid,
 };
 pub use numbers::{short, short_below};
 pub use roughness::{

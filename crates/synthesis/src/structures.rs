@@ -30,6 +30,8 @@ mod scratches;
 mod segments;
 mod stamps;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 pub use self::cracks::Cracks;
@@ -50,7 +52,10 @@ use self::pyramids::PlannedPyramids;
 use self::random::Streams;
 use self::scratches::PlannedScratches;
 use self::segments::PlannedSegments;
-use asperity_surface::{HeightField, HeightFieldError, Length, check_grid};
+use asperity_surface::{HeightField, Length, TurnedCells, check_grid};
+
+/// Rounding of heights, in units of the depth: far more than that of places on large tiles.
+const ROUNDING: f64 = 1e-9;
 
 /// A structure with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -240,7 +245,11 @@ impl StructureSynthesis {
     ) -> Result<Self, StructureError> {
         check_grid(shape, spacing)?;
         structure.check()?;
-        let grid = Grid { shape, spacing };
+        let grid = Grid {
+            shape,
+            spacing,
+            first: [0.0; 2],
+        };
         let (width, spacing) = (structure.width(), grid.coarser_spacing());
         if !insist && width < MIN_SPACINGS_PER_WIDTH * spacing {
             return Err(StructureError::Unresolved {
@@ -285,8 +294,8 @@ impl StructureSynthesis {
         self.grid.spacing
     }
 
-    /// Bytes that a program holds at the peak of a [`StructureSynthesis::draw`]: the heights, the features with their entries in
-    /// buckets, and 8 MiB for the program itself.
+    /// Bytes that a program holds at the peak of a [`StructureSynthesis::draw`]: the heights, those in the middle of all cells, the
+    /// features with their entries in buckets, and 8 MiB for the program itself.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
         let [ny, nx] = self.grid.shape;
@@ -297,7 +306,7 @@ impl StructureSynthesis {
             Planned::Cracks(planned) => planned.number(),
             Planned::Pyramids(planned) => planned.number(),
         };
-        ny * nx * size_of::<f64>() + features * BYTES_PER_FEATURE + (8 << 20)
+        2 * ny * nx * size_of::<f64>() + features * BYTES_PER_FEATURE + (8 << 20)
     }
 
     /// Statistics expected of its surfaces, as far as closed forms are known.
@@ -355,7 +364,17 @@ impl StructureSynthesis {
     /// # Errors
     /// [`StructureError::Crowded`] if separate features find no position.
     pub fn heights(&self, seed: u64, realisation: u64) -> Result<Vec<f64>, StructureError> {
-        let (grid, streams) = (&self.grid, Streams::new(seed, realisation));
+        self.heights_on(&self.grid, seed, realisation)
+    }
+
+    /// Heights on another grid of the tile.
+    fn heights_on(
+        &self,
+        grid: &Grid,
+        seed: u64,
+        realisation: u64,
+    ) -> Result<Vec<f64>, StructureError> {
+        let streams = Streams::new(seed, realisation);
         let depths = match &self.planned {
             Planned::Grooves(planned) => return Ok(planned.heights(grid, &streams)),
             Planned::Segments(planned) => planned.depths(grid, &streams)?,
@@ -373,12 +392,79 @@ impl StructureSynthesis {
         Ok(heights)
     }
 
+    /// Heights half a cell after the samples along the axes `[x, y]` chosen.
+    fn heights_between(
+        &self,
+        [x, y]: [bool; 2],
+        seed: u64,
+        realisation: u64,
+    ) -> Result<Vec<f64>, StructureError> {
+        let first = [x, y].map(|is_between| if is_between { 0.5 } else { 0.0 });
+        let grid = Grid { first, ..self.grid };
+        self.heights_on(&grid, seed, realisation)
+    }
+
+    /// Cells of a surface with an edge along their other diagonal, from corner 10 to 01: in their middle it has the height of that diagonal,
+    /// and not that of the one from 00 to 11. `heights`: those of [`StructureSynthesis::heights`].
+    ///
+    /// # Errors
+    /// Errors of [`StructureSynthesis::heights`].
+    pub fn turned_cells(
+        &self,
+        heights: &[f64],
+        seed: u64,
+        realisation: u64,
+    ) -> Result<Option<TurnedCells>, StructureError> {
+        let middles = self.heights_between([true, true], seed, realisation)?;
+        let [_, nx] = self.grid.shape;
+        Ok(TurnedCells::new(self.grid.shape, |ix, iy| {
+            let middle = middles[iy * nx + ix];
+            let is_on = |ends| self.is_between(heights, ends, middle);
+            is_on([[ix + 1, iy], [ix, iy + 1]]) && !is_on([[ix, iy], [ix + 1, iy + 1]])
+        }))
+    }
+
+    /// Returns `true` if the facets of a surface are the surface itself: no edge or curve passes between samples.
+    ///
+    /// # Errors
+    /// Errors of [`StructureSynthesis::heights`].
+    pub fn is_exact(&self, seed: u64, realisation: u64) -> Result<bool, StructureError> {
+        let [ny, nx] = self.grid.shape;
+        let heights = self.heights(seed, realisation)?;
+        let turned = self.turned_cells(&heights, seed, realisation)?;
+        let is_turned = |ix, iy| turned.as_ref().is_some_and(|cells| cells.contains(ix, iy));
+        for between in [[true, false], [false, true], [true, true]] {
+            let found = self.heights_between(between, seed, realisation)?;
+            let [x, y] = between.map(usize::from);
+            let is_on_facets = |ix: usize, iy: usize| {
+                let ends = if between == [true, true] && is_turned(ix, iy) {
+                    [[ix + 1, iy], [ix, iy + 1]]
+                } else {
+                    [[ix, iy], [ix + x, iy + y]]
+                };
+                self.is_between(&heights, ends, found[iy * nx + ix])
+            };
+            if !(0..ny).all(|iy| (0..nx).all(|ix| is_on_facets(ix, iy))) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Returns `true` if `middle` is, to rounding, the mean of the heights at two samples, which wrap.
+    fn is_between(&self, heights: &[f64], ends: [[usize; 2]; 2], middle: f64) -> bool {
+        let [ny, nx] = self.grid.shape;
+        let [a, b] = ends.map(|[ix, iy]| heights[iy % ny * nx + ix % nx]);
+        (0.5 * (a + b) - middle).abs() <= ROUNDING * self.structure.depth()
+    }
+
     /// Draws one periodic surface, with heights about their mean.
     ///
     /// # Errors
     /// Errors of [`StructureSynthesis::heights`], and [`StructureError::HeightField`] if a height is too large.
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, StructureError> {
         let mut heights = self.heights(seed, realisation)?;
+        let turned_cells = self.turned_cells(&heights, seed, realisation)?;
         let [_, nx] = self.grid.shape;
         let rows: Vec<f64> = heights.chunks(nx).map(|row| row.iter().sum()).collect();
         let mean = rows.iter().sum::<f64>() / heights.len() as f64;
@@ -386,6 +472,6 @@ impl StructureSynthesis {
             *h -= mean;
         }
         let field = HeightField::new(heights, self.grid.shape, self.grid.spacing);
-        field.map_err(HeightFieldError::into)
+        Ok(field?.with_turned_cells(turned_cells.map(Arc::new)))
     }
 }

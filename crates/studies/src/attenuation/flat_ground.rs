@@ -30,21 +30,26 @@ impl Ground for Surface {
     fn sample(&self, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> Point<Facet> {
         let [cx, cy] = self.cells();
         let (left, below) = (x < 0.0, y < 0.0);
-        // The triangle, and which of its corners the sample is, in the order of `Triangles::corners`.
-        let (triangle, corner) = match (left, below) {
-            (false, false) if y <= x => (Triangle::Lower, 0),
-            (false, false) => (Triangle::Upper, 0),
-            (true, false) => (Triangle::Lower, 1),
-            (true, true) if x.abs() <= y.abs() => (Triangle::Lower, 2),
-            (true, true) => (Triangle::Upper, 1),
-            (false, true) => (Triangle::Upper, 2),
-        };
         let before = |place: usize, back: bool, cells: usize| {
             (if back { place + cells - 1 } else { place }) % cells
         };
+        let (ix, iy) = (before(ix, left, cx), before(iy, below, cy));
+        let is_turned = self.field().is_turned(ix, iy);
+        let is_steep = y.abs() > x.abs();
+        // The triangle, and which of its corners the sample is, in the order of `Triangles::corners`.
+        let (triangle, corner) = match (left, below) {
+            (false, false) if is_turned || !is_steep => (Triangle::Lower, 0),
+            (false, false) => (Triangle::Upper, 0),
+            (true, false) if !is_turned || !is_steep => (Triangle::Lower, 1),
+            (true, false) => (Triangle::Upper, 0),
+            (true, true) if !is_turned && x.abs() <= y.abs() => (Triangle::Lower, 2),
+            (true, true) => (Triangle::Upper, 1),
+            (false, true) if is_turned && is_steep => (Triangle::Lower, 2),
+            (false, true) => (Triangle::Upper, 2),
+        };
         let facet = Facet {
-            iy: before(iy, below, cy) as u32,
-            ix: before(ix, left, cx) as u32,
+            iy: iy as u32,
+            ix: ix as u32,
             triangle,
         };
         let (origin, direction) = (self.corners(facet)[corner], self.normal(facet));

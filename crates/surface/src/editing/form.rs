@@ -83,6 +83,7 @@ impl Form {
         };
         let (shape, spacing) = (field.shape(), field.spacing());
         let (unit, border) = (field.unit(), field.border());
+        let turned_cells = field.turned_cells().cloned();
         let provenance = match self {
             Self::None | Self::Mean => field.provenance().cloned(),
             Self::Plane | Self::Parabola => None,
@@ -98,7 +99,8 @@ impl Form {
         Ok(HeightField::new(heights, shape, spacing)?
             .with_unit(unit)
             .with_border(border)
-            .with_provenance(provenance))
+            .with_provenance(provenance)
+            .with_turned_cells(turned_cells))
     }
 }
 

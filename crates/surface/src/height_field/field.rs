@@ -6,6 +6,7 @@ use super::border::Border;
 use super::error::{HeightFieldError, MAX_HEIGHT};
 use super::grid::check_grid;
 use super::provenance::ProvenanceRecord;
+use super::turned_cells::TurnedCells;
 use super::unit::LengthUnit;
 
 /// A single-valued surface `z = h(x, y)`, sampled on a regular grid.
@@ -35,6 +36,7 @@ pub struct HeightField {
     unit: LengthUnit,
     border: Border,
     provenance: Option<Arc<dyn ProvenanceRecord>>,
+    turned_cells: Option<Arc<TurnedCells>>,
 }
 
 impl HeightField {
@@ -73,6 +75,7 @@ impl HeightField {
             unit: LengthUnit::Arbitrary,
             border: Border::Periodic,
             provenance: None,
+            turned_cells: None,
         }
     }
 
@@ -97,7 +100,14 @@ impl HeightField {
         self
     }
 
-    /// Returns a surface of the same grid, unit, border and provenance with other heights.
+    /// Returns the surface with cells that are split along the other diagonal, those of [`HeightField::turned_cells`].
+    #[must_use]
+    pub fn with_turned_cells(mut self, turned_cells: Option<Arc<TurnedCells>>) -> Self {
+        self.turned_cells = turned_cells;
+        self
+    }
+
+    /// Returns a surface of the same grid, unit, border, provenance and turned cells with other heights.
     ///
     /// # Errors
     /// Errors of [`HeightField::new`].
@@ -105,7 +115,8 @@ impl HeightField {
         Ok(Self::new(heights, self.shape, self.spacing)?
             .with_unit(self.unit)
             .with_border(self.border)
-            .with_provenance(self.provenance.clone()))
+            .with_provenance(self.provenance.clone())
+            .with_turned_cells(self.turned_cells.clone()))
     }
 
     /// Samples in row-major order, `heights[iy * nx + ix]`.
@@ -166,6 +177,22 @@ impl HeightField {
     #[must_use]
     pub fn provenance(&self) -> Option<&Arc<dyn ProvenanceRecord>> {
         self.provenance.as_ref()
+    }
+
+    /// Cells of the periodic grid that are split along the diagonal from corner 10 to 01; `None` if all are split from 00 to 11, as
+    /// those of any surface but a structure with edges along the other diagonal.
+    #[must_use]
+    pub const fn turned_cells(&self) -> Option<&Arc<TurnedCells>> {
+        self.turned_cells.as_ref()
+    }
+
+    /// Returns `true` if the cell `(ix, iy)`, one of the periodic grid, is split along the diagonal from corner 10 to 01.
+    #[inline]
+    #[must_use]
+    pub fn is_turned(&self, ix: usize, iy: usize) -> bool {
+        self.turned_cells
+            .as_ref()
+            .is_some_and(|cells| cells.contains(ix, iy))
     }
 
     /// Number of cells `[columns, rows]` of one tile: as many as samples if periodic, one fewer

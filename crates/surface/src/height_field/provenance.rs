@@ -4,12 +4,19 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::turned_cells::TurnedCells;
+
 /// Record of how a surface was drawn, made and read by the crate that draws.
 ///
 /// A surface carries it along, and drops it when it is no longer the surface that was drawn.
 pub trait ProvenanceRecord: Any + Debug + Send + Sync {
     /// Returns the record with all lengths converted.
     fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Arc<dyn ProvenanceRecord>;
+
+    /// Turned cells of the surface on a grid of its tile, of shape `[ny, nx]` and spacing `[dx, dy]`: those of the surface that was drawn.
+    fn turned_cells(&self, _shape: [usize; 2], _spacing: [f64; 2]) -> Option<TurnedCells> {
+        None
+    }
 
     /// Returns `true` if `other` is equal to it.
     fn equals(&self, other: &dyn ProvenanceRecord) -> bool;

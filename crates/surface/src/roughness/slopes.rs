@@ -1,4 +1,5 @@
-//! Slopes of the mesh: two triangles per cell, split along the diagonal from its corner `(ix, iy)`.
+//! Slopes of the mesh: two triangles per cell, split along the diagonal from its corner `(ix, iy)`, or along the other one where the
+//! cell is [turned](crate::TurnedCells).
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,9 +11,9 @@ use crate::HeightField;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Triangle {
-    /// Corners 00, 10, 11: slopes `(h10 - h00) / dx` and `(h11 - h10) / dy`.
+    /// Corners 00, 10, 11: slopes `(h10 - h00) / dx` and `(h11 - h10) / dy`. Of a turned cell corners 00, 10, 01.
     Lower,
-    /// Corners 00, 11, 01: slopes `(h11 - h01) / dx` and `(h01 - h00) / dy`.
+    /// Corners 00, 11, 01: slopes `(h11 - h01) / dx` and `(h01 - h00) / dy`. Of a turned cell corners 10, 11, 01.
     Upper,
 }
 
@@ -51,15 +52,23 @@ impl HeightField {
         let h10 = self.height(ix + 1, iy);
         let h01 = self.height(ix, iy + 1);
         let h11 = self.height(ix + 1, iy + 1);
-        cell_slopes(h00, h10, h01, h11, self.spacing())
+        let is_turned = self.is_turned(ix % self.nx(), iy % self.ny());
+        cell_slopes([h00, h10, h01, h11], self.spacing(), is_turned)
     }
 }
 
-fn cell_slopes(h00: f64, h10: f64, h01: f64, h11: f64, [dx, dy]: [f64; 2]) -> [[f64; 2]; 2] {
-    [
-        [(h10 - h00) / dx, (h11 - h10) / dy],
-        [(h11 - h01) / dx, (h01 - h00) / dy],
-    ]
+fn cell_slopes(
+    [h00, h10, h01, h11]: [f64; 4],
+    [dx, dy]: [f64; 2],
+    is_turned: bool,
+) -> [[f64; 2]; 2] {
+    let (left, right) = ((h01 - h00) / dy, (h11 - h10) / dy);
+    let (lower_y, upper_y) = if is_turned {
+        (left, right)
+    } else {
+        (right, left)
+    };
+    [[(h10 - h00) / dx, lower_y], [(h11 - h01) / dx, upper_y]]
 }
 
 /// Measures the slopes of every facet; in two passes, so that a steep tilt does not swamp them.
@@ -148,14 +157,17 @@ fn row_slopes(field: &HeightField, iy: usize) -> impl Iterator<Item = [[f64; 2];
     let spacing = field.spacing();
     (0..field.cells()[0]).map(move |ix| {
         let right = if ix + 1 < nx { ix + 1 } else { 0 };
-        cell_slopes(here[ix], here[right], next[ix], next[right], spacing)
+        let heights = [here[ix], here[right], next[ix], next[right]];
+        cell_slopes(heights, spacing, field.is_turned(ix, iy))
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::Border;
+    use crate::{Border, TurnedCells};
 
     #[test]
     fn facets_follow_the_diagonal_from_their_cell() {
@@ -166,6 +178,12 @@ mod tests {
         assert_eq!(field.facet_slopes(1, 0), [[8.0, -3.5], [-18.0, 3.0]]);
         // Around both borders: corners h21, h01, h20, h00
         assert_eq!(field.facet_slopes(2, 1), [[10.0, -1.5], [-10.0, 3.5]]);
+
+        // A turned cell has the corners 00, 10, 01 and 10, 11, 01
+        let turned = TurnedCells::new([2, 3], |ix, iy| (ix, iy) == (1, 0)).map(Arc::new);
+        let turned = field.clone().with_turned_cells(turned);
+        assert_eq!(turned.facet_slopes(0, 0), field.facet_slopes(0, 0));
+        assert_eq!(turned.facet_slopes(1, 0), [[8.0, 3.0], [-18.0, -3.5]]);
 
         let moments = slope_moments(&field.with_border(Border::Open));
         assert_eq!(moments.mean, [0.0, 1.0]);

@@ -3,10 +3,11 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use asperity_surface::ProvenanceRecord;
+use asperity_surface::{ProvenanceRecord, TurnedCells};
 use serde::{Deserialize, Serialize};
 
 use super::surface_recipe::SurfaceRecipe;
+use crate::StructureSynthesis;
 
 /// Recipe and random stream by which a surface was drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,6 +35,14 @@ impl ProvenanceRecord for Provenance {
             recipe: self.recipe.converted(convert),
             ..*self
         })
+    }
+
+    fn turned_cells(&self, shape: [usize; 2], spacing: [f64; 2]) -> Option<TurnedCells> {
+        let structure = *self.recipe.structured()?.structure();
+        let synthesis = StructureSynthesis::new(structure, shape, spacing, true).ok()?;
+        let (seed, realisation) = (self.seed, self.realisation);
+        let heights = synthesis.heights(seed, realisation).ok()?;
+        synthesis.turned_cells(&heights, seed, realisation).ok()?
     }
 
     fn equals(&self, other: &dyn ProvenanceRecord) -> bool {

@@ -9,6 +9,8 @@ pub(super) struct Grid {
     pub(super) shape: [usize; 2],
     /// `[dx, dy]`, length units.
     pub(super) spacing: [f64; 2],
+    /// Place of the first sample along x and y, in samples: from 0 to below 1.
+    pub(super) first: [f64; 2],
 }
 
 impl Grid {
@@ -34,7 +36,7 @@ impl Grid {
         &self,
         height: impl Fn(&mut S, [f64; 2]) -> f64 + Sync,
     ) -> Vec<f64> {
-        let ([ny, nx], [dx, dy]) = (self.shape, self.spacing);
+        let ([ny, nx], [dx, dy], [x0, y0]) = (self.shape, self.spacing, self.first);
         let mut heights = vec![0.0; nx * ny];
         heights
             .par_chunks_exact_mut(nx)
@@ -42,7 +44,7 @@ impl Grid {
             .for_each(|(iy, row)| {
                 let mut scratch = S::default();
                 for (ix, h) in row.iter_mut().enumerate() {
-                    *h = height(&mut scratch, [ix as f64 * dx, iy as f64 * dy]);
+                    *h = height(&mut scratch, [(ix as f64 + x0) * dx, (iy as f64 + y0) * dy]);
                 }
             });
         heights

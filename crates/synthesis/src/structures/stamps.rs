@@ -161,6 +161,7 @@ mod tests {
         let grid = Grid {
             shape: [20, 31],
             spacing: [0.5, 0.7],
+            first: [0.0; 2],
         };
         let lengths = grid.lengths();
         for (number, size) in [(1, 9.0), (7, 3.0), (60, 0.8)] {

@@ -106,6 +106,19 @@ impl Block {
         })
     }
 
+    /// Widens the slope bounds by the triangles of a cell that is split from corner 10 to 01, whose gradients are `(h10 - h00, h01 - h00)` and
+    /// `(h11 - h01, h11 - h10)`.
+    pub(super) fn add_turned_cell(&mut self, [h00, h10, h01, h11]: [f64; 4]) {
+        let range = |a: f64, b: f64| [least(a, b), greatest(a, b)];
+        let support = Support::from_extremes([
+            range(h10 - h00, h11 - h01),
+            range(h01 - h00, h11 - h10),
+            range(h10 - h00 + (h01 - h00), h11 - h01 + (h11 - h10)),
+            [h10 - h01; 2],
+        ]);
+        self.support = self.support.join(&support);
+    }
+
     /// The finest blocks of a tile of `[columns, rows]` cells, row by row; `of(rows)` are those of some rows of cells.
     pub(super) fn by_rows(
         [columns, rows]: [usize; 2],

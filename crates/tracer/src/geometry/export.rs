@@ -1,7 +1,5 @@
 //! Export: the surface as a list of vertices and triangles.
 
-use asperity_surface::Triangle;
-
 use crate::geometry::height_field::Surface;
 
 /// Error of a mesh that cannot be made.
@@ -55,10 +53,7 @@ impl TriangleMesh {
             .facets()
             .map(|facet| {
                 let corner = |i: u32, j: u32| (facet.iy + j) * columns + facet.ix + i;
-                match facet.triangle {
-                    Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
-                    Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
-                }
+                surface.corners_of(facet).map(|[i, j]| corner(i, j))
             })
             .collect();
         Ok(Self {
@@ -72,14 +67,15 @@ impl TriangleMesh {
 mod tests {
     use super::*;
     use crate::{Geometry, Triangles};
-    use asperity_surface::{Border, HeightField};
+    use asperity_surface::{Border, HeightField, TurnedCells};
 
     #[test]
     fn exported_triangles_are_those_that_are_traced() {
         let heights = vec![0.0, 1.0, 2.0, 0.5, -1.0, 0.25];
         for border in [Border::Periodic, Border::Open] {
             let field = HeightField::new(heights.clone(), [2, 3], [0.5, 2.0]).unwrap();
-            let surface = Surface::new(field.with_border(border));
+            let turned = TurnedCells::new([2, 3], |ix, _| ix == 1).map(std::sync::Arc::new);
+            let surface = Surface::new(field.with_border(border).with_turned_cells(turned));
             let mesh = TriangleMesh::new(&surface).unwrap();
             assert_eq!(mesh.triangles.len(), surface.facet_count());
             for (facet, triangle) in surface.facets().zip(&mesh.triangles) {

@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use self::cell::{Cell, Size};
 
-use crate::geometry::blocks::Block;
+use crate::geometry::blocks::{Block, FINEST};
 use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
@@ -82,6 +82,7 @@ impl Surface {
             row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
             row.push(scale.z(field.height(field.cells()[0], iy)));
         });
+        let blocks = with_turned_cells(blocks, &field, scale);
         let horizon_bounds =
             HorizonBounds::new(field.cells(), field.border(), half_range, margin, blocks);
         let [dx, dy] = field.spacing();
@@ -155,6 +156,7 @@ impl Surface {
                 z10: z(1),
                 z01: z(nx),
                 z11: z(nx + 1),
+                is_turned: self.field.is_turned(ix, iy),
             };
         }
         Cell {
@@ -162,6 +164,7 @@ impl Surface {
             z10: self.z(ix + 1, iy),
             z01: self.z(ix, iy + 1),
             z11: self.z(ix + 1, iy + 1),
+            is_turned: self.field.is_turned(ix, iy),
         }
     }
 
@@ -184,7 +187,7 @@ impl Surface {
     }
 
     /// Heights between which the slopes of a facet lie, in the unit of the field: that of its cell's corner 00, and
-    /// the ends of its rise along a column and along a row, `[to, from]`.
+    /// the ends of its rise along a column and along a row, `[to, from]`. Of no use for facets of turned cells.
     #[inline(always)]
     fn slope_heights(&self, Facet { ix, iy, triangle }: Facet) -> (f64, [f64; 2], [f64; 2]) {
         let [i00, i10, i01, i11] = self.corner_indices([ix, iy]);
@@ -199,6 +202,16 @@ impl Surface {
                 let h01 = heights[i01];
                 (h00, [h11, h01], [h01, h00])
             }
+        }
+    }
+
+    /// Corners of a facet in its cell, `[column, row]`, counter-clockwise seen from above.
+    pub(crate) fn corners_of(&self, Facet { ix, iy, triangle }: Facet) -> [[u32; 2]; 3] {
+        match (triangle, self.field.is_turned(ix as usize, iy as usize)) {
+            (Triangle::Lower, false) => [[0, 0], [1, 0], [1, 1]],
+            (Triangle::Upper, false) => [[0, 0], [1, 1], [0, 1]],
+            (Triangle::Lower, true) => [[0, 0], [1, 0], [0, 1]],
+            (Triangle::Upper, true) => [[1, 0], [1, 1], [0, 1]],
         }
     }
 
@@ -324,7 +337,9 @@ impl Geometry for Surface {
         let cell = |p: f64, count: usize| (p as u32).min(count as u32 - 1);
         let [cx, cy] = self.cells();
         let (ix, iy) = (cell(x, cx), cell(y, cy));
-        let triangle = if x - f64::from(ix) > y - f64::from(iy) {
+        let (u, v) = (x - f64::from(ix), y - f64::from(iy));
+        let is_turned = self.field.is_turned(ix as usize, iy as usize);
+        let triangle = if if is_turned { u < 1.0 - v } else { u > v } {
             Triangle::Lower
         } else {
             Triangle::Upper
@@ -383,7 +398,9 @@ impl Grid for Surface {
 
     #[inline]
     fn cell_range(&self, cell: [u32; 2]) -> [f64; 2] {
-        let Cell { z00, z10, z01, z11 } = self.cell(cell);
+        let Cell {
+            z00, z10, z01, z11, ..
+        } = self.cell(cell);
         [
             z00.min(z10).min(z01.min(z11)),
             z00.max(z10).max(z01.max(z11)),
@@ -445,11 +462,24 @@ impl Triangles for Surface {
                 self.z(ix as usize, iy as usize),
             )
         };
-        match facet.triangle {
-            Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
-            Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
+        self.corners_of(facet).map(|[i, j]| corner(i, j))
+    }
+}
+
+/// The blocks with the slopes of turned cells too; those of the same cells split along the other diagonal stay.
+fn with_turned_cells(mut blocks: Vec<Block>, field: &HeightField, scale: Scale) -> Vec<Block> {
+    if field.turned_cells().is_none() {
+        return blocks;
+    }
+    let [columns, rows] = field.cells();
+    for iy in 0..rows {
+        for ix in (0..columns).filter(|&ix| field.is_turned(ix, iy)) {
+            let z = |i: usize, j: usize| scale.z(field.height(ix + i, iy + j));
+            let block = &mut blocks[iy / FINEST * columns.div_ceil(FINEST) + ix / FINEST];
+            block.add_turned_cell([z(0, 0), z(1, 0), z(0, 1), z(1, 1)]);
         }
     }
+    blocks
 }
 
 /// The heights of row `iy`, one per cell; rows wrap.

@@ -4,7 +4,7 @@
 //! the mesh. So the steepest rise from a point to the surface before it is that to one of these
 //! crossings, and walking from facet to facet finds it without any search.
 
-use asperity_surface::{Border, Triangle};
+use asperity_surface::{Border, HeightField, Triangle};
 use glam::{DVec2, DVec3};
 
 use crate::geometry::height_field::{Facet, Surface};
@@ -96,14 +96,15 @@ impl<'a> Horizons<'a> {
     pub fn of(&self, facet: Facet, point: DVec3) -> Horizon {
         let m = self.surface.normal(facet);
         let own = -self.along.dot(m.truncate()) / m.z;
-        let mut line = FacetLine::new(point.truncate(), self.rate, facet);
+        let field = self.surface.field();
+        let mut line = FacetLine::new(point.truncate(), self.rate, facet, field);
         let mut beyond = self.least;
         let climb = self.highest - point.z;
         let mut end = climb / beyond;
         // Leaving its own facet adds nothing to its rise but rounding.
         let (mut edge, distance) = line.leave();
         let mut distance = distance.max(0.0);
-        while line.pass(edge, self.cells, self.surface.border()) {
+        while line.pass(edge, self.cells, field) {
             if line.enters_block(edge, self.cells) {
                 let line_height = |distance: f64| point.z + beyond * distance;
                 match self.skip(&mut line, distance, end, line_height) {
@@ -144,7 +145,7 @@ impl<'a> Horizons<'a> {
             if self.blocks[by * row + bx] >= line_height(distance) {
                 return Some(distance);
             }
-            match line.leave_block(self.cells, self.surface.border()) {
+            match line.leave_block(self.cells, self.surface.field()) {
                 Some(after) => distance = after,
                 None => return None,
             }
@@ -162,6 +163,7 @@ impl<'a> Horizons<'a> {
             Edge::Left => (0, row, local.y),
             Edge::Bottom => (0, 1, local.x),
             Edge::Top => (row, row + 1, local.x),
+            Edge::Diagonal if line.is_turned => (1, row, local.y),
             Edge::Diagonal => (0, row + 1, local.x),
         };
         let (a, b) = (self.z[corner + from], self.z[corner + to]);
@@ -202,25 +204,27 @@ struct FacetLine {
     start: DVec2,
     rate: DVec2,
     inverse: DVec2,
-    /// Rate and inverse rate of x - y, by which the diagonal is crossed.
-    diagonal: [f64; 2],
+    /// Rate and inverse rate of x - y, by which the diagonal is crossed, and of x + y, for turned cells.
+    diagonals: [[f64; 2]; 2],
     /// The cell that it is in, continued beyond the tile.
     cell: DVec2,
     /// That cell in the tile.
     tile: [usize; 2],
+    is_turned: bool,
     triangle: Triangle,
 }
 
 impl FacetLine {
-    fn new(start: DVec2, rate: DVec2, facet: Facet) -> Self {
-        let diagonal = rate.x - rate.y;
+    fn new(start: DVec2, rate: DVec2, facet: Facet, field: &HeightField) -> Self {
+        let tile = [facet.ix as usize, facet.iy as usize];
         Self {
             start,
             rate,
             inverse: rate.recip(),
-            diagonal: [diagonal, diagonal.recip()],
+            diagonals: [rate.x - rate.y, rate.x + rate.y].map(|rate| [rate, rate.recip()]),
             cell: DVec2::new(f64::from(facet.ix), f64::from(facet.iy)),
-            tile: [facet.ix as usize, facet.iy as usize],
+            tile,
+            is_turned: field.is_turned(tile[0], tile[1]),
             triangle: facet.triangle,
         }
     }
@@ -231,7 +235,15 @@ impl FacetLine {
         let from = self.cell - self.start;
         let across_x = |side: f64| (from.x + side) * self.inverse.x;
         let across_y = |side: f64| (from.y + side) * self.inverse.y;
-        let across_diagonal = || (from.x - from.y) * self.diagonal[1];
+        // How far x - y or x + y is from the diagonal, and its rate away from the lower triangle
+        let [away, rate, inverse] = if self.is_turned {
+            let [rate, inverse] = self.diagonals[1];
+            [from.x + from.y + 1.0, rate, inverse]
+        } else {
+            let [rate, inverse] = self.diagonals[0];
+            [from.x - from.y, -rate, inverse]
+        };
+        let across_diagonal = || away * inverse;
         let mut nearest = (Edge::Diagonal, f64::INFINITY);
         let mut offer = |edge: Edge, distance: f64| {
             if distance < nearest.1 {
@@ -239,26 +251,27 @@ impl FacetLine {
             }
         };
         // A facet can be left only by those of its edges that the line runs against.
+        if (self.triangle == Triangle::Lower) != self.is_turned {
+            if self.rate.x > 0.0 {
+                offer(Edge::Right, across_x(1.0));
+            }
+        } else if self.rate.x < 0.0 {
+            offer(Edge::Left, across_x(0.0));
+        }
         match self.triangle {
             Triangle::Lower => {
-                if self.rate.x > 0.0 {
-                    offer(Edge::Right, across_x(1.0));
-                }
                 if self.rate.y < 0.0 {
                     offer(Edge::Bottom, across_y(0.0));
                 }
-                if self.diagonal[0] < 0.0 {
+                if rate > 0.0 {
                     offer(Edge::Diagonal, across_diagonal());
                 }
             }
             Triangle::Upper => {
-                if self.rate.x < 0.0 {
-                    offer(Edge::Left, across_x(0.0));
-                }
                 if self.rate.y > 0.0 {
                     offer(Edge::Top, across_y(1.0));
                 }
-                if self.diagonal[0] > 0.0 {
+                if rate < 0.0 {
                     offer(Edge::Diagonal, across_diagonal());
                 }
             }
@@ -268,7 +281,7 @@ impl FacetLine {
 
     /// Goes through an edge into the next facet; false if an open patch ends there.
     #[inline(always)]
-    fn pass(&mut self, edge: Edge, cells: [usize; 2], border: Border) -> bool {
+    fn pass(&mut self, edge: Edge, cells: [usize; 2], field: &HeightField) -> bool {
         let (axis, onward) = match edge {
             Edge::Diagonal => {
                 self.triangle = match self.triangle {
@@ -282,20 +295,29 @@ impl FacetLine {
             Edge::Bottom => (1, false),
             Edge::Top => (1, true),
         };
-        self.triangle = match edge {
-            Edge::Right | Edge::Bottom => Triangle::Upper,
-            _ => Triangle::Lower,
-        };
         self.cell[axis] += if onward { 1.0 } else { -1.0 };
         let place = &mut self.tile[axis];
         let last = cells[axis] - 1;
         let (end, other_end) = if onward { (last, 0) } else { (0, last) };
-        if *place == end {
-            *place = other_end;
-            return border != Border::Open;
-        }
-        *place = if onward { *place + 1 } else { *place - 1 };
-        true
+        let is_at_end = *place == end;
+        *place = match (is_at_end, onward) {
+            (true, _) => other_end,
+            (false, true) => *place + 1,
+            (false, false) => *place - 1,
+        };
+        self.is_turned = field.is_turned(self.tile[0], self.tile[1]);
+        let enters_upper = match edge {
+            Edge::Right => !self.is_turned,
+            Edge::Left => self.is_turned,
+            Edge::Bottom => true,
+            Edge::Top | Edge::Diagonal => false,
+        };
+        self.triangle = if enters_upper {
+            Triangle::Upper
+        } else {
+            Triangle::Lower
+        };
+        !is_at_end || field.border() != Border::Open
     }
 
     /// Returns `true` if it has come into another block by going through an edge.
@@ -314,7 +336,7 @@ impl FacetLine {
 
     /// Goes straight to where it leaves its block, and into the next one; the distance from the start, or
     /// `None` if an open patch ends there.
-    fn leave_block(&mut self, cells: [usize; 2], border: Border) -> Option<f64> {
+    fn leave_block(&mut self, cells: [usize; 2], field: &HeightField) -> Option<f64> {
         let first = self.tile.map(|place| place - place % BLOCK);
         let count = [0, 1].map(|axis| (cells[axis] - first[axis]).min(BLOCK));
         let low = DVec2::new(
@@ -348,6 +370,6 @@ impl FacetLine {
             (_, true) => Edge::Top,
             (_, false) => Edge::Bottom,
         };
-        self.pass(edge, cells, border).then_some(distance)
+        self.pass(edge, cells, field).then_some(distance)
     }
 }

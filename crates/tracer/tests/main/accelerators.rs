@@ -1,6 +1,6 @@
 //! Every accelerator against brute force, and brute force against a textbook intersection.
 
-use crate::common::{rugged, waves};
+use crate::common::{rugged, turned, waves};
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, BuildError, Facet, Geometry,
@@ -46,6 +46,9 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, HalfSpace)>
                 // Away from a facet, as after a reflection.
                 let facet = facets[rng.random_range(0..facets.len())];
                 let cell = DVec3::new(f64::from(facet.ix), f64::from(facet.iy), 0.0);
+                let is_turned = surface
+                    .field()
+                    .is_turned(facet.ix as usize, facet.iy as usize);
                 let inside = facet.triangle == Triangle::Lower;
                 let (u, v) = (rng.random::<f64>(), rng.random::<f64>());
                 let (u, v) = if inside {
@@ -53,6 +56,7 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, HalfSpace)>
                 } else {
                     (u.min(v), u.max(v))
                 };
+                let u = if is_turned { 1.0 - u } else { u };
                 let (u, v) = if i % 5 == 0 {
                     (u.round(), v.round())
                 } else {
@@ -142,6 +146,10 @@ fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
             assert_eq!(together, expected, "{name}, together: {query:?}");
         }
     }
+    for (Query { ray, half_space }, expected) in queries.iter().zip(&expected) {
+        let escapes = surface.escapes(ray, *half_space).is_some();
+        assert!(!escapes || expected.is_none(), "{ray:?} {expected:?}");
+    }
     expected.iter().flatten().count()
 }
 
@@ -154,8 +162,10 @@ fn bvh_matches_brute_force() {
         (1.0, Border::Mirrored),
     ] {
         let surface = rugged(13, 9, height, 5, border);
-        let met = agree_on(&surface, 4_000, 11);
-        assert!(met > 1_000, "{met}");
+        for surface in [Surface::new(turned(surface.field())), surface] {
+            let met = agree_on(&surface, 4_000, 11);
+            assert!(met > 1_000, "{met}");
+        }
     }
     let smooth = Surface::new(waves(24, 0.5, 3));
     assert!(agree_on(&smooth, 2_000, 12) > 500);
@@ -183,8 +193,10 @@ fn tiles_of_any_shape_match_brute_force() {
         (197, 131, 0.5, Border::Periodic),
     ] {
         let surface = rugged(nx, ny, height, 6, border);
-        let met = agree_on(&surface, 1_500, 13);
-        assert!(met > 400, "{met}");
+        for surface in [Surface::new(turned(surface.field())), surface] {
+            let met = agree_on(&surface, 1_500, 13);
+            assert!(met > 400, "{met}");
+        }
     }
 }
 
@@ -254,6 +266,11 @@ fn brute_force_matches_a_textbook_intersection() {
     // The two tests differ in rounding, so a ray that passes an edge within some 1e-15 columns may go
     // to either side of it; at random points none of 4,000 does.
     let surface = rugged(9, 7, 2.0, 8, Border::Open);
+    matches_a_textbook(&Surface::new(turned(surface.field())));
+    matches_a_textbook(&surface);
+}
+
+fn matches_a_textbook(surface: &Surface) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut met = 0;
     for i in 0..4_000 {
@@ -271,8 +288,8 @@ fn brute_force_matches_a_textbook_intersection() {
         let fall = -half_space.sign() * rng.random_range(0.1..2.0);
         let direction = DVec3::new(turn.cos(), turn.sin(), fall).normalize();
         let ray = TileRay { origin, direction };
-        let expected = textbook(&surface, &ray, half_space);
-        let found = BruteForce.closest_hit(&surface, &Query { ray, half_space });
+        let expected = textbook(surface, &ray, half_space);
+        let found = BruteForce.closest_hit(surface, &Query { ray, half_space });
         assert_eq!(found.map(|h| h.facet), expected.map(|h| h.facet), "{ray:?}");
         if let (Some(a), Some(b)) = (found, expected) {
             assert!((a.t - b.t).abs() < 1e-9);

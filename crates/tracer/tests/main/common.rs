@@ -6,7 +6,9 @@
 )]
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{Border, HeightField};
+use std::sync::Arc;
+
+use asperity_surface::{Border, HeightField, TurnedCells};
 use asperity_tally::{Estimate, TallySpec, TallyStatistics};
 use asperity_tracer::{
     Accelerator, Geometry, HalfSpace, Illumination, PathSettings, PathStream, Surface, Tracer, Work,
@@ -22,6 +24,13 @@ pub fn rugged(nx: usize, ny: usize, height: f64, seed: u64, border: Border) -> S
         .collect();
     let field = HeightField::new(heights, [ny, nx], [1.0, 1.0]).unwrap();
     Surface::new(field.with_border(border))
+}
+
+/// The surface with half of its cells split along the other diagonal, at random.
+pub fn turned(field: &HeightField) -> HeightField {
+    let is_turned = |ix: usize, iy: usize| (37 * ix * ix + 11 * ix * iy + 5 * iy) % 7 > 3;
+    let cells = TurnedCells::new(field.shape(), is_turned);
+    field.clone().with_turned_cells(cells.map(Arc::new))
 }
 
 /// A sum of eight waves with random phases that fit the tile: smooth, periodic, about Gaussian.

@@ -14,7 +14,7 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::common::{rugged, waves};
+use crate::common::{rugged, turned, waves};
 
 /// Strata along a side of a batch.
 const STRATA: u32 = 30;
@@ -331,7 +331,12 @@ fn culling_classes_of_many_rays_are_those_of_one() {
 #[test]
 fn many_rays_arrive_where_one_does() {
     let surface = rugged(9, 7, 2.0, 8, Border::Periodic);
-    let queries = rays(&surface, 500);
+    arrive_alike(&Surface::new(turned(surface.field())));
+    arrive_alike(&surface);
+}
+
+fn arrive_alike(surface: &Surface) {
+    let queries = rays(surface, 500);
     let mut rng = ChaCha8Rng::seed_from_u64(9);
     let facets: Vec<_> = (0..queries.len())
         .map(|_| surface.facet(rng.random_range(0..surface.facet_count())))

@@ -204,7 +204,10 @@ impl RawHeightMap {
                 });
             }
         };
+        let record = self.provenance.as_ref();
+        let turned_cells = record.and_then(|record| record.turned_cells(self.shape, self.spacing));
         Ok(HeightField::new(heights, self.shape, self.spacing)?
+            .with_turned_cells(turned_cells.map(Arc::new))
             .with_unit(self.unit)
             .with_border(border)
             .with_provenance(self.provenance))

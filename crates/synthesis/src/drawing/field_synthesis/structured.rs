@@ -1,5 +1,7 @@
 //! Draws structured surfaces: a structure plus Gaussian roughness.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::centred::centred;
@@ -41,13 +43,16 @@ impl StructuredSynthesis {
 
     pub(super) fn peak_bytes(&self) -> usize {
         let [ny, nx] = self.structure.shape();
+        // The middles of cells are no longer there when roughness is drawn
+        let middles = ny * nx * size_of::<f64>();
         let roughness = self.roughness.as_ref().map_or(0, Synthesis::peak_bytes);
-        self.structure.peak_bytes() + roughness.max(ny * nx * size_of::<f64>())
+        self.structure.peak_bytes() - middles + roughness.max(middles)
     }
 
     pub(super) fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         let (shape, spacing) = (self.structure.shape(), self.structure.spacing());
         let mut heights = self.structure.heights(seed, realisation)?;
+        let turned_cells = self.structure.turned_cells(&heights, seed, realisation)?;
         let [_, nx] = shape;
         if let Some(roughness) = &self.roughness {
             let added = roughness.draw(seed, realisation)?;
@@ -60,6 +65,7 @@ impl StructuredSynthesis {
                     }
                 });
         }
-        Ok(HeightField::new(centred(heights, nx), shape, spacing)?)
+        let field = HeightField::new(centred(heights, nx), shape, spacing)?;
+        Ok(field.with_turned_cells(turned_cells.map(Arc::new)))
     }
 }

@@ -140,8 +140,7 @@ fn oblique_grooves_are_adjusted_and_reported() {
     }
 }
 
-/// Apexes and valleys lie on samples, so that triangles are facets, but for one of both in the cells that a crease crosses against
-/// the diagonal: 16 of the 256 of each pyramid, whose other triangle is level.
+/// Apexes and valleys lie on samples, and cells are split along the creases.
 #[test]
 fn triangles_of_touching_pyramids_have_the_angle_of_facets() {
     let lattice = Pyramids {
@@ -153,24 +152,58 @@ fn triangles_of_touching_pyramids_have_the_angle_of_facets() {
     let angle = lattice.slope().atan().to_degrees();
     assert!((angle - 54.7356).abs() < 1e-4);
     for structure in [Structure::Pyramids(lattice), Structure::Inverted(lattice)] {
-        let field = planned(structure, 64, 1.0).draw(0, 0).unwrap();
-        let (mut facets, mut others) = (0, 0);
-        for iy in 0..64 {
-            for ix in 0..64 {
-                let [a, b, c, d] =
-                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| field.height(ix + i, iy + j));
-                for [x, y] in [[b - a, d - b], [d - c, c - a]] {
-                    let slope = x.hypot(y);
-                    if (slope - lattice.slope()).abs() < 1e-12 && x * y == 0.0 {
-                        facets += 1;
-                    } else {
-                        others += 1;
-                    }
-                }
+        let synthesis = planned(structure, 64, 1.0);
+        assert!(synthesis.is_exact(0, 0).unwrap());
+        let field = synthesis.draw(0, 0).unwrap();
+        for cell in 0..64 * 64 {
+            for [x, y] in field.facet_slopes(cell % 64, cell / 64) {
+                assert!((x.hypot(y) - lattice.slope()).abs() < 1e-12);
+                assert!(x.abs().min(y.abs()) < 1e-12);
             }
         }
-        assert_eq!(facets + others, 2 * 64 * 64);
-        assert!(others <= 16 * 16 * 2, "{others}");
+        // The samples of the same heights without turned cells are not
+        let plain = field.clone().with_turned_cells(None);
+        assert!(plain.slope_moments().fourth > 1.01 * field.slope_moments().fourth);
+    }
+}
+
+/// Grooves at 45 degrees have their edges along one or the other diagonal of cells.
+#[test]
+fn grooves_along_either_diagonal_are_exact() {
+    for azimuth in [45.0_f64, 135.0, -45.0] {
+        // 8 periods along x and y; an edge every second sample
+        let structure = Structure::Grooves(Grooves {
+            width: 8.0 / 2_f64.sqrt(),
+            azimuth: azimuth.to_radians(),
+            ..GROOVES
+        });
+        let synthesis = planned(structure, 64, 1.0);
+        assert!(synthesis.is_exact(0, 0).unwrap(), "{azimuth}");
+        let field = synthesis.draw(0, 0).unwrap();
+        let [xx, _, yy] = field.slope_moments().second;
+        let expected = synthesis.expected().mean_square_slope.unwrap();
+        assert!((xx + yy - expected).abs() < 1e-9, "{azimuth}");
+        assert_eq!(field.turned_cells().is_some(), azimuth != 45.0);
+    }
+}
+
+/// Edges between samples, curves, and edges of features at random are cut by facets.
+#[test]
+fn surfaces_whose_edges_facets_cut_are_known() {
+    let is_exact = |structure, n| planned(structure, n, 1.0).is_exact(1, 0).unwrap();
+    assert!(is_exact(Structure::Grooves(GROOVES), 64));
+    // 5 periods of 12.8 samples
+    let lattice = Pyramids {
+        density: 1.0,
+        arrangement: Arrangement::Lattice,
+        width: 12.8,
+        ..PYRAMIDS
+    };
+    assert!(!is_exact(Structure::Pyramids(lattice), 64));
+    for structure in one_of_each() {
+        let is_even =
+            structure == Structure::Grooves(GROOVES) || matches!(structure, Structure::Inverted(_));
+        assert_eq!(is_exact(structure, 128), is_even, "{}", structure.name());
     }
 }
 

@@ -24,6 +24,8 @@ pub(super) struct Table {
     pub(super) rows: usize,
     /// By how much rounding may change a height, in units of the largest value.
     pub(super) rounding: f32,
+    /// 1 for each value whose cell is turned, else 0; empty if none is.
+    pub(super) turned: Vec<u32>,
 }
 
 /// Numbers that tests of cells read in f32, and bounds of nodes.
@@ -108,7 +110,7 @@ impl Bounds {
 
     /// Number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        4 * (self.table.values.len() + self.nodes.len())
+        4 * (self.table.values.len() + self.table.turned.len() + self.nodes.len())
     }
 
     /// Level 0: the bounds of the cells, row by row; `range` is the lowest and the highest point of one.

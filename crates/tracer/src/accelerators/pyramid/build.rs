@@ -33,7 +33,7 @@ pub(super) fn build<S: SearchedGrid>(surface: &S) -> Result<Bounds, BuildError> 
     let slack = 4.0 * steepest * ROUNDING;
     let table = surface.table();
     // Rays begin above the heights, by more than these where a surface is nearly flat
-    let [_, above] = Tile::new(surface, S::HAS_DIAGONAL).z_range;
+    let [_, above] = Tile::new(surface, surface.diagonals()).z_range;
     let largest = table
         .values
         .iter()

@@ -14,8 +14,9 @@ pub(super) trait SearchedGrid: Grid {
     /// times as much, so that rays first try the bound of a cell, and wait for others that have to be tested.
     const LOWEST_LEVEL: usize;
 
-    /// `true` if cells are divided along the diagonal, so that a ray that begins near it is near two facets.
-    const HAS_DIAGONAL: bool;
+    /// Returns whether there are cells that are split along the diagonal from corner 00 to 11, and from 10 to 01: a ray that begins near it may
+    /// be near two facets.
+    fn diagonals(&self) -> [bool; 2];
 
     /// Table that tests of cells read.
     fn table(&self) -> Table;

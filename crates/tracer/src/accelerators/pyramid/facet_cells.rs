@@ -12,7 +12,10 @@ use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for Surface {
     const LOWEST_LEVEL: usize = 1;
-    const HAS_DIAGONAL: bool = true;
+
+    fn diagonals(&self) -> [bool; 2] {
+        [true, self.field().turned_cells().is_some()]
+    }
 
     /// Heights of the grid points, with the first column and row repeated behind the last where cells wrap.
     fn table(&self) -> Table {
@@ -22,8 +25,14 @@ impl SearchedGrid for Surface {
             values.extend(self.row(iy).map(|z| z as f32));
             values.push(self.z(cx, iy) as f32);
         }
+        let mut turned = Vec::new();
+        if self.field().turned_cells().is_some() {
+            let is_turned = |i: usize| self.field().is_turned(i % (cx + 1) % cx, i / (cx + 1) % cy);
+            turned = (0..values.len()).map(|i| u32::from(is_turned(i))).collect();
+        }
         Table {
             values,
+            turned,
             stride: cx + 1,
             rows: 2,
             rounding: 2_f32.powi(-20),
@@ -35,11 +44,17 @@ impl SearchedGrid for Surface {
     }
 
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test {
-        let [h00, h10, h01, h11] = corners(bounds, cell).map(|h| h * ray.side);
+        let [mut h00, mut h10, mut h01, mut h11] = corners(bounds, cell).map(|h| h * ray.side);
         // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
-        let u = ray.x - (cell[0] - ray.cell[0]) as f32;
+        let mut u = ray.x - (cell[0] - ray.cell[0]) as f32;
         let v = ray.y - (cell[1] - ray.cell[1]) as f32;
-        let (w, dw) = (u - v, ray.dx - ray.dy);
+        let mut dx = ray.dx;
+        // The mirror image of a turned cell is split from 00 to 11
+        if !bounds.table.turned.is_empty() && is_turned(bounds, cell) {
+            (h00, h10, h01, h11) = (h10, h00, h11, h01);
+            (u, dx) = (1.0 - u, -dx);
+        }
+        let (w, dw) = (u - v, dx - ray.dy);
         let (lower_in, lower_out) = (w + t * dw > 0.0, w + exit.t * dw > 0.0);
         let slopes = |lower: bool| {
             if lower {
@@ -57,8 +72,8 @@ impl SearchedGrid for Surface {
         };
         // Heights above the triangles on entry, on the diagonal, and on leaving.
         let over = ray.z - h00;
-        let rate_in = ray.dz - a_in * ray.dx - b_in * ray.dy;
-        let rate_out = ray.dz - a_out * ray.dx - b_out * ray.dy;
+        let rate_in = ray.dz - a_in * dx - b_in * ray.dy;
+        let rate_out = ray.dz - a_out * dx - b_out * ray.dy;
         let (first_in, first_out) = (over - a_in * u - b_in * v, over - a_out * u - b_out * v);
         let on_entry = first_in + t * rate_in;
         let on_diagonal = first_in + t_diagonal * rate_in;
@@ -95,12 +110,22 @@ impl SearchedGrid for Surface {
         let heights = &bounds.table.values;
         let [h00, h10] = lanes.gather_pair(heights, corner);
         let [h01, h11] = lanes.gather_pair(heights, corner + lanes.splat_i(stride));
-        let (h00, h10) = (h00 * state.side, h10 * state.side);
-        let (h01, h11) = (h01 * state.side, h11 * state.side);
+        let (mut h00, mut h10) = (h00 * state.side, h10 * state.side);
+        let (mut h01, mut h11) = (h01 * state.side, h11 * state.side);
         // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
-        let u = state.x - lanes.to_float(state.ix - state.first_x);
+        let mut u = state.x - lanes.to_float(state.ix - state.first_x);
         let v = state.y - lanes.to_float(state.iy - state.first_y);
-        let (w, dw) = (u - v, state.dx - state.dy);
+        let mut dx = state.dx;
+        // The mirror image of a turned cell is split from 00 to 11
+        let turned = &bounds.table.turned;
+        if !turned.is_empty() {
+            let turned = lanes.equal_i(lanes.gather_i(turned, corner), lanes.splat_i(1));
+            let swapped = |a, b| (lanes.select(turned, b, a), lanes.select(turned, a, b));
+            ((h00, h10), (h01, h11)) = (swapped(h00, h10), swapped(h01, h11));
+            u = lanes.select(turned, lanes.splat(1.0) - u, u);
+            dx = lanes.select(turned, zero - dx, dx);
+        }
+        let (w, dw) = (u - v, dx - state.dy);
         let (w_in, w_out) = (state.t.times_plus(dw, w), exit.t.times_plus(dw, w));
         let (lower_in, lower_out) = (lanes.less(zero, w_in), lanes.less(zero, w_out));
         let (lower_a, lower_b, upper_a, upper_b) = (h10 - h00, h11 - h10, h11 - h01, h01 - h00);
@@ -116,14 +141,8 @@ impl SearchedGrid for Surface {
         let over = state.z - h00;
         let first_in = over.minus_times(a_in, u).minus_times(b_in, v);
         let first_out = over.minus_times(a_out, u).minus_times(b_out, v);
-        let rate_in = state
-            .dz
-            .minus_times(a_in, state.dx)
-            .minus_times(b_in, state.dy);
-        let rate_out = state
-            .dz
-            .minus_times(a_out, state.dx)
-            .minus_times(b_out, state.dy);
+        let rate_in = state.dz.minus_times(a_in, dx).minus_times(b_in, state.dy);
+        let rate_out = state.dz.minus_times(a_out, dx).minus_times(b_out, state.dy);
         let on_entry = state.t.times_plus(rate_in, first_in);
         let on_diagonal = t_diagonal.times_plus(rate_in, first_in);
         let on_leaving = exit.t.times_plus(rate_out, first_out);
@@ -138,6 +157,11 @@ impl SearchedGrid for Surface {
             gap: lanes.select(comes, gap, zero),
         }
     }
+}
+
+/// Returns `true` if the cell `[ix, iy]` is turned, where any is.
+fn is_turned(bounds: &Bounds, [ix, iy]: [i32; 2]) -> bool {
+    bounds.table.turned[iy as usize * bounds.table.stride + ix as usize] != 0
 }
 
 /// Heights at the corners 00, 10, 01 and 11 of the cell `[ix, iy]`.

@@ -22,7 +22,7 @@ pub(super) struct Load<'a, S> {
 impl<S: SearchedGrid> Stage for Load<'_, S> {
     #[inline(always)]
     fn run(self) {
-        let tile = Tile::new(self.surface, S::HAS_DIAGONAL);
+        let tile = Tile::new(self.surface, self.surface.diagonals());
         self.into.begin(self.which.len());
         for (k, which) in self.which.chunks(BLOCK).enumerate() {
             let first = k * BLOCK;

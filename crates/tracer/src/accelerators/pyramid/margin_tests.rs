@@ -103,7 +103,7 @@ fn rays(surface: &SmoothSurface, count: usize, seed: u64) -> Vec<Query> {
 /// its side, the margin and the gap.
 fn worst_rounding(surface: &SmoothSurface, query: &Query) -> f64 {
     let bounds = build(surface).unwrap();
-    let tile = Tile::new(surface, false);
+    let tile = Tile::new(surface, [false; 2]);
     let Query { ray, half_space } = *query;
     let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
     let (loaded, is_sure) = tile.load(o, d, half_space.sign());
@@ -148,7 +148,7 @@ fn rounding_in_f32_is_a_small_part_of_the_margin() {
 fn answers_in_f32_do_not_contradict_f64() {
     for (name, surface) in surfaces() {
         let bounds = build(&surface).unwrap();
-        let tile = Tile::new(&surface, false);
+        let tile = Tile::new(&surface, [false; 2]);
         let queries = rays(&surface, 20_000, 3);
         let expected: Vec<_> = queries
             .iter()

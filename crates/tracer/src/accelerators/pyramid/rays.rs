@@ -298,19 +298,19 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 pub(super) struct Tile {
     /// Columns and rows.
     pub(super) cells: [i32; 2],
-    /// `true` if cells are divided along the diagonal.
-    has_diagonal: bool,
+    /// Whether cells are split along the diagonal from corner 00 to 11, and from 10 to 01.
+    diagonals: [bool; 2],
     /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
     pub(super) z_range: [f64; 2],
 }
 
 impl Tile {
-    pub(super) fn new<S: Grid>(surface: &S, has_diagonal: bool) -> Self {
+    pub(super) fn new<S: Grid>(surface: &S, diagonals: [bool; 2]) -> Self {
         let [low, high] = surface.z_range();
         let pad = 1e-6 * (1.0 + high - low);
         Self {
             cells: surface.cells().map(|n| n as i32),
-            has_diagonal,
+            diagonals,
             z_range: [low - pad, high + pad],
         }
     }
@@ -343,8 +343,11 @@ impl Tile {
             cell: [column, row],
             place: 0,
         };
-        let off_diagonal = !self.has_diagonal | ((u - v).abs() > 2.0 * f64::from(ROUNDING));
-        (ray, is_sure_x & is_sure_y & off_diagonal)
+        let far = 2.0 * f64::from(ROUNDING);
+        let [rising, falling] = self.diagonals;
+        let off_rising = !rising | ((u - v).abs() > far);
+        let off_falling = !falling | ((u + v - 1.0).abs() > far);
+        (ray, is_sure_x & is_sure_y & off_rising & off_falling)
     }
 }
 

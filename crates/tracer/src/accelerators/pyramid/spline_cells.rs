@@ -18,7 +18,10 @@ use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for SmoothSurface {
     const LOWEST_LEVEL: usize = 0;
-    const HAS_DIAGONAL: bool = false;
+
+    fn diagonals(&self) -> [bool; 2] {
+        [false; 2]
+    }
 
     /// The coefficients.
     fn table(&self) -> Table {
@@ -27,6 +30,7 @@ impl SearchedGrid for SmoothSurface {
             stride: self.spline().stride(),
             rows: 4,
             rounding: 2_f32.powi(-18),
+            turned: Vec::new(),
         }
     }
 

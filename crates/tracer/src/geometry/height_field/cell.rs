@@ -22,15 +22,25 @@ pub(crate) struct Cell {
     pub(crate) z10: f64,
     pub(crate) z01: f64,
     pub(crate) z11: f64,
+    /// `true` if it is split from 10 to 01 rather than from 00 to 11.
+    pub(crate) is_turned: bool,
 }
 
 impl Cell {
     /// z of a triangle's plane at the corner 00, and its rise a column and a row.
     pub(crate) fn plane(&self, triangle: Triangle) -> [f64; 3] {
-        let Self { z00, z10, z01, z11 } = *self;
-        match triangle {
-            Triangle::Lower => [z00, z10 - z00, z11 - z10],
-            Triangle::Upper => [z00, z11 - z01, z01 - z00],
+        let Self {
+            z00,
+            z10,
+            z01,
+            z11,
+            is_turned,
+        } = *self;
+        match (triangle, is_turned) {
+            (Triangle::Lower, false) => [z00, z10 - z00, z11 - z10],
+            (Triangle::Upper, false) => [z00, z11 - z01, z01 - z00],
+            (Triangle::Lower, true) => [z00, z10 - z00, z01 - z00],
+            (Triangle::Upper, true) => [z10 - (z11 - z01), z11 - z01, z11 - z10],
         }
     }
 
@@ -58,10 +68,13 @@ impl Cell {
         }
         let x = ray.origin.x - f64::from(facet.ix);
         let y = ray.origin.y - f64::from(facet.iy);
-        // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v.
-        let sides = match facet.triangle {
-            Triangle::Lower => [(1.0 - x, -d.x), (y, d.y), (x - y, d.x - d.y)],
-            Triangle::Upper => [(x, d.x), (1.0 - y, -d.y), (y - x, d.y - d.x)],
+        // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v, of a turned cell u = 1 - v.
+        let far = 1.0 - y;
+        let sides = match (facet.triangle, self.is_turned) {
+            (Triangle::Lower, false) => [(1.0 - x, -d.x), (y, d.y), (x - y, d.x - d.y)],
+            (Triangle::Upper, false) => [(x, d.x), (far, -d.y), (y - x, d.y - d.x)],
+            (Triangle::Lower, true) => [(x, d.x), (y, d.y), (far - x, -d.y - d.x)],
+            (Triangle::Upper, true) => [(1.0 - x, -d.x), (far, -d.y), (x - far, d.x + d.y)],
         };
         let mut span = Span {
             enter: 0.0,

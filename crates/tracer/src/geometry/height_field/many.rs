@@ -3,8 +3,11 @@
 //! Numbers in memory are loaded ray by ray; everything else is computed in lanes, block by block.
 
 use asperity_surface::Triangle;
+use glam::DVec3;
 
 use super::{Facet, Scale, Surface};
+use crate::geometry::grid::Grid;
+use crate::geometry::{Geometry, Triangles};
 use crate::ray::{Hit, RayColumns};
 
 /// Rays of a block: a few loads of lanes.
@@ -18,10 +21,27 @@ impl Surface {
         facets: &[Facet],
         ts: &[f64],
         [x, y, z]: [&mut [f64]; 3],
-        [dx, dy, _]: [&[f64]; 3],
+        [dx, dy, dz]: [&[f64]; 3],
         [nx, ny, nz]: [&mut [f64]; 3],
     ) {
         let n = facets.len();
+        // Facets of turned cells one by one
+        let arrive_alone = |(i, facet): (usize, &Facet)| {
+            let d = DVec3::new(dx[i], dy[i] * self.aspect, dz[i]);
+            let p = self.snap(*facet, DVec3::new(x[i], y[i], z[i]) + ts[i] * d);
+            (i, p, self.normal(*facet))
+        };
+        let turned: Vec<(usize, DVec3, DVec3)> = match self.field.turned_cells() {
+            Some(_) => {
+                let facets = facets.iter().enumerate();
+                let is_turned = |f: &Facet| self.field.is_turned(f.ix as usize, f.iy as usize);
+                facets
+                    .filter(|(_, f)| is_turned(f))
+                    .map(arrive_alone)
+                    .collect()
+            }
+            None => Vec::new(),
+        };
         let (ts, x, y, z) = (&ts[..n], &mut x[..n], &mut y[..n], &mut z[..n]);
         let (dx, dy) = (&dx[..n], &dy[..n]);
         let (nx, ny, nz) = (&mut nx[..n], &mut ny[..n], &mut nz[..n]);
@@ -57,6 +77,10 @@ impl Surface {
                 ny[i] = my * scale;
                 nz[i] = scale;
             }
+        }
+        for (i, p, m) in turned {
+            [x[i], y[i], z[i]] = p.to_array();
+            [nx[i], ny[i], nz[i]] = m.to_array();
         }
     }
 }
@@ -126,7 +150,12 @@ impl Surface {
                 let code = if upper { UPPER } else { UNSURE };
                 codes[k] = if lower { LOWER } else { code };
             }
-            for (k, (hit, &(_, [ix, iy]))) in hits.iter_mut().zip(met).enumerate() {
+            for (k, (hit, &(i, [ix, iy]))) in hits.iter_mut().zip(met).enumerate() {
+                if self.field.is_turned(ix as usize, iy as usize) {
+                    let query = rays.query(i as usize);
+                    *hit = self.intersect_cell([ix, iy], &query.ray, query.half_space);
+                    continue;
+                }
                 let triangle = if codes[k] == LOWER {
                     Triangle::Lower
                 } else {
