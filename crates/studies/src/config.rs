@@ -146,6 +146,52 @@ impl LightConfig {
     pub(crate) fn wavelength_nm(&self) -> Option<f64> {
         self.wavelength.map(|wavelength| wavelength.0)
     }
+
+    /// Returns `true` if a Stokes vector of polarised light is given.
+    pub(crate) fn is_polarised(&self) -> bool {
+        let given = self.stokes.as_ref().map(OneOrMany::as_slice);
+        given.is_some_and(|stokes| stokes.iter().skip(1).any(|part| part.0 != 0.0))
+    }
+
+    /// Q, U and V over I of the light, whose paths carry this `polarisation`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if there is no such light, or paths do not carry its polarisation.
+    pub(crate) fn stokes(&self, polarisation: Polarisation) -> Result<[f64; 3], ConfigError> {
+        let Some(given) = &self.stokes else {
+            return Ok([0.0; 3]);
+        };
+        let given: Vec<f64> = given
+            .values("stokes")?
+            .iter()
+            .map(|number| number.0)
+            .collect();
+        let refused = |reason| {
+            let numbers: Vec<String> = given.iter().map(f64::to_string).collect();
+            Err(ConfigError::unsuitable(
+                format!("stokes {}", numbers.join(",")),
+                reason,
+            ))
+        };
+        let &[i, q, u, v] = given.as_slice() else {
+            return refused("must be four numbers, I,Q,U,V");
+        };
+        if i <= 0.0 {
+            return refused("the intensity I must exceed 0");
+        }
+        let stokes = [q / i, u / i, v / i];
+        let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if degree > 1.0 + 1e-9 {
+            return refused("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2");
+        }
+        let is_tracked = matches!(polarisation, Polarisation::Tracked | Polarisation::Both);
+        if !is_tracked && degree > 0.0 {
+            return refused(
+                "paths carry the polarisation of the incident light with --polarisation tracked or both",
+            );
+        }
+        Ok(stokes)
+    }
 }
 
 /// `[run]`: how much is traced, and how.

@@ -129,7 +129,7 @@ impl VerifyConfig {
             incidence: Incidence::from_degrees(theta.0, phi.0)?,
             from: self.light.from.into(),
             random_azimuth: self.any_azimuth(),
-            stokes: [0.0; 3],
+            stokes: self.light.stokes(self.run.polarisation)?,
         };
         Ok(Case {
             layer: below.transpose()?,

@@ -3,7 +3,7 @@
 use asperity_optics::Incidence;
 use asperity_results::Header;
 use asperity_simulate::{check_memory, check_results};
-use asperity_tally::{HemisphereGrid, Polarimetry};
+use asperity_tally::HemisphereGrid;
 use serde::{Deserialize, Serialize};
 
 use super::sample::Sample;
@@ -39,6 +39,9 @@ pub struct GonioLight {
     /// Wavelength, nanometres, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wavelength: Option<Number>,
+    /// Stokes vector, `I, Q, U, V`; unpolarised by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stokes: Option<OneOrMany<Number>>,
 }
 
 impl GonioLight {
@@ -169,7 +172,7 @@ impl GonioConfig {
                 },
                 from: self.light.from,
                 wavelength: None,
-                stokes: None,
+                stokes: self.light.stokes.clone(),
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),
@@ -192,13 +195,6 @@ impl GonioConfig {
     /// # Errors
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
-        if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
-            return Err(ConfigError::unsuitable(
-                format!("--polarisation {}", self.run.polarisation),
-                "gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
-            )
-            .into());
-        }
         let verification = self.as_verification()?;
         let plan = match sample {
             None if self.measured.is_given() => {

@@ -64,7 +64,7 @@ pub(super) const LIGHT: &[Setting] = &table(
             .otherwise("550 where the unit of the surface is known"),
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")
-            .commands(TRACE)
+            .commands(TRACE.and(VERIFY).and(GONIO))
             .arity(Arity::Tuple(&["I", "Q", "U", "V"]))
             .otherwise("unpolarised"),
     ],
