@@ -251,3 +251,61 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
         assert!(message.contains(expected), "{message}");
     }
 }
+
+/// Rows of a table in text, without comments, each with `prefix` in front; none of its header.
+fn prefixed(text: &str, prefix: &str) -> Vec<String> {
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    rows.skip(1).map(|row| format!("{prefix}{row}")).collect()
+}
+
+#[test]
+fn lists_give_a_model_at_every_combination() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let layer = "model hanrahan-krueger --mean-free-path 2 --albedo 0.9 --step 30";
+    let all = run(&format!("{layer} --thickness 1,4 --theta 0,50"));
+    let rows: Vec<&str> = all.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(rows[0], "thickness,theta_i_deg,side,theta_deg,phi_deg,bsdf");
+    let mut expected = Vec::new();
+    for thickness in [1, 4] {
+        for theta in [0, 50] {
+            let single = run(&format!("{layer} --thickness {thickness} --theta {theta}"));
+            expected.extend(prefixed(&single, &format!("{thickness},{theta},")));
+            let note = single.lines().next().unwrap().strip_prefix("# ").unwrap();
+            let labelled = format!("# thickness = {thickness}, theta_i_deg = {theta}: {note}");
+            assert!(all.contains(&labelled), "{all}");
+        }
+    }
+    assert_eq!(rows[1..], expected);
+
+    let rough = "model heitz --eta 1.5 --bins 3x4 --rays 1e4";
+    let text = run(&format!("{rough} --smoothness 2,3 -o all.csv"));
+    assert!(
+        text.contains("smoothness = 3") && text.contains("48 bins"),
+        "{text}"
+    );
+    let all = fs::read_to_string(folder.join("all.csv")).unwrap();
+    let mut expected = Vec::new();
+    let cases = json(&run(&format!("{rough} --smoothness 2,3 --json")))["cases"].clone();
+    for (number, smoothness) in [2, 3].into_iter().enumerate() {
+        run(&format!("{rough} --smoothness {smoothness} -o one.csv"));
+        let one = fs::read_to_string(folder.join("one.csv")).unwrap();
+        expected.extend(prefixed(&one, &format!("{smoothness},")));
+        let single = json(&run(&format!("{rough} --smoothness {smoothness} --json")));
+        assert_eq!(cases[number]["energy"], single["energy"]);
+        assert_eq!(cases[number]["at"]["smoothness"], f64::from(smoothness));
+    }
+    assert_eq!(all.lines().skip(1).collect::<Vec<_>>(), expected);
+
+    let many = "model smith --smoothness 3 --sphere --step 0.1 --theta 0,10";
+    let message = refused(folder, &words(many), 2);
+    assert!(message.contains("rows of all combinations"), "{message}");
+    for (line, why) in [
+        ("model smith --smoothness 2,2", "twice"),
+        ("model smith --smoothness 2,-1", "above 0"),
+    ] {
+        let message = refused(folder, &words(line), 2);
+        assert!(message.contains(why), "{line}: {message}");
+    }
+}

@@ -12,6 +12,7 @@ pub(crate) mod medium;
 pub(crate) mod structure;
 mod structure_memo;
 pub(crate) mod structure_recipe;
+pub(crate) mod sun;
 pub(crate) mod surface;
 mod surface_choices;
 mod surface_files;
@@ -29,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
+use crate::config::sun::SunConfig;
 pub use crate::config::surface::SurfaceConfig;
 pub use crate::config::surface_choices::{
     GaussianName, HeightsChoice, Roughness, SecondScale, Spectrum, SurfaceFiles,
@@ -139,9 +141,19 @@ pub struct LightConfig {
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,
+    /// Direction towards the sun on a given surface, in place of `theta` and `phi`.
+    #[serde(flatten)]
+    pub sun: SunConfig,
 }
 
 impl LightConfig {
+    /// Takes the direction towards the sun, if one is given, for `theta` and `phi`.
+    pub(crate) fn take_sun(&mut self, y_is_north: bool) {
+        if let Some([theta, phi]) = self.sun.take(y_is_north) {
+            (self.theta, self.phi) = (theta, phi);
+        }
+    }
+
     /// The wavelength, nanometres, if one is given.
     pub(crate) fn wavelength_nm(&self) -> Option<f64> {
         self.wavelength.map(|wavelength| wavelength.0)

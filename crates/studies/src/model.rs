@@ -6,6 +6,7 @@ mod error;
 mod evaluation;
 mod layer_bins;
 mod list;
+mod several;
 mod slopes_of;
 mod surface_bins;
 
@@ -18,6 +19,7 @@ pub use self::error::EvaluationError;
 pub use self::evaluation::Evaluation;
 use self::layer_bins::{LayerBins, LayerModel};
 pub use self::list::model_list;
+use self::several::Several;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
 use crate::config::error::ConfigError;
@@ -32,11 +34,27 @@ pub enum Resolution {
     Directions,
 }
 
-/// Evaluates the model of a configuration, which is that of `document`.
+/// Evaluates the model of a configuration, which is that of `document`, at every combination of its lists.
 ///
 /// # Errors
 /// [`EvaluationError`] if a value is missing, superfluous or out of range.
 pub fn evaluate_model(
+    config: &ModelConfig,
+    document: &Document,
+    resolution: Resolution,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    let lists = config.lists();
+    if lists.is_empty() {
+        return evaluate_single(config, document, resolution);
+    }
+    let singles = config.singles(&lists)?.into_iter();
+    let evaluations = singles
+        .map(|(values, single)| Ok((values, evaluate_single(&single, document, resolution)?)));
+    Ok(Box::new(Several::of(lists, evaluations)?))
+}
+
+/// Evaluates the model of a configuration without lists.
+fn evaluate_single(
     config: &ModelConfig,
     document: &Document,
     resolution: Resolution,

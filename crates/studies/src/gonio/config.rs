@@ -10,6 +10,7 @@ use super::sample::Sample;
 use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
+use crate::config::sun::SunConfig;
 use crate::config::values::{Number, OneOrMany};
 use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
@@ -42,9 +43,19 @@ pub struct GonioLight {
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,
+    /// Directions towards the sun on a given surface, in place of `theta` and `phi`.
+    #[serde(flatten)]
+    pub sun: SunConfig,
 }
 
 impl GonioLight {
+    /// Takes the directions towards the sun, if they are given, for `theta` and `phi`.
+    pub(super) fn take_sun(&mut self, y_is_north: bool) {
+        if let Some([theta, phi]) = self.sun.take(y_is_north) {
+            (self.theta, self.phi) = (Some(theta), Some(phi));
+        }
+    }
+
     /// The wavelength, nanometres, if one is given.
     pub(super) fn wavelength_nm(&self) -> Option<f64> {
         self.wavelength.map(|wavelength| wavelength.0)
@@ -173,6 +184,7 @@ impl GonioConfig {
                 from: self.light.from,
                 wavelength: None,
                 stokes: self.light.stokes.clone(),
+                sun: SunConfig::default(),
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),

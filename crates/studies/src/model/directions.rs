@@ -1,8 +1,5 @@
 //! A model at single directions: in the plane of incidence, or over the sphere.
 
-use std::path::Path;
-
-use asperity_io::WriteError;
 use asperity_optics::Incidence;
 use asperity_tally::Side;
 
@@ -10,9 +7,10 @@ use super::config::Selection;
 use super::error::EvaluationError;
 use super::evaluation::Evaluation;
 use crate::output::{Column, Table};
+use crate::report::views::Csv;
 
 /// Most rows of one table.
-const MAX_ROWS: f64 = 1e7;
+pub(super) const MAX_ROWS: f64 = 1e7;
 
 /// Distance between directions unless one is given, degrees.
 const DEFAULT_STEP: f64 = 1.0;
@@ -92,16 +90,16 @@ fn table() -> Table<'static, Row> {
 }
 
 impl Evaluation for Directions {
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
-        table().write_csv(path, &self.rows)
+    fn table(&self) -> Csv<'_> {
+        table().with_rows(&self.rows)
     }
 
-    fn csv(&self) -> Option<String> {
-        Some(table().csv(&self.rows))
+    fn is_listed(&self) -> bool {
+        true
     }
 
-    fn rows(&self) -> String {
-        format!("{} directions", self.rows.len())
+    fn rows(&self) -> (usize, &'static str) {
+        (self.rows.len(), "directions")
     }
 
     fn notes(&self) -> &[String] {
