@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{Table, json, refused, succeed, words};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -308,4 +308,83 @@ fn lists_give_a_model_at_every_combination() {
         let message = refused(folder, &words(line), 2);
         assert!(message.contains(why), "{line}: {message}");
     }
+}
+
+#[test]
+fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let count = "attenuation --tau 0.5 --sigma 0.25 --size 128 --spacing 0.05 --realisations 2";
+    let angles = "--theta 0,40 --view-theta 0,20,60 --view-phi 180 --no-mirror --no-plots";
+    succeed(folder, &words(&format!("{count} {angles} -o a")));
+    let table = Table::read(&folder.join("a/attenuation.csv"));
+    let step = "--smoothness 2 --material mirror --step 20 --attenuation-of a/attenuation.csv";
+    for name in ["v-cavity", "cook-torrance-neumann"] {
+        let text = succeed(folder, &words(&format!("model {name} {step} --theta 40")));
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows.len(), 4, "{text}");
+        for (row, theta) in rows.iter().zip([0.0, 20.0, 40.0, 60.0]) {
+            let cells: Vec<&str> = row.split(',').collect();
+            assert_eq!(cells[..3], ["reflected", &theta.to_string(), "180"]);
+            // Of the light at 40 degrees, the rows 3 to 5 of the table; 40 degrees lie halfway between 20 and 60.
+            let g2 = |row| table.number(row, "g2");
+            let g2 = match theta {
+                0.0 => g2(3),
+                20.0 => g2(4),
+                40.0 => 0.5 * (g2(4) + g2(5)),
+                _ => g2(5),
+            };
+            // Gaussian slopes of variance 2 / s^2 along each axis, at the half vector in the plane of incidence.
+            let [i, o] = [40.0_f64, theta].map(f64::to_radians);
+            let m = 0.5 * (o - i);
+            let variance = 2.0 / 4.0;
+            let d = (-m.tan().powi(2) / (2.0 * variance)).exp()
+                / (std::f64::consts::TAU * variance * m.cos().powi(4));
+            let below = match name {
+                "v-cavity" => i.cos() * o.cos(),
+                _ => i.cos().max(o.cos()),
+            };
+            let expected = d * g2 / (4.0 * below);
+            let found: f64 = cells[3].parse().unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-12, "{row}: {expected}");
+        }
+    }
+    for (line, why, code) in [
+        (
+            "model smith --theta 40",
+            "no attenuation that a table can replace",
+            2,
+        ),
+        (
+            "model v-cavity --theta 40 --bins 3x4",
+            "leave out --bins",
+            2,
+        ),
+        (
+            "model v-cavity --theta 60",
+            "beyond those of the table, 0 to 40",
+            1,
+        ),
+    ] {
+        let message = refused(folder, &words(&format!("{line} {step}")), code);
+        assert!(message.contains(why), "{line}: {message}");
+    }
+    let other = step.replace("--smoothness 2", "--smoothness 3");
+    let message = refused(
+        folder,
+        &words(&format!("model v-cavity {other} --theta 40")),
+        1,
+    );
+    assert!(message.contains("other slopes"), "{message}");
+    let wrong = step.replace("a/attenuation.csv", "wrong.csv");
+    fs::write(folder.join("wrong.csv"), "theta,g2\n0,1\n").unwrap();
+    let message = refused(
+        folder,
+        &words(&format!("model v-cavity {wrong} --theta 40")),
+        1,
+    );
+    assert!(
+        message.contains("attenuation.csv of one sigma"),
+        "{message}"
+    );
 }

@@ -283,6 +283,7 @@ mod tests {
             shape: [2, 2],
             spacing: [1.0, 1.0],
             unit: "1".into(),
+            y_up: false,
         };
         let means = figure.block_means(2, 2);
         assert_eq!(

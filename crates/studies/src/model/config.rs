@@ -37,6 +37,8 @@ pub(super) struct Selection {
     pub(super) step: Option<f64>,
     /// `true` if they fill the sphere, and not only the plane of incidence.
     pub(super) sphere: bool,
+    /// Table of the attenuation that replaces that of the model.
+    pub(super) attenuation_of: Option<PathBuf>,
 }
 
 /// The roughness, if the model is of rough surfaces.

@@ -49,19 +49,45 @@ impl Directions {
         about: About,
         bsdf: impl Fn(f64, f64) -> f64,
     ) -> Result<Self, EvaluationError> {
-        let rows = directions(selection, incidence)?.into_iter();
-        Ok(Self {
+        let directions = directions(selection, incidence)?.into_iter();
+        Ok(Self::at(directions, about, bsdf))
+    }
+
+    /// The values at the multiples of the step from one polar angle to another, on the side of the light, at one azimuth, degrees.
+    pub(super) fn along(
+        selection: &Selection,
+        [from, to]: [f64; 2],
+        phi_deg: f64,
+        about: About,
+        bsdf: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let step = selection.step.unwrap_or(DEFAULT_STEP);
+        let within = move |angle: &f64| (from - 1e-9..=to + 1e-9).contains(angle);
+        let angles = multiples(step, 90.0).into_iter().filter(within);
+        let direction = |theta_deg: f64| Outgoing {
+            side: Side::Reflected,
+            theta_deg,
+            phi_deg: phi_deg.rem_euclid(360.0),
+        };
+        Self::at(angles.map(direction), about, bsdf)
+    }
+
+    fn at(
+        directions: impl Iterator<Item = Outgoing>,
+        about: About,
+        bsdf: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let row = |direction: Outgoing| {
+            let [theta, phi] = [direction.theta_deg, direction.phi_deg].map(f64::to_radians);
+            Row {
+                direction,
+                bsdf: bsdf(theta, phi),
+            }
+        };
+        Self {
             about,
-            rows: rows
-                .map(|direction| Row {
-                    direction,
-                    bsdf: bsdf(
-                        direction.theta_deg.to_radians(),
-                        direction.phi_deg.to_radians(),
-                    ),
-                })
-                .collect(),
-        })
+            rows: directions.map(row).collect(),
+        }
     }
 }
 

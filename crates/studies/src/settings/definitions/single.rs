@@ -69,5 +69,9 @@ pub(super) const MODEL_SETTINGS: &[Setting] = &flags(
             .range(Range::AboveTo(0.0, 45.0))
             .otherwise("1"),
         basic("sphere", Kind::Switch).help("The whole sphere, not only the plane of incidence"),
+        setting("attenuation_of", Kind::Path)
+            .help("attenuation.csv with counted shadowing and masking")
+            .value_name("FILE")
+            .otherwise("that of the model"),
     ],
 );
