@@ -124,7 +124,9 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
     let positional = command.positional().map(|(name, about)| {
         let argument = Arg::new(POSITIONAL).value_name(name).help(about);
         match command {
-            Command::Trace => argument.num_args(1..).value_hint(ValueHint::FilePath),
+            Command::Trace | Command::Mesh => {
+                argument.num_args(1..).value_hint(ValueHint::FilePath)
+            }
             Command::Model => argument.value_parser(Offered(names_of_models())),
             _ => argument.value_hint(ValueHint::FilePath),
         }

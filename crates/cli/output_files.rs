@@ -16,6 +16,17 @@ pub(crate) fn check_outputs(outputs: &[&Path], document: &Document) -> Result<()
     refuse_equal_names(outputs)
 }
 
+/// Refuses the name of a file for a folder that takes several files.
+pub(crate) fn refuse_file_name(output: &Path, names_file: bool) -> Result<(), Failure> {
+    match names_file {
+        true => Err(Failure::usage(format!(
+            "-o {} has the ending of a file, and several files are to be written: name a folder",
+            output.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
 /// Refuses to replace a file that the run of `document` reads.
 pub(crate) fn refuse_input(output: &Path, document: &Document) -> Result<(), Failure> {
     let mut inputs = document.input_files().into_iter();

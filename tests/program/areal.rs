@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{json, refused, succeed, with_surface, words};
 
 /// A matrix of text, one unit apart: waves of lengths 4 and 32 along x, each of height 1.
 fn waves(folder: &Path) {
@@ -91,4 +91,42 @@ fn invalid_nesting_indices_are_refused() {
         let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(error.contains(sentence), "{flags}: {error}");
     }
+}
+
+#[test]
+fn light_falls_on_the_surface_that_filters_leave() {
+    let (_keep, folder) = with_surface();
+    let filters = "--s-filter 4 --remove plane --l-filter 24";
+    succeed(
+        &folder,
+        &words(&format!("inspect h.exr {filters} -o f.npy")),
+    );
+    let border = "--border periodic";
+    let light = "--theta 30 --rays 2e4 --bins 6x8 --no-plots";
+    let lines = [
+        format!("trace f.npy {border} {light} -o a"),
+        format!("trace h.exr {filters} {light} -o b"),
+        format!("trace h.exr --remove plane {light} -o c"),
+        format!("gonio --surface h.exr {filters} {light} -o g"),
+    ];
+    for line in &lines {
+        succeed(&folder, &words(line));
+    }
+    let [a, b, c] =
+        ["a", "b", "c"].map(|out| fs::read(folder.join(out).join("theta.csv")).unwrap());
+    assert!(a == b && a != c);
+    let read =
+        |out: &str| json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+    let (traced, measured) = (read("b"), read("g"));
+    let surface = &traced["config"]["surface"];
+    assert_eq!([&surface["s_filter"], &surface["l_filter"]], [4.0, 24.0]);
+    let reflected = &measured["directions"][0]["results"]["flux"]["all"]["reflected"];
+    assert_eq!(reflected, &traced["energy"]["reflected"]);
+    // Measurements of other surfaces are not resumed.
+    let other = lines[3].replace("--l-filter 24", "--l-filter 25");
+    let message = refused(&folder, &words(&other), 1);
+    assert!(message.contains("results of another run"), "{message}");
+    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let message = refused(&folder, &words("trace m.obj --s-filter 1"), 2);
+    assert!(message.contains("--s-filter"), "{message}");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{errors_of, json, refused, succeed, words};
+use crate::support::{errors_of, json, refused, succeed, unwrapped, words};
 
 /// A matrix of text: waves along x on a ramp along y.
 fn ramp(folder: &Path, name: &str) {
@@ -303,4 +303,121 @@ fn shadow_of_a_terrain_is_measured_in_both_formats() {
     );
     let error = refused(folder, &words("inspect wall.exr --theta 95"), 2);
     assert!(error.contains("--theta"), "{error}");
+}
+
+/// A terrain of 12 x 9 cells of 10 m, a ridge that falls towards the south-east, as an ESRI grid and as a list of points.
+fn terrain(folder: &Path) {
+    let height = |east: usize, north: usize| {
+        let (x, y) = (east as f64, north as f64);
+        30.0 * (-0.3 * (x - 0.7 * y).powi(2)).exp() + 2.0 * (0.9 * x + 0.4 * y).sin()
+    };
+    let mut grid = "ncols 12\nnrows 9\nxllcorner 0\nyllcorner 0\ncellsize 10\n".to_owned();
+    let mut points = String::new();
+    for north in (0..9).rev() {
+        for east in 0..12 {
+            grid += &format!("{} ", height(east, north));
+            points += &format!("{} {} {}\n", 10 * east, 10 * north, height(east, north));
+        }
+        grid += "\n";
+    }
+    fs::write(folder.join("t.asc"), grid).unwrap();
+    fs::write(folder.join("t.xyz"), points).unwrap();
+}
+
+#[test]
+fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    terrain(folder);
+    let lit = |line: &str| -> Vec<[f64; 2]> {
+        let line = format!("inspect {line} --border open --json");
+        let shadows = json(&succeed(folder, &words(&line)))["shadows"].clone();
+        let shadows = shadows.as_array().unwrap().iter();
+        let lit = shadows.map(|one| ["mean", "se"].map(|key| one["lit"][key].as_f64().unwrap()));
+        lit.collect()
+    };
+    let sun = "--sun-elevation 15,40 --sun-azimuth 300";
+    let expected = lit(&format!("t.asc {sun} --cells smooth"));
+    assert!(expected[0][0] < 0.9 && expected[0][0] < expected[1][0]);
+    let differs =
+        |[a, error]: [f64; 2], [b, other]: [f64; 2]| (a - b).abs() > 5.0 * error.hypot(other);
+    for map in ["t.xyz", "t.asc --flip", "t.xyz --flip"] {
+        let found = lit(&format!("{map} {sun} --cells smooth"));
+        for (found, expected) in found.into_iter().zip(&expected) {
+            assert!(!differs(found, *expected), "{map}: {found:?} {expected:?}");
+        }
+    }
+    let from_the_east = lit("t.asc --sun-elevation 15 --sun-azimuth 120 --cells smooth");
+    assert!(differs(from_the_east[0], expected[0]), "{from_the_east:?}");
+    // Rows from the north: west-north-west is at 300 - 90 degrees from +x towards the south. Otherwise at 90 - 300.
+    for (map, phi) in [("t.asc", 210), ("t.xyz", 150)] {
+        let by_angles = lit(&format!("{map} --theta 75,50 --phi {phi}"));
+        assert_eq!(lit(&format!("{map} {sun}")), by_angles);
+    }
+
+    let light = "--border open --material lambertian --reflectance 0.3 --rays 1e4 --bins 6x8";
+    let run = |line: String| succeed(folder, &words(&line));
+    run(format!(
+        "trace t.asc {light} --sun-elevation 40 --sun-azimuth 300 -o a"
+    ));
+    run(format!("trace t.asc {light} --theta 50 --phi 210 -o b"));
+    run(format!("trace t.asc {light} --theta 50 --phi 210 -o a"));
+    let table = |out: &str| fs::read(folder.join(out).join("histogram.csv")).unwrap();
+    assert!(table("a") == table("b"));
+    let gonio = "--sun-elevation 40,20 --sun-azimuth 300 --no-plots -o g";
+    run(format!("gonio --surface t.asc {light} {gonio}"));
+    let found = json(&fs::read_to_string(folder.join("g/summary.json")).unwrap());
+    assert_eq!(found["thetas_deg"], serde_json::json!([50.0, 70.0]));
+    assert_eq!(found["phis_deg"], serde_json::json!([210.0]));
+    let picture = "--size 16x12 --samples 4 --view-theta 30";
+    let text = run(format!(
+        "render t.asc {picture} --sun-elevation 40 --sun-azimuth 300 -o a.exr"
+    ));
+    run(format!(
+        "render t.asc {picture} --sun-theta 50 --sun-phi 210 -o b.exr"
+    ));
+    let [a, b] = ["a.exr", "b.exr"].map(|file| fs::read(folder.join(file)).unwrap());
+    assert!(a == b);
+    assert!(unwrapped(&text).contains("its mirror image"), "{text}");
+}
+
+#[test]
+fn the_sun_is_given_whole_and_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    terrain(folder);
+    for (line, why) in [
+        ("trace t.asc --sun-elevation 40", "sun-azimuth"),
+        ("inspect t.asc --sun-azimuth 40", "sun-elevation"),
+        ("render t.asc -o a.png --sun-azimuth 40", "sun-elevation"),
+        (
+            "trace t.asc --sun-elevation 40 --sun-azimuth 3 --theta 3",
+            "excludes",
+        ),
+        (
+            "inspect t.asc --sun-elevation 40 --sun-azimuth 3 --phi 3",
+            "goes with",
+        ),
+        (
+            "render t.asc -o a.png --sun-elevation 4 --sun-azimuth 3 --sun-phi 3",
+            "excludes",
+        ),
+        (
+            "gonio --surface t.asc --sun-elevation 4 --sun-azimuth 3 --directions 2x2 -o g",
+            "excludes",
+        ),
+        (
+            "gonio --smoothness 3 --sun-elevation 4 --sun-azimuth 3 -o g",
+            "given surface",
+        ),
+        ("trace t.asc --sun-elevation 0 --sun-azimuth 3", "above 0"),
+        ("trace t.asc --sun-elevation 91 --sun-azimuth 3", "90"),
+        (
+            "verify --sun-elevation 9 --sun-azimuth 3 -o v",
+            "not for verify",
+        ),
+    ] {
+        let message = refused(folder, &words(line), 2);
+        assert!(message.contains(why), "{line}: {message}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{Table, json, refused, succeed, words};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -250,4 +250,141 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
         let message = refused(folder, &words(&flags), code);
         assert!(message.contains(expected), "{message}");
     }
+}
+
+/// Rows of a table in text, without comments, each with `prefix` in front; none of its header.
+fn prefixed(text: &str, prefix: &str) -> Vec<String> {
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    rows.skip(1).map(|row| format!("{prefix}{row}")).collect()
+}
+
+#[test]
+fn lists_give_a_model_at_every_combination() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let layer = "model hanrahan-krueger --mean-free-path 2 --albedo 0.9 --step 30";
+    let all = run(&format!("{layer} --thickness 1,4 --theta 0,50"));
+    let rows: Vec<&str> = all.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(rows[0], "thickness,theta_i_deg,side,theta_deg,phi_deg,bsdf");
+    let mut expected = Vec::new();
+    for thickness in [1, 4] {
+        for theta in [0, 50] {
+            let single = run(&format!("{layer} --thickness {thickness} --theta {theta}"));
+            expected.extend(prefixed(&single, &format!("{thickness},{theta},")));
+            let note = single.lines().next().unwrap().strip_prefix("# ").unwrap();
+            let labelled = format!("# thickness = {thickness}, theta_i_deg = {theta}: {note}");
+            assert!(all.contains(&labelled), "{all}");
+        }
+    }
+    assert_eq!(rows[1..], expected);
+
+    let rough = "model heitz --eta 1.5 --bins 3x4 --rays 1e4";
+    let text = run(&format!("{rough} --smoothness 2,3 -o all.csv"));
+    assert!(
+        text.contains("smoothness = 3") && text.contains("48 bins"),
+        "{text}"
+    );
+    let all = fs::read_to_string(folder.join("all.csv")).unwrap();
+    let mut expected = Vec::new();
+    let cases = json(&run(&format!("{rough} --smoothness 2,3 --json")))["cases"].clone();
+    for (number, smoothness) in [2, 3].into_iter().enumerate() {
+        run(&format!("{rough} --smoothness {smoothness} -o one.csv"));
+        let one = fs::read_to_string(folder.join("one.csv")).unwrap();
+        expected.extend(prefixed(&one, &format!("{smoothness},")));
+        let single = json(&run(&format!("{rough} --smoothness {smoothness} --json")));
+        assert_eq!(cases[number]["energy"], single["energy"]);
+        assert_eq!(cases[number]["at"]["smoothness"], f64::from(smoothness));
+    }
+    assert_eq!(all.lines().skip(1).collect::<Vec<_>>(), expected);
+
+    let many = "model smith --smoothness 3 --sphere --step 0.1 --theta 0,10";
+    let message = refused(folder, &words(many), 2);
+    assert!(message.contains("rows of all combinations"), "{message}");
+    for (line, why) in [
+        ("model smith --smoothness 2,2", "twice"),
+        ("model smith --smoothness 2,-1", "above 0"),
+    ] {
+        let message = refused(folder, &words(line), 2);
+        assert!(message.contains(why), "{line}: {message}");
+    }
+}
+
+#[test]
+fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let count = "attenuation --tau 0.5 --sigma 0.25 --size 128 --spacing 0.05 --realisations 2";
+    let angles = "--theta 0,40 --view-theta 0,20,60 --view-phi 180 --no-mirror --no-plots";
+    succeed(folder, &words(&format!("{count} {angles} -o a")));
+    let table = Table::read(&folder.join("a/attenuation.csv"));
+    let step = "--smoothness 2 --material mirror --step 20 --attenuation-of a/attenuation.csv";
+    for name in ["v-cavity", "cook-torrance-neumann"] {
+        let text = succeed(folder, &words(&format!("model {name} {step} --theta 40")));
+        let rows: Vec<&str> = text.lines().skip(1).collect();
+        assert_eq!(rows.len(), 4, "{text}");
+        for (row, theta) in rows.iter().zip([0.0, 20.0, 40.0, 60.0]) {
+            let cells: Vec<&str> = row.split(',').collect();
+            assert_eq!(cells[..3], ["reflected", &theta.to_string(), "180"]);
+            // Of the light at 40 degrees, the rows 3 to 5 of the table; 40 degrees lie halfway between 20 and 60.
+            let g2 = |row| table.number(row, "g2");
+            let g2 = match theta {
+                0.0 => g2(3),
+                20.0 => g2(4),
+                40.0 => 0.5 * (g2(4) + g2(5)),
+                _ => g2(5),
+            };
+            // Gaussian slopes of variance 2 / s^2 along each axis, at the half vector in the plane of incidence.
+            let [i, o] = [40.0_f64, theta].map(f64::to_radians);
+            let m = 0.5 * (o - i);
+            let variance = 2.0 / 4.0;
+            let d = (-m.tan().powi(2) / (2.0 * variance)).exp()
+                / (std::f64::consts::TAU * variance * m.cos().powi(4));
+            let below = match name {
+                "v-cavity" => i.cos() * o.cos(),
+                _ => i.cos().max(o.cos()),
+            };
+            let expected = d * g2 / (4.0 * below);
+            let found: f64 = cells[3].parse().unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-12, "{row}: {expected}");
+        }
+    }
+    for (line, why, code) in [
+        (
+            "model smith --theta 40",
+            "no attenuation that a table can replace",
+            2,
+        ),
+        (
+            "model v-cavity --theta 40 --bins 3x4",
+            "leave out --bins",
+            2,
+        ),
+        (
+            "model v-cavity --theta 60",
+            "beyond those of the table, 0 to 40",
+            1,
+        ),
+    ] {
+        let message = refused(folder, &words(&format!("{line} {step}")), code);
+        assert!(message.contains(why), "{line}: {message}");
+    }
+    let other = step.replace("--smoothness 2", "--smoothness 3");
+    let message = refused(
+        folder,
+        &words(&format!("model v-cavity {other} --theta 40")),
+        1,
+    );
+    assert!(message.contains("other slopes"), "{message}");
+    let wrong = step.replace("a/attenuation.csv", "wrong.csv");
+    fs::write(folder.join("wrong.csv"), "theta,g2\n0,1\n").unwrap();
+    let message = refused(
+        folder,
+        &words(&format!("model v-cavity {wrong} --theta 40")),
+        1,
+    );
+    assert!(
+        message.contains("attenuation.csv of one sigma"),
+        "{message}"
+    );
 }

@@ -1,6 +1,8 @@
 //! Polarised light: incident Stokes vectors, Mueller matrices, and what averaging changes.
 
-use crate::support::{json, refused, succeed, with_surface, words};
+use std::fs;
+
+use crate::support::{Table, json, refused, succeed, with_surface, words};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -61,17 +63,118 @@ fn impossible_light_is_refused() {
 }
 
 #[test]
-fn commands_refuse_what_they_do_not_keep() {
+fn a_map_refuses_matrices() {
     let folder = tempfile::tempdir().unwrap();
-    for line in [
-        "gonio --smoothness 3 --eta 1.5 --polarisation mueller -o g",
-        "gonio --smoothness 3 --eta 1.5 --polarisation both -o g",
-        "map --smoothness 3 --eta 1.5 --polarisation mueller -o m",
-    ] {
-        let message = refused(folder.path(), &words(line), 2);
-        assert!(message.contains("fluxes alone"), "{line}: {message}");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let line = "map --smoothness 3 --eta 1.5 --polarisation mueller -o m";
+    let message = refused(folder.path(), &words(line), 2);
+    assert!(message.contains("fluxes alone"), "{message}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn matrices_of_each_direction_are_those_of_a_trace() {
+    let (_keep, folder) = with_surface();
+    let light = "--eta 1.5 --rays 2e4 --bins 6x8 --estimator plain --polarisation mueller";
+    let line = format!("gonio --surface h.exr --theta 20,60 --no-plots {light} -o g");
+    succeed(&folder, &words(&line));
+    let summary = json(&fs::read_to_string(folder.join("g/summary.json")).unwrap());
+    for (number, theta) in [20, 60].into_iter().enumerate() {
+        let out = format!("t{theta}");
+        let line = format!("trace h.exr --theta {theta} --no-plots {light} -o {out}");
+        succeed(&folder, &words(&line));
+        let direction = &summary["directions"][number];
+        let name = direction["direction"].as_str().unwrap();
+        for file in ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"] {
+            let of_gonio = folder.join(format!("g/directions/{name}/{file}"));
+            let traced = folder.join(&out).join(file);
+            assert!(
+                fs::read(of_gonio).unwrap() == fs::read(traced).unwrap(),
+                "{file}"
+            );
+            let columns = &summary["columns"][format!("directions/*/{file}")];
+            assert!(columns.as_array().is_some_and(|list| list.len() > 30));
+        }
+        let traced = json(&fs::read_to_string(folder.join(&out).join("summary.json")).unwrap());
+        assert_eq!(direction["results"]["mueller"], traced["mueller"]);
     }
+}
+
+#[test]
+fn gonio_tells_what_averaging_changes() {
+    let (_keep, folder) = with_surface();
+    let light = "--eta 1.5 --rays 2e4 --bins 6x8 --theta 50 --polarisation both --no-plots";
+    succeed(
+        &folder,
+        &words(&format!("gonio --surface h.exr {light} -o g")),
+    );
+    succeed(&folder, &words(&format!("trace h.exr {light} -o t")));
+    let read = |path: &str| json(&fs::read_to_string(folder.join(path)).unwrap());
+    let (gonio, trace) = (read("g/summary.json"), read("t/summary.json"));
+    let direction = &gonio["directions"][0];
+    let found = &direction["results"]["tracked_less_averaged"];
+    assert_eq!(found, &trace["tracked_less_averaged"]);
+    let total = Table::read(&folder.join("g/gonio.csv"));
+    let name = direction["direction"].as_str().unwrap();
+    let bins = Table::read(&folder.join(format!("g/directions/{name}.csv")));
+    let traced = Table::read(&folder.join("t/histogram.csv"));
+    let column = "flux_tracked_less_averaged";
+    for row in 0..96 {
+        assert_eq!(bins.text(row, column), traced.text(row, column));
+    }
+    let reflected = total.number(0, "reflected_tracked_less_averaged");
+    assert_eq!(reflected, number(&found["reflected"]["mean"]));
+    assert!(reflected != 0.0);
+}
+
+#[test]
+fn polarised_light_on_ensembles_leaves_as_their_matrix_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surfaces = "--smoothness 2 --tau 4 --size 32 --realisations 16 --rays 1.6e5 --bins 6x8";
+    // The axes of vertical light have an azimuth, though each ray comes from another.
+    for theta in [0, 50] {
+        let run = |command: &str, more: &str, name: &str| {
+            let line =
+                format!("{command} {surfaces} --theta {theta} --no-plots {more} -o {name}{theta}");
+            succeed(folder, &words(&line));
+            folder.join(format!("{name}{theta}"))
+        };
+        let matrix = run(
+            "verify",
+            "--models none --polarisation mueller --estimator plain",
+            "m",
+        );
+        let matrix = Table::read(&matrix.join("mueller.csv"));
+        let light = "--stokes 1,0.6,-0.8,0";
+        let found = run("verify", light, "v");
+        let table = Table::read(&found.join("histogram.csv"));
+        let (mut chi_square, mut count): (f64, f64) = (0.0, 0.0);
+        for row in 0..96 {
+            let flux = matrix.number(row, "flux");
+            if flux * 1.6e5 < 500.0 {
+                continue;
+            }
+            let of = |element: &str| matrix.number(row, element);
+            let expected = flux * (1.0 + 0.6 * of("m01") - 0.8 * of("m02"));
+            let error = of("flux_se") + flux * f64::hypot(0.6 * of("m01_se"), 0.8 * of("m02_se"));
+            let z =
+                (table.number(row, "flux") - expected) / error.hypot(table.number(row, "flux_se"));
+            chi_square += z * z;
+            count += 1.0;
+        }
+        assert!(count > 8.0, "{count}");
+        assert!(chi_square < 2.0 * count, "{theta}: {chi_square} of {count}");
+        // A measurement of the same surfaces gives the same fluxes.
+        let line = format!("gonio {surfaces} --theta {theta} --no-plots {light} -o g{theta}");
+        succeed(folder, &words(&line));
+        let gonio = fs::read_to_string(folder.join(format!("g{theta}/summary.json"))).unwrap();
+        let verify = json(&fs::read_to_string(found.join("summary.json")).unwrap());
+        let reflected = &json(&gonio)["directions"][0]["results"]["flux"]["all"]["reflected"];
+        assert_eq!(reflected, &verify["energy"]["reflected"]);
+    }
+    let line = format!("verify {surfaces} --theta 30 --stokes 1,1,0,0 --models smith -o r");
+    let message = refused(folder, &words(&line), 2);
+    assert!(message.contains("unpolarised light"), "{message}");
 }
 
 #[test]

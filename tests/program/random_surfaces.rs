@@ -1,8 +1,10 @@
 //! Random surfaces that are not Gaussian: settings, refusals, and what is read back.
 
+use std::fs;
+
 use serde_json::Value;
 
-use crate::support::{json, refused, succeed, unwrapped, words};
+use crate::support::{Table, files, json, refused, succeed, unwrapped, words};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
@@ -111,4 +113,104 @@ fn tiles_that_hold_few_amplitudes_of_ggx_slopes_are_told() {
     assert!(few.contains("holds 8 amplitude lengths along x"), "{few}");
     assert!(few.contains("--size 256,256 holds 16"), "{few}");
     assert!(!said("256").contains("amplitude lengths"));
+}
+
+#[test]
+fn surfaces_in_a_folder_are_those_that_a_verification_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let surface = "--smoothness 2 --tau 4 --size 32 --seed 5";
+    run(&format!(
+        "generate {surface} --realisation 8 --realisations 3 -o set"
+    ));
+    assert_eq!(
+        files(&folder.join("set")),
+        [
+            "manifest.json",
+            "surface_08.exr",
+            "surface_09.exr",
+            "surface_10.exr"
+        ]
+    );
+    for number in [8, 9, 10] {
+        run(&format!(
+            "generate {surface} --realisation {number} -o one.exr"
+        ));
+        let [one, same] = ["one.exr".to_owned(), format!("set/surface_{number:02}.exr")]
+            .map(|name| fs::read(folder.join(name)).unwrap());
+        assert!(one == same, "{number}");
+    }
+    run(&format!(
+        "generate {surface} --realisations 3 --format npy -o maps"
+    ));
+    let light =
+        "--theta 40 --rays 9e3 --seed 5 --bins 6x8 --cells flat --estimator plain --no-plots";
+    let fixed =
+        "--smoothness 2 --tau 4 --size 32 --spacing 1 --realisations 3 --light-azimuth fixed";
+    run(&format!(
+        "verify {fixed} {light} --no-fold --models none -o v"
+    ));
+    let maps = "maps/surface_0.npy maps/surface_1.npy maps/surface_2.npy";
+    run(&format!("trace {maps} --border periodic {light} -o t"));
+    let [drawn, given] = ["v", "t"].map(|out| Table::read(&folder.join(out).join("theta.csv")));
+    assert_eq!(drawn.rows.len(), given.rows.len());
+    for row in 0..drawn.rows.len() {
+        for column in ["flux", "flux_se", "flux_order_2"] {
+            assert_eq!(drawn.text(row, column), given.text(row, column));
+        }
+    }
+    for (line, why) in [
+        (
+            "generate --smoothness 2 --realisations 3 -o a.exr",
+            "name a folder",
+        ),
+        (
+            "generate --smoothness 2 --format npy -o a.npy",
+            "needs --realisations",
+        ),
+        ("generate --smoothness 2 --realisations 0 -o a", "1"),
+    ] {
+        let message = refused(folder, &words(line), 2);
+        assert!(message.contains(why), "{line}: {message}");
+    }
+}
+
+#[test]
+fn height_maps_become_meshes_in_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    run("generate --smoothness 2 --tau 4 --size 32 --realisations 2 -o set");
+    let text = run("mesh set/surface_0.exr set/surface_1.exr --format obj -o meshes");
+    assert_eq!(
+        files(&folder.join("meshes")),
+        ["manifest.json", "surface_0.obj", "surface_1.obj"]
+    );
+    assert!(text.contains("surface_1.obj"), "{text}");
+    for number in [0, 1] {
+        run(&format!("mesh set/surface_{number}.exr -o one.obj"));
+        let [one, same] = ["one.obj".to_owned(), format!("meshes/surface_{number}.obj")]
+            .map(|name| fs::read(folder.join(name)).unwrap());
+        assert!(one == same);
+    }
+    fs::create_dir(folder.join("other")).unwrap();
+    fs::copy(
+        folder.join("set/surface_0.exr"),
+        folder.join("other/surface_0.exr"),
+    )
+    .unwrap();
+    for (line, why) in [
+        (
+            "mesh set/surface_0.exr set/surface_1.exr -o a.ply",
+            "name a folder",
+        ),
+        (
+            "mesh set/surface_0.exr other/surface_0.exr -o m",
+            "both would be surface_0.ply",
+        ),
+    ] {
+        let message = refused(folder, &words(line), 2);
+        assert!(message.contains(why), "{line}: {message}");
+    }
 }

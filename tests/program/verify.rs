@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, with_surface, words};
+use crate::support::{files, json, refused, succeed, unwrapped, with_surface, words};
 use serde_json::Value;
 
 #[test]
@@ -443,6 +443,26 @@ fn finer_meshes_are_asked_for_where_there_are_any() {
     assert!(refused(&folder, &mesh, 2).contains("triangle mesh"));
     let flat = [&["trace", "--flat", "--refine"], &light[..]].concat();
     assert!(refused(&folder, &flat, 2).contains("--refine"));
+}
+
+#[test]
+fn more_rays_than_requested_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surface = "--smoothness 3 --tau 4 --size 32 --no-plots";
+    for (line, traced, requested) in [
+        ("verify --models none --rays 10 -o v", 32, 10),
+        ("gonio --theta 30 --rays 100 -o g", 256, 100),
+    ] {
+        let text = succeed(folder, &words(&format!("{line} {surface}")));
+        let sentence = format!("{traced} rays were traced in place of {requested}");
+        assert!(unwrapped(&text).contains(&sentence), "{text}");
+    }
+    let text = succeed(
+        folder,
+        &words(&format!("verify --models none --rays 4000 {surface} -o w")),
+    );
+    assert!(!text.contains("in place of"), "{text}");
 }
 
 #[test]

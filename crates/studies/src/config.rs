@@ -12,6 +12,7 @@ pub(crate) mod medium;
 pub(crate) mod structure;
 mod structure_memo;
 pub(crate) mod structure_recipe;
+pub(crate) mod sun;
 pub(crate) mod surface;
 mod surface_choices;
 mod surface_files;
@@ -29,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
+use crate::config::sun::SunConfig;
 pub use crate::config::surface::SurfaceConfig;
 pub use crate::config::surface_choices::{
     GaussianName, HeightsChoice, Roughness, SecondScale, Spectrum, SurfaceFiles,
@@ -139,12 +141,68 @@ pub struct LightConfig {
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,
+    /// Direction towards the sun on a given surface, in place of `theta` and `phi`.
+    #[serde(flatten)]
+    pub sun: SunConfig,
 }
 
 impl LightConfig {
+    /// Takes the direction towards the sun, if one is given, for `theta` and `phi`.
+    pub(crate) fn take_sun(&mut self, y_is_north: bool) {
+        if let Some([theta, phi]) = self.sun.take(y_is_north) {
+            (self.theta, self.phi) = (theta, phi);
+        }
+    }
+
     /// The wavelength, nanometres, if one is given.
     pub(crate) fn wavelength_nm(&self) -> Option<f64> {
         self.wavelength.map(|wavelength| wavelength.0)
+    }
+
+    /// Returns `true` if a Stokes vector of polarised light is given.
+    pub(crate) fn is_polarised(&self) -> bool {
+        let given = self.stokes.as_ref().map(OneOrMany::as_slice);
+        given.is_some_and(|stokes| stokes.iter().skip(1).any(|part| part.0 != 0.0))
+    }
+
+    /// Q, U and V over I of the light, whose paths carry this `polarisation`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if there is no such light, or paths do not carry its polarisation.
+    pub(crate) fn stokes(&self, polarisation: Polarisation) -> Result<[f64; 3], ConfigError> {
+        let Some(given) = &self.stokes else {
+            return Ok([0.0; 3]);
+        };
+        let given: Vec<f64> = given
+            .values("stokes")?
+            .iter()
+            .map(|number| number.0)
+            .collect();
+        let refused = |reason| {
+            let numbers: Vec<String> = given.iter().map(f64::to_string).collect();
+            Err(ConfigError::unsuitable(
+                format!("stokes {}", numbers.join(",")),
+                reason,
+            ))
+        };
+        let &[i, q, u, v] = given.as_slice() else {
+            return refused("must be four numbers, I,Q,U,V");
+        };
+        if i <= 0.0 {
+            return refused("the intensity I must exceed 0");
+        }
+        let stokes = [q / i, u / i, v / i];
+        let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if degree > 1.0 + 1e-9 {
+            return refused("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2");
+        }
+        let is_tracked = matches!(polarisation, Polarisation::Tracked | Polarisation::Both);
+        if !is_tracked && degree > 0.0 {
+            return refused(
+                "paths carry the polarisation of the incident light with --polarisation tracked or both",
+            );
+        }
+        Ok(stokes)
     }
 }
 

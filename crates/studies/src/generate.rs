@@ -1,4 +1,4 @@
-//! Generate: one random rough surface.
+//! Generate: random rough surfaces.
 
 use std::path::Path;
 use std::time::Instant;
@@ -28,17 +28,21 @@ struct GenerateConfig {
 }
 
 /// `[generate]`: which of the surfaces of a seed is drawn.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 struct HeightMapConfig {
-    /// Number of the surface, from 0.
+    /// Number of the first surface, from 0.
     realisation: u64,
+    /// Ending of the files of several.
+    format: String,
 }
 
-/// `[run]` of one surface.
+/// `[run]` of surfaces.
 #[derive(Clone, Copy, Debug, Deserialize)]
 struct SeedConfig {
     /// Seed of the surfaces.
     seed: u64,
+    /// Number of surfaces in a folder; one in a file unless given.
+    realisations: Option<u64>,
 }
 
 /// A surface that is planned, and fits into memory.
@@ -85,17 +89,34 @@ impl GeneratePlan {
         })
     }
 
-    /// Draws the surface, and writes it as a height map. The time that it takes is explained to `observer`.
+    /// Names of the files of several surfaces, by their numbers among those of the seed; `None` of one.
+    #[must_use]
+    pub fn files(&self) -> Option<Vec<String>> {
+        let (first, format) = (
+            self.config.generate.realisation,
+            &self.config.generate.format,
+        );
+        let count = self.config.run.realisations?;
+        let last = first.saturating_add(count - 1);
+        let digits = last.to_string().len();
+        let name = |number| format!("surface_{number:0digits$}.{format}");
+        Some((first..=last).map(name).collect())
+    }
+
+    /// Draws the surface that comes `after` so many others, and writes it as a height map. The time that it takes is explained to
+    /// `observer`.
     ///
     /// # Errors
     /// [`StudyError`] if its heights overflow, or the file cannot be written.
     pub fn write(
         &self,
+        after: u64,
         path: &Path,
         observer: &dyn Observer,
     ) -> Result<GeneratedSurface, StudyError> {
         let clock = Instant::now();
-        let (seed, number) = (self.config.run.seed, self.config.generate.realisation);
+        let seed = self.config.run.seed;
+        let number = self.config.generate.realisation.saturating_add(after);
         let field = self.synthesis.draw(seed, number)?;
         let field = field.with_unit(self.config.surface.unit);
         observer.explain(&format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));

@@ -89,10 +89,11 @@ impl Study for GonioStudy {
         let surfaces = config.measured.read_surfaces(unit, observer)?;
         if let Some(surfaces) = &surfaces {
             config = document.clone().in_unit(surfaces.first.unit)?.read()?;
+            config.light.take_sun(surfaces.first.y_is_north);
         }
         let notes = config.surface.read_files()?;
-        let (form, cells) = (config.measured.remove, config.surface.cells.of_given());
-        let sample = surfaces.map(|surfaces| Sample::of(surfaces, form, cells));
+        let cells = config.surface.cells.of_given();
+        let sample = surfaces.map(|surfaces| Sample::of(surfaces, &config.measured, cells));
         Ok(Self {
             notes,
             ..Self::new(config, sample.transpose()?)?

@@ -1,4 +1,4 @@
-//! Mesh: a height map as triangles.
+//! Mesh: height maps as triangles.
 
 use std::path::Path;
 
@@ -30,12 +30,14 @@ pub struct MeshConfig {
 }
 
 /// `[mesh]`: how fine the triangles of smooth cells are.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct FinenessConfig {
     /// Parts of a cell along each axis.
     pub subdivide: Option<usize>,
     /// Largest distance from the smooth surface, in the unit of the heights.
     pub deviation: Option<f64>,
+    /// Ending of the files of several meshes.
+    pub format: String,
 }
 
 /// The triangles of a height map.
@@ -87,16 +89,38 @@ impl MeshedSurface {
 }
 
 impl MeshConfig {
-    /// Reads the height map, and divides it into triangles. `document` is that of the configuration.
+    /// The height maps, and the names that their meshes have in a folder.
     ///
     /// # Errors
-    /// [`StudyError`] if no height map is given, it cannot be read, or the triangles cannot be as near as requested or held in memory.
+    /// [`StudyError`] if no height map is given, or two meshes would have the same name.
+    pub fn files(&self, document: &Document) -> Result<Vec<(&Path, String)>, StudyError> {
+        self.measured.required_file(document)?;
+        let mut files: Vec<(&Path, String)> = Vec::new();
+        for path in self.measured.files() {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let name = format!("{stem}.{}", self.mesh.format);
+            if let Some((other, _)) = files.iter().find(|(_, given)| *given == name) {
+                return Err(ConfigError::unsuitable(
+                    format!("{} and {}", other.display(), path.display()),
+                    format!("the meshes of both would be {name}; mesh them one by one"),
+                )
+                .into());
+            }
+            files.push((path, name));
+        }
+        Ok(files)
+    }
+
+    /// Reads the height map `file`, and divides it into triangles. `document` is that of the configuration.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it cannot be read, or the triangles cannot be as near as requested or held in memory.
     pub fn triangles(
         &self,
+        file: &Path,
         document: &Document,
         observer: &dyn Observer,
     ) -> Result<MeshedSurface, StudyError> {
-        let file = self.measured.required_file(document)?;
         let field = self.measured.read_height_map(file, observer)?.field;
         let unit = field.unit();
         let (field, comment) = match self.surface.cells.of_given() {

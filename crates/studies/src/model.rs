@@ -1,23 +1,32 @@
 //! One statistical model: direction by direction, or bin by bin.
 
+mod attenuation_of;
 mod config;
 mod directions;
 mod error;
 mod evaluation;
 mod layer_bins;
 mod list;
+mod several;
 mod slopes_of;
 mod surface_bins;
 
-use asperity_analysis::{FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model};
+use std::path::Path;
+
+use asperity_analysis::{
+    FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model, smith_separable_g2,
+};
 use asperity_optics::{Incidence, Material, from_spherical};
 
+pub use self::attenuation_of::AttenuationFileError;
+use self::attenuation_of::{CountedAttenuation, with_smith};
 pub use self::config::ModelConfig;
 use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
 pub use self::evaluation::Evaluation;
 use self::layer_bins::{LayerBins, LayerModel};
 pub use self::list::model_list;
+use self::several::Several;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
 use crate::config::error::ConfigError;
@@ -32,11 +41,27 @@ pub enum Resolution {
     Directions,
 }
 
-/// Evaluates the model of a configuration, which is that of `document`.
+/// Evaluates the model of a configuration, which is that of `document`, at every combination of its lists.
 ///
 /// # Errors
 /// [`EvaluationError`] if a value is missing, superfluous or out of range.
 pub fn evaluate_model(
+    config: &ModelConfig,
+    document: &Document,
+    resolution: Resolution,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    let lists = config.lists();
+    if lists.is_empty() {
+        return evaluate_single(config, document, resolution);
+    }
+    let singles = config.singles(&lists)?.into_iter();
+    let evaluations = singles
+        .map(|(values, single)| Ok((values, evaluate_single(&single, document, resolution)?)));
+    Ok(Box::new(Several::of(lists, evaluations)?))
+}
+
+/// Evaluates the model of a configuration without lists.
+fn evaluate_single(
     config: &ModelConfig,
     document: &Document,
     resolution: Resolution,
@@ -52,6 +77,11 @@ pub fn evaluate_model(
         refuse_roughness(name, document)?;
         let model = layer_model(paths, config, material)?;
         return evaluate_layer(config, model, incidence, resolution);
+    }
+    if let Some(path) = &config.model.attenuation_of {
+        let (model, notes) =
+            rough_model(counted_model(name, config, resolution)?, config, material)?;
+        return evaluate_counted(config, model.as_ref(), notes, incidence, path);
     }
     let (model, notes) = rough_model(name, config, material)?;
     evaluate_surface(config, model, notes, incidence, resolution)
@@ -85,6 +115,62 @@ fn rough_model(
         });
     }
     Ok((model, notes))
+}
+
+/// The model that counted attenuation is put into, in place of that of the model `name`.
+fn counted_model(
+    name: &str,
+    config: &ModelConfig,
+    resolution: Resolution,
+) -> Result<&'static str, EvaluationError> {
+    let refused = |reason, advice: &str| {
+        Err(EvaluationError::Excludes {
+            name: name.to_owned(),
+            reason,
+            advice: advice.to_owned(),
+        })
+    };
+    let Some(base) = with_smith(name) else {
+        return refused(
+            "has no attenuation that a table can replace",
+            "--attenuation-of is for v-cavity (Cook and Torrance), smith-separable and cook-torrance-neumann",
+        );
+    };
+    if resolution == Resolution::Bins || config.model.sphere {
+        return refused(
+            "with --attenuation-of has values at the directions of the table alone",
+            "leave out --bins, --json and --sphere",
+        );
+    }
+    Ok(base)
+}
+
+/// A model with separable attenuation, which that of the table at `path` replaces.
+fn evaluate_counted(
+    config: &ModelConfig,
+    model: &dyn ScatteringModel,
+    notes: Vec<String>,
+    incidence: Incidence,
+    path: &Path,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    let counted = CountedAttenuation::read(path)?;
+    let slopes = model.slopes().covariance();
+    counted.check(slopes, incidence.theta_deg())?;
+    let (wi, theta_i) = (incidence.wi(), incidence.theta_deg());
+    let density = model.density();
+    let bsdf = |theta: f64, phi| {
+        let wo = from_spherical(theta, phi);
+        let with_smith = density.map_or(0.0, |density| density.bsdf(wi, wo));
+        let smith = smith_separable_g2(&slopes, wi, wo);
+        with_smith / smith * counted.g2(theta_i, theta.to_degrees())
+    };
+    let about = About {
+        description: "Reflection by Gaussian facets with shadowing and masking as counted on explicit surfaces (2019, Fig. 9)",
+        notes,
+    };
+    let phi_deg = incidence.phi_deg() + counted.azimuth_deg;
+    let directions = Directions::along(&config.model, counted.views(), phi_deg, about, bsdf);
+    Ok(Box::new(directions))
 }
 
 fn evaluate_surface(

@@ -27,6 +27,9 @@ const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were
 /// Note on smooth cells: light beams need flat facets.
 const SUN_BY_CHANCE: &str = "below smooth cells sunlight is found by random paths alone, which takes many samples or a wide sun";
 
+/// Note on a map whose rows go from north to south, so that its x, y and z are left-handed.
+const MIRRORED_MAP: &str = "the first row of the map, at y = 0, is its north, so the picture shows its mirror image; with --flip north is along +y and up in the picture";
+
 /// A picture that is planned: the surface is read, and all settings are checked.
 pub struct RenderPlan {
     /// The configuration, with lengths in the unit of the surface.
@@ -56,7 +59,7 @@ impl RenderPlan {
         let paths = PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER);
         let settings = RenderSettings {
             view: config.view(surface.extent(), surface.unit)?,
-            lights: config.lights.lights()?,
+            lights: config.lights.lights(surface.y_is_north)?,
             size: config.picture.size,
             samples: config.picture.samples,
             seed: config.run.seed,
@@ -97,6 +100,10 @@ impl RenderPlan {
             && config.medium.is_some()
             && config.lights.sun > 0.0;
         let notes = is_left_to_chance.then(|| SUN_BY_CHANCE.to_owned());
+        let compass = config.lights.compass.sun_azimuth.is_some();
+        let is_mirrored = compass && !self.surface.y_is_north;
+        let notes = notes.into_iter();
+        let notes = notes.chain(is_mirrored.then(|| MIRRORED_MAP.to_owned()));
         let exposure = config.picture.exposure;
         let exposure = exposure.unwrap_or_else(|| asperity_render::exposure(&outcome.picture));
         let files = config.picture.output.as_slice();

@@ -39,7 +39,8 @@ impl Study for TraceStudy {
         let (tops, bottom) = config
             .measured
             .read_with_bottom(medium, document, observer)?;
-        let config = document.clone().in_unit(tops.first.unit)?.read()?;
+        let mut config: TraceConfig = document.clone().in_unit(tops.first.unit)?.read()?;
+        config.light.take_sun(tops.first.y_is_north);
         Self::new(config, tops, bottom)
     }
 

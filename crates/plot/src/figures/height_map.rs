@@ -18,7 +18,7 @@ use crate::{Figure, PlotError};
 /// than 512 samples per side is averaged over blocks for display; the colours then span the averages, which are
 /// flatter than the samples.
 ///
-/// Sample (ix, iy) fills the cell from (ix dx, iy dy) to ((ix + 1) dx, (iy + 1) dy); row 0 is at the bottom.
+/// Sample (ix, iy) fills the cell from (ix dx, iy dy) to ((ix + 1) dx, (iy + 1) dy); row 0 is on top unless `y_up`.
 /// Both axes have the same scale. Only a field more than 16 times longer than wide is stretched, and says so.
 ///
 /// ```
@@ -34,6 +34,7 @@ use crate::{Figure, PlotError};
 ///     shape: [32, 48],
 ///     spacing: [1e-6, 1e-6],
 ///     unit: "m".into(),
+///     y_up: false,
 /// }
 /// .draw()?;
 /// assert!(figure.svg()?.contains("height (µm)"));
@@ -54,6 +55,8 @@ pub struct HeightMapFigure<'a> {
     /// Symbol of the length unit: `m`, `cm`, `mm`, `um` or `µm`, `nm` (shown with the prefix that suits the
     /// numbers), `1` for arbitrary units, or any other symbol, shown as it is.
     pub unit: String,
+    /// `true` if the first row is at the bottom, so that y points up, instead of on top.
+    pub y_up: bool,
 }
 
 /// Samples per side that are shown; more are averaged.
@@ -91,8 +94,12 @@ impl HeightMapFigure<'_> {
         let width = MAX_MAP.0.min(MAX_MAP.1 * aspect);
         let height = width / aspect;
         let x_axis = lateral.side_axis("x", extent[0], width);
-        // As images show it: the first row on top, so y points down
-        let y_axis = lateral.side_axis("y", extent[1], height).reversed();
+        let y_axis = lateral.side_axis("y", extent[1], height);
+        let y_axis = match self.y_up {
+            true => y_axis,
+            // As images show it: the first row on top, so y points down
+            false => y_axis.reversed(),
+        };
         let left = theme::MARGIN + y_axis_room(&y_axis)?;
         let figure_width = (left + width + BAR_ROOM).max(MIN_FIGURE_WIDTH);
 
@@ -109,7 +116,10 @@ impl HeightMapFigure<'_> {
         let map = Rect::at((left, top + 0.5 * (band - height)), width, height);
         let [ny, nx] = self.shape;
         let (columns, rows) = (shown_cells(nx), shown_cells(ny));
-        let means = self.block_means(columns, rows);
+        let mut means = self.block_means(columns, rows);
+        if self.y_up {
+            means = means.chunks(columns).rev().flatten().copied().collect();
+        }
         let scale = colour_scale(&means, vertical.unit_size);
         page.scene.pictures.push(Picture {
             frame: map,
@@ -154,8 +164,9 @@ impl HeightMapFigure<'_> {
         let [rms, lowest, highest] =
             [statistics.rms, statistics.min, statistics.max].map(|h| unit.number(h));
         let suffix = unit.suffix();
+        let first = if self.y_up { "at the bottom" } else { "on top" };
         format!(
-            "{nx} × {ny} samples, first row on top; rms height {rms}, lowest {lowest}, highest {highest}{suffix}"
+            "{nx} × {ny} samples, first row {first}; rms height {rms}, lowest {lowest}, highest {highest}{suffix}"
         )
     }
 
@@ -272,6 +283,7 @@ mod tests {
             shape: [2, 2],
             spacing: [1.0, 1.0],
             unit: "1".into(),
+            y_up: false,
         };
         let means = figure.block_means(2, 2);
         assert_eq!(

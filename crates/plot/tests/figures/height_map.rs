@@ -12,6 +12,7 @@ pub(crate) fn map(heights: &[f64], shape: [usize; 2], spacing: f64) -> HeightMap
         shape,
         spacing: [spacing, spacing],
         unit: "m".into(),
+        y_up: false,
     }
 }
 
@@ -122,4 +123,25 @@ fn bad_height_fields_are_refused() {
             ..
         })
     ));
+}
+
+#[test]
+fn the_first_row_is_on_top_or_at_the_bottom() {
+    let heights: Vec<f64> = (0..6).map(f64::from).collect();
+    let mirrored: Vec<f64> = heights.chunks(2).rev().flatten().copied().collect();
+    let figure = |heights: &[f64], y_up| {
+        let figure = HeightMapFigure {
+            y_up,
+            ..map(heights, [3, 2], 1.0)
+        };
+        figure.draw().unwrap().svg().unwrap()
+    };
+    let picture = |svg: &str| {
+        let from = svg.find("<image").unwrap();
+        svg[from..].split('>').next().unwrap().to_owned()
+    };
+    let [up, down] = [(&heights, true), (&mirrored, false)].map(|(h, up)| figure(h, up));
+    assert_eq!(picture(&up), picture(&down));
+    assert_ne!(picture(&up), picture(&figure(&heights, false)));
+    assert!(up.contains("first row at the bottom") && down.contains("first row on top"));
 }

@@ -24,10 +24,10 @@ impl VerifyConfig {
     }
 
     /// Returns `true` if the azimuth of light that leaves has no meaning in a case: the light is vertical and of any azimuth.
-    /// It is then spread evenly over azimuth. Axes of Mueller matrices have an azimuth all the same.
+    /// It is then spread evenly over azimuth. Axes of Mueller matrices and of polarised light have an azimuth all the same.
     #[must_use]
     pub fn free_azimuth(&self, case: &Case) -> bool {
-        let has_axes = self.run.polarisation == Polarisation::Mueller;
+        let has_axes = self.run.polarisation == Polarisation::Mueller || case.light.is_polarised();
         self.any_azimuth() && case.light.incidence.is_vertical() && !has_axes
     }
 
@@ -61,6 +61,9 @@ impl VerifyConfig {
             if let Some(target) = settings.target() {
                 target.check(&settings.tally, case.material, layer.as_ref())?;
             }
+            if !self.compare.models.is_empty() {
+                check_unpolarised(case.light.stokes)?;
+            }
             if let Some(modelled) = ModelledSurface::of(case) {
                 check_models(&self.compare.models, &modelled, self.run.side)?;
             }
@@ -75,6 +78,15 @@ pub(crate) fn flat_accelerator() -> ConfigError {
         "accelerator flat",
         "it is for flat surfaces, but those drawn here are rough; take auto",
     )
+}
+
+/// Checks that light with these Q, U and V over I is such as models describe.
+pub(crate) fn check_unpolarised(stokes: [f64; 3]) -> Result<(), ConfigError> {
+    if stokes != [0.0; 3] {
+        let needed = "unpolarised light; leave out stokes, or the models";
+        return Err(ConfigError::missing("a comparison with models", needed));
+    }
+    Ok(())
 }
 
 /// Checks that models are named once each, are of such a surface, and describe the light of the recorded `sides`.

@@ -11,6 +11,8 @@ pub(crate) struct Described<'a> {
     pub(crate) surface: &'a SurfaceConfig,
     pub(crate) material: &'a MaterialConfig,
     pub(crate) medium: Option<&'a MediumConfig>,
+    /// `true` if polarised light falls on it.
+    pub(crate) is_polarised: bool,
 }
 
 impl Described<'_> {
@@ -18,8 +20,11 @@ impl Described<'_> {
     ///
     /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Isotropic Lambertian facets get Oren and
     /// Nayar; anisotropic ones have no default. Anisotropic surfaces of other materials get Smith and Heitz, since the model of Xu and Sun is
-    /// isotropic.
+    /// isotropic. No model is of polarised light.
     fn models(&self) -> Option<Vec<String>> {
+        if self.is_polarised {
+            return Some(Vec::new());
+        }
         let is_isotropic = self.surface.is_isotropic();
         let names: &[&str] = match (self.medium, self.material) {
             (Some(medium), _) if medium.bottom == Some(BottomKind::Lambertian) => &[],
@@ -49,6 +54,7 @@ impl VerifyConfig {
             surface: &self.surface,
             material: &self.material,
             medium: self.medium.as_ref(),
+            is_polarised: self.light.is_polarised(),
         };
         described.choose(&mut self.compare, document);
     }

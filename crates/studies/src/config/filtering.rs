@@ -3,6 +3,8 @@
 use asperity_simulate::short;
 use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
+use serde_json::{Value, json};
+
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
 
@@ -49,10 +51,22 @@ fn in_unit(unit: LengthUnit) -> String {
     }
 }
 
-const S_FILTER: &str = "--s-filter";
-const L_FILTER: &str = "--l-filter";
+/// Flag of the filter that removes short waves.
+pub(crate) const S_FILTER: &str = "--s-filter";
+/// Flag of the filter that removes long waves.
+pub(crate) const L_FILTER: &str = "--l-filter";
 
 impl MeasuredConfig {
+    /// Adds what is removed from surfaces to the description of one: `form_removed`, and the nesting indices of filters that are applied.
+    pub(crate) fn describe_filtering(&self, description: &mut Value) {
+        description["form_removed"] = json!(self.remove.to_string());
+        for (key, index) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
+            if let Some(index) = index {
+                description[key] = json!(index);
+            }
+        }
+    }
+
     /// The surface without short waves (S-filter), then without its form, then without long waves (L-filter).
     ///
     /// # Errors

@@ -15,10 +15,10 @@ use crate::config::values::{Number, OneOrMany};
 const MAX_CASES: f64 = 1e6;
 
 /// Access to a list of a configuration.
-type Dimension = fn(&mut VerifyConfig) -> Option<&mut OneOrMany<Number>>;
+pub(crate) type Dimension<C> = fn(&mut C) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.
-const DIMENSIONS: [(&str, Dimension); 11] = [
+const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 11] = [
     ("roughness", |config| {
         Some(config.surface.roughness.as_mut()?.list_mut())
     }),
@@ -38,6 +38,45 @@ const DIMENSIONS: [(&str, Dimension); 11] = [
     ("phi", |config| Some(&mut config.light.phi)),
 ];
 
+/// The configurations of every combination of the lists, each with one value per list, the last list fastest.
+///
+/// # Errors
+/// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
+pub(crate) fn expanded<C: Clone>(
+    config: &C,
+    dimensions: &[(&'static str, Dimension<C>)],
+) -> Result<Vec<C>, ConfigError> {
+    let mut lists = Vec::new();
+    for (name, dimension) in dimensions {
+        if let Some(list) = dimension(&mut config.clone()) {
+            lists.push((*dimension, list.values(name)?));
+        }
+    }
+    let count: f64 = lists
+        .iter()
+        .map(|(_, values)| values.len() as f64)
+        .product();
+    if count > MAX_CASES {
+        return Err(ConfigError::unsuitable(
+            format!("{count:.0e} cases of all lists"),
+            format!("must be at most {MAX_CASES:.0e}"),
+        ));
+    }
+    let with_values = |configs: Vec<C>, (dimension, values): (Dimension<C>, Vec<Number>)| {
+        let with = |config: C| {
+            let values = values.iter().map(move |value| (config.clone(), *value));
+            values.map(|(mut config, value)| {
+                if let Some(list) = dimension(&mut config) {
+                    *list = OneOrMany::One(value);
+                }
+                config
+            })
+        };
+        configs.into_iter().flat_map(with).collect()
+    };
+    Ok(lists.into_iter().fold(vec![config.clone()], with_values))
+}
+
 fn interactions(config: &mut VerifyConfig) -> Option<[Option<&mut OneOrMany<Number>>; 4]> {
     Some(config.medium.as_mut()?.interactions.lists())
 }
@@ -48,35 +87,7 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        let mut lists = Vec::new();
-        for (name, dimension) in DIMENSIONS {
-            if let Some(list) = dimension(&mut self.clone()) {
-                lists.push((dimension, list.values(name)?));
-            }
-        }
-        let count: f64 = lists
-            .iter()
-            .map(|(_, values)| values.len() as f64)
-            .product();
-        if count > MAX_CASES {
-            return Err(ConfigError::unsuitable(
-                format!("{count:.0e} cases of all lists"),
-                format!("must be at most {MAX_CASES:.0e}"),
-            ));
-        }
-        let with_values = |configs: Vec<Self>, (dimension, values): (Dimension, Vec<Number>)| {
-            let with = |config: Self| {
-                let values = values.iter().map(move |value| (config.clone(), *value));
-                values.map(|(mut config, value)| {
-                    if let Some(list) = dimension(&mut config) {
-                        *list = OneOrMany::One(value);
-                    }
-                    config
-                })
-            };
-            configs.into_iter().flat_map(with).collect()
-        };
-        Ok(lists.into_iter().fold(vec![self.clone()], with_values))
+        expanded(self, &DIMENSIONS)
     }
 
     /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given
@@ -129,7 +140,7 @@ impl VerifyConfig {
             incidence: Incidence::from_degrees(theta.0, phi.0)?,
             from: self.light.from.into(),
             random_azimuth: self.any_azimuth(),
-            stokes: [0.0; 3],
+            stokes: self.light.stokes(self.run.polarisation)?,
         };
         Ok(Case {
             layer: below.transpose()?,

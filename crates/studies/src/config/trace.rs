@@ -6,12 +6,11 @@ use asperity_simulate::{
     Case, Coordinates, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
 };
 use asperity_surface::LengthUnit;
-use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
 use crate::config::case_model::ModelledSurface;
-use crate::config::cases::{check_light, check_models, check_sides};
+use crate::config::cases::{check_light, check_models, check_sides, check_unpolarised};
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
@@ -103,7 +102,7 @@ impl TraceConfig {
                 incidence: self.incidence()?,
                 from: self.light.from.into(),
                 random_azimuth: self.light.azimuth == Some(Azimuth::Random),
-                stokes: self.stokes()?,
+                stokes: self.light.stokes(self.run.polarisation)?,
             },
         };
         case.bins = self.run.bins_around(Lobe::of_case(&case));
@@ -117,7 +116,7 @@ impl TraceConfig {
     pub fn check(&self) -> Result<(), ConfigError> {
         let (material, layer) = (self.material()?, self.layer()?);
         self.incidence()?;
-        self.stokes()?;
+        self.light.stokes(self.run.polarisation)?;
         if layer.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
@@ -139,10 +138,7 @@ impl TraceConfig {
             let needed = "light from one azimuth; leave out azimuth random, or the models";
             return Err(ConfigError::missing("a comparison with models", needed));
         }
-        if self.stokes()? != [0.0; 3] {
-            let needed = "unpolarised light; leave out stokes, or the models";
-            return Err(ConfigError::missing("a comparison with models", needed));
-        }
+        check_unpolarised(self.light.stokes(self.run.polarisation)?)?;
         let any = ModelledSurface {
             slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
             is_nearly_isotropic: false,
@@ -167,46 +163,6 @@ impl TraceConfig {
             target.check(&settings.tally, self.material()?, layer.as_ref())?;
         }
         Ok(settings)
-    }
-
-    /// Q, U and V over I of the light.
-    fn stokes(&self) -> Result<[f64; 3], ConfigError> {
-        let Some(given) = &self.light.stokes else {
-            return Ok([0.0; 3]);
-        };
-        let given: Vec<f64> = given
-            .values("stokes")?
-            .iter()
-            .map(|number| number.0)
-            .collect();
-        let refused = |reason| {
-            let numbers: Vec<String> = given.iter().map(f64::to_string).collect();
-            Err(ConfigError::unsuitable(
-                format!("stokes {}", numbers.join(",")),
-                reason,
-            ))
-        };
-        let &[i, q, u, v] = given.as_slice() else {
-            return refused("must be four numbers, I,Q,U,V");
-        };
-        if i <= 0.0 {
-            return refused("the intensity I must exceed 0");
-        }
-        let stokes = [q / i, u / i, v / i];
-        let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if degree > 1.0 + 1e-9 {
-            return refused("more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2");
-        }
-        let is_tracked = matches!(
-            self.run.polarisation,
-            Polarisation::Tracked | Polarisation::Both
-        );
-        if !is_tracked && degree > 0.0 {
-            return refused(
-                "paths carry the polarisation of the incident light with --polarisation tracked or both",
-            );
-        }
-        Ok(stokes)
     }
 
     pub(crate) fn incidence(&self) -> Result<Incidence, ConfigError> {

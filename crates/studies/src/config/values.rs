@@ -81,6 +81,14 @@ pub enum OneOrMany<T> {
 }
 
 impl<T> OneOrMany<T> {
+    /// As many values, by a function of each.
+    pub(crate) fn map<U>(self, of: impl Fn(T) -> U) -> OneOrMany<U> {
+        match self {
+            Self::One(value) => OneOrMany::One(of(value)),
+            Self::Many(values) => OneOrMany::Many(values.into_iter().map(of).collect()),
+        }
+    }
+
     /// All values, none of an empty list.
     pub fn as_slice(&self) -> &[T] {
         match self {

@@ -10,6 +10,7 @@ use asperity_tracer::{Geometry, MeshSurface};
 use super::border::{ASSUMED_BORDER, border_notes};
 use super::error::{FileProblem, GivenError};
 use super::surface::{GivenShape, GivenSurface, GivenSurfaces};
+use crate::config::filtering::{L_FILTER, S_FILTER};
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
 use crate::settings::Document;
@@ -19,6 +20,8 @@ use crate::settings::Document;
 pub struct ReadHeightMap {
     /// The heights.
     pub field: HeightField,
+    /// `true` if +y is the north of a map, and -y otherwise.
+    pub y_is_north: bool,
     /// Number of missing points that were filled.
     pub filled: usize,
     /// Notes for the user on how the file was read, one sentence each.
@@ -145,6 +148,7 @@ impl MeasuredConfig {
             MissingPolicy::Refuse => 0,
         };
         raw.border = self.border.or(raw.border);
+        let y_is_north = raw.y_is_north;
         let is_border_known = raw.border.is_some();
         let field = raw.into_height_field(self.missing, ASSUMED_BORDER);
         let field = field.map_err(|error| FileProblem::from(error).at(path))?;
@@ -167,6 +171,7 @@ impl MeasuredConfig {
         }
         Ok(ReadHeightMap {
             field,
+            y_is_north,
             filled,
             notes,
         })
@@ -183,6 +188,8 @@ impl MeasuredConfig {
             (self.flip, "--flip"),
             (self.missing != MissingPolicy::Refuse, "--missing"),
             (self.remove != Form::None, "--remove"),
+            (self.s_filter.is_some(), S_FILTER),
+            (self.l_filter.is_some(), L_FILTER),
         ] {
             if given {
                 return Err(FileProblem::ForHeightMaps(flag).at(path));
@@ -217,24 +224,30 @@ impl MeasuredConfig {
 
     /// Reads a surface of either kind.
     fn read(&self, path: &Path, observer: &dyn Observer) -> Result<GivenSurface, GivenError> {
-        let (shape, unit, filled, notes) = match SurfaceFormat::from_path(path)? {
-            SurfaceFormat::Mesh(_) => {
-                let (mesh, unit) = self.read_mesh(path, observer)?;
-                (GivenShape::Mesh(mesh), unit, 0, Vec::new())
-            }
-            SurfaceFormat::HeightMap(_) => {
-                let read = self.read_height_map(path, observer)?;
-                let unit = read.field.unit();
-                (GivenShape::Field(read.field), unit, read.filled, read.notes)
-            }
-        };
-        Ok(GivenSurface {
+        let surface = |shape, unit| GivenSurface {
             shape,
             name: file_name(path),
             file: Some(path.to_owned()),
             unit,
-            filled,
-            notes,
+            y_is_north: true,
+            filled: 0,
+            notes: Vec::new(),
+        };
+        Ok(match SurfaceFormat::from_path(path)? {
+            SurfaceFormat::Mesh(_) => {
+                let (mesh, unit) = self.read_mesh(path, observer)?;
+                surface(GivenShape::Mesh(mesh), unit)
+            }
+            SurfaceFormat::HeightMap(_) => {
+                let read = self.read_height_map(path, observer)?;
+                let unit = read.field.unit();
+                GivenSurface {
+                    y_is_north: read.y_is_north,
+                    filled: read.filled,
+                    notes: read.notes,
+                    ..surface(GivenShape::Field(read.field), unit)
+                }
+            }
         })
     }
 }

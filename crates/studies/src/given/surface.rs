@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use asperity_simulate::{Cells, Shape, smooth_shape};
-use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
+use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
 use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
 use super::error::{FileProblem, GivenError};
+use crate::config::measured::MeasuredConfig;
 use crate::surface_lengths::SurfaceLengths;
 
 /// A given surface.
@@ -22,6 +23,8 @@ pub struct GivenSurface {
     pub file: Option<PathBuf>,
     /// Unit of its lengths.
     pub unit: LengthUnit,
+    /// `true` if +y is its north, as of a mesh, and -y otherwise, as of a map whose first row is the northern one.
+    pub y_is_north: bool,
     /// Missing points that were filled.
     pub filled: usize,
     /// Notes on how the file was read, one sentence each.
@@ -153,6 +156,7 @@ impl GivenSurface {
             name: "flat surface".to_owned(),
             file: None,
             unit,
+            y_is_north: true,
             filled: 0,
             notes: Vec::new(),
         }
@@ -197,19 +201,22 @@ impl GivenSurface {
         warnings
     }
 
-    /// The surface as summary.json holds it. `form`: what was removed from it.
-    pub(crate) fn description(&self, form: Form) -> Value {
+    /// The surface as summary.json holds it, as `reading` says that it was read.
+    pub(crate) fn description(&self, reading: &MeasuredConfig) -> Value {
         match &self.shape {
-            GivenShape::Field(field) => json!({
-                "file": self.file,
-                "shape": field.shape(),
-                "spacing": field.spacing(),
-                "unit": field.unit(),
-                "border": field.border(),
-                "points_filled": self.filled,
-                "form_removed": form.to_string(),
-                "generated": Provenance::of(field.provenance()),
-            }),
+            GivenShape::Field(field) => {
+                let mut description = json!({
+                    "file": self.file,
+                    "shape": field.shape(),
+                    "spacing": field.spacing(),
+                    "unit": field.unit(),
+                    "border": field.border(),
+                    "points_filled": self.filled,
+                    "generated": Provenance::of(field.provenance()),
+                });
+                reading.describe_filtering(&mut description);
+                description
+            }
             GivenShape::Mesh(mesh) => {
                 let repairs = mesh.repairs();
                 json!({

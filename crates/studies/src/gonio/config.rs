@@ -3,13 +3,14 @@
 use asperity_optics::Incidence;
 use asperity_results::Header;
 use asperity_simulate::{check_memory, check_results};
-use asperity_tally::{HemisphereGrid, Polarimetry};
+use asperity_tally::HemisphereGrid;
 use serde::{Deserialize, Serialize};
 
 use super::sample::Sample;
 use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
+use crate::config::sun::SunConfig;
 use crate::config::values::{Number, OneOrMany};
 use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
@@ -39,9 +40,22 @@ pub struct GonioLight {
     /// Wavelength, nanometres, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wavelength: Option<Number>,
+    /// Stokes vector, `I, Q, U, V`; unpolarised by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stokes: Option<OneOrMany<Number>>,
+    /// Directions towards the sun on a given surface, in place of `theta` and `phi`.
+    #[serde(flatten)]
+    pub sun: SunConfig,
 }
 
 impl GonioLight {
+    /// Takes the directions towards the sun, if they are given, for `theta` and `phi`.
+    pub(super) fn take_sun(&mut self, y_is_north: bool) {
+        if let Some([theta, phi]) = self.sun.take(y_is_north) {
+            (self.theta, self.phi) = (Some(theta), Some(phi));
+        }
+    }
+
     /// The wavelength, nanometres, if one is given.
     pub(super) fn wavelength_nm(&self) -> Option<f64> {
         self.wavelength.map(|wavelength| wavelength.0)
@@ -169,7 +183,8 @@ impl GonioConfig {
                 },
                 from: self.light.from,
                 wavelength: None,
-                stokes: None,
+                stokes: self.light.stokes.clone(),
+                sun: SunConfig::default(),
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),
@@ -192,13 +207,6 @@ impl GonioConfig {
     /// # Errors
     /// [`StudyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn plan(&self, sample: Option<&Sample>) -> Result<Plan, StudyError> {
-        if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
-            return Err(ConfigError::unsuitable(
-                format!("--polarisation {}", self.run.polarisation),
-                "gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
-            )
-            .into());
-        }
         let verification = self.as_verification()?;
         let plan = match sample {
             None if self.measured.is_given() => {

@@ -10,6 +10,7 @@ use super::summary::gonio_table;
 use super::{figures, tables};
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
+use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
 use crate::report::views::Views;
 use crate::verify::plan::Plan;
@@ -38,12 +39,20 @@ impl GonioConfig {
         views.csv("gonio.csv", |outcome| Some(tables::directions(outcome)));
         views.csv("in_plane.csv", |outcome| Some(tables::in_plane(outcome)));
         views.csv("bsdf.csv", |outcome| Some(tables::bsdf(outcome)));
+        let polarised = CaseViews {
+            figures: self.output.plots,
+            ..CaseViews::of(&plan.settings.tally)
+        };
         for (number, case) in plan.cases.iter().enumerate() {
             let name = format!("{DIRECTIONS}/{}.csv", case.direction_name());
             views.csv(name, move |outcome| {
                 let direction = outcome.numbered(number);
                 let is_measured = direction.outcome.is_some();
                 is_measured.then(|| tables::direction(direction))
+            });
+            let within = format!("{DIRECTIONS}/{}/", case.direction_name());
+            polarised.add_polarised(&mut views, &within, move |outcome| {
+                outcome.shown(&outcome.numbered(number))
             });
         }
         views.other(ARRAYS.map(str::to_owned).to_vec(), write_arrays);

@@ -9,13 +9,18 @@ use super::summary::{notes, warnings};
 use super::tables::{self, measured};
 use crate::config::Azimuth;
 use crate::output::{BySide, Head};
+use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
+use crate::report::polarised::polarised_json;
+use crate::report::shown_case::ShownCase;
+use crate::report::views::Views;
 
 /// The contents of summary.json.
 pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
     let spec = outcome.spec();
     let directions = outcome.directions().map(|one| describe(outcome, &one));
-    let of_direction = measured(outcome).next().map(tables::direction);
+    let first = measured(outcome).next();
+    let of_direction = first.map(tables::direction);
     let notes_and_warnings = [notes(outcome), warnings(outcome)].concat();
     let mut summary = json!({
         "seed": outcome.config.run.seed,
@@ -40,6 +45,17 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
         },
         "warnings": notes_and_warnings,
     });
+    if let Some(case) = first.and_then(|first| outcome.shown(&first)) {
+        let mut views = Views::new();
+        CaseViews::of(spec).add_polarised(&mut views, "directions/*/", |case: &ShownCase<'_>| {
+            Some(*case)
+        });
+        if let (Some(all), Value::Object(more)) =
+            (summary["columns"].as_object_mut(), views.columns(&case))
+        {
+            all.extend(more);
+        }
+    }
     Head::of("gonio").insert_into(&mut summary);
     summary
 }
@@ -85,7 +101,7 @@ fn results(direction: &Direction<'_>) -> Option<Value> {
         })
         .collect();
     let [absorbed, truncated, lost] = direction.endings()?;
-    Some(json!({
+    let mut results = json!({
         "flux": flux,
         "absorbed": absorbed,
         "truncated": truncated,
@@ -93,5 +109,9 @@ fn results(direction: &Direction<'_>) -> Option<Value> {
         "surfaces": outcome.work.realisations,
         "rays": outcome.work.rays,
         "errors_from": outcome.errors_from.name(),
-    }))
+    });
+    if let Some((key, value)) = polarised_json(&outcome.statistics) {
+        results[key] = value;
+    }
+    Some(results)
 }

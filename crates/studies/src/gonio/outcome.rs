@@ -3,7 +3,7 @@
 use asperity_results::ResultSet;
 use asperity_simulate::{Case, Lobe, Outcome};
 use asperity_surface::LengthUnit;
-use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec, TallyStatistics};
 
 use super::components;
 use super::config::GonioConfig;
@@ -11,6 +11,7 @@ use super::sample::Sample;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{EstimateWithLimit, over, projected_solid_angle};
 use crate::report::flux_basis::FluxBasis;
+use crate::report::shown_case::ShownCase;
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
@@ -52,6 +53,13 @@ impl Direction<'_> {
         let recorded = self.spec.recorded_bins().contains(&bin);
         let statistics = self.statistics().filter(|_| recorded)?;
         Some(statistics.at(self.spec.grid_entries(component).get(bin)))
+    }
+
+    /// Flux that left on `side` less what it would be if s and p were averaged, if that is kept and the direction was measured.
+    pub(super) fn tracked_less_averaged(&self, side: Side) -> Option<Estimate> {
+        let flux = self.spec.flux_entry(side, Component::All);
+        let entry = self.spec.measure_entry(flux, Measure::Averaging)?;
+        Some(self.statistics()?.at(entry))
     }
 
     /// BSDF of all light in bin `bin` of the grid.
@@ -132,6 +140,15 @@ impl<'a> GonioOutcome<'a> {
         };
         let wavelength = self.config.light.wavelength_nm();
         Validity::new(&lengths, case.light.incidence.theta(), wavelength)
+    }
+
+    /// A direction as tables and figures of single cases show it; `None` if it was not measured.
+    pub(super) fn shown(&self, direction: &Direction<'a>) -> Option<ShownCase<'a>> {
+        Some(ShownCase {
+            outcome: direction.outcome?,
+            judgement: None,
+            max_order: self.config.run.max_order,
+        })
     }
 
     pub(super) fn per_setting(&self) -> usize {

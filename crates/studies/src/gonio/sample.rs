@@ -1,11 +1,12 @@
 //! Given surfaces as a measurement takes them.
 
 use asperity_simulate::{Cells, Shape, corners_hash, heights_hash};
-use asperity_surface::{Form, HeightField, LengthUnit};
+use asperity_surface::{HeightField, LengthUnit};
 use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
+use crate::config::measured::MeasuredConfig;
 use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
 use crate::surface_lengths::SurfaceLengths;
 
@@ -27,15 +28,19 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Surfaces from which `form` was removed when they were read, with these `cells` between heights.
+    /// Surfaces that were read as `reading` says, with these `cells` between heights.
     ///
     /// # Errors
     /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory.
-    pub fn of(surfaces: GivenSurfaces, form: Form, cells: Cells) -> Result<Self, GivenError> {
+    pub fn of(
+        surfaces: GivenSurfaces,
+        reading: &MeasuredConfig,
+        cells: Cells,
+    ) -> Result<Self, GivenError> {
         Ok(Self {
             name: surfaces.name(),
             unit: surfaces.first.unit,
-            description: surfaces.described(|surface| description(surface, form)),
+            description: surfaces.described(|surface| description(surface, reading)),
             lengths: surfaces.lengths(),
             warnings: match surfaces.first.file {
                 Some(_) => surfaces.warnings(),
@@ -46,17 +51,18 @@ impl Sample {
     }
 }
 
-fn description(surface: &GivenSurface, form: Form) -> Value {
+fn description(surface: &GivenSurface, reading: &MeasuredConfig) -> Value {
     match &surface.shape {
         GivenShape::Field(field) => {
-            let reading = surface.file.as_ref().map(|_| {
-                json!({
+            let read = surface.file.as_ref().map(|_| {
+                let mut read = json!({
                     "points_filled": surface.filled,
-                    "form_removed": form.to_string(),
                     "generated": Provenance::of(field.provenance()),
-                })
+                });
+                reading.describe_filtering(&mut read);
+                read
             });
-            field_description(field, &surface.name, reading)
+            field_description(field, &surface.name, read)
         }
         GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name, surface.unit),
     }

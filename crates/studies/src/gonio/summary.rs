@@ -10,7 +10,7 @@ use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
 use crate::output::{cut_short, wrapped};
-use crate::report::energies::lost_warning;
+use crate::report::energies::{lost_warning, more_rays_warning};
 use crate::validity::Validity;
 
 /// The summary as text: report.txt.
@@ -132,6 +132,9 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     }
     let all = outcome.directions().len();
     warnings.extend(cut_short(outcome.found.cut_short(), all, "directions"));
+    let traced = measured(outcome).filter_map(|one| Some(one.outcome?.work.rays));
+    let most = traced.max().unwrap_or(0);
+    warnings.extend(more_rays_warning(&outcome.config.run, most));
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
         warnings.push(
             "the azimuth of the light is random, so all directions of one polar angle give the same result; give one phi"

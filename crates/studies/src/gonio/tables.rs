@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::CaseGroup;
-use asperity_tally::{Component, Estimate, Side, TallySpec};
+use asperity_tally::{Component, Estimate, Polarimetry, Side, TallySpec};
 
 use super::components::components;
 use super::outcome::{Direction, GonioOutcome};
@@ -11,6 +11,7 @@ use crate::output::{
     Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
     solid_angle_column,
 };
+use crate::report::fluxes::{AVERAGING, Fluxes};
 use crate::report::views::Csv;
 
 /// The directions that were measured.
@@ -39,6 +40,16 @@ fn component_columns<'a, R: 'a>(
     components(spec).skip(1).map(column).collect()
 }
 
+/// A column of what tracking polarisation changes on a side, if that is kept.
+fn averaging_column<'a>(spec: &TallySpec, side: Side) -> Option<Column<'a, Direction<'a>>> {
+    let is_kept = spec.polarimetry() == Polarimetry::Averaging;
+    is_kept.then(|| {
+        let name = format!("{side}_tracked_less_averaged");
+        let difference = move |row: &Direction<'_>| row.tracked_less_averaged(side);
+        Column::estimate(name, AVERAGING, difference)
+    })
+}
+
 /// The columns `theta_i_deg` and `phi_i_deg`.
 fn incidence_columns<'a, R: 'a>(
     incidence: impl Fn(&R) -> Incidence + Copy + 'a,
@@ -60,6 +71,10 @@ fn incidence_columns<'a, R: 'a>(
 pub(super) fn direction(direction: Direction<'_>) -> Csv<'_> {
     let grid = direction.spec.grid();
     let flux = move |bin: &usize, component| direction.bin(component, *bin);
+    let averaging = direction.outcome.map(|found| {
+        let entries = direction.spec.grid_entries(Component::All);
+        Fluxes(found).averaging(move |bin: &usize| entries.get(*bin))
+    });
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
@@ -78,6 +93,7 @@ pub(super) fn direction(direction: Direction<'_>) -> Csv<'_> {
             "flux of a component of the light",
             flux,
         ))
+        .columns(averaging.into_iter().flatten())
         .with_rows(direction.spec.recorded_bins())
 }
 
@@ -113,7 +129,8 @@ pub(super) fn directions<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
                 "flux that leaves on this side",
                 move |row: &Row<'_>| flux(row, Component::All),
             ))
-            .columns(component_columns(spec, &name, about, flux));
+            .columns(component_columns(spec, &name, about, flux))
+            .columns(averaging_column(spec, side));
     }
     let ends = ["absorbed", "truncated", "lost"].into_iter().enumerate();
     table
@@ -270,6 +287,7 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
             };
             Column::estimate(name, "", move |row: &Row<'_>| row.flux(component, side))
         }));
+        table = table.columns(averaging_column(spec, side));
     }
     for side in spec.sides() {
         let name = match side {

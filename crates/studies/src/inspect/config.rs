@@ -11,6 +11,7 @@ use serde::Deserialize;
 use super::statistics::Statistics;
 use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
+use crate::config::sun::SunConfig;
 use crate::config::trace::CellsConfig;
 use crate::config::values::{Number, OneOrMany};
 use crate::error::StudyError;
@@ -36,7 +37,10 @@ pub struct InspectLight {
     /// Polar angles, degrees.
     pub theta: Option<OneOrMany<Number>>,
     /// Azimuth, degrees.
-    pub phi: Number,
+    pub phi: OneOrMany<Number>,
+    /// Directions towards the sun, in place of `theta` and `phi`.
+    #[serde(flatten)]
+    pub sun: SunConfig,
 }
 
 /// `[erosion]`: the processes.
@@ -55,6 +59,8 @@ pub struct Inspection {
     pub(super) file: PathBuf,
     /// The heights, eroded.
     pub(super) field: HeightField,
+    /// `true` if +y is its north, and -y otherwise.
+    pub(super) y_is_north: bool,
     /// Its roughness and shadows.
     pub statistics: Statistics,
     /// Notes for the user on how the file was read, eroded and written, one sentence each.
@@ -68,7 +74,7 @@ impl InspectConfig {
     /// [`StudyError`] if there is no file, or a value is invalid or lacks another.
     pub fn new(document: &Document) -> Result<Self, StudyError> {
         let config: Self = document.read()?;
-        config.light.directions()?;
+        config.light.directions(false)?;
         config.measured.required_file(document)?;
         Ok(config)
     }
@@ -87,22 +93,31 @@ impl InspectConfig {
         let in_unit: Self = document.clone().in_unit(read.field.unit())?.read()?;
         let (field, note) = in_unit.erosion.eroded(read.field)?;
         read.notes.extend(note);
-        let (cells, lights) = (self.surface.cells.of_given(), self.light.directions()?);
+        let cells = self.surface.cells.of_given();
+        let lights = self.light.directions(read.y_is_north)?;
         Ok(Inspection {
             file: file.to_owned(),
             statistics: Statistics::of(&field, cells, &lights)?,
             field,
+            y_is_north: read.y_is_north,
             notes: read.notes,
         })
     }
 }
 
 impl InspectLight {
-    fn directions(&self) -> Result<Vec<Incidence>, ConfigError> {
-        let thetas = self.theta.as_ref().map(|list| list.values("theta"));
-        let thetas = thetas.transpose()?.unwrap_or_default();
-        let direction = |theta: &Number| Ok(Incidence::from_degrees(theta.0, self.phi.0)?);
-        thetas.iter().map(direction).collect()
+    /// All directions on a surface, of which +y is the north or -y.
+    fn directions(&self, y_is_north: bool) -> Result<Vec<Incidence>, ConfigError> {
+        let sun = self.sun.clone().take(y_is_north);
+        let (thetas, phi) = match &sun {
+            Some([theta, phi]) => (Some(theta), phi),
+            None => (self.theta.as_ref(), &self.phi),
+        };
+        let thetas = thetas.map(|list| list.values("theta")).transpose()?;
+        let phi = phi.one("phi")?.0;
+        let direction = |theta: Number| Ok(Incidence::from_degrees(theta.0, phi)?);
+        let thetas = thetas.unwrap_or_default();
+        thetas.into_iter().map(direction).collect()
     }
 }
 

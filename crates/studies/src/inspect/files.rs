@@ -42,7 +42,7 @@ impl Inspection {
     /// # Errors
     /// [`ReportError`] if the file cannot be written or the figure drawn.
     pub fn draw(&self, path: &Path) -> Result<(), ReportError> {
-        let figure = height_map_figure(&self.field, &file_name(&self.file))?;
+        let figure = height_map_figure(&self.field, &file_name(&self.file), self.y_is_north)?;
         let bytes = match check_ending(path, "plots", &["svg", "png"])? {
             "svg" => figure.svg()?.into_bytes(),
             _ => figure.png()?,
@@ -125,7 +125,10 @@ fn views<'a>() -> Views<'a, InspectReport<'a>> {
         Ok(Some(one.texture.slopes_figure(&one.name).draw()?))
     });
     views.figure("height_map", |one| {
-        Ok(Some(height_map_figure(&one.inspection.field, &one.name)?))
+        let Inspection {
+            field, y_is_north, ..
+        } = one.inspection;
+        Ok(Some(height_map_figure(field, &one.name, *y_is_north)?))
     });
     views.json("summary.json", |one| Some(summary(one)));
     views

@@ -37,6 +37,7 @@ fn files_hold_the_mean_square_height_and_all_values() {
         file: "drawn".into(),
         statistics: Statistics::of(&field, Cells::Flat, &[]).unwrap(),
         field,
+        y_is_north: false,
         notes: Vec::new(),
     };
     inspection.report().unwrap().write(&results).unwrap();

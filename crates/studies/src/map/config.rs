@@ -76,6 +76,7 @@ impl MapConfig {
             surface: &self.surface,
             material: &self.material,
             medium: None,
+            is_polarised: self.light.is_polarised(),
         };
         described.choose(&mut self.compare, document);
     }

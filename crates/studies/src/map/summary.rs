@@ -10,6 +10,7 @@ use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
 use super::outcome::MapOutcome;
 use crate::output::{Column, Table, cut_short, wrapped};
+use crate::report::energies::more_rays_warning;
 
 /// Summary of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -237,6 +238,8 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
         ));
     }
     warnings.extend(cut_short(outcome.cut_short, outcome.results.len(), "cells"));
+    let most = results().map(|r| r.rays).max().unwrap_or(0);
+    warnings.extend(more_rays_warning(&outcome.config.run, most));
     let few = |r: &super::CellResults| r.deviation_bound.is_none() && r.surfaces < FEWEST_SURFACES;
     if results().any(few) {
         warnings.push(format!(

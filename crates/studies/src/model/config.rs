@@ -14,6 +14,8 @@ use super::slopes_of::FileSlopes;
 use crate::config::MaterialConfig;
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
+use crate::config::sweep::{Dimension, expanded};
+use crate::config::values::{Number, OneOrMany};
 
 /// A model, and where it is evaluated.
 #[derive(Clone, Debug, Deserialize)]
@@ -35,12 +37,14 @@ pub(super) struct Selection {
     pub(super) step: Option<f64>,
     /// `true` if they fill the sphere, and not only the plane of incidence.
     pub(super) sphere: bool,
+    /// Table of the attenuation that replaces that of the model.
+    pub(super) attenuation_of: Option<PathBuf>,
 }
 
 /// The roughness, if the model is of rough surfaces.
 #[derive(Clone, Debug, Deserialize)]
 struct Roughness {
-    smoothness: Option<f64>,
+    smoothness: Option<OneOrMany<Number>>,
     smoothness_y: Option<f64>,
     azimuth: Option<f64>,
     slopes_of: Option<PathBuf>,
@@ -49,8 +53,8 @@ struct Roughness {
 /// The direction towards the light, degrees.
 #[derive(Clone, Debug, Deserialize)]
 struct LightDirection {
-    theta: f64,
-    phi: f64,
+    theta: OneOrMany<Number>,
+    phi: OneOrMany<Number>,
 }
 
 /// Bins, and the effort of a model that follows rays.
@@ -61,7 +65,54 @@ pub(super) struct Sampling {
     pub(super) bins: Option<HemisphereGrid>,
 }
 
+/// The lists that are expanded, by the names of their columns, the last one fastest.
+const DIMENSIONS: [(&str, Dimension<ModelConfig>); 10] = [
+    ("smoothness", |config| config.surface.smoothness.as_mut()),
+    ("eta", |config| config.material.eta_mut()),
+    ("mean_free_path", |config| interactions(config)?[0].take()),
+    ("albedo", |config| interactions(config)?[1].take()),
+    ("absorption", |config| interactions(config)?[2].take()),
+    ("scattering", |config| interactions(config)?[3].take()),
+    ("g", |config| config.medium.as_mut()?.g.as_mut()),
+    ("thickness", |config| {
+        config.medium.as_mut()?.thickness.as_mut()
+    }),
+    ("theta_i_deg", |config| Some(&mut config.light.theta)),
+    ("phi_i_deg", |config| Some(&mut config.light.phi)),
+];
+
+fn interactions(config: &mut ModelConfig) -> Option<[Option<&mut OneOrMany<Number>>; 4]> {
+    Some(config.medium.as_mut()?.interactions.lists())
+}
+
 impl ModelConfig {
+    /// Names of the lists with several values.
+    pub(super) fn lists(&self) -> Vec<&'static str> {
+        let has_several = |dimension: Dimension<Self>| {
+            dimension(&mut self.clone()).is_some_and(|list| list.as_slice().len() > 1)
+        };
+        let lists = DIMENSIONS
+            .into_iter()
+            .filter(|(_, list)| has_several(*list));
+        lists.map(|(name, _)| name).collect()
+    }
+
+    /// Configurations of every combination of the lists, without lists, each with its values of the lists of these `names`.
+    pub(super) fn singles(
+        &self,
+        names: &[&'static str],
+    ) -> Result<Vec<(Vec<f64>, Self)>, ConfigError> {
+        let with_values = |single: Self| {
+            let lists = DIMENSIONS.into_iter();
+            let lists = lists.filter(|(name, _)| names.contains(name));
+            let value =
+                |(_, list): (_, Dimension<Self>)| Some(list(&mut single.clone())?.first()?.0);
+            (lists.filter_map(value).collect(), single)
+        };
+        let singles = expanded(self, &DIMENSIONS)?;
+        Ok(singles.into_iter().map(with_values).collect())
+    }
+
     /// Returns `true` if the models are to be listed, instead of one evaluated.
     #[must_use]
     pub const fn is_list(&self) -> bool {
@@ -73,7 +124,8 @@ impl ModelConfig {
     }
 
     pub(super) fn incidence(&self) -> Result<Incidence, ConfigError> {
-        Ok(Incidence::from_degrees(self.light.theta, self.light.phi)?)
+        let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
+        Ok(Incidence::from_degrees(theta.0, phi.0)?)
     }
 
     /// The bins, with the in-plane slice of other commands.
@@ -97,11 +149,12 @@ impl ModelConfig {
     /// Gaussian slopes of the smoothness.
     fn gaussian_slopes(&self, name: &str) -> Result<SlopeCovariance, EvaluationError> {
         let roughness = &self.surface;
-        let s = roughness.smoothness;
+        let s = roughness.smoothness.as_ref();
         let s = s.ok_or_else(|| EvaluationError::Lacks {
             name: name.to_owned(),
             needs: "a rough surface: give --smoothness, or --slopes-of",
         })?;
+        let s = s.one("smoothness")?.0;
         if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {
             return Err(EvaluationError::NoSecondSmoothness);
         }

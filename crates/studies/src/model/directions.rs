@@ -1,8 +1,5 @@
 //! A model at single directions: in the plane of incidence, or over the sphere.
 
-use std::path::Path;
-
-use asperity_io::WriteError;
 use asperity_optics::Incidence;
 use asperity_tally::Side;
 
@@ -10,9 +7,10 @@ use super::config::Selection;
 use super::error::EvaluationError;
 use super::evaluation::Evaluation;
 use crate::output::{Column, Table};
+use crate::report::views::Csv;
 
 /// Most rows of one table.
-const MAX_ROWS: f64 = 1e7;
+pub(super) const MAX_ROWS: f64 = 1e7;
 
 /// Distance between directions unless one is given, degrees.
 const DEFAULT_STEP: f64 = 1.0;
@@ -51,19 +49,45 @@ impl Directions {
         about: About,
         bsdf: impl Fn(f64, f64) -> f64,
     ) -> Result<Self, EvaluationError> {
-        let rows = directions(selection, incidence)?.into_iter();
-        Ok(Self {
+        let directions = directions(selection, incidence)?.into_iter();
+        Ok(Self::at(directions, about, bsdf))
+    }
+
+    /// The values at the multiples of the step from one polar angle to another, on the side of the light, at one azimuth, degrees.
+    pub(super) fn along(
+        selection: &Selection,
+        [from, to]: [f64; 2],
+        phi_deg: f64,
+        about: About,
+        bsdf: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let step = selection.step.unwrap_or(DEFAULT_STEP);
+        let within = move |angle: &f64| (from - 1e-9..=to + 1e-9).contains(angle);
+        let angles = multiples(step, 90.0).into_iter().filter(within);
+        let direction = |theta_deg: f64| Outgoing {
+            side: Side::Reflected,
+            theta_deg,
+            phi_deg: phi_deg.rem_euclid(360.0),
+        };
+        Self::at(angles.map(direction), about, bsdf)
+    }
+
+    fn at(
+        directions: impl Iterator<Item = Outgoing>,
+        about: About,
+        bsdf: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let row = |direction: Outgoing| {
+            let [theta, phi] = [direction.theta_deg, direction.phi_deg].map(f64::to_radians);
+            Row {
+                direction,
+                bsdf: bsdf(theta, phi),
+            }
+        };
+        Self {
             about,
-            rows: rows
-                .map(|direction| Row {
-                    direction,
-                    bsdf: bsdf(
-                        direction.theta_deg.to_radians(),
-                        direction.phi_deg.to_radians(),
-                    ),
-                })
-                .collect(),
-        })
+            rows: directions.map(row).collect(),
+        }
     }
 }
 
@@ -92,16 +116,16 @@ fn table() -> Table<'static, Row> {
 }
 
 impl Evaluation for Directions {
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
-        table().write_csv(path, &self.rows)
+    fn table(&self) -> Csv<'_> {
+        table().with_rows(&self.rows)
     }
 
-    fn csv(&self) -> Option<String> {
-        Some(table().csv(&self.rows))
+    fn is_listed(&self) -> bool {
+        true
     }
 
-    fn rows(&self) -> String {
-        format!("{} directions", self.rows.len())
+    fn rows(&self) -> (usize, &'static str) {
+        (self.rows.len(), "directions")
     }
 
     fn notes(&self) -> &[String] {

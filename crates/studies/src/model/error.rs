@@ -2,6 +2,7 @@
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES, ModelError, SlopeError};
 
+use super::attenuation_of::AttenuationFileError;
 use super::slopes_of::SlopeFileError;
 use crate::config::error::ConfigError;
 
@@ -9,7 +10,7 @@ impl EvaluationError {
     /// Returns `true` if other settings would help, rather than another file.
     #[must_use]
     pub const fn is_usage(&self) -> bool {
-        !matches!(self, Self::SlopeFile(_))
+        !matches!(self, Self::SlopeFile(_) | Self::AttenuationFile(_))
     }
 }
 
@@ -63,6 +64,9 @@ pub enum EvaluationError {
     /// A file has no slopes.
     #[error(transparent)]
     SlopeFile(#[from] SlopeFileError),
+    /// A file has no attenuation for the model.
+    #[error(transparent)]
+    AttenuationFile(#[from] AttenuationFileError),
     /// The model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -5,19 +5,30 @@ use std::path::Path;
 use asperity_io::WriteError;
 use serde_json::Value;
 
-use crate::output::{Table, wrapped};
+use crate::output::wrapped;
+use crate::report::views::Csv;
 
 /// A model that was evaluated.
 pub trait Evaluation {
-    /// Writes a row per direction or bin.
+    /// A row per direction or bin.
+    fn table(&self) -> Csv<'_>;
+
+    /// `true` if the rows stand for the text unless a file holds them.
+    fn is_listed(&self) -> bool {
+        false
+    }
+
+    /// Writes the rows.
     ///
     /// # Errors
     /// [`WriteError`] if the file cannot be written.
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError>;
+    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
+        self.table().write(path)
+    }
 
-    /// The rows as CSV, where they stand for the text unless a file holds them.
+    /// The rows as CSV, where they stand for the text.
     fn csv(&self) -> Option<String> {
-        None
+        self.is_listed().then(|| self.table().text())
     }
 
     /// Notes as comments, and the rows as CSV, where these stand for the text.
@@ -32,13 +43,14 @@ pub trait Evaluation {
         let notes: String = notes.collect();
         let mut text = format!("{}\n{notes}{}", self.description(), self.text());
         if let Some(path) = file {
-            text.push_str(&format!("{}: {}\n", path.display(), self.rows()));
+            let (count, kind) = self.rows();
+            text.push_str(&format!("{}: {count} {kind}\n", path.display()));
         }
         wrapped(&text)
     }
 
-    /// Number and kind of rows, as in `1296 bins`.
-    fn rows(&self) -> String;
+    /// Number and kind of rows, as in 1296 bins.
+    fn rows(&self) -> (usize, &'static str);
 
     /// Notes on the values, one sentence each.
     fn notes(&self) -> &[String] {
@@ -60,9 +72,12 @@ pub trait Evaluation {
     }
 }
 
-/// Name, unit and description of each column of a table, under the name of its `file`; nothing without one.
-pub(super) fn columns<R>(table: &Table<'_, R>, file: Option<&Path>) -> Value {
+/// Name, unit and description of each column of a `table`, under the name of its `file`; nothing without one.
+pub(super) fn columns(table: &Csv<'_>, file: Option<&Path>) -> Value {
     let name = file.and_then(Path::file_name);
-    let entry = name.map(|name| (name.to_string_lossy().into_owned(), table.description()));
+    let entry = name.map(|name| {
+        let name = name.to_string_lossy().into_owned();
+        (name, table.description.clone())
+    });
     Value::Object(entry.into_iter().collect())
 }

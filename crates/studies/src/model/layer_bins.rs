@@ -4,7 +4,6 @@ use asperity_simulate::short;
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
-use asperity_io::WriteError;
 use asperity_optics::{Incidence, Layer};
 use asperity_tally::{Component, Side, TallyResult, TallyValues};
 use serde::Serialize;
@@ -16,6 +15,7 @@ use crate::config::error::ConfigError;
 use crate::output::{
     BySide, Column, Head, Table, bin_columns, projected_solid_angle, solid_angle_column,
 };
+use crate::report::views::Csv;
 
 /// A model of a flat layer, and the layer.
 pub(super) struct LayerModel {
@@ -52,12 +52,12 @@ impl LayerBins {
 }
 
 impl Evaluation for LayerBins {
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
-        table(&self.expected).write_csv(path, self.expected.spec().recorded_bins())
+    fn table(&self) -> Csv<'_> {
+        table(&self.expected).with_rows(self.expected.spec().recorded_bins())
     }
 
-    fn rows(&self) -> String {
-        format!("{} bins", self.expected.spec().recorded_bins().len())
+    fn rows(&self) -> (usize, &'static str) {
+        (self.expected.spec().recorded_bins().len(), "bins")
     }
 
     fn notes(&self) -> &[String] {
@@ -90,7 +90,7 @@ impl Evaluation for LayerBins {
                 once: sides(Component::ScatteredOnce),
             },
             unscattered: beams.iter().map(Beam::of).collect(),
-            columns: columns(&table(&self.expected), file),
+            columns: columns(&self.table(), file),
         })
     }
 }

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use asperity_analysis::{Expectation, SamplingEffort, ScatteringModel, Scope, expect};
-use asperity_io::WriteError;
 use asperity_optics::Incidence;
 use asperity_tally::{Component, Estimate, TallyResult, TallyStatistics};
 use serde::Serialize;
@@ -18,6 +17,7 @@ use crate::output::{
 use crate::report::energies::energy_table;
 use crate::report::flux_basis::FluxBasis;
 use crate::report::summary::{Order, orders};
+use crate::report::views::Csv;
 
 /// Flux missing from the energies of all orders that no noise explains.
 const UNACCOUNTED: f64 = 0.01;
@@ -66,13 +66,13 @@ impl SurfaceBins {
 }
 
 impl Evaluation for SurfaceBins {
-    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
+    fn table(&self) -> Csv<'_> {
         let statistics = self.expectation.statistics();
-        table(statistics).write_csv(path, self.expectation.spec().recorded_bins())
+        table(statistics).with_rows(self.expectation.spec().recorded_bins())
     }
 
-    fn rows(&self) -> String {
-        format!("{} bins", self.expectation.spec().recorded_bins().len())
+    fn rows(&self) -> (usize, &'static str) {
+        (self.expectation.spec().recorded_bins().len(), "bins")
     }
 
     fn notes(&self) -> &[String] {
@@ -125,7 +125,7 @@ impl Evaluation for SurfaceBins {
                 truncated: budget.truncated,
             },
             orders: BySide::of(|side| orders(statistics, &self.support(), side)),
-            columns: columns(&table(statistics), file),
+            columns: columns(&self.table(), file),
         })
     }
 }

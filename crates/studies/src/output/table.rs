@@ -6,9 +6,8 @@
 
 use asperity_surface::LengthUnit;
 use std::borrow::{Borrow, Cow};
-use std::path::Path;
 
-use asperity_io::{CsvField, WriteError, csv_text, write_csv};
+use asperity_io::CsvField;
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
@@ -206,7 +205,7 @@ impl<'a, R> Column<'a, R> {
 /// let table = Table::new()
 ///     .column(Column::new("theta", "polar angle", |row: &Row| row.theta).unit("deg"))
 ///     .column(Column::estimate("lit", "lit fraction", |row: &Row| Some(row.lit)));
-/// table.csv(rows)  ->  theta,lit,lit_se      table.text(rows)  ->  theta  lit
+/// table.with_rows(rows)  ->  theta,lit,lit_se      table.text(rows)  ->  theta  lit
 ///                      30,0.98,0.002                               30     0.9800 +- 0.0020
 /// ```
 pub(crate) struct Table<'a, R> {
@@ -242,7 +241,7 @@ impl<'a, R> Table<'a, R> {
     }
 
     /// Names of the columns of a CSV file.
-    fn header(&self) -> Vec<String> {
+    pub(crate) fn header(&self) -> Vec<String> {
         let names = |column: &Column<'a, R>| match column.kind {
             Kind::Value => vec![column.name.to_string()],
             Kind::Estimate => vec![column.name.to_string(), column.se_name()],
@@ -250,39 +249,13 @@ impl<'a, R> Table<'a, R> {
         self.columns.iter().flat_map(names).collect()
     }
 
-    /// Writes the rows as CSV with a header line.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the file cannot be written.
-    pub(crate) fn write_csv(
-        &self,
-        path: &Path,
-        rows: impl IntoIterator<Item = impl Borrow<R>>,
-    ) -> Result<(), WriteError> {
-        let header = self.header();
-        let names: Vec<&str> = header.iter().map(String::as_str).collect();
-        write_csv(path, &names, self.records(rows))
-    }
-
-    /// The rows as CSV with a header line.
-    pub(crate) fn csv(&self, rows: impl IntoIterator<Item = impl Borrow<R>>) -> String {
-        let header = self.header();
-        let names: Vec<&str> = header.iter().map(String::as_str).collect();
-        csv_text(&names, self.records(rows))
-    }
-
-    /// The fields of each row of a CSV file.
-    fn records(
-        &self,
-        rows: impl IntoIterator<Item = impl Borrow<R>>,
-    ) -> impl Iterator<Item = Vec<CsvField<'static>>> {
-        rows.into_iter().map(|row| {
-            let mut fields = Vec::new();
-            for column in &self.columns {
-                column.fields(row.borrow(), &mut fields);
-            }
-            fields
-        })
+    /// The fields of a row of a CSV file.
+    pub(crate) fn record(&self, row: &R) -> Vec<CsvField<'static>> {
+        let mut fields = Vec::new();
+        for column in &self.columns {
+            column.fields(row, &mut fields);
+        }
+        fields
     }
 
     /// Name, unit and description of each column of a CSV file, as JSON.
@@ -397,11 +370,11 @@ mod tests {
 
     #[test]
     fn csv_text_and_json_follow_from_one_definition() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.csv");
-        table().write_csv(&path, rows()).unwrap();
+        let header = table().header();
+        let names: Vec<&str> = header.iter().map(String::as_str).collect();
+        let records = rows().into_iter().map(|row| table().record(&row));
         assert_eq!(
-            asperity_io::read_text(&path).unwrap(),
+            asperity_io::csv_text(&names, records),
             "theta,lit,lit_se,surfaces\n30,0.9812345,0.0021,12\n60.5,,,3\n"
         );
         assert_eq!(

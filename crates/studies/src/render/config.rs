@@ -11,6 +11,7 @@ use crate::config::MaterialConfig;
 use crate::config::error::ConfigError;
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
+use crate::config::sun::SunConfig;
 use crate::config::trace::CellsConfig;
 use crate::config::values::{OneOrMany, Seconds};
 use crate::error::StudyError;
@@ -72,7 +73,7 @@ pub struct CameraConfig {
 }
 
 /// `[lights]`: radiances, and the sun.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct LightingConfig {
     /// Radiance of the zenith.
     pub sky: f64,
@@ -84,6 +85,9 @@ pub struct LightingConfig {
     pub sun_theta: f64,
     /// Azimuth of that direction, degrees.
     pub sun_phi: f64,
+    /// Direction towards the sun by elevation and compass, in place of these two.
+    #[serde(flatten)]
+    pub compass: SunConfig,
     /// Angular radius of the sun, degrees.
     pub sun_radius: f64,
     /// Rectangle of the mean plane that the sun lights, `x0, y0, x1, y1`; all of it unless given.
@@ -121,7 +125,7 @@ impl RenderConfig {
     /// [`StudyError`] if a value is invalid or two contradict each other.
     pub fn new(document: &Document) -> Result<Self, StudyError> {
         let config: Self = document.read()?;
-        config.lights.lights()?;
+        config.lights.lights(false)?;
         Ok(config)
     }
 
@@ -145,8 +149,13 @@ impl RenderConfig {
 }
 
 impl LightingConfig {
-    pub(super) fn lights(&self) -> Result<Lights, StudyError> {
-        let towards = direction(self.sun_theta, self.sun_phi)?;
+    /// The lights above a surface, of which +y is the north or -y.
+    pub(super) fn lights(&self, y_is_north: bool) -> Result<Lights, StudyError> {
+        let (theta, phi) = match self.compass.clone().take(y_is_north) {
+            Some([theta, phi]) => (theta.one("sun_elevation")?.0, phi.one("sun_azimuth")?.0),
+            None => (self.sun_theta, self.sun_phi),
+        };
+        let towards = direction(theta, phi)?;
         let lights = || {
             let patch = self
                 .patch

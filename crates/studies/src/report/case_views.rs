@@ -28,7 +28,16 @@ pub(crate) struct CaseViews<'a> {
     pub(crate) figures: bool,
 }
 
-impl CaseViews<'_> {
+impl<'a> CaseViews<'a> {
+    /// Without figures, and without models.
+    pub(crate) const fn of(spec: &'a TallySpec) -> Self {
+        Self {
+            spec,
+            compared: false,
+            figures: false,
+        }
+    }
+
     /// The files of the case that `shown` picks from what was found, within the folder `within`, which ends with a slash or is empty.
     pub(crate) fn add<'v, J, F>(self, views: &mut Views<'v, J>, within: &str, shown: F)
     where
@@ -46,18 +55,7 @@ impl CaseViews<'_> {
             let case = shown(found)?;
             Some(in_plane(case.outcome, case.models()))
         });
-        if self.spec.polarimetry() == Polarimetry::Mueller {
-            let tables: [(&str, MuellerTable); 3] = [
-                ("mueller.csv", mueller_bins),
-                ("mueller_theta.csv", mueller_rings),
-                ("mueller_in_plane.csv", mueller_in_plane),
-            ];
-            for (name, table) in tables {
-                views.csv(named(name), move |found| {
-                    Some(table(&shown(found)?.outcome.statistics))
-                });
-            }
-        }
+        self.add_polarised(views, within, shown);
         if self.compared {
             views.csv(named("comparison.csv"), move |found| {
                 shown(found)?.judgement.map(comparison)
@@ -66,18 +64,32 @@ impl CaseViews<'_> {
         if self.figures {
             let curves = self.spec.sides().map(|side| format!("in_plane_{side}"));
             let curves = std::iter::once("lobes".to_owned()).chain(curves);
-            let figures: [(Vec<String>, Draw); 2] = [
-                (curves.collect(), lobes_and_curves),
-                (polarised_figures(self.spec), draw_polarised),
-            ];
-            for (names, draw) in figures {
-                let names = names.iter().flat_map(|name| figure_files(&named(name)));
-                let within = within.to_owned();
-                views.other(names.collect(), move |found, place| match shown(found) {
-                    Some(case) => draw(&place.join(&within), &case),
-                    None => Ok(()),
-                });
-            }
+            add_figures(views, within, curves.collect(), lobes_and_curves, shown);
+        }
+    }
+
+    /// The tables and figures of the Mueller matrices of such a case, if they are kept.
+    pub(crate) fn add_polarised<'v, J, F>(self, views: &mut Views<'v, J>, within: &str, shown: F)
+    where
+        J: Sync + 'v,
+        F: for<'j> Fn(&'j J) -> Option<ShownCase<'j>> + Copy + Send + Sync + 'v,
+    {
+        if self.spec.polarimetry() != Polarimetry::Mueller {
+            return;
+        }
+        let tables: [(&str, MuellerTable); 3] = [
+            ("mueller.csv", mueller_bins),
+            ("mueller_theta.csv", mueller_rings),
+            ("mueller_in_plane.csv", mueller_in_plane),
+        ];
+        for (name, table) in tables {
+            views.csv(format!("{within}{name}"), move |found| {
+                Some(table(&shown(found)?.outcome.statistics))
+            });
+        }
+        if self.figures {
+            let names = polarised_figures(self.spec);
+            add_figures(views, within, names, draw_polarised, shown);
         }
     }
 
@@ -87,4 +99,24 @@ impl CaseViews<'_> {
         self.add(&mut views, "", |case: &ShownCase<'_>| Some(*case));
         views.columns(&case)
     }
+}
+
+/// Adds figures of a case by their names.
+fn add_figures<'v, J, F>(
+    views: &mut Views<'v, J>,
+    within: &str,
+    names: Vec<String>,
+    draw: Draw,
+    shown: F,
+) where
+    J: Sync + 'v,
+    F: for<'j> Fn(&'j J) -> Option<ShownCase<'j>> + Copy + Send + Sync + 'v,
+{
+    let names = names.iter();
+    let names = names.flat_map(|name| figure_files(&format!("{within}{name}")));
+    let within = within.to_owned();
+    views.other(names.collect(), move |found, place| match shown(found) {
+        Some(case) => draw(&place.join(&within), &case),
+        None => Ok(()),
+    });
 }

@@ -8,6 +8,7 @@ use asperity_tally::{
 };
 use asperity_tracer::PathSettings;
 
+use crate::config::RunConfig;
 use crate::output::{Column, Table, aligned, listed, two_digits, wrapped};
 use crate::report::flux_basis::FluxBasis;
 
@@ -146,6 +147,20 @@ pub(crate) fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
     let lost = statistics.budget().lost.mean;
     (lost != 0.0).then(|| {
         format!("{lost:.3e} of the flux was lost to numerical failure: do not trust these results")
+    })
+}
+
+/// Least ratio of rays that were traced to those requested of which a report tells.
+const MORE_RAYS: f64 = 1.1;
+
+/// Warning if notably more rays were traced than `run` requests of each case.
+pub(crate) fn more_rays_warning(run: &RunConfig, traced: u64) -> Option<String> {
+    let requested = run.rays.0;
+    let more = run.target_error.is_none() && traced as f64 >= MORE_RAYS * requested as f64;
+    more.then(|| {
+        format!(
+            "{traced} rays were traced in place of {requested}: all surfaces have the same number, in blocks that are squares of strata"
+        )
     })
 }
 

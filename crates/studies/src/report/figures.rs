@@ -44,6 +44,7 @@ pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result
 pub(crate) fn height_map_figure(
     field: &HeightField,
     name: &str,
+    y_up: bool,
 ) -> Result<Figure, asperity_plot::PlotError> {
     let [dx, dy] = field.spacing();
     HeightMapFigure {
@@ -53,6 +54,7 @@ pub(crate) fn height_map_figure(
         shape: field.shape(),
         spacing: [dy, dx],
         unit: field.unit().symbol().to_owned(),
+        y_up,
     }
     .draw()
 }
@@ -63,7 +65,11 @@ pub(crate) fn height_map(
     field: &HeightField,
     name: &str,
 ) -> Result<(), ReportError> {
-    save(places, "height_map", &height_map_figure(field, name)?)
+    save(
+        places,
+        "height_map",
+        &height_map_figure(field, name, false)?,
+    )
 }
 
 /// lobes, in_plane_reflected and in_plane_transmitted.

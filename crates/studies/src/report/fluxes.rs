@@ -7,6 +7,10 @@ use asperity_tally::{Component, Entry, Measure, Polarimetry, TallyResult};
 
 use crate::output::Column;
 
+/// Description of a flux, tracked less averaged.
+pub(crate) const AVERAGING: &str =
+    "flux less what it would be if s and p were averaged at every interface";
+
 /// The fluxes of one case with their errors.
 #[derive(Clone, Copy)]
 pub(crate) struct Fluxes<'a>(pub(crate) &'a Outcome);
@@ -48,8 +52,7 @@ impl<'a> Fluxes<'a> {
             let measured = spec.measure_entry(entry(row), Measure::Averaging)?;
             Some(self.0.statistics.at(measured))
         };
-        let about = "flux less what it would be if s and p were averaged at every interface";
-        let column = Column::estimate("flux_tracked_less_averaged", about, difference);
+        let column = Column::estimate("flux_tracked_less_averaged", AVERAGING, difference);
         is_kept.then_some(column).into_iter()
     }
 

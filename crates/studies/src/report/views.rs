@@ -6,30 +6,68 @@
 use std::borrow::Borrow;
 use std::path::Path;
 
-use asperity_io::{ResultFolder, WriteError, write_bytes, write_json};
+use asperity_io::{
+    CsvField, ResultFolder, WriteError, csv_text, write_bytes, write_csv, write_json,
+};
 use asperity_plot::Figure;
 use asperity_simulate::{Case, Observer};
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::output::{Place, Table, figure_files};
 use crate::report::error::ReportError;
 use crate::report::figures::save;
 
-type WriteRows<'a> = dyn FnOnce(&Path) -> Result<(), WriteError> + 'a;
+type Records<'a> = dyn Iterator<Item = Vec<CsvField<'static>>> + 'a;
 
 /// A table with its rows.
-pub(crate) struct Csv<'a> {
-    write: Box<WriteRows<'a>>,
+pub struct Csv<'a> {
+    header: Vec<String>,
+    records: Box<Records<'a>>,
     /// Name, unit and description of each column.
     pub(crate) description: Value,
 }
 
-impl Csv<'_> {
+impl<'a> Csv<'a> {
     /// Writes the file.
     pub(crate) fn write(self, path: &Path) -> Result<(), WriteError> {
-        (self.write)(path)
+        let names: Vec<&str> = self.header.iter().map(String::as_str).collect();
+        write_csv(path, &names, self.records)
+    }
+
+    /// The rows with a header line.
+    pub(crate) fn text(self) -> String {
+        let names: Vec<&str> = self.header.iter().map(String::as_str).collect();
+        csv_text(&names, self.records)
+    }
+
+    /// Tables of the same columns below each other, each with values of further columns, which `keys` name, in front.
+    pub(crate) fn stacked(
+        keys: &[&'static str],
+        parts: impl IntoIterator<Item = (Vec<f64>, Self)> + 'a,
+    ) -> Self {
+        let mut parts = parts.into_iter().peekable();
+        let first = parts.peek().map(|(_, first)| first);
+        let of_keys = keys
+            .iter()
+            .map(|&name| json!({ "name": name, "unit": null, "description": "value of the list" }));
+        let of_rows = first.and_then(|first| first.description.as_array());
+        let names = keys.iter().map(|&name| name.to_owned());
+        Self {
+            header: names
+                .chain(first.iter().flat_map(|first| first.header.clone()))
+                .collect(),
+            description: of_keys
+                .chain(of_rows.into_iter().flatten().cloned())
+                .collect(),
+            records: Box::new(parts.flat_map(|(values, part)| {
+                part.records.map(move |record| {
+                    let values = values.iter().map(|value| CsvField::from(*value));
+                    values.chain(record).collect()
+                })
+            })),
+        }
     }
 }
 
@@ -37,12 +75,13 @@ impl<'a, R> Table<'a, R> {
     /// The table with these rows.
     pub(crate) fn with_rows<I>(self, rows: I) -> Csv<'a>
     where
-        I: IntoIterator<Item: Borrow<R>> + 'a,
+        I: IntoIterator<Item: Borrow<R>, IntoIter: 'a>,
         R: 'a,
     {
         Csv {
+            header: self.header(),
             description: self.description(),
-            write: Box::new(move |path| self.write_csv(path, rows)),
+            records: Box::new(rows.into_iter().map(move |row| self.record(row.borrow()))),
         }
     }
 }

@@ -91,7 +91,12 @@ impl Command {
         let (name, about) = match self {
             Self::Generate => return None,
             Self::Inspect | Self::Mesh => {
-                return Some(("FILE", format!("Height map: {}", height_map_endings())));
+                let (name, several) = match self {
+                    Self::Mesh => ("FILE..", "; several become meshes in a folder"),
+                    _ => ("FILE", ""),
+                };
+                let about = format!("Height map: {}{several}", height_map_endings());
+                return Some((name, about));
             }
             Self::Trace => (
                 "FILE..",

@@ -19,10 +19,10 @@ impl Surfaces {
         bottom: Option<&GivenSurface>,
         config: &TraceConfig,
     ) -> Self {
-        let form = config.measured.remove;
+        let reading = &config.measured;
         Self {
-            surface: tops.described(|one| one.description(form)),
-            bottom: bottom.map(|bottom| bottom.description(form)),
+            surface: tops.described(|one| one.description(reading)),
+            bottom: bottom.map(|bottom| bottom.description(reading)),
         }
     }
 

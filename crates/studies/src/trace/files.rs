@@ -2,6 +2,7 @@
 
 use super::comparison::TraceComparison;
 use super::outcome::TraceOutcome;
+use super::plan::TraceStudy;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::report::case_views::CaseViews;
@@ -24,7 +25,10 @@ impl TraceConfig {
             views.figure("height_map", |outcome| {
                 // That of the first surface.
                 let field = outcome.outcome.case.surface.heights();
-                let figure = field.map(|field| height_map_figure(&field, &outcome.study.first));
+                let TraceStudy {
+                    first, y_is_north, ..
+                } = outcome.study;
+                let figure = field.map(|field| height_map_figure(&field, first, *y_is_north));
                 Ok(figure.transpose()?)
             });
         }

@@ -6,7 +6,7 @@ use asperity_tally::TallySpec;
 use super::comparison::TraceComparison;
 use super::plan::TraceStudy;
 use crate::config::lobes::BinnedLobe;
-use crate::report::energies::lost_warning;
+use crate::report::energies::{lost_warning, more_rays_warning};
 
 /// Results on given surfaces.
 pub struct TraceOutcome<'a> {
@@ -49,6 +49,8 @@ impl TraceOutcome<'_> {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.study.warnings.clone();
         warnings.extend(lost_warning(&self.outcome.statistics));
+        let run = &self.study.config.run;
+        warnings.extend(more_rays_warning(run, self.outcome.work.rays));
         let stopping = self.stopping().into_iter();
         warnings.extend(stopping.flat_map(|stopping| stopping.warnings.clone()));
         let comparison = self.comparison.as_ref();

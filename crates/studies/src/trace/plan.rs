@@ -18,6 +18,8 @@ pub struct TraceStudy {
     pub name: String,
     /// Name of the first of them.
     pub(super) first: String,
+    /// `true` if +y is its north, and -y otherwise.
+    pub(super) y_is_north: bool,
     /// Lengths of the surfaces against the wavelength, where its unit is known.
     pub validity: Option<Validity>,
     pub(super) case: Case,
@@ -57,6 +59,7 @@ impl TraceStudy {
             described: description.config(&config, &case),
             config,
             name: tops.name(),
+            y_is_north: tops.first.y_is_north,
             first: tops.first.name,
             validity,
             lobes: Lobe::of_case(&case),

@@ -17,7 +17,9 @@ use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
-use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
+use crate::report::energies::{
+    endings, errors_table, lost_warning, more_rays_warning, recorded_orders,
+};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
 
@@ -30,6 +32,8 @@ const MEASURE_WIDTH: usize = 23 + 3 * 2;
 /// Warnings on the results of a case.
 pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
+    let traced = case.outcome.work.rays;
+    warnings.extend(more_rays_warning(&outcome.config.run, traced));
     let stopping = outcome.stopping(case);
     warnings.extend(stopping.iter().flat_map(|s| s.warnings.clone()));
     warnings.extend(case.outcome.errors.mesh_warning().map(str::to_owned));

@@ -44,11 +44,12 @@ pub(super) fn wrong_columns(columns: usize) -> ReadProblem {
 pub(super) fn map_of(is_list: bool, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadProblem> {
     let (rows, _) = rows.as_chunks::<3>();
     match placed(rows)? {
-        Some(Placed { heights, x, y }) => Ok(Some(RawHeightMap::new(
-            heights,
-            [y.count, x.count],
-            [x.step, y.step],
-        )?)),
+        Some(Placed { heights, x, y }) => {
+            let (shape, spacing) = ([y.count, x.count], [x.step, y.step]);
+            let mut map = RawHeightMap::new(heights, shape, spacing)?;
+            map.y_is_north = true;
+            Ok(Some(map))
+        }
         None if rows.len() < MIN_ROWS_OF_LIST && !is_list => Ok(None),
         None => Err(ReadProblem::unsupported(format_args!(
             "its {} rows of three numbers look like points x, y, z, but x and y do not lie on a regular grid, one point on each place; interpolate them on one first",

@@ -66,6 +66,20 @@ pub(super) const DRAWN_UNIT: Kind = Kind::Choice(&[
     choice("km", "kilometre"),
 ]);
 
+pub(super) const SURFACE_FORMAT: Kind = Kind::Choice(&[
+    choice("exr", "OpenEXR"),
+    choice("npy", "NumPy, heights alone"),
+    choice("gsf", "Gwyddion Simple Field"),
+    choice("x3p", "ISO 25178-72"),
+    choice("png", "pictures for viewing"),
+]);
+
+pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
+    choice("ply", "PLY, binary"),
+    choice("obj", "Wavefront OBJ"),
+    choice("stl", "STL"),
+]);
+
 pub(super) const MISSING: Kind = Kind::Choice(&[
     choice("refuse", "the file is refused"),
     choice("fill", "they are interpolated"),

@@ -13,7 +13,12 @@ pub(in crate::settings) const RANDOM_OR_GIVEN: Group = group(&[
         .by_default(),
     variant("a given surface")
         .when(&["measured.file"])
-        .allows(&["measured.*", "-measured.flat"]),
+        .allows(&[
+            "measured.*",
+            "-measured.flat",
+            "light.sun_elevation",
+            "light.sun_azimuth",
+        ]),
     variant("a flat surface").when(&["measured.flat"]),
 ])
 .keeps_all_defaults();
@@ -152,6 +157,14 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("length").when(&["surface.length"]),
     ]),
     group(&[
+        variant("several surfaces")
+            .when(&["run.realisations"])
+            .allows(&["generate.format"]),
+        variant("one surface").by_default(),
+    ])
+    .only_with("generate.*")
+    .keeps_all_defaults(),
+    group(&[
         variant("subdivide").when(&["mesh.subdivide"]),
         variant("deviation").when(&["mesh.deviation"]),
     ]),
@@ -251,7 +264,24 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("a light whose shadow is measured")
             .when(&["shadow.theta"])
             .allows(&["shadow.phi"]),
+        variant("the sun, whose shadow is measured")
+            .when(&["shadow.sun_elevation", "shadow.sun_azimuth"])
+            .needs(&["shadow.sun_elevation", "shadow.sun_azimuth"]),
         variant("no light").by_default(),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("theta and phi").when(&["light.theta", "light.phi", "light.directions"]),
+        variant("elevation and azimuth of the sun")
+            .when(&["light.sun_elevation", "light.sun_azimuth"])
+            .needs(&["light.sun_elevation", "light.sun_azimuth"]),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("sun_theta and sun_phi").when(&["lights.sun_theta", "lights.sun_phi"]),
+        variant("elevation and azimuth of the sun")
+            .when(&["lights.sun_elevation", "lights.sun_azimuth"])
+            .needs(&["lights.sun_elevation", "lights.sun_azimuth"]),
     ])
     .keeps_all_defaults(),
     group(&[
@@ -259,6 +289,8 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("a sun that shines").allows(&[
             "lights.sun_theta",
             "lights.sun_phi",
+            "lights.sun_elevation",
+            "lights.sun_azimuth",
             "lights.sun_radius",
             "lights.patch",
         ]),

@@ -14,6 +14,10 @@ use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, tabl
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
+/// Range of elevations.
+pub(super) const ELEVATION: Range = Range::AboveTo(0.0, 90.0);
+/// Help on compass azimuths.
+pub(super) const COMPASS: &str = "Compass azimuth of the sun, clockwise from north, the first row";
 
 pub(super) const LIGHT: &[Setting] = &table(
     "light",
@@ -23,7 +27,7 @@ pub(super) const LIGHT: &[Setting] = &table(
             .help("Polar angle of the direction towards the light")
             .unit(DEGREES)
             .range(POLAR)
-            .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
+            .arity(Arity::ListIn(SWEEPS.and(ATTENUATION).and(MODEL)))
             .default("30")
             .default_in(&[
                 (GONIO, Some("0,15,30,45,60,75")),
@@ -40,12 +44,25 @@ pub(super) const LIGHT: &[Setting] = &table(
                     .and(MODEL),
             )
             .unit(DEGREES)
-            .arity(Arity::ListIn(GONIO))
+            .arity(Arity::ListIn(GONIO.and(MODEL)))
             .default("0"),
         setting("directions", Kind::Grid)
             .help("Centres of the bins of a hemisphere, in place of theta and phi")
             .commands(GONIO)
             .value_name("THETAxPHI"),
+        setting("sun_elevation", Kind::Number)
+            .help("Elevation of the sun above the horizon, in place of theta and phi")
+            .commands(TRACE.and(GONIO))
+            .unit(DEGREES)
+            .range(ELEVATION)
+            .arity(Arity::ListIn(GONIO))
+            .otherwise("not given"),
+        setting("sun_azimuth", Kind::Number)
+            .help(COMPASS)
+            .commands(TRACE.and(GONIO))
+            .unit(DEGREES)
+            .arity(Arity::ListIn(GONIO))
+            .otherwise("not given"),
         setting("azimuth", AZIMUTH)
             .help("Azimuth of each ray")
             .commands(TRACING.and(CONVERGE))
@@ -64,7 +81,7 @@ pub(super) const LIGHT: &[Setting] = &table(
             .otherwise("550 where the unit of the surface is known"),
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")
-            .commands(TRACE)
+            .commands(TRACE.and(VERIFY).and(GONIO))
             .arity(Arity::Tuple(&["I", "Q", "U", "V"]))
             .otherwise("unpolarised"),
     ],
@@ -84,6 +101,16 @@ pub(super) const SHADOW: &[Setting] = &flags(
             .help("Azimuth of the direction towards the light")
             .unit(DEGREES)
             .default("0"),
+        setting("sun_elevation", Kind::Number)
+            .help("Elevation of the sun above the horizon, in place of theta and phi")
+            .unit(DEGREES)
+            .range(ELEVATION)
+            .arity(Arity::ListIn(INSPECT))
+            .otherwise("not given"),
+        setting("sun_azimuth", Kind::Number)
+            .help(COMPASS)
+            .unit(DEGREES)
+            .otherwise("not given"),
     ],
 );
 

@@ -26,7 +26,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
         basic("eta", Kind::Number)
             .help("Relative refractive index n_transmitted / n_incident")
             .range(Range::FromTo(1e-6, 1e6))
-            .arity(Arity::ListIn(SWEEPS))
+            .arity(Arity::ListIn(SWEEPS.and(MODEL)))
             .otherwise("1.5 for a dielectric"),
         basic("kappa", Kind::Number)
             .help("Absorption index of a conductor")
@@ -39,7 +39,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
 );
 
 const MEDIUM_IN: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO).and(MODEL);
-const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO));
+const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO).and(MODEL));
 
 pub(super) const MEDIUM: &[Setting] = &table(
     "medium",

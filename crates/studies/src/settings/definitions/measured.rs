@@ -1,7 +1,7 @@
 //! `[measured]`: given surfaces.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, RENDER, TRACE};
+use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, MESH, RENDER, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
@@ -12,9 +12,16 @@ pub(super) const SETTINGS: &[Setting] = &table(
     [
         basic("file", Kind::Path)
             .help("Height map")
-            .commands(HEIGHT_MAPS)
+            .commands(INSPECT)
             .flag(Flag::Named("surface"))
             .value_name("FILE")
+            .flag_only(),
+        basic("file", Kind::Path)
+            .help("Height map, repeated for several meshes")
+            .commands(MESH)
+            .flag(Flag::Named("surface"))
+            .value_name("FILE")
+            .arity(Arity::Repeated)
             .flag_only(),
         basic("file", Kind::Path)
             .help("Height map or triangle mesh")
@@ -60,17 +67,15 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Form to remove")
             .basic(TRACE.and(HEIGHT_MAPS))
             .default("none"),
-        basic("s_filter", Kind::Length)
+        setting("s_filter", Kind::Length)
             .help("Nesting index of the S-filter: removes shorter waves, before form")
-            .commands(INSPECT)
+            .basic(INSPECT)
             .range(Range::Above(0.0))
-            .otherwise("no S-filter")
-            .flag_only(),
-        basic("l_filter", Kind::Length)
+            .otherwise("no S-filter"),
+        setting("l_filter", Kind::Length)
             .help("Nesting index of the L-filter: removes longer waves, after form")
-            .commands(INSPECT)
+            .basic(INSPECT)
             .range(Range::Above(0.0))
-            .otherwise("no L-filter")
-            .flag_only(),
+            .otherwise("no L-filter"),
     ],
 );

@@ -52,10 +52,10 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .value_name("DIR")
             .required(SWEEPS),
         basic("output", Kind::Path)
-            .help("File to write: .exr, .npy, .gsf, .x3p, or .png for viewing")
+            .help("File: .exr, .npy, .gsf, .x3p or .png; folder with --realisations")
             .commands(GENERATE)
             .short('o')
-            .value_name(FILE)
+            .value_name("FILE|DIR")
             .required(GENERATE),
         basic("output", Kind::Path)
             .help("Result folder, or height map: .exr, .npy, .gsf, .x3p or .png")
@@ -63,10 +63,10 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name("DIR|FILE"),
         basic("output", Kind::Path)
-            .help("File to write: .ply, .obj or .stl")
+            .help("File to write: .ply, .obj or .stl; folder for several meshes")
             .commands(MESH)
             .short('o')
-            .value_name(FILE)
+            .value_name("FILE|DIR")
             .required(MESH),
         basic("output", Kind::Path)
             .help("File to write: .csv")

@@ -24,6 +24,12 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .commands(VERIFY.and(MAP).and(GONIO).and(ATTENUATION))
             .default("32")
             .default_in(&[(ATTENUATION, Some("20"))]),
+        basic("realisations", Kind::Count)
+            .help("Number of surfaces, numbered files in a folder")
+            .commands(GENERATE)
+            .range(Range::FromTo(1.0, 1e6))
+            .otherwise("one, in a file")
+            .flag_only(),
         basic("rays", Kind::Count)
             .help("Rays per case, over all its surfaces")
             .default("1e6"),

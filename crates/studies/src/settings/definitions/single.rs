@@ -1,5 +1,6 @@
 //! Settings of single commands: the height map of `generate`, erosion by `inspect`, the mesh of `mesh`, and `model`.
 
+use super::choices::{MESH_FORMAT, SURFACE_FORMAT};
 use super::commands::{DEGREES, GENERATE, INSPECT, MESH, MODEL};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -8,10 +9,15 @@ use crate::settings::setting::{Flag, Setting, basic, flags, setting};
 pub(super) const GENERATE_SETTINGS: &[Setting] = &flags(
     "generate",
     GENERATE,
-    [basic("realisation", Kind::Seed)
-        .help("Number of the surface among those of the seed")
-        .value_name("NUMBER")
-        .default("0")],
+    [
+        basic("realisation", Kind::Seed)
+            .help("Number of the surface, or of the first, among those of the seed")
+            .value_name("NUMBER")
+            .default("0"),
+        basic("format", SURFACE_FORMAT)
+            .help("Format of several surfaces in a folder")
+            .default("exr"),
+    ],
 );
 
 pub(super) const EROSION: &[Setting] = &flags(
@@ -45,6 +51,9 @@ pub(super) const MESH_SETTINGS: &[Setting] = &flags(
             .help("Largest vertical distance from the surface; sets subdivide")
             .range(Range::Above(0.0))
             .otherwise("not used"),
+        basic("format", MESH_FORMAT)
+            .help("Format of several meshes in a folder")
+            .default("ply"),
     ],
 );
 
@@ -60,5 +69,9 @@ pub(super) const MODEL_SETTINGS: &[Setting] = &flags(
             .range(Range::AboveTo(0.0, 45.0))
             .otherwise("1"),
         basic("sphere", Kind::Switch).help("The whole sphere, not only the plane of incidence"),
+        setting("attenuation_of", Kind::Path)
+            .help("attenuation.csv with counted shadowing and masking")
+            .value_name("FILE")
+            .otherwise("that of the model"),
     ],
 );

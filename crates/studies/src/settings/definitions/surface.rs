@@ -29,7 +29,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Smoothness s = tau / sigma, along the first principal axis")
             .commands(RANDOM.and(MODEL))
             .range(Range::AboveTo(0.0, 1e6))
-            .arity(Arity::ListIn(SWEEPS))
+            .arity(Arity::ListIn(SWEEPS.and(MODEL)))
             .default("3")
             .default_in(&[(MODEL, None)])
             .otherwise("none; models of rough surfaces need it"),

@@ -23,6 +23,7 @@ fn surface(psd: Psd, seed: u64) -> GivenSurface {
         name: "surface".to_owned(),
         file: None,
         unit: LengthUnit::Arbitrary,
+        y_is_north: true,
         filled: 0,
         notes: Vec::new(),
     }

@@ -44,6 +44,8 @@ pub struct RawHeightMap {
     spacing_is_known: bool,
     /// Unit of heights and spacings.
     pub unit: LengthUnit,
+    /// `true` if y grows towards the north of a map, and `false` if its first row, at y = 0, is the northern one.
+    pub y_is_north: bool,
     /// Border, if the source states it.
     pub border: Option<Border>,
     /// Record of how the surface was drawn, if the source has one.
@@ -85,6 +87,7 @@ impl RawHeightMap {
             spacing,
             spacing_is_known: true,
             unit: LengthUnit::Arbitrary,
+            y_is_north: false,
             border: None,
             provenance: None,
             notes: Vec::new(),
@@ -150,6 +153,7 @@ impl RawHeightMap {
         Ok(Self {
             spacing_is_known: self.spacing_is_known,
             unit,
+            y_is_north: self.y_is_north,
             border: self.border,
             notes: self.notes,
             provenance: self.provenance.map(|record| record.converted(&convert)),
@@ -168,6 +172,7 @@ impl RawHeightMap {
             let (above, below) = self.heights.split_at_mut((ny - 1 - iy) * nx);
             above[iy * nx..(iy + 1) * nx].swap_with_slice(&mut below[..nx]);
         }
+        self.y_is_north = !self.y_is_north;
         self.provenance = None;
         self
     }
