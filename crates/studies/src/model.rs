@@ -126,7 +126,8 @@ fn evaluate_surface(
 }
 
 /// Settings that mean nothing for a flat layer.
-const OF_ROUGH_SURFACES: [(&str, &str); 7] = [
+const OF_ROUGH_SURFACES: [(&str, &str); 8] = [
+    ("surface.ggx_alpha", "ggx-alpha"),
     ("surface.slopes_of", "slopes-of"),
     ("surface.smoothness", "smoothness"),
     ("surface.smoothness_y", "smoothness-y"),

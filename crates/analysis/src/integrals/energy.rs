@@ -6,13 +6,17 @@
 //! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see
 //! [`Kinks`].
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use crate::integrals::flux::flux_into;
 use crate::integrals::slope_images::FacetLight;
 use crate::integrals::tabulated::tabulated_energy;
 use crate::microfacet::half_vector::{outgoing_direction, reflecting_facet, refracting_facet};
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
@@ -94,6 +98,14 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
 
 /// The flux fraction of one side, refracting with the index `refracted` if given.
 fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 {
+    // GGX has facets beyond any slope, so all directions are integrated over instead
+    if matches!(model.slopes(), SlopeDistribution::Ggx { .. }) {
+        let (side, theta) = match refracted {
+            None => (Side::Reflected, [0.0, FRAC_PI_2]),
+            Some(_) => (Side::Transmitted, [FRAC_PI_2, PI]),
+        };
+        return flux_into(model, wi, side, theta, [0.0, TAU]);
+    }
     let edges = Edges::new(model, wi, refracted);
     over_facing_normals(&model.slopes().covariance(), wi, &edges, |m| {
         per_normal(model, wi, m, refracted)

@@ -171,7 +171,7 @@ impl GivenSurface {
     }
 
     /// Its lengths, to be compared with the wavelength.
-    fn lengths(&self) -> SurfaceLengths {
+    pub(crate) fn lengths(&self) -> SurfaceLengths {
         match &self.shape {
             GivenShape::Field(field) => SurfaceLengths::of_field(field),
             GivenShape::Mesh(mesh) => SurfaceLengths::of_mesh(mesh, self.unit),

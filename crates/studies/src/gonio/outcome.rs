@@ -131,7 +131,7 @@ impl<'a> GonioOutcome<'a> {
             (None, recipe) => SurfaceLengths::of_recipe(recipe?, case.at.unit),
         };
         let wavelength = self.config.light.wavelength_nm();
-        Validity::new(&lengths, case.light.incidence.theta(), wavelength)
+        Validity::new(&lengths, None, case, &direction.spec, wavelength)
     }
 
     pub(super) fn per_setting(&self) -> usize {

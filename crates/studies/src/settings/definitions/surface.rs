@@ -187,9 +187,13 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("that of a lognormal distribution of the skewness"),
         setting("slopes", SLOPES)
             .help("Distribution of slopes")
+            .basic(MODEL)
+            .commands(RANDOM.and(MODEL))
             .otherwise("gaussian"),
         setting("ggx_alpha", Kind::Number)
             .help("Roughness of GGX slopes, in place of smoothness")
+            .basic(MODEL)
+            .commands(RANDOM.and(MODEL))
             .range(Range::AboveTo(0.0, 10.0))
             .arity(Arity::ListIn(SWEEPS))
             .otherwise("none; --slopes ggx needs it"),
