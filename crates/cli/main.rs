@@ -8,6 +8,7 @@ mod generate;
 mod help;
 mod inspect;
 mod interrupt;
+mod man_sections;
 mod mesh;
 mod model;
 mod output;

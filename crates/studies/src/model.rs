@@ -9,7 +9,7 @@ mod list;
 mod slopes_of;
 mod surface_bins;
 
-use asperity_analysis::{FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model};
+use asperity_analysis::{FlatLayer, LayerPaths, ScatteringModel, create_model};
 use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::config::ModelConfig;
@@ -64,9 +64,6 @@ fn rough_model(
     material: Material,
 ) -> Result<(Box<dyn ScatteringModel>, Vec<String>), EvaluationError> {
     let name = name.to_owned();
-    if !MODEL_NAMES.contains(&name.as_str()) {
-        return Err(EvaluationError::Unknown { name });
-    }
     if config.medium.is_some() {
         return Err(EvaluationError::Excludes {
             name,

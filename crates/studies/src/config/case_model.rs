@@ -78,7 +78,13 @@ impl CaseModel {
             }
             (Some(_), ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
             (None, _, Some(_)) => Err(of_other_layers(false)),
-            _ => Ok(Self::Surface(surface.model(name)?)),
+            _ => match surface.model(name) {
+                Ok(model) => Ok(Self::Surface(model)),
+                Err(error) => Err(ConfigError::RefusedModel {
+                    name: name.to_owned(),
+                    error,
+                }),
+            },
         }
     }
 

@@ -147,6 +147,13 @@ impl Document {
         self.file.as_deref().map(Path::new)
     }
 
+    /// The place where the setting `section.key` is given; `None` where it is not.
+    #[must_use]
+    pub fn place_of(&self, path: &str) -> Option<&Place> {
+        let mut entries = self.entries.values();
+        Some(&entries.find(|entry| entry.is(path))?.given.place)
+    }
+
     /// The name of the file, where all values come from it: what is wrong with their combination is wrong with it.
     #[must_use]
     pub fn file_to_blame(&self) -> Option<&str> {
@@ -493,10 +500,8 @@ impl Document {
         values: &[String],
         given: &Given,
     ) -> Result<Value, SettingError> {
-        read_text(setting, self.command, values).ok_or_else(|| SettingError::Invalid {
-            given: given.clone(),
-            expected: setting.expected(self.command),
-        })
+        read_text(setting, self.command, values)
+            .ok_or_else(|| setting.refusal(self.command, given.clone(), values))
     }
 
     /// Puts a layer above all others, and clears what does not go with it there.
