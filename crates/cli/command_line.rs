@@ -7,7 +7,7 @@ use asperity_analysis::{FlatLayer, MODEL_NAMES};
 use asperity_io::{HeightMapFormat, MeshFormat, read_text};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
-    did_you_mean, settings_of, suggestion,
+    known_names, settings_of, suggestion,
 };
 use clap::builder::{NonEmptyStringValueParser, PossibleValue, TypedValueParser, ValueHint};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -245,6 +245,11 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     };
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
+        if command != Command::Model && Path::new(input).is_dir() {
+            return Err(Failure::usage(format!(
+                "`{input}` is a folder; {command} takes a file"
+            )));
+        }
         if !command.has_configuration() || !is_configuration(command, input)? {
             texts.push(input.clone());
             continue;
@@ -342,9 +347,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         let names = Command::ALL.map(Command::name).into_iter();
         let names: Vec<&str> = names.chain(Tool::ALL.map(Tool::name)).collect();
         return Failure::usage(format!(
-            "unknown command `{name}`{}; the commands are {} and help",
-            did_you_mean(name, &names),
-            names.join(", ")
+            "unknown command `{name}`{} and help",
+            known_names(name, &names, "the commands are")
         ))
         .into();
     }

@@ -78,8 +78,8 @@ pub use map::{
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
-    Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError, evaluate_model,
-    model_list,
+    Evaluation, EvaluationError, ListedModel, ModelConfig, Resolution, SlopeFileError,
+    evaluate_model, model_list,
 };
 pub use output::wrapped;
 pub use render::{

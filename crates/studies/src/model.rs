@@ -17,7 +17,7 @@ use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
 pub use self::evaluation::Evaluation;
 use self::layer_bins::{LayerBins, LayerModel};
-pub use self::list::model_list;
+pub use self::list::{ListedModel, model_list};
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
 use crate::config::error::ConfigError;
@@ -123,15 +123,13 @@ fn evaluate_surface(
 }
 
 /// Settings that mean nothing for a flat layer.
-const OF_ROUGH_SURFACES: [(&str, &str); 8] = [
+const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
     ("surface.ggx_alpha", "ggx-alpha"),
     ("surface.slopes_of", "slopes-of"),
     ("surface.smoothness", "smoothness"),
     ("surface.smoothness_y", "smoothness-y"),
     ("run.rays", "rays"),
     ("run.seed", "seed"),
-    ("medium.bottom_surface", "bottom-surface"),
-    ("medium.max_scatterings", "max-scatterings"),
 ];
 
 /// Refuses settings that mean nothing for the model `name` of a flat layer.

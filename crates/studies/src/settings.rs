@@ -39,7 +39,7 @@ pub use length::Length;
 pub use range::Range;
 pub use reference::reference_page;
 pub use setting::{Arity, Flag, Setting};
-pub use suggestion::{did_you_mean, suggestion};
+pub use suggestion::{known_names, suggestion};
 
 #[cfg(test)]
 mod tests;

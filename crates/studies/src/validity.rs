@@ -199,8 +199,9 @@ impl Validity {
             .collect();
         (!much.is_empty()).then(|| {
             format!(
-                "warning: {} is coherent at {}: a wave leaves it in the direction of a flat surface, and all numbers here have it in the lobe of the rays",
+                "warning: {} {} coherent at {}: a wave leaves in the direction of light on a flat surface, and all numbers here hold it in the lobe of the rays",
                 much.join(" and "),
+                if much.len() > 1 { "are" } else { "is" },
                 self.wavelength()
             )
         })

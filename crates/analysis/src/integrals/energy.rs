@@ -6,13 +6,11 @@
 //! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see
 //! [`Kinks`].
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-use asperity_tally::Side;
+use asperity_tally::{HemisphereGrid, Side};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use crate::integrals::flux::flux_into;
+use crate::integrals::flux::bin_fluxes_of;
 use crate::integrals::slope_images::FacetLight;
 use crate::integrals::tabulated::tabulated_energy;
 use crate::microfacet::half_vector::{outgoing_direction, reflecting_facet, refracting_facet};
@@ -72,6 +70,16 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
             transmitted: of_side(Side::Transmitted),
         };
     }
+    // GGX has facets beyond any slope, so directions are integrated over instead
+    if matches!(model.slopes(), SlopeDistribution::Ggx { .. }) {
+        let grid = HemisphereGrid::default();
+        let fluxes = bin_fluxes_of(model, wi, &grid, model.sides());
+        let (up, down) = fluxes.split_at(grid.bins_per_side());
+        return HemisphericalEnergy {
+            reflected: up.iter().sum(),
+            transmitted: down.iter().sum(),
+        };
+    }
     let parts = model.parts();
     if !parts.is_empty() {
         let energies = parts.iter().map(|part| hemispherical_energy(*part, wi));
@@ -98,14 +106,6 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
 
 /// The flux fraction of one side, refracting with the index `refracted` if given.
 fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 {
-    // GGX has facets beyond any slope, so all directions are integrated over instead
-    if matches!(model.slopes(), SlopeDistribution::Ggx { .. }) {
-        let (side, theta) = match refracted {
-            None => (Side::Reflected, [0.0, FRAC_PI_2]),
-            Some(_) => (Side::Transmitted, [FRAC_PI_2, PI]),
-        };
-        return flux_into(model, wi, side, theta, [0.0, TAU]);
-    }
     let edges = Edges::new(model, wi, refracted);
     over_facing_normals(&model.slopes().covariance(), wi, &edges, |m| {
         per_normal(model, wi, m, refracted)

@@ -32,9 +32,6 @@ use asperity_numerics::quadrature::{AllowedError, Breaks, Pieces, integrate};
 /// falls as `exp(-t^2)`.
 const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
 
-/// The same beyond, where tails are long.
-const TAIL_SLOPES: [f64; 4] = [-80.0, -20.0, 20.0, 80.0];
-
 /// The integrand, and its properties that place the subdivisions.
 #[derive(Clone, Copy)]
 pub(crate) struct Scattering<'a> {
@@ -124,10 +121,8 @@ impl<'a> FluxIntegral<'a> {
             DVec2::X
         };
         let unit = slopes.times(along) * (2.0 / slopes.variance_along(along)).sqrt();
-        let tails = TAIL_SLOPES.iter().filter(|_| scattering.long_tails);
         let lobe = LOBE_SLOPES
             .iter()
-            .chain(tails)
             .filter_map(|t| {
                 let m = (*t * unit).extend(1.0).normalize();
                 outgoing_direction(&material, wi, m, refracted).map(polar_angle)
@@ -232,11 +227,7 @@ impl<'a> FluxIntegral<'a> {
         let kappa = 2.0 * self.eta * product / (self.scattering.slopes.xx() * h_z * h_z);
         for turn in [-TAU, 0.0, TAU] {
             self.inner_breaks.add_smooth(turn);
-            let widths: &[f64] = match self.scattering.long_tails {
-                true => &[2.0, 6.0, 20.0, 80.0],
-                false => &[2.0, 6.0],
-            };
-            for t in widths {
+            for t in [2.0, 6.0] {
                 // exp(-kappa sin^2(psi / 2)) has fallen to exp(-t^2).
                 let sin_half = t / kappa.sqrt();
                 if sin_half < 1.0 {

@@ -67,7 +67,7 @@ pub enum SettingError {
         second: String,
     },
     /// A model of a name that is not known.
-    #[error("{given}: unknown model `{name}`{known}")]
+    #[error("{}unknown model `{name}`{known}", before_name(given, name))]
     UnknownModel {
         /// The value.
         given: Given,
@@ -132,14 +132,14 @@ pub enum SettingError {
         needed: String,
     },
     /// A setting that belongs to another variant than the chosen one.
-    #[error("{given}: goes with {owners}, not {chosen}")]
+    #[error("{given}: goes with {owners}, not {chosen}; leave out one of the two")]
     OfOtherVariant {
         /// The value.
         given: Given,
         /// The variants that have it.
         owners: String,
-        /// The chosen variant.
-        chosen: &'static str,
+        /// The chosen variant, and the value that chooses it.
+        chosen: String,
     },
     /// A length with a unit, for a surface without.
     #[error(
@@ -154,6 +154,14 @@ pub enum SettingError {
     /// The typed configuration does not take what the definitions allow.
     #[error("the settings do not fit the configuration: {0}")]
     Unreadable(String),
+}
+
+/// A value before the name that it holds; its place alone where the name is all of it.
+fn before_name(given: &Given, name: &str) -> String {
+    match given.text == name {
+        true => given.place.to_string(),
+        false => format!("{given}: "),
+    }
 }
 
 /// Advice on giving a surface a unit.

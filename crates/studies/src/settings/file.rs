@@ -10,7 +10,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};
-use super::suggestion::{did_you_mean, suggestion};
+use super::suggestion::{known_names, suggestion};
 use super::value_text::read_text;
 
 /// A configuration file that is being read.
@@ -87,15 +87,15 @@ impl File<'_> {
         let known = settings_of(self.command)
             .filter(|setting| setting.in_file && setting.section == section);
         let known: Vec<&str> = known.map(|setting| setting.key).collect();
-        let hint = match did_you_mean(key, &known) {
-            hint if hint.is_empty() => self.elsewhere(key),
-            hint => hint,
-        };
+        let mut names = known_names(key, &known, "its keys are");
+        if suggestion(key, &known).is_none() {
+            names.insert_str(0, &self.elsewhere(key));
+        }
         Err(SettingError::UnknownKey {
             place,
             section: section.to_owned(),
             key: key.to_owned(),
-            known: format!("{hint}; its keys are {}", known.join(", ")),
+            known: names,
         })
     }
 
@@ -111,7 +111,7 @@ impl File<'_> {
                 format!("; it is a key of [{}]", setting.section)
             }
             Some(setting) => {
-                format!("; did you mean {} of [{}]?", setting.key, setting.section)
+                format!("; its name may be {} of [{}]", setting.key, setting.section)
             }
             None => String::new(),
         }
@@ -160,11 +160,10 @@ impl File<'_> {
         SettingError::UnknownSection {
             place,
             section: name.to_owned(),
-            known: format!(
-                "{}; the sections of {} are {}",
-                did_you_mean(name, &known),
-                self.command,
-                known.join(", ")
+            known: known_names(
+                name,
+                &known,
+                &format!("the sections of {} are", self.command),
             ),
             readers: Commands::of(&readers),
         }

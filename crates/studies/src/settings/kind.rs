@@ -148,7 +148,12 @@ impl Kind {
             Self::Models | Self::Model => {
                 names_of_models().contains(&text).then(|| Value::from(text))
             }
-            Self::ChoiceOrFile(_) | Self::Path => (!text.is_empty()).then(|| Value::from(text)),
+            // A file has an ending, or lies in a folder
+            Self::ChoiceOrFile(choices) => Self::Choice(choices).parse(text, range).or_else(|| {
+                let is_path = text.contains(['.', '/', '\\', ':']);
+                is_path.then(|| Value::from(text))
+            }),
+            Self::Path => (!text.is_empty()).then(|| Value::from(text)),
         }
     }
 

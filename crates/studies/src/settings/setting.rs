@@ -6,7 +6,7 @@ use super::command::{Command, Commands};
 use super::error::{Given, Place, SettingError, names};
 use super::kind::{Kind, names_of_models, such_as};
 use super::range::Range;
-use super::suggestion::did_you_mean;
+use super::suggestion::{did_you_mean, known_names};
 
 /// One setting.
 #[derive(Clone, Copy, Debug)]
@@ -342,11 +342,7 @@ impl Setting {
                 return SettingError::UnknownModel {
                     given,
                     name: name.to_owned(),
-                    known: format!(
-                        "{}; the models are {}",
-                        did_you_mean(name, &known),
-                        known.join(", ")
-                    ),
+                    known: known_names(name, &known, "the models are"),
                 };
             }
         }

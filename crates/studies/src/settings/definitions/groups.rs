@@ -34,7 +34,9 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     group(&[
         variant("smoothness").when(&["surface.smoothness", "surface.smoothness_y"]),
         variant("sigma").when(&["surface.sigma"]),
-        variant("ggx_alpha").when(&["surface.ggx_alpha"]),
+        variant("ggx_alpha")
+            .when(&["surface.ggx_alpha"])
+            .allows(&["surface.slopes!gaussian", "surface.amplitude_ratio"]),
     ]),
     group(&[
         variant("slopes of a file").when(&["surface.slopes_of"]),
