@@ -7,7 +7,7 @@ use asperity_analysis::{FlatLayer, MODEL_NAMES};
 use asperity_io::{HeightMapFormat, MeshFormat, read_text};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
-    settings_of,
+    known_names, settings_of, suggestion,
 };
 use clap::builder::{NonEmptyStringValueParser, PossibleValue, TypedValueParser, ValueHint};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -247,6 +247,11 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     };
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
+        if command != Command::Model && Path::new(input).is_dir() {
+            return Err(Failure::usage(format!(
+                "`{input}` is a folder; {command} takes a file"
+            )));
+        }
         if !command.has_configuration() || !is_configuration(command, input)? {
             texts.push(input.clone());
             continue;
@@ -342,10 +347,10 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         (error.kind(), error.get(ContextKind::InvalidSubcommand))
     {
         let names = Command::ALL.map(Command::name).into_iter();
-        let names = names.chain(Tool::ALL.map(Tool::name));
-        let known = names.collect::<Vec<_>>().join(", ");
+        let names: Vec<&str> = names.chain(Tool::ALL.map(Tool::name)).collect();
         return Failure::usage(format!(
-            "unknown command `{name}`; the commands are {known} and help"
+            "unknown command `{name}`{} and help",
+            known_names(name, &names, "the commands are")
         ))
         .into();
     }
@@ -393,7 +398,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     if let (ErrorKind::UnknownArgument, Some(ContextValue::String(argument))) =
         (error.kind(), error.get(ContextKind::InvalidArg))
     {
-        return Failure::usage(unknown_argument(argument, &error)).into();
+        return Failure::usage(unknown_argument(argument, command)).into();
     }
     Failure::usage(one_sentence(&error.render().to_string())).into()
 }
@@ -402,7 +407,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
 const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
 
 /// Refusal of an argument that no command has.
-fn unknown_argument(argument: &str, error: &clap::Error) -> String {
+fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
@@ -411,11 +416,12 @@ fn unknown_argument(argument: &str, error: &clap::Error) -> String {
             "unknown flag {argument}; roughness is given as --smoothness, s = 2 / alpha"
         );
     }
-    match error.get(ContextKind::SuggestedArg) {
-        Some(ContextValue::String(similar)) => {
-            format!("unknown flag {argument}; did you mean {similar}?")
-        }
-        _ => format!("unknown flag {argument}; see --help"),
+    let settings = settings_of(command.unwrap_or(Command::Trace));
+    let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
+    let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    match suggestion(argument, &flags) {
+        Some(similar) => format!("unknown flag {argument}; did you mean --{similar}?"),
+        None => format!("unknown flag {argument}; see --help"),
     }
 }
 
@@ -431,4 +437,24 @@ fn one_sentence(message: &str) -> String {
         .strip_prefix("error: ")
         .unwrap_or(&sentence)
         .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::man_sections::examples;
+
+    #[test]
+    fn examples_of_man_pages_are_understood() {
+        for command in Command::ALL {
+            for example in examples(command) {
+                let words = example.split_whitespace().map(Into::into).collect();
+                let Ok(Request::Run(document)) = parse(words) else {
+                    panic!("{example}");
+                };
+                assert_eq!(document.command(), command, "{example}");
+                assert_eq!(document.check_required(), Ok(()), "{example}");
+            }
+        }
+    }
 }

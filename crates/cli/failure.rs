@@ -46,6 +46,15 @@ impl Failure {
             StudyError::Simulate(
                 SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement,
             ) => Self::Usage(format!("--refine: {error}")),
+            StudyError::Config(ref refused) if refused.model().is_some() => {
+                let name = refused.model().unwrap_or_default();
+                Self::usage(match document.place_of("compare.models") {
+                    Some(place) => format!("{place}{error}"),
+                    None => format!(
+                        "{error}; {name} is compared with by default, and --models names others, or none"
+                    ),
+                })
+            }
             StudyError::Config(_) if error.is_usage() => match document.file_to_blame() {
                 Some(file) => Self::Usage(format!("{file}: {error}")),
                 None => Self::usage(error),

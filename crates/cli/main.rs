@@ -8,6 +8,7 @@ mod generate;
 mod help;
 mod inspect;
 mod interrupt;
+mod man_sections;
 mod mesh;
 mod model;
 mod output;
@@ -28,6 +29,7 @@ use crate::command_line::{Request, Stop, parse, program};
 use crate::common::Common;
 use crate::end::End;
 use crate::failure::Failure;
+use crate::output::say_notes;
 
 fn main() -> ExitCode {
     let request = match parse(std::env::args_os().collect()) {
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
 fn run(document: &Document) -> Result<End, Failure> {
     let common = &Common::of(document).map_err(Failure::usage)?;
     document.check_required().map_err(Failure::usage)?;
+    say_notes(document.notes());
     interrupt::handle();
     set_threads(common)?;
     match document.command() {

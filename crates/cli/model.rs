@@ -2,21 +2,25 @@
 
 use asperity_io::check_ending;
 use asperity_studies::settings::Document;
-use asperity_studies::{ModelConfig, Resolution, evaluate_model, model_list};
+use asperity_studies::{ListedModel, ModelConfig, Resolution, evaluate_model, model_list};
 
 use crate::common::{Common, Results};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, print_json};
 use crate::output_files::check_outputs;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: ModelConfig = document.read().map_err(Failure::usage)?;
+    let results = Results::of(document).map_err(Failure::usage)?;
     if config.is_list() {
-        print(&model_list().map_err(Failure::failed)?)?;
+        let list = model_list().map_err(Failure::failed)?;
+        match results.json {
+            true => print_json(&list)?,
+            false => print(&list.iter().map(ListedModel::text).collect::<String>())?,
+        }
         return Ok(End::Complete);
     }
-    let results = Results::of(document).map_err(Failure::usage)?;
     let file = results.output.as_deref();
     if let Some(path) = file {
         check_ending(path, "models", &["csv"]).map_err(Failure::usage)?;

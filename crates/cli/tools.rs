@@ -9,6 +9,7 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Failure;
+use crate::man_sections::man_sections;
 use crate::output::print;
 
 /// Shells with completion scripts.
@@ -124,14 +125,24 @@ const MARK: &str = ".TH asperity";
 /// Writes one page per command, and one of the program. Replaces pages of an earlier call and no other file.
 fn write_pages(folder: &Path, program: clap::Command) -> Result<(), Failure> {
     check_output_folder(folder).map_err(Failure::failed)?;
+    let version = env!("CARGO_PKG_VERSION");
     let mut program = program.disable_help_subcommand(true);
     program.build();
     let commands = program.get_subcommands().cloned().collect::<Vec<_>>();
+    let commands = [vec![program], commands].concat();
+    let names = commands.iter().map(|command| {
+        let name = command.get_display_name();
+        name.unwrap_or(command.get_name()).to_owned()
+    });
+    let names: Vec<String> = names.collect();
     let mut pages = Vec::new();
-    for command in [vec![program], commands].concat() {
-        let page = Man::new(command);
+    for (command, name) in commands.into_iter().zip(&names) {
+        let own = man_sections(name, &names);
+        // Once it is built, a version adds no flag
+        let page = Man::new(command.version(version));
         let mut text = Vec::new();
         page.render(&mut text).map_err(Failure::failed)?;
+        text.extend(own.into_bytes());
         pages.push((folder.join(page.get_filename()), text));
     }
     for (path, _) in &pages {

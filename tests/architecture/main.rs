@@ -328,6 +328,7 @@ const STUDIES: [(&str, &[&str]); 21] = [
             "report",
             "settings",
             "study",
+            "surface_lengths",
             "validity",
         ],
     ),

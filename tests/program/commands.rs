@@ -364,7 +364,7 @@ fn model_prints_its_bsdf_in_the_plane_of_incidence_and_over_the_sphere() {
     assert!(
         refused(
             folder,
-            &["model", "ggx", "--smoothness", "3", "--theta", "0"],
+            &["model", "walter", "--smoothness", "3", "--theta", "0"],
             2
         )
         .contains("xu-sun")
@@ -480,4 +480,84 @@ fn quiet_says_nothing_and_help_names_every_command() {
         &["trace", "h.exr", "--theta", "3", "--rays", "1e3", "-v"],
     );
     assert!(errors_of(&verbose).contains("traced in"));
+}
+
+/// Names of other programs and slips of the pen are answered with the name here.
+#[test]
+fn refusals_suggest_the_name_that_is_likely_meant() {
+    let (_keep, folder) = with_surface();
+    fs::create_dir(folder.join("results")).unwrap();
+    fs::write(folder.join("bare.toml"), "tau = 8\n").unwrap();
+    fs::write(folder.join("key.toml"), "[surface]\nangle = 3\n").unwrap();
+    fs::write(folder.join("section.toml"), "[source]\ntheta = 3\n").unwrap();
+    let slopes = "[surface]\nslopes = \"ggx\"\nggx_alpha = 0.2\n";
+    fs::write(folder.join("ggx.toml"), slopes).unwrap();
+    let models = "[material]\neta = 1\n[compare]\nmodels = [\"smith\"]\n";
+    fs::write(folder.join("models.toml"), models).unwrap();
+    for (line, expected) in [
+        (
+            "trce",
+            "unknown command `trce`; did you mean trace? The commands",
+        ),
+        ("verify --n 1.5", "--n; did you mean --eta?"),
+        ("verify --angle 30", "--angle; did you mean --theta?"),
+        ("verify --ior 1.5", "--ior; did you mean --eta?"),
+        ("verify --max-bounces 3", "did you mean --max-order?"),
+        ("verify --material gold -o q", "did you mean conductor?"),
+        ("verify --slopes gauss -o q", "did you mean gaussian?"),
+        (
+            "verify --models smiht -o q",
+            "unknown model `smiht`; did you mean smith? The models",
+        ),
+        ("model trowbridge-reitz", "did you mean ggx?"),
+        ("model walter", "did you mean ggx-separable?"),
+        ("model beckmann", "did you mean smith?"),
+        ("model cook-torrance", "did you mean v-cavity?"),
+        (
+            "verify bare.toml -o q",
+            "bare.toml: line 1: `tau` stands in no section; it is a key of [surface]",
+        ),
+        (
+            "verify key.toml -o q",
+            "`angle` in [surface]; its name may be theta of [light]",
+        ),
+        (
+            "verify section.toml -o q",
+            "unknown section `source`; did you mean light?",
+        ),
+        (
+            "verify models.toml -o q",
+            "models.toml: line 4: the model smith: eta is 1",
+        ),
+        ("verify --eta 1 -o q", "xu-sun is compared with by default"),
+        ("trace results", "`results` is a folder"),
+        (
+            "trace h.exr --theta 0,30",
+            "for several use `asperity gonio --surface FILE`",
+        ),
+        (
+            "trace h.exr --bottom-surface smae --thickness 9 --scattering 1",
+            "did you mean same?",
+        ),
+    ] {
+        let said = refused(&folder, &words(line), 2);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+    // Where flags replace surfaces of a file, a note says so
+    let small = "--size 64 --tau 4 --smoothness 3 --models none --realisations 2 --rays 200 --no-plots -o q";
+    let run = asperity(&folder, &words(&format!("verify ggx.toml {small}")));
+    assert!(run.status.success(), "{}", errors_of(&run));
+    let note = "line 2: slopes = \"ggx\" does not hold, since --smoothness 3 replaces it";
+    assert!(errors_of(&run).contains(note), "{}", errors_of(&run));
+    // Folders of files are made, as those of results are
+    succeed(&folder, &words("mesh h.exr -o made/below/h.ply"));
+    let list = json(&succeed(&folder, &words("model --list --json")));
+    assert!(
+        list.as_array()
+            .unwrap()
+            .iter()
+            .any(|one| one["name"] == "heitz-ggx")
+    );
+    succeed(&folder, &words("inspect h.exr -o statistics.v1"));
+    assert!(folder.join("statistics.v1/summary.json").exists());
 }

@@ -194,6 +194,33 @@ fn lengths_of_random_surfaces_and_directions_are_judged() {
     ));
     assert_eq!(read("v/summary.json")["validity"]["holds"], true);
 
+    // Heights that mix the phases of reflected light leave more than half of the transmitted light coherent
+    let report = run(
+        "verify --tau 5um --sigma 0.135um --theta 0 --eta 1.5 --size 64 --realisations 2 --rays 200 --models none --no-plots -o w",
+    );
+    let mut lines = report.lines();
+    assert!(lines.next().unwrap().starts_with("s = 37"), "{report}");
+    let second = lines.next().unwrap();
+    assert!(
+        second.starts_with("warning: 55.2 % of the transmitted light"),
+        "{report}"
+    );
+    let validity = &read("w/summary.json")["validity"];
+    let coherent = validity["transmitted"]["coherent_fraction"]
+        .as_f64()
+        .unwrap();
+    let phase = std::f64::consts::TAU * 0.135 * 0.5 / 0.55;
+    assert!((coherent - (-phase * phase).exp()).abs() < 1e-9);
+    assert_eq!(validity["holds"], false);
+    let report = run(&format!(
+        "verify --tau 8 {size} --wavelength 633um --models none -o x"
+    ));
+    let text = report.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("has no effect") && text.contains("far from visible"),
+        "{text}"
+    );
+
     let gonio = run(&format!(
         "gonio --tau 2um --theta 0,80 {size} --wavelength 300 -o g"
     ));

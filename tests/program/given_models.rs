@@ -175,7 +175,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
             "goes with a rough surface, not a flat surface",
         ),
         ("rough.npy", "--models smith,smith", "given twice"),
-        ("rough.npy", "--models ggx", "ggx"),
+        ("rough.npy", "--models walter", "ggx-separable"),
         ("rough.npy", "--models flat-layer", "no medium is given"),
         ("rough.npy", "--models cook-torrance-neumann", "reflect"),
         (

@@ -201,7 +201,7 @@ fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
             "--models flat-layer",
             "a medium below the surface, but no medium is given",
         ),
-        ("--scattering 0.1 --models ggx", "unknown model `ggx`"),
+        ("--scattering 0.1 --models walter", "unknown model `walter`"),
         (
             "--scattering 0.1 --thickness 50 --bottom lambertian --models flat-layer",
             "Lambertian",

@@ -322,7 +322,7 @@ fn invalid_map_settings_are_refused() {
     let folder = folder.path();
     for (line, what) in [
         ("map m.toml --models none -o out", "needs models"),
-        ("map m.toml --models ggx -o out", "ggx"),
+        ("map m.toml --models walter -o out", "ggx-separable"),
         (
             "map m.toml --tolerance-energy 0 -o out",
             "--tolerance-energy 0: must be a number above 0",

@@ -140,7 +140,7 @@ fn models_are_refused_what_they_cannot_do_by_name() {
             "verify --tau-y 32 --models xu-sun -o out",
             "xu-sun is defined for isotropic surfaces",
         ),
-        ("verify --models ggx -o out", "unknown model `ggx`"),
+        ("verify --models walter -o out", "unknown model `walter`"),
         ("verify --model-rays 0 -o out", "1 or more"),
         (
             "model heitz --smoothness 2 --theta 30 --sphere",

@@ -143,14 +143,11 @@ fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
 }
 
 #[test]
-fn a_missing_folder_is_told_before_light_is_followed_and_nothing_is_written() {
+fn a_folder_that_cannot_be_made_is_told_before_light_is_followed_and_nothing_is_written() {
     let (_keep, folder) = with_surface();
-    let command = "render h.exr --samples 1e8 -o q1.exr -o nowhere/q.png";
+    let command = "render h.exr --samples 1e8 -o q1.exr -o h.exr/q.png";
     let sentence = refused(&folder, &words(command), 1);
-    assert!(
-        sentence.contains("the folder `nowhere` does not exist"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("`h.exr` is a file"), "{sentence}");
     assert_eq!(files(&folder), ["h.exr"]);
 }
 

@@ -89,6 +89,7 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
     for ending in ["exr", "ply", "csv", "svg"] {
         fs::create_dir(folder.join(format!("folder.{ending}"))).unwrap();
     }
+    fs::write(folder.join("file"), "").unwrap();
     for (command, ending) in [
         ("generate --tau 8 --size 64 -o", "exr"),
         ("mesh no.exr -o", "ply"),
@@ -99,11 +100,11 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
     ] {
         for (name, expected) in [
             (format!("folder.{ending}"), "is a folder"),
-            (format!("no/out.{ending}"), "the folder `no` does not exist"),
+            (format!("file/out.{ending}"), "`file` is a file"),
         ] {
             let line = format!("{command} {name}");
             let said = refused(folder, &words(&line), 1);
-            let names_it = said.contains(&format!("`{name}`"));
+            let names_it = said.contains(&format!("`{name}`")) || said.contains("`file`");
             assert!(names_it && said.contains(expected), "{line}: {said}");
         }
         if cfg!(target_os = "linux") {

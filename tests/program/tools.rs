@@ -124,6 +124,20 @@ fn man_writes_a_page_for_every_command() {
             page.contains("Print help\n") && !page.contains("see a summary"),
             "{page}"
         );
+        for section in [
+            "FILES",
+            "\"EXIT STATUS\"",
+            "EXAMPLES",
+            "\"SEE ALSO\"",
+            "VERSION",
+        ] {
+            assert!(
+                page.contains(&format!(".SH {section}\n")),
+                "{command} {section}"
+            );
+        }
+        let example = escaped(&format!("asperity {command}"));
+        assert!(page.contains(&format!("\n{example} ")), "{page}");
         for flag in flags(command) {
             assert!(page.contains(&escaped(&flag)), "{command} {flag}");
         }

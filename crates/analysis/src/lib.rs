@@ -69,6 +69,7 @@ pub use integrals::tabulated::region_influence;
 pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
+pub use microfacet::ggx::Ggx;
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 pub use microfacet::slope_distribution::SlopeDistribution;
 pub use microfacet::slope_grid::{SlopeGrid, SlopeTableError};

@@ -1,8 +1,9 @@
-//! Facets, Gaussian or of a table: their slopes, the distribution of their normals, half vectors and single scattering.
+//! Facets, Gaussian, GGX or of a table: their slopes, the distribution of their normals, half vectors and single scattering.
 
 pub(crate) mod beckmann;
 pub(crate) mod bsdf;
 mod facet_normals;
+pub(crate) mod ggx;
 pub(crate) mod half_vector;
 pub(crate) mod lambda;
 pub(crate) mod lambda_curve;
@@ -15,4 +16,5 @@ pub(crate) mod slope_grid;
 pub(crate) mod slope_mixture;
 pub(crate) mod slope_table;
 pub(crate) mod slopes;
+pub(crate) mod smith_normals;
 mod visible_normals;

@@ -413,14 +413,14 @@ fn a_full_disk_is_an_error() {
 fn files_and_folders_in_the_way_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let error = write_bytes(at("no/where.txt"), b"").unwrap_err();
+    // The folder of a file is made when the file is written, and not before
+    check_output_file(at("some/where.txt")).unwrap();
+    assert!(!at("some").exists());
+    write_bytes(at("some/where.txt"), b"").unwrap();
+    assert_eq!(entries(&at("some")), ["where.txt"]);
+    let error = check_output_file(at("some/where.txt/else.txt")).unwrap_err();
     assert!(
-        matches!(error.problem, WriteProblem::NoFolder(_)),
-        "{error}"
-    );
-    let error = check_output_file(at("no/where.txt")).unwrap_err();
-    assert!(
-        matches!(error.problem, WriteProblem::NoFolder(_)),
+        matches!(error.problem, WriteProblem::FolderIsFile(_)),
         "{error}"
     );
     check_output_file(at("where.txt")).unwrap();

@@ -113,12 +113,14 @@ pub(crate) fn first_difference(found: &Value, expected: &Value, key: &str) -> Op
     {
         if a.len() != b.len() {
             let [found, expected] = [a.len(), b.len()];
+            let key = key.trim_start_matches("document.");
             return Some(format!("{key} {found} elements in place of {expected}"));
         }
         let mut pairs = (1..).zip(a.iter().zip(b));
         return pairs.find_map(|(i, (a, b))| first_difference(a, b, &format!("{key}.{i}")));
     }
     let (Value::Object(a), Value::Object(b)) = (found, expected) else {
+        let key = key.trim_start_matches("document.");
         return Some(format!("{key} {found} in place of {expected}"));
     };
     let mut names: Vec<&String> = a.keys().chain(b.keys()).collect();

@@ -57,7 +57,7 @@ pub use output::stopped_by::StoppedBy;
 pub use output::stopping::{PilotFigures, Stopping};
 pub use output::surface_tallies::SurfaceTallies;
 pub use output::work::{MachineWork, SummaryWork};
-pub use slopes::slopes;
+pub use slopes::{slope_distribution, slopes};
 pub use store::{Stage, SurfaceKey, SurfaceStore};
 pub use stream::{convergence_stream, picture_stream, point_stream};
 pub use text::{counted, error_in_short, short};

@@ -78,8 +78,8 @@ pub use map::{
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
-    AttenuationFileError, Evaluation, EvaluationError, ModelConfig, Resolution, SlopeFileError,
-    evaluate_model, model_list,
+    AttenuationFileError, Evaluation, EvaluationError, ListedModel, ModelConfig, Resolution,
+    SlopeFileError, evaluate_model, model_list,
 };
 pub use output::wrapped;
 pub use render::{

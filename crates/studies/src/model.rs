@@ -13,9 +13,7 @@ mod surface_bins;
 
 use std::path::Path;
 
-use asperity_analysis::{
-    FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, create_model, smith_separable_g2,
-};
+use asperity_analysis::{FlatLayer, LayerPaths, ScatteringModel, create_model, smith_separable_g2};
 use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::attenuation_of::AttenuationFileError;
@@ -25,7 +23,7 @@ use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
 pub use self::evaluation::Evaluation;
 use self::layer_bins::{LayerBins, LayerModel};
-pub use self::list::model_list;
+pub use self::list::{ListedModel, model_list};
 use self::several::Several;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
@@ -94,9 +92,6 @@ fn rough_model(
     material: Material,
 ) -> Result<(Box<dyn ScatteringModel>, Vec<String>), EvaluationError> {
     let name = name.to_owned();
-    if !MODEL_NAMES.contains(&name.as_str()) {
-        return Err(EvaluationError::Unknown { name });
-    }
     if config.medium.is_some() {
         return Err(EvaluationError::Excludes {
             name,
@@ -212,14 +207,13 @@ fn evaluate_surface(
 }
 
 /// Settings that mean nothing for a flat layer.
-const OF_ROUGH_SURFACES: [(&str, &str); 7] = [
+const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
+    ("surface.ggx_alpha", "ggx-alpha"),
     ("surface.slopes_of", "slopes-of"),
     ("surface.smoothness", "smoothness"),
     ("surface.smoothness_y", "smoothness-y"),
     ("run.rays", "rays"),
     ("run.seed", "seed"),
-    ("medium.bottom_surface", "bottom-surface"),
-    ("medium.max_scatterings", "max-scatterings"),
 ];
 
 /// Refuses settings that mean nothing for the model `name` of a flat layer.

@@ -26,6 +26,7 @@ pub(crate) mod number;
 mod range;
 mod reference;
 mod setting;
+mod suggestion;
 mod value_text;
 
 pub use command::{Command, Commands};
@@ -38,6 +39,7 @@ pub use length::Length;
 pub use range::Range;
 pub use reference::reference_page;
 pub use setting::{Arity, Flag, Setting};
+pub use suggestion::{known_names, suggestion};
 
 #[cfg(test)]
 mod tests;

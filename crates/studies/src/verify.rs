@@ -186,7 +186,7 @@ pub(crate) fn judge_case<'a>(
         return Err(ConfigError::missing("a verification", needed).into());
     };
     if let (Some(other), Ok(slopes)) = (&other, &surface.slopes) {
-        surface.slopes = Ok(other.distribution(slopes.covariance()));
+        surface.slopes = Ok(other.distribution(slopes));
     }
     let compared = Compared {
         config: &config.compare,

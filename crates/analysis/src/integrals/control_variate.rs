@@ -145,6 +145,7 @@ fn ring_fluxes(
     };
     let scattering = Scattering {
         slopes: *slopes,
+        long_tails: false,
         material,
         kinks: Kinks::None,
         bsdf: &unshadowed,

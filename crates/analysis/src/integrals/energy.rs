@@ -6,13 +6,15 @@
 //! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see
 //! [`Kinks`].
 
-use asperity_tally::Side;
+use asperity_tally::{HemisphereGrid, Side};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use crate::integrals::flux::bin_fluxes_of;
 use crate::integrals::slope_images::FacetLight;
 use crate::integrals::tabulated::tabulated_energy;
 use crate::microfacet::half_vector::{outgoing_direction, reflecting_facet, refracting_facet};
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
@@ -66,6 +68,16 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
         return HemisphericalEnergy {
             reflected: of_side(Side::Reflected),
             transmitted: of_side(Side::Transmitted),
+        };
+    }
+    // GGX has facets beyond any slope, so directions are integrated over instead
+    if matches!(model.slopes(), SlopeDistribution::Ggx { .. }) {
+        let grid = HemisphereGrid::default();
+        let fluxes = bin_fluxes_of(model, wi, &grid, model.sides());
+        let (up, down) = fluxes.split_at(grid.bins_per_side());
+        return HemisphericalEnergy {
+            reflected: up.iter().sum(),
+            transmitted: down.iter().sum(),
         };
     }
     let parts = model.parts();

@@ -22,6 +22,7 @@ use glam::{DVec2, DVec3};
 
 use crate::integrals::lobe::{Lobe, NEGLIGIBLE};
 use crate::microfacet::half_vector::outgoing_direction;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
@@ -35,9 +36,11 @@ const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
 #[derive(Clone, Copy)]
 pub(crate) struct Scattering<'a> {
     pub(crate) slopes: SlopeCovariance,
+    /// `true` if light that facets of rare slopes scatter counts, as of GGX: no direction is left out.
+    pub(crate) long_tails: bool,
     pub(crate) material: Material,
     pub(crate) kinks: Kinks,
-    /// The BSDF of `wi` and `wo`, in 1/sr. It is isotropic if the slopes are, and negligible where these are rare.
+    /// The BSDF of `wi` and `wo`, in 1/sr. It is isotropic if the slopes are, and negligible where these are rare, unless it has long tails.
     pub(crate) bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
     /// Error allowed in the flux of one range.
     pub(crate) error: AllowedError,
@@ -49,8 +52,10 @@ impl<'a> Scattering<'a> {
         model: &dyn BsdfModel,
         bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
     ) -> Self {
+        let slopes = model.slopes();
         Self {
-            slopes: model.slopes().covariance(),
+            slopes: *slopes.ggx().beckmann(),
+            long_tails: matches!(slopes, SlopeDistribution::Ggx { .. }),
             material: model.material(),
             kinks: model.kinks(),
             bsdf,
@@ -189,7 +194,7 @@ impl<'a> FluxIntegral<'a> {
         } else {
             self.shape.mark_azimuths(&mut self.inner_breaks, theta, psi)
         };
-        if least > NEGLIGIBLE {
+        if least > NEGLIGIBLE && !self.scattering.long_tails {
             return 0.0;
         }
         if isotropic {

@@ -40,6 +40,7 @@ pub fn unshadowed_fluxes(
     let bsdf = |wi, wo| interface.unshadowed_bsdf(wi, wo);
     let scattering = Scattering {
         slopes: *slopes,
+        long_tails: false,
         material,
         kinks: Kinks::None,
         bsdf: &bsdf,

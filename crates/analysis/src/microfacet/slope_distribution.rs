@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::facet_normals::FacetNormals;
+use crate::microfacet::ggx::Ggx;
 use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slope_table::SlopeTable;
 use crate::microfacet::slopes::SlopeCovariance;
@@ -33,6 +34,15 @@ pub enum SlopeDistribution {
         /// The covariance of all slopes.
         covariance: SlopeCovariance,
     },
+    /// GGX slopes.
+    Ggx {
+        /// Their distribution, whose variance is infinite.
+        ggx: Ggx,
+        /// The slopes of a surface that ends the tail, where they are known.
+        surface: Option<Arc<SlopeMixture>>,
+        /// The covariance of the slopes of such a surface.
+        covariance: SlopeCovariance,
+    },
     /// Slopes of any density.
     Table {
         /// The density, with its mean slope at zero.
@@ -49,6 +59,7 @@ impl SlopeDistribution {
         match self {
             Self::Gaussian(covariance)
             | Self::Mixture { covariance, .. }
+            | Self::Ggx { covariance, .. }
             | Self::Table { covariance, .. } => *covariance,
         }
     }
@@ -57,8 +68,17 @@ impl SlopeDistribution {
     #[must_use]
     pub fn table(&self) -> Option<&SlopeTable> {
         match self {
-            Self::Gaussian(_) | Self::Mixture { .. } => None,
+            Self::Gaussian(_) | Self::Mixture { .. } | Self::Ggx { .. } => None,
             Self::Table { table, .. } => Some(table),
+        }
+    }
+
+    /// The GGX distribution, or that of the same `alpha` as the Beckmann distribution of the covariance.
+    #[must_use]
+    pub const fn ggx(&self) -> Ggx {
+        match self {
+            Self::Ggx { ggx, .. } => *ggx,
+            _ => Ggx::new(self.covariance()),
         }
     }
 
@@ -68,16 +88,18 @@ impl SlopeDistribution {
         match self {
             Self::Gaussian(covariance) => covariance.is_isotropic(),
             Self::Mixture { mixture, .. } => mixture.is_isotropic(),
+            Self::Ggx { ggx, .. } => ggx.beckmann().is_isotropic(),
             Self::Table { .. } => false,
         }
     }
 
-    /// Smith's Lambda, of [`Beckmann::lambda`], [`SlopeMixture::lambda`] or [`SlopeTable::lambda`].
+    /// Smith's Lambda, of [`Beckmann::lambda`], [`SlopeMixture::lambda`], [`Ggx::lambda`] or [`SlopeTable::lambda`].
     #[must_use]
     pub fn lambda(&self, w: DVec3) -> f64 {
         match self {
             Self::Gaussian(covariance) => Beckmann::new(*covariance).lambda(w),
             Self::Mixture { mixture, .. } => mixture.lambda(w),
+            Self::Ggx { ggx, .. } => ggx.lambda(w),
             Self::Table { table, .. } => table.lambda(w),
         }
     }
@@ -94,6 +116,7 @@ impl FacetNormals for SlopeDistribution {
         match self {
             Self::Gaussian(covariance) => Beckmann::new(*covariance).d(m),
             Self::Mixture { mixture, .. } => mixture.d(m),
+            Self::Ggx { ggx, .. } => ggx.d(m),
             Self::Table { table, .. } => table.d(m),
         }
     }

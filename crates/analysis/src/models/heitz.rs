@@ -18,14 +18,14 @@
 //! is left of it. Russian roulette ends paths that have become weak relative to their own beginning.
 //!
 //! # Parameters
-//! The slope covariance and the material, dielectric or conductor. The walk serves the model `heitz-polarised` as well,
+//! The slope covariance, or `alpha` of GGX slopes, and the material, dielectric or conductor. The walk serves the model `heitz-polarised` as well,
 //! which differs in what it knows of the light: see `light.rs`.
 //!
 //! # Source
 //! Heitz, Hanika, d'Eon and Dachsbacher 2016, "Multiple-scattering microfacet BSDFs with the Smith model".
 //!
 //! # Valid range
-//! All orders on any Gaussian slopes, with successive facets independent of each other.
+//! All orders on any Gaussian or GGX slopes, with successive facets independent of each other.
 
 #[cfg(test)]
 mod analog;
@@ -41,8 +41,10 @@ use rand::distr::Open01;
 use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::beckmann::{Beckmann, Masking};
+use crate::microfacet::ggx::Ggx;
 use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
+use crate::microfacet::smith_normals::SmithNormals;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope,
 };
@@ -51,12 +53,10 @@ use branch::{Branch, FacetHit};
 use height::Height;
 use light::{Averaged, Light};
 
-/// Light of all orders on the Smith microsurface of Gaussian slopes.
+/// Light of all orders on the Smith microsurface of Gaussian or GGX slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heitz {
     single: Smith,
-    distribution: Beckmann,
-    material: Material,
 }
 
 /// Interactions after which a path is truncated.
@@ -78,6 +78,13 @@ const INFO: ModelInfo = ModelInfo {
     sides: Sides::Both,
 };
 
+const OF_GGX: ModelInfo = ModelInfo {
+    name: Heitz::NAME_GGX,
+    description: "GGX (Trowbridge-Reitz) microfacets, all orders by a random walk on the Smith microsurface (Heitz et al. 2016)",
+    valid_range: "GGX slopes, of --ggx-alpha or of alpha = 2 / s, all orders; successive facets taken as independent, not as neighbours",
+    ..INFO
+};
+
 impl Heitz {
     /// The name of the model.
     pub const NAME: &'static str = "heitz";
@@ -89,30 +96,52 @@ impl Heitz {
         }),
     };
 
-    /// The model for a surface of these slopes.
+    /// The name of the model of GGX slopes.
+    pub const NAME_GGX: &'static str = "heitz-ggx";
+
+    pub(crate) const ENTRY_GGX: ModelEntry = ModelEntry {
+        info: &OF_GGX,
+        constructor: Constructor::RandomWalk(|slopes, material| {
+            Ok(Box::new(Self::of_ggx(slopes.ggx(), material)?))
+        }),
+    };
+
+    /// The model for a surface of these Gaussian slopes.
     ///
     /// # Errors
     /// [`ModelError`] for an invalid material or equal indices.
     pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
-        Ok(Self {
-            single: Smith::new(slopes, material, Masking::HeightCorrelated)?,
-            distribution: Beckmann::new(slopes),
-            material,
-        })
+        Self::of_normals(SmithNormals::Beckmann(Beckmann::new(slopes)), material)
+    }
+
+    /// The model for a surface of GGX slopes.
+    ///
+    /// # Errors
+    /// Same as [`Heitz::new`].
+    pub fn of_ggx(ggx: Ggx, material: Material) -> Result<Self, ModelError> {
+        Self::of_normals(SmithNormals::Ggx(ggx), material)
+    }
+
+    fn of_normals(normals: SmithNormals, material: Material) -> Result<Self, ModelError> {
+        let single = Smith::of_normals(normals, material, Masking::HeightCorrelated)?;
+        Ok(Self { single })
     }
 }
 
 impl ScatteringModel for Heitz {
     fn info(&self) -> &'static ModelInfo {
-        &INFO
+        match self.single.normals() {
+            SmithNormals::Beckmann(_) => &INFO,
+            SmithNormals::Ggx(_) => &OF_GGX,
+        }
     }
 
     fn material(&self) -> Material {
-        self.material
+        self.single.material()
     }
 
     fn slopes(&self) -> SlopeDistribution {
-        (*self.distribution.slopes()).into()
+        self.single.slopes()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -138,7 +167,7 @@ impl Heitz {
         rng: &mut ChaCha8Rng,
         tally: &mut Tally<'_>,
     ) {
-        let lambda = self.distribution.lambda(wi);
+        let lambda = self.single.normals().lambda(wi);
         let first = FacetHit {
             side: Side::Reflected,
             height: Height::ABOVE_ALL.descended(lambda, rng.sample(Open01)),
@@ -163,8 +192,9 @@ impl Heitz {
         rng: &mut ChaCha8Rng,
         tally: &mut Tally<'_>,
     ) -> [Branch<L>; 2] {
-        let m = self.distribution.sample_visible(hit.w, rng);
-        let (branches, absorbed) = branch::branches(&self.distribution, self.material, hit, m);
+        let normals = self.single.normals();
+        let m = normals.sample_visible(hit.w, rng);
+        let (branches, absorbed) = branch::branches(&normals, self.single.material(), hit, m);
         if absorbed > 0.0 {
             tally.add_loss(Loss::Absorbed, hit.weight * absorbed);
         }

@@ -23,8 +23,11 @@ const REGISTRY: &[ModelEntry] = &[
     XuSunMonteCarlo::ENTRY_SMITH,
     Smith::ENTRY_CORRELATED,
     Smith::ENTRY_SEPARABLE,
+    Smith::ENTRY_GGX,
+    Smith::ENTRY_GGX_SEPARABLE,
     SmithSlopes::ENTRY,
     Heitz::ENTRY,
+    Heitz::ENTRY_GGX,
     HeitzPolarised::ENTRY,
     VCavity::ENTRY,
     CookTorranceNeumann::ENTRY_GROOVES,
@@ -167,9 +170,9 @@ mod tests {
     #[test]
     fn unknown_names_are_refused_with_the_list() {
         assert_eq!(
-            refusal("ggx", 2.0, Material::Mirror),
+            refusal("phong", 2.0, Material::Mirror),
             format!(
-                "unknown model `ggx`; the models are {}",
+                "unknown model `phong`; the models are {}",
                 MODEL_NAMES.join(", ")
             )
         );

@@ -1,32 +1,34 @@
-//! Smith: Beckmann microfacets with Smith's shadowing and masking.
+//! Smith: Beckmann or GGX microfacets with Smith's shadowing and masking.
 //!
 //! # Parameters
-//! The slope covariance (for smoothness `s`, Beckmann's `alpha_b = 2 / s`), the material, and how shadowing and
-//! masking are combined. Lambda is exact, not the common rational fit.
+//! The slope covariance (for smoothness `s`, `alpha = 2 / s` of both distributions), or `alpha` of a surface with GGX slopes; the
+//! material, and how shadowing and masking are combined. Lambda is exact, not the common rational fit.
 //!
 //! # Source
-//! Walter et al. 2007, Eqs. 20 and 21; Heitz et al. 2016 for the height-correlated forms.
+//! Walter et al. 2007, Eqs. 20 and 21, and 33 and 34 for GGX; Heitz et al. 2016 for the height-correlated forms.
 //!
 //! # Valid range
-//! Single scattering on any Gaussian slopes, with heights and slopes of all facets independent.
+//! Single scattering on any Gaussian or GGX slopes, with heights and slopes of all facets independent.
 
 use asperity_optics::Material;
 use asperity_tally::Sides;
 use glam::DVec3;
 
-use crate::microfacet::beckmann::Masking;
+use crate::microfacet::beckmann::{Beckmann, Masking};
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::ggx::Ggx;
 use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
+use crate::microfacet::smith_normals::SmithNormals;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
-    valid_interface,
+    check_material,
 };
 
-/// Beckmann normals with Smith's masking, reflection and refraction.
+/// Beckmann or GGX normals with Smith's masking, reflection and refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smith {
-    interface: MicrofacetInterface,
+    interface: MicrofacetInterface<SmithNormals>,
     masking: Masking,
 }
 
@@ -46,11 +48,28 @@ const SEPARABLE: ModelInfo = ModelInfo {
     ..CORRELATED
 };
 
+const GGX_CORRELATED: ModelInfo = ModelInfo {
+    name: Smith::NAME_GGX,
+    description: "GGX (Trowbridge-Reitz) microfacets, height-correlated Smith masking (Walter et al. 2007; Heitz 2014)",
+    valid_range: "GGX slopes, of --ggx-alpha or of alpha = 2 / s; light scattered once, heights and slopes taken as independent",
+    ..CORRELATED
+};
+
+const GGX_SEPARABLE: ModelInfo = ModelInfo {
+    name: Smith::NAME_GGX_SEPARABLE,
+    description: "GGX (Trowbridge-Reitz) microfacets, separable Smith masking (Walter et al. 2007)",
+    ..GGX_CORRELATED
+};
+
 impl Smith {
     /// The name of the height-correlated model.
     pub const NAME_CORRELATED: &'static str = "smith";
     /// The name of the separable model.
     pub const NAME_SEPARABLE: &'static str = "smith-separable";
+    /// The name of the height-correlated model of GGX slopes.
+    pub const NAME_GGX: &'static str = "ggx";
+    /// The name of the separable model of GGX slopes.
+    pub const NAME_GGX_SEPARABLE: &'static str = "ggx-separable";
 
     pub(crate) const ENTRY_CORRELATED: ModelEntry = ModelEntry {
         info: &CORRELATED,
@@ -73,7 +92,28 @@ impl Smith {
         }),
     };
 
-    /// The model for a surface of these slopes.
+    pub(crate) const ENTRY_GGX: ModelEntry = ModelEntry {
+        info: &GGX_CORRELATED,
+        constructor: Constructor::ClosedForm(|slopes, material| {
+            Ok(Box::new(Self::of_ggx(
+                slopes.ggx(),
+                material,
+                Masking::HeightCorrelated,
+            )?))
+        }),
+    };
+    pub(crate) const ENTRY_GGX_SEPARABLE: ModelEntry = ModelEntry {
+        info: &GGX_SEPARABLE,
+        constructor: Constructor::ClosedForm(|slopes, material| {
+            Ok(Box::new(Self::of_ggx(
+                slopes.ggx(),
+                material,
+                Masking::Separable,
+            )?))
+        }),
+    };
+
+    /// The model for a surface of these Gaussian slopes.
     ///
     /// # Errors
     /// [`ModelError`] for an invalid material or equal indices.
@@ -82,18 +122,48 @@ impl Smith {
         material: Material,
         masking: Masking,
     ) -> Result<Self, ModelError> {
+        Self::of_normals(
+            SmithNormals::Beckmann(Beckmann::new(slopes)),
+            material,
+            masking,
+        )
+    }
+
+    /// The model for a surface of GGX slopes.
+    ///
+    /// # Errors
+    /// Same as [`Smith::new`].
+    pub fn of_ggx(ggx: Ggx, material: Material, masking: Masking) -> Result<Self, ModelError> {
+        Self::of_normals(SmithNormals::Ggx(ggx), material, masking)
+    }
+
+    pub(crate) fn of_normals(
+        distribution: SmithNormals,
+        material: Material,
+        masking: Masking,
+    ) -> Result<Self, ModelError> {
+        check_material(material)?;
         Ok(Self {
-            interface: valid_interface(slopes, material)?,
+            interface: MicrofacetInterface {
+                distribution,
+                material,
+            },
             masking,
         })
+    }
+
+    pub(crate) const fn normals(&self) -> SmithNormals {
+        self.interface.distribution
     }
 }
 
 impl ScatteringModel for Smith {
     fn info(&self) -> &'static ModelInfo {
-        match self.masking {
-            Masking::Separable => &SEPARABLE,
-            Masking::HeightCorrelated => &CORRELATED,
+        match (self.interface.distribution, self.masking) {
+            (SmithNormals::Beckmann(_), Masking::Separable) => &SEPARABLE,
+            (SmithNormals::Beckmann(_), Masking::HeightCorrelated) => &CORRELATED,
+            (SmithNormals::Ggx(_), Masking::Separable) => &GGX_SEPARABLE,
+            (SmithNormals::Ggx(_), Masking::HeightCorrelated) => &GGX_CORRELATED,
         }
     }
 
@@ -102,7 +172,7 @@ impl ScatteringModel for Smith {
     }
 
     fn slopes(&self) -> SlopeDistribution {
-        (*self.interface.distribution.slopes()).into()
+        self.interface.distribution.slopes()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -113,7 +183,8 @@ impl ScatteringModel for Smith {
 impl BsdfModel for Smith {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
         self.interface.bsdf(wi, wo, |_| {
-            self.interface.distribution.g2(wi, wo, self.masking)
+            let lambdas = [wi, wo].map(|w| self.interface.distribution.lambda(w));
+            self.masking.g2(lambdas, wo.z > 0.0)
         })
     }
 }

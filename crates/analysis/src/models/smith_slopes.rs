@@ -1,7 +1,7 @@
 //! Smith by slopes: microfacets of any density of slopes, with Smith's shadowing and masking.
 //!
 //! # Parameters
-//! The distribution of slopes, as a table for measured surfaces, and the material. Of Gaussian slopes it is the model `smith`.
+//! The distribution of slopes, as a table for measured surfaces, and the material. Of Gaussian slopes it is the model `smith`, of GGX slopes `ggx`.
 //!
 //! # Source
 //! Smith 1967 for the masking function; C. Bourlier, J. Saillard, G. Berginc, IEEE Trans. Antennas Propag. 48 (2000) 437, and
@@ -87,6 +87,17 @@ impl SmithSlopes {
     /// [`ModelError`] for an invalid material or equal indices.
     pub fn new(slopes: SlopeDistribution, material: Material) -> Result<Self, ModelError> {
         check_material(material)?;
+        let slopes = match slopes {
+            SlopeDistribution::Ggx {
+                surface: Some(mixture),
+                covariance,
+                ..
+            } => SlopeDistribution::Mixture {
+                mixture,
+                covariance,
+            },
+            slopes => slopes,
+        };
         let parts = match &slopes {
             SlopeDistribution::Mixture { mixture, .. } => {
                 let part = |(weight, slopes): &(f64, SlopeCovariance)| MixturePart {
@@ -99,7 +110,9 @@ impl SmithSlopes {
                 };
                 mixture.components().iter().map(part).collect()
             }
-            SlopeDistribution::Gaussian(_) | SlopeDistribution::Table { .. } => Vec::new(),
+            SlopeDistribution::Gaussian(_)
+            | SlopeDistribution::Ggx { .. }
+            | SlopeDistribution::Table { .. } => Vec::new(),
         };
         Ok(Self {
             interface: MicrofacetInterface {

@@ -23,6 +23,7 @@ mod layer {
     mod flat_layer_rays;
 }
 mod models {
+    mod ggx;
     mod heitz;
     mod heitz_explicit;
     mod heitz_polarised;

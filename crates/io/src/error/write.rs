@@ -64,9 +64,6 @@ pub enum WriteProblem {
     /// A folder under the name of the file.
     #[error("is a folder; the name of a file is needed")]
     IsFolder,
-    /// No folder to write into.
-    #[error("the folder `{}` does not exist", .0.display())]
-    NoFolder(PathBuf),
     /// A file under the name of the folder, or of one above it.
     #[error("`{}` is a file", .0.display())]
     FolderIsFile(PathBuf),
@@ -82,9 +79,7 @@ impl Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (path, problem) = (self.path.display(), &self.problem);
         match problem {
-            WriteProblem::Io(_) | WriteProblem::NoFolder(_) => {
-                write!(f, "cannot write `{path}`: {problem}")
-            }
+            WriteProblem::Io(_) => write!(f, "cannot write `{path}`: {problem}"),
             WriteProblem::FolderIsFile(_) => {
                 write!(f, "cannot make the folder `{path}`: {problem}")
             }

@@ -17,7 +17,7 @@ use crate::error::{WriteError, WriteProblem};
 /// or pipe (`/dev/stdout`) has no content to protect and is written straight.
 ///
 /// # Errors
-/// [`WriteError`] if `write` fails, `path` is a folder, its folder does not exist or lets no file
+/// [`WriteError`] if `write` fails, `path` is a folder, its folder cannot be made or lets no file
 /// in, or the disk is full.
 pub fn write_atomically(
     path: impl AsRef<Path>,
@@ -76,10 +76,10 @@ fn replace_file(
     }
 
     let folder = parent(&target);
-    let temporary = temporary_in(&folder).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => WriteProblem::NoFolder(folder.clone()),
-        _ => error.into(),
-    })?;
+    if !folder.is_dir() {
+        fs::create_dir_all(&folder)?;
+    }
+    let temporary = temporary_in(&folder)?;
     fill(temporary.as_file(), write)?;
     if let Some(old) = old {
         fs::set_permissions(temporary.path(), old.permissions())?;

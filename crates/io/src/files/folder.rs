@@ -75,7 +75,7 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
 /// end; removes what killed runs have left in its folder.
 ///
 /// # Errors
-/// [`WriteError`] if `path` is a folder, or its folder does not exist or lets no file in.
+/// [`WriteError`] if `path` is a folder, or its folder cannot be made or lets no file in.
 pub fn check_output_file(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     // A link is followed when the file is written.
@@ -90,7 +90,8 @@ pub fn check_output_file(path: impl AsRef<Path>) -> Result<(), WriteError> {
     }
     let folder = parent(&target);
     if !folder.is_dir() {
-        return Err(WriteProblem::NoFolder(folder).at(path));
+        // It is made when the file is written.
+        return check_output_folder(&folder);
     }
     remove_stale_parts(&folder);
     temporary_in(&folder)

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_analysis::{
-    ModelError, SlopeCovariance, SlopeDistribution, SlopeMixture, SlopeTableError,
-};
+use asperity_analysis::{ModelError, SlopeDistribution, SlopeMixture, SlopeTableError};
 use asperity_simulate::{Outcome, RandomSurfaces, SimulateError};
 
 use super::slope_tables::{SlopeSymmetry, SlopeTables};
@@ -41,14 +39,22 @@ impl OtherSlopes {
         SlopeTables::new(count, samples, symmetry, from).map(Self::Tables)
     }
 
-    /// The distribution that models are made of, with this `covariance`.
-    pub(crate) fn distribution(&self, covariance: SlopeCovariance) -> SlopeDistribution {
-        match self {
-            Self::Mixture(mixture) => SlopeDistribution::Mixture {
+    /// The distribution that models are made of: `slopes` with all that is known here.
+    pub(crate) fn distribution(&self, slopes: &SlopeDistribution) -> SlopeDistribution {
+        let covariance = slopes.covariance();
+        match (self, slopes) {
+            (Self::Mixture(mixture), SlopeDistribution::Ggx { ggx, .. }) => {
+                SlopeDistribution::Ggx {
+                    ggx: *ggx,
+                    surface: Some(Arc::clone(mixture)),
+                    covariance,
+                }
+            }
+            (Self::Mixture(mixture), _) => SlopeDistribution::Mixture {
                 mixture: Arc::clone(mixture),
                 covariance,
             },
-            Self::Tables(tables) => tables.distribution(covariance),
+            (Self::Tables(tables), _) => tables.distribution(covariance),
         }
     }
 

@@ -5,7 +5,7 @@ use asperity_analysis::{
     ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model, expect,
 };
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{Case, slopes};
+use asperity_simulate::{Case, slope_distribution};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::error::ConfigError;
@@ -27,7 +27,7 @@ impl ModelledSurface {
     /// Surface of a case on random surfaces; `None` for a given surface.
     pub(crate) fn of(case: &Case) -> Option<Self> {
         Some(Self {
-            slopes: slopes(case.surface.recipe()?).map(Into::into),
+            slopes: slope_distribution(case.surface.recipe()?),
             is_nearly_isotropic: false,
             material: case.material,
             layer: case.layer.map(|below| below.layer),
@@ -78,7 +78,13 @@ impl CaseModel {
             }
             (Some(_), ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
             (None, _, Some(_)) => Err(of_other_layers(false)),
-            _ => Ok(Self::Surface(surface.model(name)?)),
+            _ => match surface.model(name) {
+                Ok(model) => Ok(Self::Surface(model)),
+                Err(error) => Err(ConfigError::RefusedModel {
+                    name: name.to_owned(),
+                    error,
+                }),
+            },
         }
     }
 

@@ -1,6 +1,6 @@
 //! Default models: those that random surfaces are compared with where none are named.
 
-use asperity_analysis::{Heitz, LayerPaths, OrenNayar, Smith};
+use asperity_analysis::{Heitz, LayerPaths, OrenNayar, Smith, SmithSlopes};
 
 use crate::config::medium::{BottomKind, MediumConfig};
 use crate::config::{CompareConfig, MaterialConfig, SurfaceConfig, VerifyConfig};
@@ -20,7 +20,7 @@ impl Described<'_> {
     ///
     /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Isotropic Lambertian facets get Oren and
     /// Nayar; anisotropic ones have no default. Anisotropic surfaces of other materials get Smith and Heitz, since the model of Xu and Sun is
-    /// isotropic. No model is of polarised light.
+    /// isotropic. No model is of polarised light. Surfaces of GGX slopes get GGX with Smith's masking, once and for all orders, and Smith's model of the slopes that they have.
     fn models(&self) -> Option<Vec<String>> {
         if self.is_polarised {
             return Some(Vec::new());
@@ -31,6 +31,9 @@ impl Described<'_> {
             (Some(_), _) => &[LayerPaths::All.name()],
             (None, MaterialConfig::Lambertian { .. }) if is_isotropic => &[OrenNayar::NAME],
             (None, MaterialConfig::Lambertian { .. }) => &[],
+            (None, _) if self.surface.amplitude_ratio().is_some() => {
+                &[Smith::NAME_GGX, Heitz::NAME_GGX, SmithSlopes::NAME]
+            }
             (None, _) if is_isotropic => return None,
             (None, _) => &[Smith::NAME_CORRELATED, Heitz::NAME],
         };

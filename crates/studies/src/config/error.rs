@@ -58,6 +58,14 @@ pub enum ConfigError {
     /// A model is unknown or cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A model that cannot be made for a surface and its material.
+    #[error("{}", refused_model(name, .error))]
+    RefusedModel {
+        /// Its name.
+        name: String,
+        /// The reason.
+        error: ModelError,
+    },
     /// A model of a layer that cannot be made.
     #[error(transparent)]
     LayerModel(#[from] FlatLayerError),
@@ -113,7 +121,25 @@ pub enum ConfigError {
     Target(#[from] TargetError),
 }
 
+/// The refusal of a model, which names it.
+fn refused_model(name: &str, error: &ModelError) -> String {
+    let reason = error.to_string();
+    match reason.contains(name) {
+        true => reason,
+        false => format!("the model {name}: {reason}"),
+    }
+}
+
 impl ConfigError {
+    /// The model that is refused; `None` of other refusals.
+    #[must_use]
+    pub fn model(&self) -> Option<&str> {
+        match self {
+            Self::RefusedModel { name, .. } | Self::ModelOfOtherLayers { name, .. } => Some(name),
+            _ => None,
+        }
+    }
+
     /// A value that does not suit the surfaces, the light or the study.
     pub(crate) fn unsuitable(given: impl Into<String>, reason: impl Into<String>) -> Self {
         let (given, reason) = (given.into(), reason.into());

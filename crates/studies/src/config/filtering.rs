@@ -67,6 +67,25 @@ impl MeasuredConfig {
         }
     }
 
+    /// Notes on filters that leave little of a surface, one sentence each.
+    #[must_use]
+    pub fn filter_notes(&self, field: &HeightField) -> Vec<String> {
+        let [x, y] = field.extent();
+        let s = self
+            .s_filter
+            .and_then(|length| length.in_unit(field.unit()));
+        let is_long = s.is_some_and(|s| s > 0.5 * x.min(y));
+        is_long
+            .then(|| {
+                format!(
+                    "{S_FILTER} removes all waves of less than half the surface, {} long: roughness is what shorter filters leave",
+                    short(x.min(y))
+                )
+            })
+            .into_iter()
+            .collect()
+    }
+
     /// The surface without short waves (S-filter), then without its form, then without long waves (L-filter).
     ///
     /// # Errors

@@ -48,6 +48,12 @@ pub enum BottomShape {
     File(PathBuf),
 }
 
+impl Default for BottomShape {
+    fn default() -> Self {
+        Self::Named(BottomSurface::Flat)
+    }
+}
+
 impl BottomShape {
     /// The shape that follows from the surface above; flat where a file takes its place.
     #[must_use]
@@ -93,8 +99,10 @@ pub struct MediumConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom_reflectance: Option<Number>,
     /// The shape of the bottom.
+    #[serde(default)]
     pub bottom_surface: BottomShape,
     /// Scatterings after which a path is truncated.
+    #[serde(default)]
     pub max_scatterings: u32,
 }
 

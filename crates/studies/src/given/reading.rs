@@ -46,13 +46,16 @@ impl MeasuredConfig {
         observer: &dyn Observer,
     ) -> Result<(GivenSurfaces, Option<GivenSurface>), GivenError> {
         let tops = self.read_surfaces(document.own_unit(), observer)?;
-        let tops = tops.ok_or_else(|| GivenError::NoSurface {
+        let mut tops = tops.ok_or_else(|| GivenError::NoSurface {
             command: document.command(),
             needed: "a surface: FILE or --flat",
         })?;
         let bottom = medium.and_then(|medium| medium.bottom_surface.file());
         let bottom = bottom.map(|path| self.read_like(&tops.first, path, observer));
         let bottom = bottom.transpose()?;
+        if let Some(bottom) = bottom.as_ref().filter(|_| tops.first.file.is_none()) {
+            tops.first = tops.first.over(bottom);
+        }
         Ok((tops, bottom))
     }
 
@@ -155,6 +158,7 @@ impl MeasuredConfig {
         let field = self.filtered(field);
         let field = field.map_err(|error| FileProblem::from(error).at(path))?;
         notes.extend(border_notes(&field, is_border_known));
+        notes.extend(self.filter_notes(&field));
         let [dx, dy] = field.spacing().map(short);
         observer.explain(&format!(
             "{}: {} x {} samples, spacing {dx} x {dy}{}, {} border, {filled} points filled",

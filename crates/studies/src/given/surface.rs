@@ -162,6 +162,25 @@ impl GivenSurface {
         }
     }
 
+    /// This flat surface, with the tile of `bottom`; as it is over a triangle mesh.
+    pub(super) fn over(&self, bottom: &Self) -> Self {
+        let shape = match &bottom.shape {
+            GivenShape::Field(below) => {
+                let level = vec![0.0; below.heights().len()];
+                let field = HeightField::new(level, below.shape(), below.spacing());
+                let field = field.expect("a plane is a height field");
+                let field = field.with_border(below.border()).with_unit(bottom.unit);
+                GivenShape::Field(field)
+            }
+            GivenShape::Mesh(_) => self.shape.clone(),
+        };
+        Self {
+            shape,
+            unit: bottom.unit,
+            ..self.clone()
+        }
+    }
+
     /// Lengths of the tile along x and y.
     #[must_use]
     pub fn extent(&self) -> [f64; 2] {
@@ -175,7 +194,7 @@ impl GivenSurface {
     }
 
     /// Its lengths, to be compared with the wavelength.
-    fn lengths(&self) -> SurfaceLengths {
+    pub(crate) fn lengths(&self) -> SurfaceLengths {
         match &self.shape {
             GivenShape::Field(field) => SurfaceLengths::of_field(field),
             GivenShape::Mesh(mesh) => SurfaceLengths::of_mesh(mesh, self.unit),

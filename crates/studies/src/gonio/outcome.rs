@@ -139,7 +139,7 @@ impl<'a> GonioOutcome<'a> {
             (None, recipe) => SurfaceLengths::of_recipe(recipe?, case.at.unit),
         };
         let wavelength = self.config.light.wavelength_nm();
-        Validity::new(&lengths, case.light.incidence.theta(), wavelength)
+        Validity::new(&lengths, None, case, &direction.spec, wavelength)
     }
 
     /// A direction as tables and figures of single cases show it; `None` if it was not measured.

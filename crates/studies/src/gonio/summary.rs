@@ -11,7 +11,7 @@ use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
 use crate::output::{cut_short, wrapped};
 use crate::report::energies::{lost_warning, more_rays_warning};
-use crate::validity::Validity;
+use crate::validity::{Validity, wavelength_warnings};
 
 /// The summary as text: report.txt.
 pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
@@ -39,6 +39,9 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
             found.errors_from
         );
     }
+    if let Some(line) = first_lines(outcome) {
+        let _ = writeln!(out, "{}", wrapped(&line));
+    }
     let directions: Vec<Direction<'_>> = outcome.directions().collect();
     let settings = directions.chunks(outcome.per_setting());
     for (label, directions) in distinction.labels.iter().zip(settings) {
@@ -60,6 +63,24 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
     wrapped(&out)
 }
 
+/// The first direction with much coherent light, and the number of others.
+fn first_lines(outcome: &GonioOutcome) -> Option<String> {
+    let mut found = measured(outcome).filter_map(|direction| {
+        let line = outcome
+            .validity(&direction)?
+            .first_lines(direction.statistics()?)?;
+        Some((direction, line))
+    });
+    let (direction, line) = found.next()?;
+    let others = match found.count() {
+        0 => String::new(),
+        others => format!("; the same, with other fractions, in {others} other directions"),
+    };
+    let line = line.trim_start_matches("warning: ");
+    let name = direction.case.direction_name();
+    Some(format!("warning: {name}: {line}{others}"))
+}
+
 /// Validity of geometric optics, for the direction where lengths are shortest against the wavelength.
 fn validity_note(outcome: &GonioOutcome) -> Option<String> {
     let known = || {
@@ -70,7 +91,7 @@ fn validity_note(outcome: &GonioOutcome) -> Option<String> {
         .filter(|(_, validity)| validity.holds == Some(false))
         .count();
     let (direction, validity) = known().min_by(|(_, a), (_, b)| {
-        let by_parameter = a.rayleigh_parameter.total_cmp(&b.rayleigh_parameter);
+        let by_parameter = a.least_phase().total_cmp(&b.least_phase());
         let is_fine = |validity: &Validity| validity.holds != Some(false);
         is_fine(a).cmp(&is_fine(b)).then(by_parameter)
     })?;
@@ -79,8 +100,9 @@ fn validity_note(outcome: &GonioOutcome) -> Option<String> {
         more => format!("; {more} other directions are doubtful"),
     };
     Some(format!(
-        "{}: {validity}{others}",
-        direction.case.direction_name()
+        "{}: {}{others}",
+        direction.case.direction_name(),
+        validity.note()?
     ))
 }
 
@@ -106,7 +128,7 @@ pub(super) fn labelled(title: &str, label: &str) -> String {
 
 /// Notes on the surface, one sentence each.
 pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
-    match outcome.sample {
+    let mut notes = match outcome.sample {
         Some(sample) => sample.warnings.clone(),
         None if outcome.config.run.target_error.is_none()
             && outcome.config.run.realisations.0 == 1 =>
@@ -117,7 +139,10 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
             ]
         }
         None => Vec::new(),
-    }
+    };
+    let wavelength = outcome.config.light.wavelength_nm();
+    notes.extend(wavelength_warnings(wavelength, outcome.unit()));
+    notes
 }
 
 /// Warnings on the results.

@@ -1,5 +1,6 @@
 //! The files of an inspected surface.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use asperity_io::{HeightMapFormat, ResultFolder, check_ending, write_bytes};
@@ -30,10 +31,21 @@ pub fn inspection_files() -> Vec<String> {
     views().names()
 }
 
-/// Returns `true` if `path` names a folder for tables and figures, rather than a height map: it has no ending, or is a folder that exists.
+/// Longest ending of a file, letters.
+const LONGEST_ENDING: usize = 4;
+
+/// Returns `true` if `path` names a folder for tables and figures, rather than a height map: it is a folder that exists, ends as one, or has
+/// no ending that a file might have, as `run.v1`.
 #[must_use]
 pub fn names_folder(path: &Path) -> bool {
-    path.extension().is_none() || path.is_dir() && HeightMapFormat::from_path(path).is_none()
+    let is_ending = |ending: &OsStr| {
+        let ending = ending.to_string_lossy();
+        ending.len() <= LONGEST_ENDING && ending.chars().all(char::is_alphabetic)
+    };
+    let ends_as_folder = path.to_string_lossy().ends_with('/');
+    let is_file = HeightMapFormat::from_path(path).is_some()
+        || path.extension().is_some_and(is_ending) && !path.is_dir();
+    ends_as_folder || !is_file
 }
 
 impl Inspection {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
-use asperity_analysis::{SlopeCovariance, SlopeDistribution};
+use asperity_analysis::{Ggx, Heitz, SlopeCovariance, SlopeDistribution, Smith, SmithSlopes};
 use asperity_optics::Incidence;
 use asperity_synthesis::Psd;
 use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
@@ -16,6 +16,14 @@ use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::sweep::{Dimension, expanded};
 use crate::config::values::{Number, OneOrMany};
+
+/// Models of GGX slopes.
+const OF_GGX: [&str; 4] = [
+    Smith::NAME_GGX,
+    Smith::NAME_GGX_SEPARABLE,
+    Heitz::NAME_GGX,
+    SmithSlopes::NAME,
+];
 
 /// A model, and where it is evaluated.
 #[derive(Clone, Debug, Deserialize)]
@@ -48,6 +56,7 @@ struct Roughness {
     smoothness_y: Option<f64>,
     azimuth: Option<f64>,
     slopes_of: Option<PathBuf>,
+    ggx_alpha: Option<f64>,
 }
 
 /// The direction towards the light, degrees.
@@ -139,11 +148,34 @@ impl ModelConfig {
         &self,
         name: &str,
     ) -> Result<(SlopeDistribution, Vec<String>), EvaluationError> {
+        if let Some(alpha) = self.surface.ggx_alpha {
+            return Ok((self.ggx_slopes(name, alpha)?, Vec::new()));
+        }
         let Some(path) = &self.surface.slopes_of else {
             return Ok((self.gaussian_slopes(name)?.into(), Vec::new()));
         };
         let mut slopes = FileSlopes::read(path)?;
         Ok((slopes.of_model(name)?, slopes.notes))
+    }
+
+    /// GGX slopes of this roughness.
+    fn ggx_slopes(&self, name: &str, alpha: f64) -> Result<SlopeDistribution, EvaluationError> {
+        if !OF_GGX.contains(&name) {
+            return Err(EvaluationError::Excludes {
+                name: name.to_owned(),
+                reason: "is of Gaussian slopes, and GGX slopes have no variance for it to take",
+                advice: format!("give --smoothness, or take {}", OF_GGX.join(", ")),
+            });
+        }
+        if self.surface.azimuth.is_some() {
+            return Err(EvaluationError::NoSecondSmoothness);
+        }
+        let ggx = Ggx::isotropic(alpha)?;
+        Ok(SlopeDistribution::Ggx {
+            ggx,
+            surface: None,
+            covariance: *ggx.beckmann(),
+        })
     }
 
     /// Gaussian slopes of the smoothness.
@@ -152,7 +184,7 @@ impl ModelConfig {
         let s = roughness.smoothness.as_ref();
         let s = s.ok_or_else(|| EvaluationError::Lacks {
             name: name.to_owned(),
-            needs: "a rough surface: give --smoothness, or --slopes-of",
+            needs: "a rough surface: give --smoothness, --slopes-of, or --slopes ggx with --ggx-alpha",
         })?;
         let s = s.one("smoothness")?.0;
         if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {

@@ -1,6 +1,6 @@
 //! Reasons for which a model is not evaluated.
 
-use asperity_analysis::{FlatLayer, MODEL_NAMES, ModelError, SlopeError};
+use asperity_analysis::{ModelError, SlopeError};
 
 use super::attenuation_of::AttenuationFileError;
 use super::slopes_of::SlopeFileError;
@@ -21,12 +21,6 @@ pub enum EvaluationError {
     /// There is no name.
     #[error("model needs NAME, or --list")]
     NoName,
-    /// There is no model of that name.
-    #[error("unknown model `{name}`; the models are {}", [MODEL_NAMES, &FlatLayer::NAMES].concat().join(", "))]
-    Unknown {
-        /// The name.
-        name: String,
-    },
     /// A model without what it describes.
     #[error("the model {name} needs {needs}")]
     Lacks {

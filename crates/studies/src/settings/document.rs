@@ -41,6 +41,8 @@ pub struct Document {
     /// The sections of the file, which may be empty.
     sections: Vec<String>,
     entries: BTreeMap<(&'static str, &'static str), Entry>,
+    /// Choices of the file that flags replace, one sentence each.
+    notes: Vec<String>,
 }
 
 impl Document {
@@ -52,6 +54,7 @@ impl Document {
             file: None,
             sections: Vec::new(),
             entries: BTreeMap::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -141,10 +144,23 @@ impl Document {
         self.value_of(self.setting(path)?)
     }
 
+    /// Notes on what flags replace of the file, one sentence each.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// The configuration file, if there is one.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref().map(Path::new)
+    }
+
+    /// The place where the setting `section.key` is given; `None` where it is not.
+    #[must_use]
+    pub fn place_of(&self, path: &str) -> Option<&Place> {
+        let mut entries = self.entries.values();
+        Some(&entries.find(|entry| entry.is(path))?.given.place)
     }
 
     /// The name of the file, where all values come from it: what is wrong with their combination is wrong with it.
@@ -301,7 +317,10 @@ impl Document {
             group.owns(entry.setting, &entry.value) && !variant.has(entry.setting, &entry.value)
         };
         if let Some(entry) = self.entries.values().find(is_other) {
-            let chosen = by.map(|_| variant.name);
+            let chosen = by.map(|by| match by.setting.path() == entry.setting.path() {
+                true => variant.name.to_owned(),
+                false => format!("{} ({})", variant.name, by.given),
+            });
             return Err(self.of_other_variant(group, entry, chosen, within));
         }
         let Some(cause) = by.or(within) else {
@@ -353,7 +372,7 @@ impl Document {
         &self,
         group: &Group,
         entry: &Entry,
-        chosen: Option<&'static str>,
+        chosen: Option<String>,
         within: Option<&Entry>,
     ) -> SettingError {
         let (given, owners) = (entry.given.clone(), group.owners(entry));
@@ -493,10 +512,8 @@ impl Document {
         values: &[String],
         given: &Given,
     ) -> Result<Value, SettingError> {
-        read_text(setting, self.command, values).ok_or_else(|| SettingError::Invalid {
-            given: given.clone(),
-            expected: setting.expected(self.command),
-        })
+        read_text(setting, self.command, values)
+            .ok_or_else(|| setting.refusal(self.command, given.clone(), values))
     }
 
     /// Puts a layer above all others, and clears what does not go with it there.
@@ -517,10 +534,13 @@ impl Document {
             .map(|group| (group, of_layer(group), self.variant(group)))
             .collect();
         let keys: BTreeSet<_> = layer.iter().map(Entry::section_and_key).collect();
+        let before_layer = self.entries.clone();
+        let choices: Vec<Entry> = layer.clone();
         let entries = layer.into_iter();
         let entries = entries.map(|entry| (entry.section_and_key(), entry));
         self.entries.extend(entries);
-        for (group, of_layer, before) in groups {
+        for (group, of_layer, before) in &groups {
+            let (group, of_layer) = (*group, *of_layer);
             let Some(now) = of_layer.or_else(|| self.variant(group)) else {
                 continue;
             };
@@ -530,7 +550,34 @@ impl Document {
                 });
             }
         }
+        self.note_replaced(&before_layer, &choices);
         Ok(())
+    }
+
+    /// Notes the choices of surfaces that a layer has cleared.
+    fn note_replaced(
+        &mut self,
+        before: &BTreeMap<(&'static str, &'static str), Entry>,
+        layer: &[Entry],
+    ) {
+        let cleared = before
+            .iter()
+            .filter(|(key, _)| !self.entries.contains_key(*key));
+        for (_, entry) in cleared.filter(|(_, entry)| entry.is_any(CHOICES_OF_SURFACES)) {
+            let by = GROUPS.iter().find_map(|group| {
+                let owner =
+                    group.owns(entry.setting, &entry.value) || group.variant_of(entry).is_some();
+                layer
+                    .iter()
+                    .find(|new| owner && group.variant_of(new).is_some())
+            });
+            if let Some(by) = by {
+                self.notes.push(format!(
+                    "{} does not hold, since {} replaces it",
+                    entry.given, by.given
+                ));
+            }
+        }
     }
 
     /// Refuses a layer with values that exclude each other, or with one case twice.
@@ -571,6 +618,14 @@ impl Document {
         Ok(())
     }
 }
+
+/// Settings that decide which surfaces there are.
+const CHOICES_OF_SURFACES: &[&str] = &[
+    "measured.file",
+    "measured.flat",
+    "surface.structure",
+    "surface.slopes",
+];
 
 /// Sections whose lists are expanded into cases.
 const CASES: [&str; 5] = ["surface", "material", "medium", "light", "view"];

@@ -66,8 +66,18 @@ pub enum SettingError {
         /// The text of the other.
         second: String,
     },
+    /// A model of a name that is not known.
+    #[error("{}unknown model `{name}`{known}", before_name(given, name))]
+    UnknownModel {
+        /// The value.
+        given: Given,
+        /// The name.
+        name: String,
+        /// The name that is likely meant and all names, as the end of a sentence.
+        known: String,
+    },
     /// A key that no section of this name has.
-    #[error("{place}unknown key `{key}` in [{section}]; its keys are {known}")]
+    #[error("{place}unknown key `{key}` in [{section}]{known}")]
     UnknownKey {
         /// Its place.
         place: Place,
@@ -75,12 +85,12 @@ pub enum SettingError {
         section: String,
         /// The key.
         key: String,
-        /// The keys of that section, with commas.
+        /// The key that is likely meant and those of that section, as the end of a sentence.
         known: String,
     },
     /// A section that the command does not have.
     #[error(
-        "{place}unknown section `{section}`; the sections of {command} are {known}{}",
+        "{place}unknown section `{section}`{known}{}",
         other_readers(*readers)
     )]
     UnknownSection {
@@ -88,9 +98,7 @@ pub enum SettingError {
         place: Place,
         /// Its name.
         section: String,
-        /// The command.
-        command: Command,
-        /// The sections of the command, with commas.
+        /// The section that is likely meant and those of the command, as the end of a sentence.
         known: String,
         /// The commands that have all sections of the file.
         readers: Commands,
@@ -124,14 +132,14 @@ pub enum SettingError {
         needed: String,
     },
     /// A setting that belongs to another variant than the chosen one.
-    #[error("{given}: goes with {owners}, not {chosen}")]
+    #[error("{given}: goes with {owners}, not {chosen}; leave out one of the two")]
     OfOtherVariant {
         /// The value.
         given: Given,
         /// The variants that have it.
         owners: String,
-        /// The chosen variant.
-        chosen: &'static str,
+        /// The chosen variant, and the value that chooses it.
+        chosen: String,
     },
     /// A length with a unit, for a surface without.
     #[error(
@@ -146,6 +154,14 @@ pub enum SettingError {
     /// The typed configuration does not take what the definitions allow.
     #[error("the settings do not fit the configuration: {0}")]
     Unreadable(String),
+}
+
+/// A value before the name that it holds; its place alone where the name is all of it.
+fn before_name(given: &Given, name: &str) -> String {
+    match given.text == name {
+        true => given.place.to_string(),
+        false => format!("{given}: "),
+    }
 }
 
 /// Advice on giving a surface a unit.
@@ -165,7 +181,7 @@ fn other_readers(commands: Commands) -> String {
 }
 
 /// Names of commands in a sentence.
-fn names(commands: Commands) -> String {
+pub(super) fn names(commands: Commands) -> String {
     let names: Vec<&str> = commands.iter().map(Command::name).collect();
     match names.split_last() {
         Some((last, [])) => (*last).to_owned(),

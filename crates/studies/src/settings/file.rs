@@ -10,6 +10,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};
+use super::suggestion::{known_names, suggestion};
 use super::value_text::read_text;
 
 /// A configuration file that is being read.
@@ -30,14 +31,16 @@ impl File<'_> {
         for (section, value) in table.get_ref() {
             let name = section.get_ref().as_ref();
             let place = self.place(section.span().start);
+            if !matches!(value.get_ref(), DeValue::Table(_)) {
+                return Err(self.without_section(place, name));
+            }
             if !has_section(self.command, name) {
                 let sections = table.get_ref().keys();
                 let sections: Vec<&str> = sections.map(|name| name.get_ref().as_ref()).collect();
                 return Err(self.unknown_section(place, name, &sections));
             }
             let DeValue::Table(keys) = value.get_ref() else {
-                let reason = format!("`{name}` must be a section, written as [{name}]");
-                return Err(SettingError::Syntax { place, reason });
+                continue;
             };
             sections.push(name.to_owned());
             for (key, value) in keys {
@@ -83,12 +86,47 @@ impl File<'_> {
         }
         let known = settings_of(self.command)
             .filter(|setting| setting.in_file && setting.section == section);
+        let known: Vec<&str> = known.map(|setting| setting.key).collect();
+        let mut names = known_names(key, &known, "its keys are");
+        if suggestion(key, &known).is_none() {
+            names.insert_str(0, &self.elsewhere(key));
+        }
         Err(SettingError::UnknownKey {
             place,
             section: section.to_owned(),
             key: key.to_owned(),
-            known: known.map(|s| s.key).collect::<Vec<_>>().join(", "),
+            known: names,
         })
+    }
+
+    /// End of a sentence with the section that has the key, or one like it; nothing if none does.
+    fn elsewhere(&self, key: &str) -> String {
+        let in_file = settings_of(self.command).filter(|setting| setting.in_file);
+        let settings: Vec<&Setting> = in_file.collect();
+        let keys: Vec<&str> = settings.iter().map(|setting| setting.key).collect();
+        let found = suggestion(key, &keys);
+        let found = found.and_then(|key| settings.iter().find(|setting| setting.key == key));
+        match found {
+            Some(setting) if setting.key == key => {
+                format!("; it is a key of [{}]", setting.section)
+            }
+            Some(setting) => {
+                format!("; its name may be {} of [{}]", setting.key, setting.section)
+            }
+            None => String::new(),
+        }
+    }
+
+    /// Refusal of a value at the top of the file, which has sections alone.
+    fn without_section(&self, place: Place, name: &str) -> SettingError {
+        let reason = match has_section(self.command, name) {
+            true => format!("`{name}` must be a section, written as [{name}]"),
+            false => format!(
+                "`{name}` stands in no section{}; put it below the heading of its section, such as [surface]",
+                self.elsewhere(name)
+            ),
+        };
+        SettingError::Syntax { place, reason }
     }
 
     /// The setting of a key that the command has.
@@ -122,8 +160,11 @@ impl File<'_> {
         SettingError::UnknownSection {
             place,
             section: name.to_owned(),
-            command: self.command,
-            known: known.join(", "),
+            known: known_names(
+                name,
+                &known,
+                &format!("the sections of {} are", self.command),
+            ),
             readers: Commands::of(&readers),
         }
     }
@@ -146,10 +187,7 @@ impl File<'_> {
                 value,
                 given,
             }),
-            None => Err(SettingError::Invalid {
-                given,
-                expected: setting.expected(self.command),
-            }),
+            None => Err(setting.refusal(self.command, given, &[written])),
         }
     }
 
@@ -161,10 +199,14 @@ impl File<'_> {
         {
             return read_text(setting, self.command, &[text.to_string()]);
         }
+        if let (Kind::Models, DeValue::String(text)) = (setting.kind, value)
+            && text == "none"
+        {
+            return Some(Value::Array(Vec::new()));
+        }
         let DeValue::Array(values) = value else {
             let value = one(value)?;
             return match (setting.kind, setting.arity) {
-                (Kind::Models, _) if value == "none" => Some(Value::Array(Vec::new())),
                 (Kind::Models, _) => Some(Value::Array(vec![value])),
                 (_, Arity::Tuple(_)) => None,
                 _ => Some(value),

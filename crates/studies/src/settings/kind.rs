@@ -1,5 +1,6 @@
 //! Kind: what a value is, and how its text is read.
 
+use asperity_analysis::{FlatLayer, MODEL_NAMES};
 use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
@@ -144,9 +145,15 @@ impl Kind {
                 let [columns, rows] = whole_pair(text)?;
                 Some(Value::from(vec![columns, rows]))
             }
-            Self::ChoiceOrFile(_) | Self::Models | Self::Model | Self::Path => {
-                (!text.is_empty()).then(|| Value::from(text))
+            Self::Models | Self::Model => {
+                names_of_models().contains(&text).then(|| Value::from(text))
             }
+            // A file has an ending, or lies in a folder
+            Self::ChoiceOrFile(choices) => Self::Choice(choices).parse(text, range).or_else(|| {
+                let is_path = text.contains(['.', '/', '\\', ':']);
+                is_path.then(|| Value::from(text))
+            }),
+            Self::Path => (!text.is_empty()).then(|| Value::from(text)),
         }
     }
 
@@ -203,6 +210,11 @@ impl Kind {
             .filter(|text| self.parse(text, range).is_some())
             .collect()
     }
+}
+
+/// Names of all models: of surfaces, and of layers.
+pub(super) fn names_of_models() -> Vec<&'static str> {
+    [MODEL_NAMES, &FlatLayer::NAMES].concat()
 }
 
 /// Examples in a sentence: `, such as a, b or c`; nothing without any.

@@ -3,9 +3,10 @@
 use serde_json::Value;
 
 use super::command::{Command, Commands};
-use super::error::Place;
-use super::kind::{Kind, such_as};
+use super::error::{Given, Place, SettingError, names};
+use super::kind::{Kind, names_of_models, such_as};
 use super::range::Range;
+use super::suggestion::{did_you_mean, known_names};
 
 /// One setting.
 #[derive(Clone, Copy, Debug)]
@@ -326,6 +327,46 @@ impl Setting {
             _ => self.kind.examples(self.range, self.unit),
         };
         self.allowed(command) + &such_as(&examples)
+    }
+
+    /// Refusal of these texts of a value, with the name that is likely meant, and the commands that take a list where there is one.
+    pub(super) fn refusal(&self, command: Command, given: Given, texts: &[String]) -> SettingError {
+        let words = || {
+            let words = texts.iter().flat_map(|text| text.split([',', ' ']));
+            words.map(|word| word.trim_matches(['[', ']', '"', '\'']))
+        };
+        if matches!(self.kind, Kind::Models | Kind::Model) {
+            let known = names_of_models();
+            let unknown = words().find(|word| !word.is_empty() && !known.contains(word));
+            if let Some(name) = unknown {
+                return SettingError::UnknownModel {
+                    given,
+                    name: name.to_owned(),
+                    known: known_names(name, &known, "the models are"),
+                };
+            }
+        }
+        let choices: Vec<&str> = self
+            .kind
+            .choices()
+            .iter()
+            .map(|choice| choice.name)
+            .collect();
+        let unknown = words().find(|word| !choices.contains(word));
+        let hint = unknown.map_or_else(String::new, |word| did_you_mean(word, &choices));
+        let lists = match self.arity {
+            Arity::ListIn(commands) if words().count() > 1 && !self.is_list(command) => {
+                match command == Command::Trace && commands.contains(Command::Gonio) {
+                    true => "; for several use `asperity gonio --surface FILE`".to_owned(),
+                    false => format!("; several are for {}", names(commands)),
+                }
+            }
+            _ => String::new(),
+        };
+        SettingError::Invalid {
+            given,
+            expected: self.expected(command) + &lists + &hint,
+        }
     }
 
     /// Values allowed, with the unit.

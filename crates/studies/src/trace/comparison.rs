@@ -80,7 +80,7 @@ impl Slopes {
         let mut isotropic = Vec::new();
         for name in models {
             CaseModel::of(name, &modelled).map_err(|error| match error {
-                ConfigError::Model(error) if error.is_anisotropic() => {
+                ConfigError::RefusedModel { error, .. } if error.is_anisotropic() => {
                     StudyError::from(ComparedSurfaceError::Anisotropic {
                         name: surface.to_owned(),
                         variances: self.isotropy.variances,

@@ -8,7 +8,7 @@ use super::description::Surfaces;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
-use crate::validity::Validity;
+use crate::validity::{Validity, wavelength_warnings};
 
 /// Light on given surfaces, checked and ready to be traced.
 pub struct TraceStudy {
@@ -46,12 +46,20 @@ impl TraceStudy {
         }
         let settings = config.ray_settings()?;
         let mut warnings = tops.warnings();
-        let theta = config.incidence()?.theta();
-        let validity = Validity::new(&tops.lengths(), theta, config.light.wavelength_nm());
         let description = Surfaces::of(&tops, bottom.as_ref(), &config);
         let cells = config.surface.cells.of_given();
+        let of_bottom = bottom.as_ref().map(GivenSurface::lengths);
         let shapes = tops.clone().simulated(bottom, cells)?;
         let case = config.case(shapes, tops.first.unit)?;
+        let wavelength = config.light.wavelength_nm();
+        warnings.extend(wavelength_warnings(wavelength, tops.first.unit));
+        let validity = Validity::new(
+            &tops.lengths(),
+            of_bottom.as_ref(),
+            &case,
+            &settings.tally,
+            wavelength,
+        );
         let comparison = PlannedComparison::new(&config, &tops, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());

@@ -15,10 +15,13 @@ use crate::report::polarised::polarised_text;
 /// Surfaces and light, then energies, errors and notes.
 pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
     let found = outcome.outcome;
+    let validity = outcome.study.validity;
+    let first_lines = validity.and_then(|validity| validity.first_lines(&found.statistics));
     let mut text = format!(
-        "{}, {}\nflux fractions; standard errors from {} {}\n{}{}{}{}\n",
+        "{}, {}\n{}flux fractions; standard errors from {} {}\n{}{}{}{}\n",
         outcome.study.name,
         light_line(&found.case),
+        first_lines.map_or_else(String::new, |line| line + "\n"),
         found.statistics.batches(),
         found.errors_from,
         energy_table(&found.statistics, &FluxBasis::of(found)),
@@ -35,8 +38,8 @@ pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
     {
         let _ = writeln!(text, "{line}");
     }
-    if let Some(validity) = &outcome.study.validity {
-        let _ = writeln!(text, "{}", wrapped(&format!("note: {validity}")));
+    if let Some(note) = validity.and_then(|validity| validity.note()) {
+        let _ = writeln!(text, "{}", wrapped(&format!("note: {note}")));
     }
     for warning in outcome.warnings() {
         let _ = writeln!(text, "note: {warning}");

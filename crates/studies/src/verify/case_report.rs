@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
+use asperity_analysis::SlopeDistribution;
 use asperity_simulate::{Cells, counted, short};
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
 
@@ -22,6 +24,7 @@ use crate::report::energies::{
 };
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
+use crate::validity::wavelength_warnings;
 
 /// Longest title of a case that a table repeats in each row, characters.
 const MAX_CASE_WIDTH: usize = 34;
@@ -43,6 +46,9 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
     if is_tracked && models.any(|model| matches!(model.model, CaseModel::Layer(_))) {
         warnings.push(AVERAGED_LAYERS.to_owned());
     }
+    let wavelength = outcome.config.light.wavelength_nm();
+    warnings.extend(wavelength_warnings(wavelength, case.outcome.case.at.unit));
+    warnings.extend(gaussian_models_of_ggx(case));
     let left_out = outcome.left_out();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
@@ -51,6 +57,27 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
         ));
     }
     warnings
+}
+
+/// Warning on models of Gaussian slopes of surfaces whose slopes are GGX.
+fn gaussian_models_of_ggx(case: &Judgement<'_>) -> Option<String> {
+    let recipe = case.outcome.case.surface.recipe()?;
+    let SurfaceRecipe::StudentSlopes(_) = recipe else {
+        return None;
+    };
+    let names = case.models.iter().filter_map(|model| match &model.model {
+        CaseModel::Surface(of) if matches!(of.slopes(), SlopeDistribution::Gaussian(_)) => {
+            Some(of.name())
+        }
+        _ => None,
+    });
+    let names: Vec<&str> = names.collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "the surfaces have GGX slopes, in place of which {} take Gaussian ones of the same variance; ggx, heitz-ggx and smith-slopes have their own",
+            names.join(", ")
+        )
+    })
 }
 
 /// The comparison of every case.
@@ -73,6 +100,11 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     let surface = &case.outcome.case.surface;
     let [nx, ny] = surface.size().unwrap_or_default();
     let _ = writeln!(out, "{}", case.outcome.case.label());
+    let validity = outcome.validity(case);
+    let statistics = &case.outcome.statistics;
+    if let Some(line) = validity.and_then(|validity| validity.first_lines(statistics)) {
+        let _ = writeln!(out, "{}", wrapped(&line));
+    }
     let _ = match case.outcome.deviation_bound {
         Some(bound) => writeln!(
             out,
@@ -105,8 +137,8 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
-    if let Some(validity) = outcome.validity(case) {
-        let _ = writeln!(out, "{}", wrapped(&format!("note: {validity}")));
+    if let Some(note) = validity.and_then(|validity| validity.note()) {
+        let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));
     }
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");

@@ -1,11 +1,12 @@
 //! Outcome of a verification: its results, judged.
 
 use asperity_results::ResultSet;
-use asperity_simulate::{Case, Stopping};
+use asperity_simulate::Stopping;
 
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
+use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 
 /// Results of a verification, judged.
@@ -38,11 +39,10 @@ impl VerifyOutcome<'_> {
 
     /// Lengths of the surfaces of a case against the wavelength; `None` if their unit is not known.
     pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
-        let Case {
-            surface, light, at, ..
-        } = &case.outcome.case;
+        let simulated = &case.outcome.case;
         let wavelength = self.config.light.wavelength_nm();
-        Validity::of_recipe(surface.recipe()?, at.unit, light.incidence, wavelength)
+        let lengths = SurfaceLengths::of_recipe(simulated.surface.recipe()?, simulated.at.unit);
+        Validity::new(&lengths, None, simulated, case.spec(), wavelength)
     }
 
     /// Number of cases that an interrupt came before.

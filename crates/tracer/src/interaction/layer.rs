@@ -134,7 +134,8 @@ pub enum TracedLayerError {
     },
     /// The bottom has another tile.
     #[error(
-        "the bottom does not lie under the surface: its tile is {bottom:?} {bottom_border}, that of the surface {top:?} {top_border}"
+        "the bottom does not lie under the surface: its tile is {} x {}, {bottom_border}, that of the surface {} x {}, {top_border}",
+        bottom[0], bottom[1], top[0], top[1]
     )]
     OtherTile {
         /// Extent of the surface along x and y.

@@ -6,25 +6,17 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::microfacet::beckmann::Beckmann;
-use crate::microfacet::slopes::SlopeCovariance;
+use crate::microfacet::smith_normals::SmithNormals;
 use crate::models::model::RandomWalk;
 
 /// The random walk of Heitz et al. 2016 as they write it, in one frame, with `C1` itself and the sign
 /// rule of Lambda.
 pub(crate) struct Analog {
-    pub(crate) distribution: Beckmann,
+    pub(crate) distribution: SmithNormals,
     pub(crate) material: Material,
 }
 
 impl Analog {
-    fn new(slopes: SlopeCovariance, material: Material) -> Self {
-        Self {
-            distribution: Beckmann::new(slopes),
-            material,
-        }
-    }
-
     /// Lambda of a direction anywhere on the sphere, for a ray whose medium lies towards `up`.
     fn lambda(&self, d: DVec3, up: f64) -> f64 {
         let lambda = self.distribution.lambda(d);
@@ -99,6 +91,9 @@ impl RandomWalk for Analog {
 mod tests {
     use super::*;
     use crate::compare::multiple_tests::{chi_squared_survival, sidak_level, sidak_z_threshold};
+    use crate::microfacet::beckmann::Beckmann;
+    use crate::microfacet::ggx::Ggx;
+    use crate::microfacet::slopes::SlopeCovariance;
     use crate::models::heitz::Heitz;
     use asperity_optics::from_spherical;
     use asperity_tally::{Azimuth, Component, Entry, HemisphereGrid, TallySpec, TallyStatistics};
@@ -127,10 +122,15 @@ mod tests {
         statistics
     }
 
-    /// (slope variances and covariance, material, theta of the light in degrees)
-    fn cases() -> Vec<(SlopeCovariance, Material, f64)> {
-        let isotropic = |s| SlopeCovariance::isotropic(s).unwrap();
-        let turned = SlopeCovariance::new(0.5, 2.0, 0.6).unwrap();
+    fn beckmann(slopes: SlopeCovariance) -> SmithNormals {
+        SmithNormals::Beckmann(Beckmann::new(slopes))
+    }
+
+    /// (normals, material, theta of the light in degrees)
+    fn cases() -> Vec<(SmithNormals, Material, f64)> {
+        let isotropic = |s| beckmann(SlopeCovariance::isotropic(s).unwrap());
+        let slopes = SlopeCovariance::new(0.5, 2.0, 0.6).unwrap();
+        let turned = beckmann(slopes);
         let glass = Material::dielectric(1.5).unwrap();
         vec![
             (isotropic(3.0), glass, 60.0),
@@ -142,6 +142,8 @@ mod tests {
             ),
             (turned, glass, 50.0),
             (turned, Material::conductor(0.2, 3.0).unwrap(), 70.0),
+            (SmithNormals::Ggx(Ggx::isotropic(0.6).unwrap()), glass, 60.0),
+            (SmithNormals::Ggx(Ggx::new(slopes)), Material::Mirror, 40.0),
         ]
     }
 
@@ -150,10 +152,14 @@ mod tests {
         let cases = cases();
         let mut z_values = Vec::new();
         let mut p_values = Vec::new();
-        for (i, &(slopes, material, theta)) in cases.iter().enumerate() {
+        for (i, &(distribution, material, theta)) in cases.iter().enumerate() {
             let wi = from_spherical(theta.to_radians(), 0.7);
-            let analog = sampled(&Analog::new(slopes, material), wi, 100_000, 211 + i as u64);
-            let heitz = Heitz::new(slopes, material).unwrap();
+            let walk = Analog {
+                distribution,
+                material,
+            };
+            let analog = sampled(&walk, wi, 100_000, 211 + i as u64);
+            let heitz = Heitz::of_normals(distribution, material).unwrap();
             let expectation = sampled(&heitz, wi, 60_000, 231 + i as u64);
             let spec = spec();
             // Each path of two and of three facets; others are too rare.
@@ -228,7 +234,11 @@ mod tests {
             });
             [high[0], high[1], ended[0], ended[1]]
         };
-        let [analog, analog_se, ..] = high_orders(&Analog::new(slopes, material), 251);
+        let walk = Analog {
+            distribution: beckmann(slopes),
+            material,
+        };
+        let [analog, analog_se, ..] = high_orders(&walk, 251);
         let heitz = Heitz::new(slopes, material).unwrap();
         let [high, high_se, ended, ended_se] = high_orders(&heitz, 252);
         let z = [(high - analog) / high_se.hypot(analog_se), ended / ended_se];

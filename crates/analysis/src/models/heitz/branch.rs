@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::height::Height;
 use super::light::{Light, Scattered};
-use crate::microfacet::beckmann::Beckmann;
+use crate::microfacet::smith_normals::SmithNormals;
 
 /// Light that arrives at a facet.
 pub(super) struct FacetHit<L> {
@@ -45,7 +45,7 @@ pub(super) struct Branch<L> {
 /// Reflection and transmission at a facet of normal `m`, and the fraction of the light that is absorbed. A
 /// branch without light has zero fractions.
 pub(super) fn branches<L: Light>(
-    distribution: &Beckmann,
+    distribution: &SmithNormals,
     material: Material,
     hit: &FacetHit<L>,
     m: DVec3,
@@ -95,7 +95,7 @@ pub(super) fn branches<L: Light>(
 
 impl<L> Branch<L> {
     /// This branch, taken by `fraction` of the light at the facet.
-    fn carrying(self, fraction: f64, distribution: &Beckmann) -> Self {
+    fn carrying(self, fraction: f64, distribution: &SmithNormals) -> Self {
         let lambda = distribution.lambda(self.direction);
         let (escape, blocked) = if self.direction.z > 0.0 {
             self.height.escape(lambda)

@@ -136,8 +136,9 @@ fn a_nearly_smooth_surface_reflects_like_a_flat_one() {
                 continue;
             }
             for &name in CLOSED_FORMS {
-                if name.starts_with("cook-torrance-neumann") {
-                    continue; // Its limit is another: see tests/neumann.rs.
+                // The limit of the first is another: see neumann.rs. Tails of GGX shadow to first order in the slopes.
+                if name.starts_with("cook-torrance-neumann") || name.starts_with("ggx") {
+                    continue;
                 }
                 let differences = [500.0, 1000.0].map(|s| {
                     let model = closed_form(name, s, Material::dielectric(eta).unwrap());

@@ -138,7 +138,7 @@ fn results_of_another_run_are_refused_by_the_first_key_that_differs() {
         ),
         (
             with(json!({ "surface": { "tau": 5.0 }, "theta": [0, 30] })),
-            "document.surface.tau 4.0 in place of 5.0",
+            "surface.tau 4.0 in place of 5.0",
         ),
     ];
     // The journal, then the file.

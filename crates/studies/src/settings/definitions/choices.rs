@@ -136,9 +136,16 @@ pub(super) const BOTTOM: Kind = Kind::Choice(&[
 ]);
 
 /// Shapes of a bottom.
-pub(super) const BOTTOM_SHAPES: &[Choice] = &[
-    choice("flat", "a plane"),
-    choice("same", "the surface above, moved down"),
+const FLAT: Choice = choice("flat", "a plane");
+const SAME: Choice = choice("same", "the surface above, moved down");
+
+/// Bottoms below given surfaces.
+pub(super) const GIVEN_BOTTOMS: &[Choice] = &[FLAT, SAME];
+
+/// Bottoms below random surfaces.
+pub(super) const RANDOM_BOTTOMS: &[Choice] = &[
+    FLAT,
+    SAME,
     choice("independent", "another random surface of the same kind"),
 ];
 

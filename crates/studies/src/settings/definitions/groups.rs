@@ -37,15 +37,18 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ])
     .keeps_all_defaults(),
     group(&[
-        variant("smoothness").when(&["surface.smoothness"]),
+        variant("smoothness").when(&["surface.smoothness", "surface.smoothness_y"]),
         variant("sigma").when(&["surface.sigma"]),
-        variant("ggx_alpha").when(&["surface.ggx_alpha"]),
+        variant("ggx_alpha")
+            .when(&["surface.ggx_alpha"])
+            .allows(&["surface.slopes!gaussian", "surface.amplitude_ratio"]),
     ]),
     group(&[
         variant("slopes of a file").when(&["surface.slopes_of"]),
-        variant("Gaussian slopes").when(&[
+        variant("slopes by numbers").when(&[
             "surface.smoothness",
             "surface.smoothness_y",
+            "surface.ggx_alpha",
             "surface.azimuth",
         ]),
     ]),

@@ -1,6 +1,6 @@
 //! `[material]` and `[medium]`: what the surface is made of, and what lies below.
 
-use super::choices::{BOTTOM, BOTTOM_SHAPES, MATERIAL, PHASE};
+use super::choices::{BOTTOM, GIVEN_BOTTOMS, MATERIAL, PHASE, RANDOM_BOTTOMS};
 use super::commands::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -94,18 +94,19 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .value_name("FRACTION")
             .range(Range::FromTo(0.0, 1.0))
             .otherwise("1"),
-        setting("bottom_surface", Kind::ChoiceOrFile(BOTTOM_SHAPES))
+        setting("bottom_surface", Kind::ChoiceOrFile(GIVEN_BOTTOMS))
             .help("Shape of the bottom")
             .commands(TRACE.and(RENDER))
             .value_name("SHAPE|FILE")
             .default("flat"),
-        setting("bottom_surface", Kind::Choice(BOTTOM_SHAPES))
+        setting("bottom_surface", Kind::Choice(RANDOM_BOTTOMS))
             .help("Shape of the bottom")
-            .commands(VERIFY.and(GONIO).and(MODEL))
+            .commands(VERIFY.and(GONIO))
             .value_name("SHAPE")
             .default("flat"),
         setting("max_scatterings", Kind::Order)
             .help("Scatterings in the medium after which a path is truncated")
+            .commands(TRACE.and(RENDER).and(VERIFY).and(GONIO))
             .default("100000"),
     ],
 );

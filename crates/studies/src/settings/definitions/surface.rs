@@ -46,10 +46,14 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("Gaussian slopes of the smoothness"),
         basic("sigma", Kind::Length)
             .help("Root mean square height, in place of smoothness")
-            .commands(RANDOM.and(ATTENUATION))
             .range(Range::Above(0.0))
-            .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
-            .default_in(&[(ATTENUATION, Some("0.5"))]),
+            .arity(Arity::ListIn(SWEEPS)),
+        basic("sigma", Kind::Length)
+            .help("Root mean square height")
+            .commands(ATTENUATION)
+            .range(Range::Above(0.0))
+            .arity(Arity::ListIn(ATTENUATION))
+            .default("0.5"),
         basic("structure", STRUCTURE)
             .help("Structure; sigma and tau are then those of roughness on top")
             .otherwise("none: Gaussian surfaces"),
@@ -105,15 +109,15 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("that of the first length with a unit, else 1"),
         basic("size", Kind::Count)
             .help("Samples along x and y")
-            .commands(RANDOM.and(ATTENUATION))
             .arity(Arity::PerAxis)
             .default("512")
-            .default_in(&[
-                (GENERATE, Some("1024")),
-                (ATTENUATION, None),
-                (TRACING, None),
-            ])
-            .otherwise("a tile of 32 correlation lengths, of 16 widths or more of structures; in attenuation of length"),
+            .default_in(&[(GENERATE, Some("1024")), (TRACING, None)])
+            .otherwise("a tile of 32 correlation lengths, of 16 widths or more of structures"),
+        basic("size", Kind::Count)
+            .help("Samples along x and y, in place of length")
+            .commands(ATTENUATION)
+            .arity(Arity::PerAxis)
+            .otherwise("length over spacing"),
         basic("length", Kind::Length)
             .help("Side of the tile, in place of size; a multiple of the spacing")
             .commands(ATTENUATION)
@@ -187,9 +191,13 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("that of a lognormal distribution of the skewness"),
         setting("slopes", SLOPES)
             .help("Distribution of slopes")
+            .basic(MODEL)
+            .commands(RANDOM.and(MODEL))
             .otherwise("gaussian"),
         setting("ggx_alpha", Kind::Number)
             .help("Roughness of GGX slopes, in place of smoothness")
+            .basic(MODEL)
+            .commands(RANDOM.and(MODEL))
             .range(Range::AboveTo(0.0, 10.0))
             .arity(Arity::ListIn(SWEEPS))
             .otherwise("none; --slopes ggx needs it"),

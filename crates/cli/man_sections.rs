@@ -1,0 +1,140 @@
+//! Sections of man pages that no definition of flags has: files, exit status, examples, and other pages.
+
+use asperity_studies::settings::{Command, settings_of};
+
+/// Examples of a command, each a whole command line.
+pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
+    match command {
+        Command::Generate => &[
+            "asperity generate --tau 8um --smoothness 3 -o rough.exr",
+            "asperity generate --structure v-grooves --width 4 --depth 1 -o grooves.npy",
+        ],
+        Command::Inspect => &[
+            "asperity inspect rough.exr",
+            "asperity inspect dem.tif --theta 60 -o statistics",
+        ],
+        Command::Mesh => &["asperity mesh rough.exr -o rough.obj"],
+        Command::Trace => &[
+            "asperity trace rough.exr --theta 30 --eta 1.5 -o out",
+            "asperity trace rough.exr --material mirror --models smith,heitz",
+        ],
+        Command::Render => &["asperity render rough.exr -o rough.png"],
+        Command::Verify => &[
+            "asperity verify --smoothness 3 --theta 30,60 --eta 1.5 -o out",
+            "asperity verify --slopes ggx --ggx-alpha 0.3 --material mirror -o ggx",
+        ],
+        Command::Map => {
+            &["asperity map --smoothness 1,3,10 --theta 0,40,75 --models smith,heitz -o map"]
+        }
+        Command::Gonio => &["asperity gonio --surface rough.exr --theta 0,30,60 -o gonio"],
+        Command::Converge => &["asperity converge --smoothness 3 --theta 30 -o converge"],
+        Command::Attenuation => &["asperity attenuation --sigma 0.2,0.5 -o attenuation"],
+        Command::Model => &[
+            "asperity model smith --smoothness 3 --theta 30",
+            "asperity model ggx --slopes ggx --ggx-alpha 0.3 --bins 18x36 -o ggx.csv",
+            "asperity model --list",
+        ],
+    }
+}
+
+/// Sections of the page `name`, such as `asperity-trace`, which stands beside these `pages`, in roff.
+pub(crate) fn man_sections(name: &str, pages: &[String]) -> String {
+    let command = |command: &Command| name.ends_with(&format!("-{command}"));
+    let command = Command::ALL.into_iter().find(command);
+    let examples: Vec<&str> = match (command, name.rsplit('-').next()) {
+        (Some(command), _) => examples(command).to_vec(),
+        (None, Some("completions")) => vec!["asperity completions bash > asperity.bash"],
+        (None, Some("man")) => vec!["asperity man ~/.local/share/man/man1"],
+        _ => Command::ALL
+            .into_iter()
+            .flat_map(self::examples)
+            .copied()
+            .collect(),
+    };
+    let mut text = String::new();
+    if let Some(files) = files(command) {
+        text.push_str(".SH FILES\n");
+        for (file, what) in files {
+            text.push_str(&format!(".TP\n\\fI{}\\fR\n{}\n", roff(file), roff(what)));
+        }
+    }
+    text.push_str(".SH \"EXIT STATUS\"\n");
+    for (code, what) in EXIT_STATUS {
+        text.push_str(&format!(".TP\n\\fB{code}\\fR\n{}\n", roff(what)));
+    }
+    text.push_str(".SH EXAMPLES\n.nf\n");
+    for example in examples {
+        text.push_str(&format!("{}\n", roff(example)));
+    }
+    text.push_str(".fi\n.SH \"SEE ALSO\"\n");
+    let others = pages.iter().filter(|page| *page != name);
+    let others: Vec<String> = others
+        .map(|page| format!("\\fB{}\\fR(1)", roff(page)))
+        .collect();
+    text.push_str(&others.join(",\n"));
+    text.push('\n');
+    text
+}
+
+/// Meaning of the exit codes.
+const EXIT_STATUS: [(u32, &str); 5] = [
+    (
+        0,
+        "Done, or ended by its own --max-time with the results so far.",
+    ),
+    (
+        1,
+        "Failed; also where an interrupt came before there was any result.",
+    ),
+    (2, "Wrong usage; nothing was begun."),
+    (3, "Interrupted, and the results so far are written."),
+    (130, "Interrupted and ended at once."),
+];
+
+/// Files of a command with their contents; `None` of one without.
+fn files(command: Option<Command>) -> Option<Vec<(&'static str, &'static str)>> {
+    let command = command?;
+    let output = settings_of(command).find(|setting| setting.path() == "results.output")?;
+    let mut files = Vec::new();
+    if command.has_configuration() {
+        files.push((
+            "FILE.toml",
+            "Settings in sections, as docs/settings.md lists them; flags come before them.",
+        ));
+    }
+    match output.placeholder(command).as_str() {
+        "DIR" => files.extend([
+            (
+                "DIR/summary.json",
+                "Results, settings, warnings, and the columns of all tables.",
+            ),
+            ("DIR/*.csv", "Tables."),
+            ("DIR/*.svg, DIR/*.png", "Figures."),
+            (
+                "DIR/results.npz",
+                "All results, from which the same command resumes, of commands that trace light.",
+            ),
+            (
+                "DIR/manifest.json",
+                "The files of the run, which alone a later one replaces.",
+            ),
+        ]),
+        _ => files.push((
+            "FILE",
+            "Written under a temporary name next to it and renamed once it is complete.",
+        )),
+    }
+    Some(files)
+}
+
+/// Text of a line in roff.
+fn roff(text: &str) -> String {
+    let text = text
+        .replace('\\', "\\e")
+        .replace('-', "\\-")
+        .replace('~', "\\(ti");
+    match text.starts_with(['.', '\'']) {
+        true => format!("\\&{text}"),
+        false => text,
+    }
+}
