@@ -28,7 +28,7 @@ ENDINGS = {
 } | {f".{k:03}" for k in range(1000)}
 # Names of formats that SurfaceTopography does not find out, or reports nothing of
 FORMATS = {".bcr": "bcr", ".plu": "plu", ".plux": "plux", ".spm": "di", ".sur": "sur"}
-METRES = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+METRES = {"1": 1.0, "m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 
 
 @dataclass
@@ -46,7 +46,7 @@ def by_asperity(program, path):
         command = [program, "inspect", str(path), "--missing", "fill", "--json", "-o", str(array)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
-            sys.exit(done.stderr)
+            raise ValueError(done.stderr)
         report = json.loads(done.stdout)
         unit = METRES[report["unit"]]
         spacing = tuple(step * unit for step in report["spacing"])

@@ -2,6 +2,7 @@
 //! formats share an ending.
 
 mod archive;
+mod channels;
 mod exr;
 mod gsf;
 mod instruments;

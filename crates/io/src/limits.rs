@@ -3,6 +3,10 @@
 use asperity_surface::check_grid;
 
 use crate::error::ReadProblem;
+use crate::files::available_memory;
+
+/// Bytes from which on memory is asked for only if the machine has it: systems that grant more end the program.
+const LARGE: usize = 1 << 26;
 
 /// Room for `nx * ny` numbers, or an error where there is none.
 pub(crate) fn room<T>(nx: u64, ny: u64) -> Result<Vec<T>, ReadProblem> {
@@ -11,6 +15,10 @@ pub(crate) fn room<T>(nx: u64, ny: u64) -> Result<Vec<T>, ReadProblem> {
         .checked_mul(ny)
         .and_then(|n| usize::try_from(n).ok())
         .ok_or_else(refuse)?;
+    let bytes = count.saturating_mul(size_of::<T>());
+    if bytes > LARGE && available_memory().is_some_and(|available| bytes as u64 > available) {
+        return Err(refuse());
+    }
     let mut numbers = Vec::new();
     numbers.try_reserve_exact(count).map_err(|_| refuse())?;
     Ok(numbers)

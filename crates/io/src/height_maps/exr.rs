@@ -7,9 +7,9 @@
 //! `tau_y`, `azimuth` (double), `autocorrelation`, the convention in words, of a Gaussian spectrum, or else `recipe`
 //! (text, JSON), and `seed` and `realisation` (text, since EXR has no 64-bit integers).
 //!
-//! Read: the channel `height`, `Z` or `Y`, else the only channel, of half or single precision or of
-//! 32-bit whole numbers; scan lines or tiles, of which the finest level counts; NaN marks missing
-//! points. Absent attributes mean spacing 1, arbitrary unit, unknown border, not generated.
+//! Read: the channel `height`, `Z` or `Y`, the first of all parts, else the only channel, of half or single precision
+//! or of 32-bit whole numbers; a note names the channel if there are others. Scan lines or tiles, of which the finest
+//! level counts; compression that loses no digits of the channel; NaN marks missing points. Absent attributes mean spacing 1, arbitrary unit, unknown border, not generated.
 
 use std::io::{Read, Seek, Write};
 use std::sync::Arc;
@@ -24,9 +24,11 @@ use ::exr::prelude::f16;
 use asperity_surface::{HeightField, RawHeightMap, check_grid};
 use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
+use super::channels::note_on_channels;
 use crate::encoding::{encode_exr, single};
 use crate::error::{ReadProblem, WriteProblem};
 use crate::limits::{check_packed_claim, read_guarded, room};
+use crate::text_lines::short;
 
 /// Names under which a channel is taken for the heights, the best first.
 const CHANNEL_NAMES: [&str; 3] = ["height", "Z", "Y"];
@@ -46,7 +48,7 @@ pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMa
 
 fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
     let reader = ::exr::block::read(reader, false)?;
-    let (layer, channel) = find_channel(reader.headers())?;
+    let (layer, channel, note) = find_channel(reader.headers())?;
     let header = reader.headers()[layer].clone();
     let Vec2(columns, rows) = header.layer_size;
     let spacing = [
@@ -91,6 +93,7 @@ fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadPr
     }
 
     let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
+    map.notes.extend(note);
     if let Some(unit) = words(&header, "unit")? {
         map.unit = unit.parse()?;
     }
@@ -125,43 +128,37 @@ impl From<Error> for ReadProblem {
     }
 }
 
-/// Layer and channel that hold the heights.
-fn find_channel(headers: &[Header]) -> Result<(usize, usize), ReadProblem> {
+/// Layer and channel that hold the heights, and a note that names the channel if there are others.
+fn find_channel(headers: &[Header]) -> Result<(usize, usize, Option<String>), ReadProblem> {
     let mut channels = Vec::new();
+    let mut names = Vec::new();
     for (layer, header) in headers.iter().enumerate() {
         if header.deep {
             return Err(ReadProblem::unsupported(
                 "it holds deep data, but flat images are needed",
             ));
         }
-        // Lossy, and its decoder indexes by what the file says.
-        if matches!(header.compression, Compression::B44 | Compression::B44A) {
-            return Err(ReadProblem::unsupported(
-                "it is compressed by B44, which loses digits; ZIP, PIZ, RLE or none keep heights",
-            ));
-        }
         for (channel, description) in header.channels.list.iter().enumerate() {
             channels.push((layer, channel, description));
+            let part = header.own_attributes.layer_name.as_ref();
+            names.push(match part {
+                Some(part) if headers.len() > 1 => format!("{part}.{}", description.name),
+                _ => description.name.to_string(),
+            });
         }
     }
     let named = CHANNEL_NAMES
         .iter()
-        .find_map(|name| channels.iter().find(|(_, _, c)| c.name.eq(name)));
-    let chosen = match (named, channels.as_slice()) {
-        (Some(chosen), _) => chosen,
-        (None, [only]) => only,
-        _ => {
-            let names: Vec<String> = channels
-                .iter()
-                .map(|(_, _, c)| c.name.to_string())
-                .collect();
-            return Err(ReadProblem::unsupported(format_args!(
-                "it has the channels {}, but one named height, Z or Y is needed, or a single channel",
-                names.join(", ")
-            )));
-        }
-    };
-    let (layer, channel, description) = *chosen;
+        .find_map(|name| channels.iter().position(|(_, _, c)| c.name.eq(name)));
+    let chosen = named.or((channels.len() == 1).then_some(0)).ok_or_else(|| {
+        let names: Vec<String> = names.iter().map(|name| short(name)).collect();
+        ReadProblem::unsupported(format_args!(
+            "it has the channels {}, but one named height, Z or Y is needed, or a single channel",
+            names.join(", ")
+        ))
+    })?;
+    let (layer, channel, description) = channels[chosen];
+    check_compression(headers[layer].compression, description.sample_type)?;
     // The decoder takes every channel of a layer as full.
     if headers[layer]
         .channels
@@ -174,7 +171,23 @@ fn find_channel(headers: &[Header]) -> Result<(usize, usize), ReadProblem> {
             description.name
         )));
     }
-    Ok((layer, channel))
+    Ok((layer, channel, note_on_channels(chosen, &names)))
+}
+
+/// Refuses compression that loses digits of samples.
+fn check_compression(method: Compression, samples: SampleType) -> Result<(), ReadProblem> {
+    let name = match method {
+        Compression::B44 => "B44",
+        Compression::B44A => "B44A",
+        Compression::DWAA(_) => "DWAA",
+        Compression::DWAB(_) => "DWAB",
+        // Whole and half numbers keep all of their bits
+        Compression::PXR24 if samples == SampleType::F32 => "PXR24",
+        _ => return Ok(()),
+    };
+    Err(ReadProblem::unsupported(format_args!(
+        "it is compressed by {name}, which loses digits; ZIP, PIZ, RLE or none keep heights"
+    )))
 }
 
 /// Compares what the headers claim with the length of the file, before the decoder allocates it.

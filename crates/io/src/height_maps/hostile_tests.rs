@@ -76,6 +76,9 @@ fn victims(format: HeightMapFormat) -> Vec<Vec<u8>> {
     use ::exr::prelude::*;
     let mut files = vec![valid(format)];
     files.extend(instruments::variants(format));
+    if format == HeightMapFormat::Tiff {
+        files.extend(tiff::variants());
+    }
     if format == HeightMapFormat::Exr {
         let samples = FlatSamples::F32((0..70 * 33).map(|i| (i as f32 * 0.1).sin()).collect());
         let tiles = Blocks::Tiles(Vec2(16, 8));

@@ -66,6 +66,7 @@ fn exr_channels_are_chosen_by_name_and_read_in_every_type() {
     ] {
         let map = read(Exr, &exr(3, 2, &channels)).unwrap();
         assert_eq!(map.shape(), [2, 3]);
+        assert_eq!(map.notes.len(), usize::from(channels.len() > 1));
         assert!(map.border.is_none() && map.provenance.is_none());
         let field = map
             .into_height_field(MissingPolicy::Refuse, Border::Periodic)
@@ -86,6 +87,93 @@ fn exr_channels_are_chosen_by_name_and_read_in_every_type() {
     let line = FlatSamples::F32(vec![1.0; 4]);
     refused(Exr, &exr(1, 4, &[("Z", line.clone())]), "at least 2 x 2");
     refused(Exr, &exr(4, 1, &[("Z", line)]), "at least 2 x 2");
+}
+
+#[test]
+fn the_part_of_the_channel_that_is_read_is_named() {
+    use ::exr::prelude::*;
+    let layer = |name: &str, channel: &str, first: f32| {
+        let samples = FlatSamples::F32(vec![first, 2.0, 3.0, 4.0]);
+        Layer::new(
+            (2, 2),
+            LayerAttributes::named(name),
+            Encoding::FAST_LOSSLESS,
+            AnyChannels::sort([AnyChannel::new(channel, samples)].into_iter().collect()),
+        )
+    };
+    let parts = |channels: [&str; 2]| {
+        let layers = vec![
+            layer("left", channels[0], 1.0),
+            layer("right", channels[1], 7.0),
+        ];
+        let bounds = IntegerBounds::from_dimensions((2, 2));
+        let image = Image::from_layers(ImageAttributes::new(bounds), layers);
+        let mut out = Cursor::new(Vec::new());
+        image.write().non_parallel().to_buffered(&mut out).unwrap();
+        super::read(HeightMapFormat::Exr, &out.into_inner())
+    };
+    for (channels, first, note) in [
+        (
+            ["Z", "Z"],
+            1.0,
+            "channel 1 of 2, `left.Z`, is read, not `right.Z`",
+        ),
+        (
+            ["Y", "Z"],
+            7.0,
+            "channel 2 of 2, `right.Z`, is read, not `left.Y`",
+        ),
+    ] {
+        let map = parts(channels).unwrap();
+        assert_eq!(map.notes, [note]);
+        let field = map.into_height_field(MissingPolicy::Refuse, Border::Open);
+        assert_eq!(field.unwrap().height(0, 0), first);
+    }
+    let error = parts(["A", "B"]).unwrap_err().to_string();
+    assert!(error.contains("the channels left.A, right.B"), "{error}");
+}
+
+#[test]
+fn compression_that_loses_digits_of_heights_is_refused_by_name() {
+    use ::exr::compression::Compression;
+    use ::exr::image::{Blocks, Encoding, FlatSamples};
+    use ::exr::meta::attribute::LineOrder;
+    use ::exr::prelude::f16;
+    let values: Vec<f32> = (0..64 * 64).map(|k| (k as f32 * 0.37).sin()).collect();
+    let half: Vec<f16> = values.iter().map(|x| f16::from_f32(*x)).collect();
+    let [single, half] = [FlatSamples::F32(values), FlatSamples::F16(half)];
+    let file = |samples: &FlatSamples, compression| {
+        let encoding = Encoding {
+            compression,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        };
+        exr_encoded(64, 64, &[("Y", samples.clone())], encoding)
+    };
+    use HeightMapFormat::Exr;
+    for samples in [&single, &half] {
+        for (compression, words) in [
+            (Compression::B44, "it is compressed by B44,"),
+            (Compression::B44A, "it is compressed by B44A,"),
+            (Compression::DWAA(None), "it is compressed by DWAA,"),
+            (Compression::DWAB(None), "it is compressed by DWAB,"),
+        ] {
+            refused(Exr, &file(samples, compression), words);
+        }
+        let plain = read(Exr, &file(samples, Compression::Uncompressed)).unwrap();
+        for compression in [Compression::ZIP1, Compression::PIZ, Compression::RLE] {
+            let map = read(Exr, &file(samples, compression)).unwrap();
+            assert_eq!(format!("{map:?}"), format!("{plain:?}"), "{compression}");
+        }
+    }
+    refused(
+        Exr,
+        &file(&single, Compression::PXR24),
+        "it is compressed by PXR24,",
+    );
+    let [packed, plain] = [Compression::PXR24, Compression::Uncompressed]
+        .map(|compression| read(Exr, &file(&half, compression)).unwrap());
+    assert_eq!(format!("{packed:?}"), format!("{plain:?}"));
 }
 
 /// Replaces the value of an EXR attribute by one of the same length.

@@ -11,8 +11,9 @@ use std::collections::BTreeMap;
 
 use self::items::{Item, Items};
 use super::bytes::{Bytes, Raster};
-use super::measured::{Length, Measured, note_on_channels, unit_of_length};
+use super::measured::{Length, Measured, unit_of_length};
 use crate::error::ReadProblem;
+use crate::height_maps::channels::note_on_channels;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 

@@ -11,10 +11,9 @@ mod scale;
 use self::header::{Header, Section};
 use self::scale::HeightScale;
 use super::bytes::{Bytes, Raster};
-use super::measured::{
-    Length, Measured, length_unit, note_on_channels, reverse_rows, unit_of_length,
-};
+use super::measured::{Length, Measured, length_unit, reverse_rows, unit_of_length};
 use crate::error::ReadProblem;
+use crate::height_maps::channels::note_on_channels;
 use crate::height_maps::samples::SampleKind;
 use crate::text_lines::short;
 

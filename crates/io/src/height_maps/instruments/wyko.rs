@@ -7,8 +7,9 @@
 //! 32766 and above, 1e38 and above.
 
 use super::bytes::{Bytes, Raster};
-use super::measured::{Length, MILLIMETRE, Measured, note_on_channels};
+use super::measured::{Length, MILLIMETRE, Measured};
 use crate::error::ReadProblem;
+use crate::height_maps::channels::note_on_channels;
 use crate::height_maps::samples::SampleKind;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::limits::room;

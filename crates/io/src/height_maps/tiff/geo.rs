@@ -1,161 +1,135 @@
-//! Tags of GeoTIFF 1.1 and of GDAL: spacing, units, missing points and scale of heights of a grid.
+//! Tags of GeoTIFF 1.1: spacing and units of a grid, in metres.
 //!
 //! Place and direction on the map are ignored, as is the vertical datum. A grid in degrees is refused, since its
-//! spacing is no length.
+//! spacing is no length. Units are those that the keys state, else those of the coordinate systems that they name
+//! by EPSG codes.
 
 use std::io::{Read, Seek};
 
-use ::tiff::TiffResult;
-use ::tiff::decoder::Decoder;
-use ::tiff::decoder::ifd::Value;
-use ::tiff::tags::Tag;
 use asperity_surface::LengthUnit;
 
-use super::metadata::HeightScale;
+use super::directory::{Directory, File, Tag};
+use super::epsg;
+use super::lengths::{HeightScale, Lengths};
 use crate::error::ReadProblem;
-
-/// The tag of GDAL with metadata as XML.
-const GDAL_METADATA: Tag = Tag::Unknown(42112);
+use crate::text_lines::short;
 
 /// Keys of the directory of GeoTIFF.
-const MODEL_TYPE: u16 = 1024;
-const LINEAR_UNIT: u16 = 3076;
-const VERTICAL_UNIT: u16 = 4099;
+const MODEL_TYPE: u64 = 1024;
+const PROJECTED_SYSTEM: u64 = 3072;
+const LINEAR_UNIT: u64 = 3076;
+/// Metres in a unit that has no code.
+const LINEAR_UNIT_SIZE: u64 = 3077;
+const VERTICAL_SYSTEM: u64 = 4096;
+const VERTICAL_UNIT: u64 = 4099;
 
 /// Values of [`MODEL_TYPE`] other than 1, a projected grid.
-const GEOGRAPHIC: u16 = 2;
-const GEOCENTRIC: u16 = 3;
+const GEOGRAPHIC: f64 = 2.0;
+const GEOCENTRIC: f64 = 3.0;
+
+/// Codes of what is not defined, or defined by other keys.
+const NO_CODES: [u64; 2] = [0, 32767];
 
 /// Largest cosine between the axes of a grid that counts as rectangular.
 const MAX_SHEAR: f64 = 1e-6;
 
-/// Grid of a GeoTIFF file; `None` for what the file does not state.
-pub(super) struct Georeference {
-    /// `[dx, dy]`, in metres if `is_metric`.
-    spacing: Option<[f64; 2]>,
-    is_metric: bool,
-    /// Metres in one unit of the heights.
-    metres_per_height: Option<f64>,
-    states_vertical_unit: bool,
-    states_linear_unit: bool,
-    nodata: Option<f64>,
-    scale: HeightScale,
-}
-
-impl Georeference {
-    pub(super) fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, ReadProblem> {
-        let spacing = spacing(decoder)?;
-        let keys = GeoKeys::read(decoder)?;
-        match keys.value(MODEL_TYPE) {
-            Some(GEOGRAPHIC) => {
-                return Err(ReadProblem::unsupported(
-                    "its grid is in degrees; bring it to a grid in metres first (gdalwarp -t_srs)",
-                ));
-            }
-            Some(GEOCENTRIC) => {
-                return Err(ReadProblem::unsupported(
-                    "its coordinates are geocentric, but a projected grid is needed",
-                ));
-            }
-            _ => {}
-        }
-        let unit_of = |key| {
-            let code = keys.value(key);
-            let metres = code.map(|code| {
-                metres_in(code).ok_or_else(|| {
-                    let known =
-                        "9001 (metre), 9002 (foot), 9003 (US survey foot) and 9036 (kilometre)";
-                    let what =
-                        format!("its unit of length has the EPSG code {code}; read are {known}");
-                    ReadProblem::unsupported(what)
-                })
-            });
-            metres.transpose()
-        };
-        let linear = unit_of(LINEAR_UNIT)?;
-        let vertical = unit_of(VERTICAL_UNIT)?;
-        let is_metric = keys.value(MODEL_TYPE).is_some() && spacing.is_some();
-        let metres = linear.unwrap_or(1.0);
-        Ok(Self {
-            spacing: spacing.map(|both| both.map(|d| if is_metric { d * metres } else { d })),
-            is_metric,
-            metres_per_height: is_metric.then_some(vertical.unwrap_or(1.0)),
-            states_vertical_unit: vertical.is_some(),
-            states_linear_unit: linear.is_some(),
-            nodata: nodata(decoder)?,
-            scale: match text(decoder, GDAL_METADATA)? {
-                Some(xml) => HeightScale::parse(&xml)?,
-                None => HeightScale::default(),
-            },
-        })
+/// The lengths of a grid with a spacing; `metres`: those in the unit of heights, if GDAL's metadata state it.
+pub(super) fn lengths<R: Read + Seek>(
+    file: &mut File<R>,
+    page: &Directory,
+    metres: Option<f64>,
+) -> Result<Option<Lengths>, ReadProblem> {
+    let spacing = spacing(file, page)?;
+    let keys = GeoKeys::read(file, page)?;
+    let model = keys.value(MODEL_TYPE);
+    if model == Some(GEOGRAPHIC) {
+        return Err(ReadProblem::unsupported(
+            "its grid is in degrees; bring it to a grid in metres first (gdalwarp -t_srs)",
+        ));
     }
-
-    pub(super) fn spacing(&self) -> Option<[f64; 2]> {
-        self.spacing
+    if model == Some(GEOCENTRIC) {
+        return Err(ReadProblem::unsupported(
+            "its coordinates are geocentric, but a projected grid is needed",
+        ));
     }
-
-    pub(super) fn unit(&self) -> LengthUnit {
-        match self.is_metric {
-            true => LengthUnit::Metre,
-            false => LengthUnit::Arbitrary,
-        }
+    let Some(spacing) = spacing else {
+        return Ok(None);
+    };
+    let (system, vertical) = (keys.code(PROJECTED_SYSTEM), keys.code(VERTICAL_SYSTEM));
+    if model.is_none() && system.is_none() && metres.is_none() {
+        return Ok(Some(Lengths {
+            spacing: Some(spacing),
+            ..Lengths::default()
+        }));
     }
+    // A compound system in place of a projected one is of both kinds
+    let vertical = vertical.or(system);
+    let of_system = |kind, system: Option<u64>| epsg::metres_of(kind, system?);
+    let size = keys.value(LINEAR_UNIT_SIZE).filter(|size| *size > 0.0);
+    let grid = match keys.unit(LINEAR_UNIT)? {
+        None => size.or_else(|| of_system("projected", system)),
+        unit => unit,
+    };
+    let heights = match metres {
+        None => keys.unit(VERTICAL_UNIT)?,
+        metres => metres,
+    };
+    let heights = heights
+        .or_else(|| of_system("vertical", vertical))
+        .or_else(|| of_system("depth", vertical));
 
-    /// Marks missing points by NaN and brings heights to the unit of the grid; `is_single` if the samples have
-    /// single precision, to which the number for missing points is rounded then.
-    pub(super) fn apply(&self, heights: &mut [f64], is_single: bool) {
-        let nodata = self.nodata.map(|number| match is_single {
-            true => f64::from(number as f32),
-            false => number,
-        });
-        let metres = self.metres_per_height.unwrap_or(1.0);
-        for height in heights {
-            *height = match nodata == Some(*height) {
-                true => f64::NAN,
-                false => self.scale.of(*height) * metres,
-            };
-        }
-    }
-
-    /// Notes on units that are assumed because the file does not state them.
-    pub(super) fn notes(&self) -> Vec<String> {
-        let mut missing = Vec::new();
-        if self.is_metric && !self.states_linear_unit {
-            missing.push("its grid");
-        }
-        if self.is_metric && !self.states_vertical_unit {
-            missing.push("its heights");
-        }
-        match missing.is_empty() {
-            true => Vec::new(),
-            false => vec![format!(
-                "the file states no unit for {}; metres are assumed",
-                missing.join(" and ")
-            )],
-        }
-    }
-}
-
-/// Metres in the unit with an EPSG code.
-fn metres_in(code: u16) -> Option<f64> {
-    match code {
-        9001 => Some(1.0),
-        9002 => Some(0.3048),
-        9003 => Some(1200.0 / 3937.0),
-        9036 => Some(1000.0),
+    let mut notes = Vec::new();
+    let mut missing = Vec::new();
+    let mut name = match (grid, system) {
+        (None, None) => page.text(file, Tag::GeoAsciiParams)?,
         _ => None,
+    };
+    for (what, metres, system) in [
+        ("its grid", grid, system),
+        ("its heights", heights, keys.code(VERTICAL_SYSTEM)),
+    ] {
+        if metres.is_none() {
+            let system = system.map(|code| format!(" (system EPSG:{code}, which is not known)"));
+            let called = name
+                .take()
+                .map(|name| format!(" (called `{}`)", short(&name)));
+            missing.push(format!("{what}{}", system.or(called).unwrap_or_default()));
+        }
     }
+    if !missing.is_empty() {
+        notes.push(format!(
+            "the file states no unit for {}; metres are assumed",
+            missing.join(" and ")
+        ));
+    }
+    if let Some(code) = vertical.filter(|code| epsg::metres_of("depth", *code).is_some()) {
+        notes.push(format!(
+            "the vertical system EPSG:{code} counts downwards, but heights are read as they are stored"
+        ));
+    }
+    Ok(Some(Lengths {
+        spacing: Some(spacing.map(|step| step * grid.unwrap_or(1.0))),
+        unit: LengthUnit::Metre,
+        heights: HeightScale {
+            factor: heights.unwrap_or(1.0),
+            ..HeightScale::default()
+        },
+        notes,
+    }))
 }
 
 /// `[dx, dy]` from the scale of pixels, or from the matrix that brings pixels to the map.
-fn spacing<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Option<[f64; 2]>, ReadProblem> {
-    if let Some(scale) = numbers(decoder, Tag::ModelPixelScaleTag)? {
+fn spacing<R: Read + Seek>(
+    file: &mut File<R>,
+    page: &Directory,
+) -> Result<Option<[f64; 2]>, ReadProblem> {
+    if let Some(scale) = page.numbers(file, Tag::ModelPixelScale)? {
         let [dx, dy, ..] = scale[..] else {
             return Err(ReadProblem::malformed("its scale of pixels lacks numbers"));
         };
         return Ok(Some([dx.abs(), dy.abs()]));
     }
-    let Some(matrix) = numbers(decoder, Tag::ModelTransformationTag)? else {
+    let Some(matrix) = page.numbers(file, Tag::ModelTransformation)? else {
         return Ok(None);
     };
     let [x_column, x_row, _, _, y_column, y_row, ..] = matrix[..] else {
@@ -171,47 +145,49 @@ fn spacing<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Option<[f64; 2]>,
     Ok(Some([dx, dy]))
 }
 
-/// The number that marks missing points.
-fn nodata<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Option<f64>, ReadProblem> {
-    let text = text(decoder, Tag::GdalNodata)?;
-    let text = text
-        .as_deref()
-        .map(str::trim)
-        .filter(|text| !text.is_empty());
-    let parsed = text.map(|text| {
-        let number = text.parse::<f64>();
-        number
-            .map_err(|_| ReadProblem::malformed(format_args!("GDAL_NODATA is `{text}`, no number")))
-    });
-    parsed.transpose()
+/// The directory of keys: four numbers each, key, location, count and value.
+struct GeoKeys {
+    entries: Vec<f64>,
+    doubles: Vec<f64>,
 }
-
-/// Text of a tag, without the NUL bytes at its end.
-fn text<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> TiffResult<Option<String>> {
-    let value = decoder.find_tag(tag)?;
-    let text = value.map(Value::into_string).transpose()?;
-    Ok(text.map(|text| text.trim_end_matches('\0').to_owned()))
-}
-
-fn numbers<R: Read + Seek>(decoder: &mut Decoder<R>, tag: Tag) -> TiffResult<Option<Vec<f64>>> {
-    decoder.find_tag(tag)?.map(Value::into_f64_vec).transpose()
-}
-
-/// The directory of keys: four numbers each, of which a location of 0 says that the fourth is the value.
-struct GeoKeys(Vec<u16>);
 
 impl GeoKeys {
-    fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, ReadProblem> {
-        let value = decoder.find_tag(Tag::GeoKeyDirectoryTag);
-        let keys = value.and_then(|value| value.map(Value::into_u16_vec).transpose());
-        Ok(Self(keys?.unwrap_or_default()))
+    fn read<R: Read + Seek>(file: &mut File<R>, page: &Directory) -> Result<Self, ReadProblem> {
+        let mut numbers = |tag| page.numbers(file, tag);
+        Ok(Self {
+            entries: numbers(Tag::GeoKeyDirectory)?.unwrap_or_default(),
+            doubles: numbers(Tag::GeoDoubleParams)?.unwrap_or_default(),
+        })
     }
 
-    fn value(&self, key: u16) -> Option<u16> {
-        let (entries, _) = self.0.as_chunks::<4>();
+    /// The number of a key: stated in place, location 0, or among those of double precision.
+    fn value(&self, key: u64) -> Option<f64> {
+        let (entries, _) = self.entries.as_chunks::<4>();
         // The first entry is the version
         let mut entries = entries.iter().skip(1);
-        entries
-            .find_map(|[id, location, _, value]| (*id == key && *location == 0).then_some(*value))
+        let [_, location, _, value] = entries.find(|[id, ..]| *id == key as f64)?;
+        match *location as u64 {
+            0 => Some(*value),
+            at if at == Tag::GeoDoubleParams as u64 => self.doubles.get(*value as usize).copied(),
+            _ => None,
+        }
+    }
+
+    /// The code of a key, if it is one of EPSG's.
+    fn code(&self, key: u64) -> Option<u64> {
+        let code = self.value(key).map(|code| code as u64);
+        code.filter(|code| !NO_CODES.contains(code))
+    }
+
+    /// Metres in the unit whose code a key states.
+    fn unit(&self, key: u64) -> Result<Option<f64>, ReadProblem> {
+        let known = |code| {
+            epsg::metres_in(code).ok_or_else(|| {
+                ReadProblem::unsupported(format_args!(
+                    "its unit of length has the code {code}, but EPSG has no unit of length with it"
+                ))
+            })
+        };
+        self.code(key).map(known).transpose()
     }
 }
