@@ -75,7 +75,7 @@ const STRUCTURES: [(&str, &str); 10] = [
         "structure = 'sine-grooves'\nwidth = 24\ndepth = 6",
     ),
     (
-        "blazed-grooves, azimuth 30",
+        "blazed-grooves, azimuth 30°",
         "structure = 'blazed-grooves'\nwidth = 24\ndepth = 6\nazimuth = 30",
     ),
     (

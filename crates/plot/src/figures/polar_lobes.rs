@@ -100,7 +100,7 @@ const SURFACE_END: f64 = 6.0;
 /// Widest lobe, degrees with its neighbours, that is drawn once more.
 const NARROW_DEG: f64 = 20.0;
 const DETAIL_HEIGHT: f64 = 130.0;
-const DETAIL_TICKS: usize = 3;
+const DETAIL_TICKS: usize = 5;
 /// Between the legend and the details.
 const DETAIL_GAP: f64 = 22.0;
 

@@ -172,7 +172,7 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
             short((10.0 * light.theta_deg()).round() / 10.0),
             short((1000.0 * rows[0].x).round() / 1000.0)
         );
-        curves.insert(i, curve(name, colour, Style::Points(0), points));
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
         let wi = from_spherical(light.theta(), 0.0);
         let heights = steps([-1.0, 1.0]).map(|step| HIGHEST * step);
         let smith = heights.map(|h| Point::exact(h, smith_visibility(&surfaces.slopes, wi, h)));
