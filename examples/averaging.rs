@@ -89,6 +89,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
             label: "(tracked − averaged) / tracked (%)".into(),
             range: None,
         },
+        log_from: None,
         curves,
         notes: vec!["Gold: n = 0.43 + 2.455 i.".into()],
     };

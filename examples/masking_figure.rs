@@ -23,6 +23,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
         subtitle: "Gaussian slopes".into(),
         x: axis("θ (degrees)", [0.0, 90.0]),
         y: axis("G1", [0.0, 1.0]),
+        log_from: None,
         curves: Vec::new(),
         notes: Vec::new(),
     };

@@ -15,7 +15,7 @@ use asperity_optics::{dielectric, from_spherical, reference_axes, reflect, refra
 use asperity_plot::{Colour, Diagram, DiagramLabel, DiagramPanel, DiagramPath, Stroke};
 
 const INK: Colour = Colour::Component(0);
-const GREY: Colour = Colour::Component(3);
+const GREY: Colour = Colour::Nth(7);
 const S: Colour = Colour::Nth(0);
 const P: Colour = Colour::Nth(1);
 const V: Colour = Colour::Nth(2);

@@ -75,7 +75,7 @@ const STRUCTURES: [(&str, &str); 10] = [
         "structure = 'sine-grooves'\nwidth = 24\ndepth = 6",
     ),
     (
-        "blazed-grooves, azimuth 30",
+        "blazed-grooves, azimuth 30°",
         "structure = 'blazed-grooves'\nwidth = 24\ndepth = 6\nazimuth = 30",
     ),
     (
@@ -96,6 +96,9 @@ const STRUCTURES: [(&str, &str); 10] = [
         "structure = 'pits'\nwidth = 24\ndepth = 6\ndensity = 0.6\ntau = 5\nsigma = 0.3",
     ),
 ];
+
+/// Angle of repose of the surface that slipped.
+const REPOSE_DEG: f64 = 17.0;
 
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let measured = std::env::args().nth(1).filter(|name| name.contains('.'));
@@ -120,11 +123,11 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let etch = Erosion::Etch(Etch { depth: 8.0 }).of(&rough)?;
     structures.push(relief("gaussian, etch 8", &etch));
     let slip = Slip {
-        slope: 0.3,
+        slope: REPOSE_DEG.to_radians().tan(),
         steps: 200,
     };
     structures.push(relief(
-        "gaussian, repose 0.3",
+        &format!("gaussian, repose {REPOSE_DEG}°"),
         &Erosion::Slip(slip).of(&rough)?,
     ));
     draw(

@@ -68,6 +68,7 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
     );
     let plot = fs::read_to_string(folder.join("one/convergence.svg")).unwrap();
     assert!(plot.contains("Run time against error: s = 3, n = 1.5, θᵢ = 30°"));
+    assert!(plot.contains("on 1 thread, seed ") && report.contains("on 1 thread;"));
 
     let quiet = words("converge c.toml --threads 3 --quiet --no-plots -o three");
     assert_eq!(succeed(folder, &quiet), "");

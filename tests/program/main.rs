@@ -15,6 +15,7 @@ mod converge;
 mod estimators;
 mod exactness;
 mod examples;
+mod figures;
 mod flags;
 mod given;
 mod given_ensembles;

@@ -2,8 +2,8 @@
 //!
 //! From below: [`theme`] (sizes, colours), [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
 //! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`curve_axis`], [`legend`], [`colour_scale`]; [`panel`],
-//! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand. [`series`], [`directions`], [`disc`], [`units`]
-//! and [`verdict`] show light and directions in the plane of incidence, light over a hemisphere, lengths and verdicts.
+//! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand. [`series`], [`directions`], [`lobe_axes`], [`disc`],
+//! [`units`] and [`verdict`] show light and directions in the plane of incidence, light over a hemisphere, lengths and verdicts.
 
 pub(crate) mod axis;
 pub(crate) mod colour_scale;
@@ -14,6 +14,7 @@ pub(crate) mod disc;
 pub(crate) mod disc_bins;
 pub(crate) mod geometry;
 pub(crate) mod legend;
+pub(crate) mod lobe_axes;
 pub(crate) mod matrix;
 pub(crate) mod numbers;
 pub(crate) mod page;

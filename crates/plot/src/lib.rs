@@ -40,6 +40,7 @@
 //!     subtitle: "n = 1.4, s = 3, θᵢ = 30°".into(),
 //!     side: Side::Transmitted,
 //!     flat_direction_deg: Some(20.9),
+//!     least: None,
 //!     series: vec![
 //!         Series::explicit("explicit surface", 0, Side::Transmitted, simulated.collect()),
 //!         Series::model("Gaussian lobe", 0, Side::Transmitted, model.collect()),

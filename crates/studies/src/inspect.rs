@@ -33,6 +33,8 @@ pub(crate) struct Texture {
     /// Area of the plane of wave vectors that one wave stands for.
     wave_area: f64,
     correlation: AxisAutocorrelation,
+    /// Spectrum that was requested of a generated surface.
+    requested: Option<Psd>,
     heights: Histogram,
     /// Root mean square height.
     sq: f64,
@@ -72,6 +74,7 @@ impl Texture {
             wave_area: spectrum.wave_area(),
             sq: correlation.along_x[0].sqrt(),
             correlation,
+            requested: requested.cloned(),
             heights,
             slopes,
             mean_square_slopes: [xx, yy],

@@ -5,6 +5,7 @@ pub(crate) mod case_views;
 pub(crate) mod config_json;
 pub(crate) mod disc_bins;
 pub(crate) mod distribution_table;
+pub(crate) mod effort;
 pub(crate) mod energies;
 pub(crate) mod error;
 pub(crate) mod figures;

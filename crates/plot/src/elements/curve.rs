@@ -112,6 +112,11 @@ pub(crate) trait Plane {
     fn clip_path(&self, path: &[Xy]) -> Vec<Vec<Xy>>;
     /// Returns `true` if a place is shown.
     fn contains(&self, at: Xy) -> bool;
+    /// Returns `true` if a point is shown.
+    fn shows(&self, point: &Point) -> bool {
+        let at = self.at(point.x, point.y);
+        at.is_some_and(|at| self.contains(at))
+    }
 }
 
 /// Fraction of a curve's colour in its band, the rest being white.
@@ -214,9 +219,7 @@ impl Curve {
 
     pub(crate) fn marker(&self) -> Marker {
         match self.style {
-            Style::Points(i) | Style::Hollow(i) | Style::Joined(i) => {
-                Marker::ALL[i % Marker::ALL.len()]
-            }
+            Style::Points(i) | Style::Hollow(i) | Style::Joined(i) => Marker::nth(i),
             _ => Marker::Circle,
         }
     }
@@ -288,7 +291,8 @@ impl Curve {
 
     fn draw_bars(&self, scene: &mut Scene, plane: &dyn Plane, pen: Pen) {
         for point in &self.points {
-            if plane.at(point.x, point.y).is_none() {
+            // A bar without its point would be read as a point of its own.
+            if !plane.shows(point) {
                 continue;
             }
             let vertical = point.se.map(|_| {
@@ -313,7 +317,8 @@ impl Curve {
             let (low, high) = plane.at(point.x, low).zip(plane.at(point.x, high))?;
             plane.clip(low, high)
         };
-        for pair in self.points.windows(2) {
+        let pairs = self.points.windows(2);
+        for pair in pairs.filter(|pair| pair.iter().any(|point| plane.shows(point))) {
             if let Some(((a, b), (d, c))) = ends(&pair[0]).zip(ends(&pair[1])) {
                 scene.polygon(vec![a, b, c, d], tint(self.colour.rgb()));
             }
@@ -336,4 +341,35 @@ impl Colour {
 fn tint(RGBColor(r, g, b): RGBColor) -> RGBColor {
     let mix = |c: u8| (TINT * f64::from(c) + (1.0 - TINT) * 255.0).round() as u8;
     RGBColor(mix(r), mix(g), mix(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::axis::Axis;
+    use crate::elements::geometry::Rect;
+    use crate::elements::panel::Panel;
+
+    #[test]
+    fn bars_and_bands_have_no_place_without_their_points() {
+        let frame = Rect::at((0.0, 0.0), 100.0, 100.0);
+        let axes = (Axis::linear(0.0, 10.0, 5, 0), Axis::log10(1e-3, 1.0));
+        let panel = Panel::new(frame, axes.0, axes.1).unwrap();
+        let drawn = |style, values: [f64; 2]| {
+            let point = |(x, y)| Point::with_error(x, y, Some(0.1));
+            let curve = Curve {
+                name: String::new(),
+                colour: Colour::Nth(0),
+                style,
+                points: [4.0, 6.0].into_iter().zip(values).map(point).collect(),
+            };
+            let mut scene = Scene::new("");
+            draw_curves(&mut scene, &panel, [&curve]);
+            scene.items.len()
+        };
+        for style in [Style::Points(0), Style::Hollow(1), Style::Band(0)] {
+            assert_eq!(drawn(style, [1e-6, 2e-6]), 0, "{style:?}");
+            assert!(drawn(style, [1e-6, 0.5]) > 0, "{style:?}");
+        }
+    }
 }

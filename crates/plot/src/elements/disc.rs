@@ -9,17 +9,17 @@ use super::colour_scale::ColourScale;
 use super::disc_bins::DiscBins;
 use super::theme;
 
-/// Fraction of the solid angle that may lie beyond a linear scale, and how many times above its end something must:
-/// lobes of rough surfaces are to be seen whole, mirror peaks are not to hide all else.
-const OUTSHINING: f64 = 0.02;
-const FAR_ABOVE: f64 = 8.0;
+/// Fraction of the solid angle that may outshine the rest on a linear scale, and how many times brighter it then is: lobes that fill
+/// less are not to hide all else.
+const OUTSHINING: f64 = 0.2;
+const FAR_ABOVE: f64 = 6.0;
 /// Most decades of a logarithmic scale.
 const DECADES: i32 = 4;
 /// Colours of a disc.
 const COLOURS: usize = 255;
 
-/// The scale that hemispheres share, each with its bins: from zero to the largest value, or, where that is eight
-/// times above what all but a fiftieth of the solid angle stays below, logarithmic. `None` if no value is above zero.
+/// The scale that hemispheres share, each with its bins: from zero to the largest value, or, where that is six
+/// times above what all but a fifth of the solid angle stays below, logarithmic. `None` if no value is above zero.
 pub(crate) fn scale<'a>(
     hemispheres: impl Iterator<Item = (&'a DiscBins, &'a [Option<f64>])>,
 ) -> Option<ColourScale> {
@@ -56,6 +56,7 @@ pub(crate) fn pixels(
 ) -> Vec<u8> {
     let colours: Vec<u8> = values
         .iter()
+        .map(|value| value.filter(|_| is_shown(*value, Some(*scale))))
         .map(|value| value.map_or(0, |value| 1 + scale.index(value, COLOURS)))
         .collect();
     let place = |i: usize| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
@@ -70,6 +71,12 @@ pub(crate) fn pixels(
         colours[bins.bin_of(theta, y.atan2(x))]
     };
     (0..n * n).map(pixel).collect()
+}
+
+/// Returns `true` if a value has a colour: a logarithmic scale has none for what is not above zero.
+pub(crate) fn is_shown(value: Option<f64>, scale: Option<ColourScale>) -> bool {
+    let above = |value: f64| value > 0.0 || scale.is_none_or(|scale| !scale.log);
+    value.is_some_and(above)
 }
 
 /// White for what lies outside of a disc or has no value, then the colours of the scale.
@@ -129,6 +136,17 @@ mod tests {
     }
 
     #[test]
+    fn nothing_has_a_colour_on_a_linear_scale_alone() {
+        let bins = DiscBins::equal([1, 2]);
+        let first = |scale: &ColourScale| {
+            let pixels = pixels(&bins, &[Some(0.0), Some(0.1)], 8, scale);
+            [pixels[8 + 4], pixels[6 * 8 + 4]]
+        };
+        assert_eq!(first(&ColourScale::linear(0.0, 10.0)), [1, 4]);
+        assert_eq!(first(&ColourScale::decades(0.1, 10.0, 2)), [0, 1]);
+    }
+
+    #[test]
     fn a_logarithmic_scale_gives_equal_ratios_equal_steps() {
         let scale = ColourScale::decades(1e-3, 10.0, DECADES);
         assert!((scale.lo / 1e-3 - 1.0).abs() < 1e-12 && (scale.hi / 10.0 - 1.0).abs() < 1e-12);
@@ -154,9 +172,12 @@ mod tests {
         values[0] = 0.4;
         assert_eq!(of(&values), linear(0.4));
         values[0] = 30.0;
-        assert_eq!(of(&values), Some(ColourScale::decades(0.3, 30.0, DECADES)));
-        // Half of the outer ring holds 4 %.
+        let log = Some(ColourScale::decades(0.3, 30.0, DECADES));
+        assert_eq!(of(&values), log);
+        // Half of the outer ring, as bright as a lobe at grazing angles, holds 4 %; three rings hold 26 %.
         values[17 * 36..17 * 36 + 18].fill(20.0);
+        assert_eq!(of(&values), log);
+        values[15 * 36..].fill(20.0);
         assert_eq!(of(&values), linear(30.0));
         // Two bright patches at the rim, five times what lies below: the point of a figure, and no mirror peak.
         let mut ears = vec![0.1; 18 * 36];

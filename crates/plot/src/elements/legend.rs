@@ -64,6 +64,8 @@ const KEY_WIDTH: f64 = 34.0;
 const KEY_GAP: f64 = 9.0;
 const ROW: f64 = 20.0;
 const LINE: f64 = 16.0;
+/// Least width of a column: that of a few words of a remark.
+const LEAST_WIDTH: f64 = 130.0;
 /// Between entries that stand side by side.
 const ENTRY_GAP: f64 = 22.0;
 
@@ -87,6 +89,18 @@ impl Legend {
             placed.push((entry, at, lines));
         }
         Ok(Legend { placed, height })
+    }
+
+    /// Width that entries below each other need, `most` at most. Remarks are broken to fit it.
+    pub(crate) fn width(entries: &[Entry], most: f64) -> Result<f64, PlotError> {
+        let mut width = LEAST_WIDTH;
+        for entry in entries {
+            let (style, room) = entry.layout();
+            if !matches!(entry.key, Key::Note) {
+                width = width.max(room + text_width(&entry.text, style.size)? + 1.0);
+            }
+        }
+        Ok(width.min(most))
     }
 
     /// Entries side by side, in as many rows as `width` points need.

@@ -70,7 +70,9 @@ pub(crate) struct Chart<'a> {
     pub(crate) subtitle: &'a str,
     pub(crate) x: Axis,
     pub(crate) y: Axis,
-    /// Width and height of the panel.
+    /// Logarithmic axis of a second panel of the same curves, below the first.
+    pub(crate) log_y: Option<Axis>,
+    /// Width and height of a panel.
     pub(crate) size: (f64, f64),
     pub(crate) legend_width: f64,
     pub(crate) curves: &'a [Curve],
@@ -80,16 +82,25 @@ pub(crate) struct Chart<'a> {
 impl Chart<'_> {
     pub(crate) fn draw(self) -> Result<Figure, PlotError> {
         const LEGEND_GAP: f64 = 26.0;
-        let left = theme::MARGIN + y_axis_room(&self.y)?;
+        let mut room = y_axis_room(&self.y)?;
+        if let Some(log_y) = &self.log_y {
+            room = room.max(y_axis_room(log_y)?);
+        }
+        let left = theme::MARGIN + room;
         let right = left + self.size.0 + LEGEND_GAP;
         let width = right + self.legend_width + theme::MARGIN;
         let mut page = Page::new(self.title, self.subtitle, width)?;
         let top = page.y + 16.0;
-        let frame = Rect::at((left, top), self.size.0, self.size.1);
-        Panel::new(frame, self.x, self.y)?.draw(&mut page.scene, self.curves);
+        let mut frame = Rect::at((left, top), self.size.0, self.size.1);
+        let panels = [Some(self.y), self.log_y];
+        for y in panels.into_iter().flatten() {
+            Panel::new(frame, self.x.clone(), y)?.draw(&mut page.scene, self.curves);
+            page.y = frame.bottom + X_AXIS_DEPTH;
+            frame = Rect::at((left, page.y + 16.0), self.size.0, self.size.1);
+        }
         let legend = Legend::column(self.entries, self.legend_width)?;
         legend.draw(&mut page.scene, (right, top));
-        let bottom = (frame.bottom + X_AXIS_DEPTH).max(top + legend.height);
+        let bottom = page.y.max(top + legend.height);
         Ok(page.finish(bottom))
     }
 }

@@ -55,15 +55,26 @@ pub(crate) enum Marker {
     Square,
     Triangle,
     Diamond,
+    TriangleDown,
+    Cross,
+    Plus,
 }
 
 impl Marker {
-    pub(crate) const ALL: [Marker; 4] = [
+    const ALL: [Marker; 7] = [
         Marker::Circle,
         Marker::Square,
         Marker::Triangle,
         Marker::Diamond,
+        Marker::TriangleDown,
+        Marker::Cross,
+        Marker::Plus,
     ];
+
+    /// The marker of a number; numbers wrap around.
+    pub(crate) fn nth(i: usize) -> Self {
+        Self::ALL[i % Self::ALL.len()]
+    }
 }
 
 /// Horizontal place of a text relative to its anchor.
@@ -172,6 +183,37 @@ pub(crate) struct Scene {
     pub(crate) items: Vec<Item>,
 }
 
+/// Corners of a cross with arms along the diagonals.
+const CROSS: [Xy; 12] = [
+    (0.0, -0.6),
+    (0.8, -1.4),
+    (1.4, -0.8),
+    (0.6, 0.0),
+    (1.4, 0.8),
+    (0.8, 1.4),
+    (0.0, 0.6),
+    (-0.8, 1.4),
+    (-1.4, 0.8),
+    (-0.6, 0.0),
+    (-1.4, -0.8),
+    (-0.8, -1.4),
+];
+/// Corners of a cross with upright arms.
+const PLUS: [Xy; 12] = [
+    (-0.45, -1.5),
+    (0.45, -1.5),
+    (0.45, -0.45),
+    (1.5, -0.45),
+    (1.5, 0.45),
+    (0.45, 0.45),
+    (0.45, 1.5),
+    (-0.45, 1.5),
+    (-0.45, 0.45),
+    (-1.5, 0.45),
+    (-1.5, -0.45),
+    (-0.45, -0.45),
+];
+
 /// Length of the head of an arrow; a shorter arrow is not drawn.
 pub(crate) const ARROW_HEAD: f64 = 11.0;
 
@@ -279,7 +321,10 @@ impl Scene {
                 return;
             }
             Marker::Triangle => &[(0.0, -1.35), (1.17, 0.68), (-1.17, 0.68)],
+            Marker::TriangleDown => &[(0.0, 1.35), (-1.17, -0.68), (1.17, -0.68)],
             Marker::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
+            Marker::Cross => &CROSS,
+            Marker::Plus => &PLUS,
             Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
         };
         let corners = unit

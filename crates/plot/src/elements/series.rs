@@ -147,6 +147,9 @@ pub(crate) fn stacked<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<Curve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::scene::Marker;
+    use crate::elements::theme;
+    use plotters::style::RGBColor;
 
     fn model(number: usize) -> Curve {
         Series::model("m", number, Side::Reflected, vec![]).curve()
@@ -172,18 +175,89 @@ mod tests {
     }
 
     #[test]
-    fn twenty_models_have_twenty_looks_and_none_is_a_component() {
+    fn twenty_models_have_twenty_looks() {
         for i in 0..20 {
             for j in 0..i {
                 let (a, b) = (model(i), model(j));
-                let dashes = crate::elements::theme::LINE_DASHES.len();
+                let dashes = theme::LINE_DASHES.len();
                 assert!(
                     a.colour.rgb() != b.colour.rgb() || i % dashes != j % dashes,
                     "{i} {j}"
                 );
             }
-            for component in 0..4 {
-                assert_ne!(model(i).colour.rgb(), Colour::Component(component).rgb());
+        }
+    }
+
+    /// CIE L*a*b* (D65) of a colour under a matrix on linear sRGB.
+    fn lab(RGBColor(r, g, b): RGBColor, vision: [[f64; 3]; 3]) -> [f64; 3] {
+        let linear = [r, g, b].map(|c| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
+        });
+        let times = |rows: [[f64; 3]; 3], v: [f64; 3]| {
+            rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+        };
+        let seen = times(vision, linear).map(|c| c.clamp(0.0, 1.0));
+        let to_xyz = [
+            [0.4339, 0.3762, 0.1899],
+            [0.2126, 0.7152, 0.0722],
+            [0.0177, 0.1095, 0.8728],
+        ];
+        let [x, y, z] = times(to_xyz, seen).map(|v| {
+            if v > 0.008856 {
+                v.cbrt()
+            } else {
+                7.787 * v + 16.0 / 116.0
+            }
+        });
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    /// Normal vision, and protanopia and deuteranopia by Machado, Oliveira and Fernandes (2009).
+    const VISIONS: [[[f64; 3]; 3]; 3] = [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ],
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ],
+    ];
+
+    /// A distance of 2.3 is just noticeable side by side.
+    #[test]
+    fn models_and_components_differ_in_every_common_kind_of_colour_vision() {
+        let models = (0..theme::MODEL_COLOURS.len()).map(Colour::Model);
+        let colours: Vec<RGBColor> = models
+            .chain((0..4).map(Colour::Component))
+            .map(Colour::rgb)
+            .collect();
+        for (i, a) in colours.iter().enumerate() {
+            for b in &colours[..i] {
+                for vision in VISIONS {
+                    let [a, b] = [a, b].map(|colour| lab(*colour, vision));
+                    let squares: f64 = a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum();
+                    assert!(squares.sqrt() > 15.0, "{a:?} {b:?} {vision:?}");
+                }
+            }
+        }
+    }
+
+    /// What remains in grey: dashes, and markers of residuals.
+    #[test]
+    fn models_that_are_close_in_the_list_differ_without_their_colour() {
+        for i in 0..theme::LINE_DASHES.len() {
+            for j in 0..i {
+                assert_ne!(model(i).pen().dash, model(j).pen().dash);
+                assert_ne!(Marker::nth(i), Marker::nth(j));
             }
         }
     }

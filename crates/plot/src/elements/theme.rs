@@ -44,32 +44,36 @@ const BLUISH_GREEN: RGBColor = RGBColor(0, 158, 115);
 const BLUE: RGBColor = RGBColor(0, 114, 178);
 const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
-// Apart from all of theirs by lightness.
+// Apart from theirs, and from each other, in the common kinds of colour vision too.
 const BROWN: RGBColor = RGBColor(115, 62, 10);
-const OLIVE: RGBColor = RGBColor(107, 112, 0);
-const VIOLET: RGBColor = RGBColor(98, 44, 160);
-const CRIMSON: RGBColor = RGBColor(168, 12, 60);
-const DARK_GREEN: RGBColor = RGBColor(8, 84, 52);
-const LIME: RGBColor = RGBColor(132, 190, 48);
-const SLATE: RGBColor = RGBColor(124, 148, 172);
-const ROSE: RGBColor = RGBColor(240, 130, 150);
+const VIOLET: RGBColor = RGBColor(112, 40, 190);
+const PLUM: RGBColor = RGBColor(150, 20, 110);
+const DARK_GREEN: RGBColor = RGBColor(0, 72, 48);
+const NAVY: RGBColor = RGBColor(24, 36, 110);
+const LEAF_GREEN: RGBColor = RGBColor(95, 185, 95);
 
-/// Colours of explicit results by component: black for all light, and no colour of a model.
-pub(crate) const COMPONENT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
-/// Colours of models: neighbours in a list of models differ most.
-pub(crate) const MODEL_COLOURS: [RGBColor; 12] = [
+/// Colours of explicit results by component: black for all light. The first four are no colour of a model.
+pub(crate) const COMPONENT_COLOURS: [RGBColor; 8] = [
+    BLACK,
+    ORANGE,
+    SKY_BLUE,
+    REDDISH_PURPLE,
     BLUE,
     VERMILLION,
-    BLUISH_GREEN,
-    REDDISH_PURPLE,
-    BROWN,
-    OLIVE,
-    ROSE,
-    VIOLET,
-    CRIMSON,
-    LIME,
     DARK_GREEN,
-    SLATE,
+    BROWN,
+];
+/// Colours of models. With the patterns of [`LINE_DASHES`] and as many markers, models that are close in a list differ in all three.
+pub(crate) const MODEL_COLOURS: [RGBColor; 9] = [
+    BLUE,
+    BROWN,
+    BLUISH_GREEN,
+    VERMILLION,
+    NAVY,
+    PLUM,
+    DARK_GREEN,
+    LEAF_GREEN,
+    VIOLET,
 ];
 /// Colours of anything else that is counted.
 pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
@@ -82,13 +86,15 @@ pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLACK,
     MUTED,
 ];
-/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 60 different lines.
-pub(crate) const LINE_DASHES: [&[f64]; 5] = [
+/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 63 different lines.
+pub(crate) const LINE_DASHES: [&[f64]; 7] = [
     &[],
     &[9.0, 4.0],
     &[9.0, 3.5, 2.0, 3.5],
     &[2.5, 2.5],
     &[16.0, 4.0],
+    &[9.0, 3.0, 2.0, 3.0, 2.0, 3.0],
+    &[13.0, 3.0, 4.5, 3.0],
 ];
 /// Thin lines of flat-surface directions.
 pub(crate) const GUIDE_DASH: &[f64] = &[4.0, 4.0];

@@ -5,6 +5,7 @@ use crate::elements::curve::{Curve, curve_entries};
 use crate::elements::curve_axis::CurveAxis;
 use crate::elements::directions::Directions;
 use crate::elements::geometry::Rect;
+use crate::elements::lobe_axes::{angle_axis, of_lobe, points};
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
 use crate::elements::panel_grid::PanelGrid;
@@ -25,7 +26,8 @@ pub struct AnglePanel {
 }
 
 /// Panels of curves over the signed angle in the plane of incidence, each with a vertical axis of its own; its numbers
-/// are left out where the panel to the left has the same.
+/// are left out where the panel to the left has the same. The angles are all there are, or those of the lobe in the first panel if
+/// it is narrow.
 ///
 /// ```
 /// use asperity_plot::{AngleGrid, AnglePanel, Colour, Curve, CurveAxis, Point, Side, Style};
@@ -78,6 +80,8 @@ const Y_AXIS_ROOM: f64 = 76.0;
 /// From the name of a panel to its frame.
 const NAME_DEPTH: f64 = theme::LEGEND_SIZE + 10.0;
 const Y_TICKS: usize = 5;
+/// Widest lobe, degrees with its neighbours, that fills the panels.
+const NARROW_DEG: f64 = 20.0;
 
 impl AngleGrid {
     /// Lays the figure out.
@@ -146,11 +150,12 @@ impl AngleGrid {
         let style = TextStyle::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
         let above = (frame.centre().0, frame.top - NAME_DEPTH);
         page.scene.text(&self.panels[i].name, above, style);
-        let angles = Axis::degrees(-90.0, 90.0);
-        let angles = match i + self.columns >= self.panels.len() {
-            true => angles.with_label("angle from the normal θₒ (°)"),
-            false => angles.without_texts(),
+        let label = match i + self.columns >= self.panels.len() {
+            true => "angle from the normal θₒ (°)",
+            false => "",
         };
+        let lobe = of_lobe(points(&self.panels[0].curves));
+        let angles = angle_axis(lobe, NARROW_DEG).with_label(label);
         let mut values = axes[i].clone();
         if !i.is_multiple_of(self.columns) {
             values = match [values.lo, values.hi] == [axes[i - 1].lo, axes[i - 1].hi] {

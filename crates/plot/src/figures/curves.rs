@@ -1,8 +1,9 @@
 //! Lines and points over two linear axes.
 
+use crate::elements::axis::Axis;
 use crate::elements::curve::{Curve, curve_entries};
 use crate::elements::curve_axis::CurveAxis;
-use crate::elements::legend::Entry;
+use crate::elements::legend::{Entry, Legend};
 use crate::elements::page::Chart;
 use crate::error::Valid;
 use crate::{Figure, PlotError};
@@ -18,6 +19,7 @@ use crate::{Figure, PlotError};
 ///     subtitle: String::new(),
 ///     x: CurveAxis { label: "θ (degrees)".into(), range: Some([0.0, 90.0]) },
 ///     y: CurveAxis { label: "cos θ".into(), range: None },
+///     log_from: None,
 ///     curves: vec![Curve {
 ///         name: "cosine".into(),
 ///         colour: Colour::Nth(0),
@@ -40,6 +42,8 @@ pub struct Curves {
     pub x: CurveAxis,
     /// The vertical axis.
     pub y: CurveAxis,
+    /// Lowest value, above zero, of a second panel with a logarithmic vertical axis; `None` draws none.
+    pub log_from: Option<f64>,
     /// The curves, in the order of the legend; later ones are drawn above earlier ones.
     pub curves: Vec<Curve>,
     /// Remarks below the legend.
@@ -47,6 +51,7 @@ pub struct Curves {
 }
 
 const PANEL: (f64, f64) = (560.0, 420.0);
+/// Largest width of the legend.
 const LEGEND_WIDTH: f64 = 262.0;
 const X_TICKS: usize = 9;
 const Y_TICKS: usize = 6;
@@ -62,16 +67,27 @@ impl Curves {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let mut entries = curve_entries(&self.curves);
         entries.extend(self.notes.iter().map(Entry::note));
+        let from = self.log_from.unwrap_or(1.0);
+        Valid::Positive.check("lowest value of the logarithmic panel", 0, from)?;
         Chart {
             title: &self.title,
             subtitle: &self.subtitle,
             x: self.x.axis("x", points().map(|p| p.x), X_TICKS)?,
             y: self.y.axis("y", points().flat_map(|p| p.bar()), Y_TICKS)?,
+            log_y: self.log_y(),
             size: PANEL,
-            legend_width: LEGEND_WIDTH,
+            legend_width: Legend::width(&entries, LEGEND_WIDTH)?,
             curves: &self.curves,
             entries,
         }
         .draw()
+    }
+
+    fn log_y(&self) -> Option<Axis> {
+        let lowest = self.log_from?;
+        let points = self.curves.iter().flat_map(|curve| &curve.points);
+        let highest = points.fold(lowest, |most, p| most.max(p.y));
+        let axis = Axis::decades_around([lowest, highest]);
+        Some(axis.with_label(&format!("{}, logarithmic", self.y.label)))
     }
 }

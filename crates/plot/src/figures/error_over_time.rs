@@ -136,6 +136,7 @@ impl ErrorOverTime {
             subtitle: &self.subtitle,
             x,
             y,
+            log_y: None,
             size: PANEL,
             legend_width: LEGEND_WIDTH,
             curves: &curves,

@@ -64,9 +64,10 @@ impl Hemisphere {
 ///
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours of values in 1/sr are *viridis*, from zero to the
-/// largest value of those that share them; values below zero, which come from noise, have the colour of zero. Where a few bins outshine
-/// all others by far, as mirror peaks do, the scale is logarithmic, over four decades at most. Faint circles are at
-/// 30 and 60 degrees from the normal.
+/// largest value of those that share them; values below zero, which come from noise, have the colour of zero. Where a small part of
+/// the hemisphere outshines the rest by far, as mirror peaks and lobes at grazing angles do, the scale is logarithmic, over four decades
+/// at most, and bins without light are white. Faint circles are at 30 and 60 degrees from the normal. Discs of a single column without
+/// a name stand side by side.
 ///
 /// ```
 /// use asperity_plot::{DiscBins, SharedColours, Hemisphere, Hemispheres, Side};
@@ -120,6 +121,8 @@ pub struct Hemispheres {
 
 /// Diameter of a disc with few columns and with many, points.
 const DIAMETER: (f64, f64) = (150.0, 84.0);
+/// Diameter of a disc of one column alone, by how many of them stand side by side.
+const ALONE: [f64; 3] = [280.0, 210.0, 170.0];
 /// Width that discs are made to fit into, as far as they stay large enough.
 const WIDTH: f64 = 1000.0;
 /// Between discs; holds the tick mark.
@@ -135,10 +138,16 @@ const PIXELS: f64 = 2.0;
 
 /// Places of the discs.
 struct Layout {
+    /// `true` if the discs of one column stand side by side, with the names of their rows above them.
+    folded: bool,
     left: f64,
-    right: f64,
+    /// Discs side by side.
+    across: usize,
     diameter: f64,
-    row_height: f64,
+    /// From one disc to the next, along a row and from row to row.
+    pitch: (f64, f64),
+    /// Height of the words beneath a disc.
+    words: f64,
 }
 
 impl Hemispheres {
@@ -150,40 +159,36 @@ impl Hemispheres {
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let layout = self.layout()?;
-        let Layout {
-            left,
-            right,
-            diameter,
-            row_height,
-        } = layout;
-        let width = (right + TICK + BAR_ROOM).max(0.62 * WIDTH);
+        let width = (layout.right() + TICK + BAR_ROOM).max(0.62 * WIDTH);
         let mut page = Page::new(&self.title, &self.subtitle, width)?;
         page.y += 8.0;
         self.draw_column_names(&mut page, &layout)?;
 
-        let (rows, columns) = (self.rows.len(), self.columns.len());
         let top = page.y;
-        let bottom = top + rows as f64 * row_height - GAP - (row_height - diameter - GAP);
+        let rows = self.cells.len().div_ceil(layout.across) as f64;
+        let bottom = top + (rows - 1.0) * layout.pitch.1 + layout.diameter;
         let scales = self.scales();
+        for (number, (cell, scale)) in self.cells.iter().zip(&scales).enumerate() {
+            let centre = layout.centre(number, top);
+            self.draw_cell(&mut page.scene, centre, 0.5 * layout.diameter, cell, *scale);
+        }
         for (row, name) in self.rows.iter().enumerate() {
-            let y = top + row as f64 * row_height;
-            let middle = y + 0.5 * diameter;
-            let style = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
-            page.scene.text(name, (left - TICK - 6.0, middle), style);
-            for column in 0..columns {
-                let number = row * columns + column;
-                let centre = (layout.centre(column), middle);
-                let (cell, scale) = (&self.cells[number], scales[number]);
-                self.draw_cell(&mut page.scene, centre, 0.5 * diameter, cell, scale);
-            }
+            let (x, y) = layout.centre(row * self.columns.len(), top);
+            let radius = 0.5 * layout.diameter;
+            let (at, align, level) = match layout.folded {
+                true => ((x, y - radius - TICK - 4.0), Align::Centre, Level::Baseline),
+                false => ((x - radius - TICK - 6.0, y), Align::Right, Level::Middle),
+            };
+            let style = TextStyle::new(theme::TICK_SIZE, align, level);
+            page.scene.text(name, at, style);
         }
         self.draw_colour_bars(&mut page.scene, &layout, [top, bottom], &scales)?;
         let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         let row_title_at = (theme::MARGIN, 0.5 * (top + bottom));
         page.scene
             .text_upwards(&self.row_title, row_title_at, style);
-        page.y = top + rows as f64 * row_height - GAP + 10.0;
-        page.note(&self.remarks(scales.iter().flatten().any(|scale| scale.log)))?;
+        page.y = bottom + layout.words + 10.0;
+        page.note(&self.remarks(&scales))?;
         let end = page.y;
         Ok(page.finish(end))
     }
@@ -206,19 +211,37 @@ impl Hemispheres {
     }
 
     fn layout(&self) -> Result<Layout, PlotError> {
+        let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
+        let words = if notes { NOTE_DEPTH } else { 0.0 };
+        let left = theme::MARGIN + theme::LABEL_SIZE + 12.0 + TICK + 6.0;
+        let own_bars = self.colours == SharedColours::Rows;
+        if matches!(self.columns.as_slice(), [name] if name.is_empty()) {
+            let rows = self.rows.len().div_ceil(ALONE.len());
+            let across = self.rows.len().div_ceil(rows);
+            let diameter = ALONE[across - 1];
+            let bar = if own_bars { TICK + BAR_ROOM } else { 0.0 };
+            let name = theme::TICK_SIZE + TICK + 4.0;
+            return Ok(Layout {
+                folded: true,
+                left,
+                across,
+                diameter,
+                pitch: (diameter + GAP + bar, diameter + GAP + words + name),
+                words,
+            });
+        }
+        let left = left + widest(&self.rows, theme::TICK_SIZE)?;
         let columns = self.columns.len() as f64;
-        let names = widest(&self.rows, theme::TICK_SIZE)?;
-        let left = theme::MARGIN + theme::LABEL_SIZE + 12.0 + names + TICK + 6.0;
         let free = WIDTH - left - BAR_ROOM;
         let diameter = (free / columns - GAP).floor();
         let diameter = diameter.clamp(DIAMETER.1, DIAMETER.0);
-        let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
-        let words = if notes { NOTE_DEPTH } else { 0.0 };
         Ok(Layout {
+            folded: false,
             left,
-            right: left + columns * (diameter + GAP) - GAP,
+            across: self.columns.len(),
             diameter,
-            row_height: diameter + GAP + words,
+            pitch: (diameter + GAP, diameter + GAP + words),
+            words,
         })
     }
 
@@ -249,15 +272,20 @@ impl Hemispheres {
 
     fn draw_column_names(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
         let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        if layout.folded {
+            // The names of the first row of discs.
+            page.y += theme::TICK_SIZE + TICK + 4.0;
+            return Ok(());
+        }
         if !self.column_title.is_empty() {
-            let middle = 0.5 * (layout.left + layout.right);
+            let middle = 0.5 * (layout.left + layout.right());
             page.scene.text(&self.column_title, (middle, page.y), style);
             page.y += 1.5 * theme::LABEL_SIZE;
         }
         let room = layout.diameter + GAP - 6.0;
         let names = self.columns.iter().enumerate().map(|(i, name)| {
             let lines = wrap(name, theme::TICK_SIZE, room)?;
-            let x = layout.centre(i);
+            let (x, _) = layout.centre(i, 0.0);
             Ok(ColumnName { x, lines })
         });
         let names = names.collect::<Result<Vec<_>, PlotError>>()?;
@@ -317,15 +345,21 @@ impl Hemispheres {
         [top, bottom]: [f64; 2],
         scales: &[Option<ColourScale>],
     ) -> Result<(), PlotError> {
-        let left = layout.right + TICK + BAR_GAP;
+        let left = layout.right() + TICK + BAR_GAP;
         let bar = |from: f64, to: f64| Rect::at((left, from), BAR_WIDTH, to - from);
         match self.colours {
             SharedColours::Common => self.draw_colour_bar(scene, bar(top, bottom), scales[0]),
             SharedColours::Rows => {
-                let rows = scales.iter().step_by(self.columns.len());
-                for (row, scale) in rows.enumerate() {
-                    let y = top + row as f64 * layout.row_height;
-                    self.draw_colour_bar(scene, bar(y, y + layout.diameter), *scale)?;
+                let columns = self.columns.len();
+                for (number, scale) in scales.iter().enumerate().skip(columns - 1).step_by(columns)
+                {
+                    let (x, y) = layout.centre(number, top);
+                    let corner = (
+                        x + 0.5 * layout.diameter + TICK + BAR_GAP,
+                        y - 0.5 * layout.diameter,
+                    );
+                    let bar = Rect::at(corner, BAR_WIDTH, layout.diameter);
+                    self.draw_colour_bar(scene, bar, *scale)?;
                 }
                 Ok(())
             }
@@ -368,7 +402,7 @@ impl Hemispheres {
     }
 
     /// Remarks on reading the discs.
-    fn remarks(&self, logarithmic: bool) -> String {
+    fn remarks(&self, scales: &[Option<ColourScale>]) -> String {
         let seen = match self.side {
             Side::Reflected => "Reflected light seen from above",
             Side::Transmitted => "Transmitted light seen from above, through the surface",
@@ -380,7 +414,7 @@ impl Hemispheres {
                 "the first disc has a colour scale of its own, the others share one, on which grey is zero"
             }
         };
-        let logarithmic = match logarithmic {
+        let logarithmic = match scales.iter().flatten().any(|scale| scale.log) {
             true => ", logarithmic where a peak would hide the rest",
             false => "",
         };
@@ -388,8 +422,13 @@ impl Hemispheres {
             true => " The tick mark is at the azimuth of the light.",
             false => "",
         };
-        let mut values = self.cells.iter().flatten().flat_map(|c| &c.values);
-        let blank = match values.any(Option::is_none) {
+        let mut cells = self.cells.iter().zip(scales);
+        let blank = match cells.any(|(cell, scale)| {
+            let values = cell.iter().flat_map(|cell| &cell.values);
+            values
+                .into_iter()
+                .any(|value| !disc::is_shown(*value, *scale))
+        }) {
             true => " Bins without light are left white.",
             false => "",
         };
@@ -401,9 +440,19 @@ impl Hemispheres {
 }
 
 impl Layout {
-    /// Middle of a column.
-    fn centre(&self, column: usize) -> f64 {
-        self.left + column as f64 * (self.diameter + GAP) + 0.5 * self.diameter
+    /// Middle of a disc, by its number.
+    fn centre(&self, number: usize, top: f64) -> Xy {
+        let (row, column) = (number / self.across, number % self.across);
+        let radius = 0.5 * self.diameter;
+        (
+            self.left + column as f64 * self.pitch.0 + radius,
+            top + row as f64 * self.pitch.1 + radius,
+        )
+    }
+
+    /// Right end of the last disc of a row.
+    fn right(&self) -> f64 {
+        self.left + (self.across - 1) as f64 * self.pitch.0 + self.diameter
     }
 }
 
@@ -447,6 +496,23 @@ mod tests {
         // If all bins rest on few rays, the scale covers all of them.
         set(&mut figure, (0..8).collect());
         assert_eq!(top(&figure), Some(6.0));
+    }
+
+    #[test]
+    fn discs_of_one_column_without_a_name_stand_side_by_side() {
+        let size = |rows: usize, name: &str| {
+            let mut figure = of_one(vec![1.0; 8], [2, 4]);
+            figure.colours = SharedColours::Rows;
+            figure.columns = vec![name.into()];
+            figure.rows = vec!["r".into(); rows];
+            figure.cells = vec![figure.cells[0].clone(); rows];
+            figure.draw().unwrap().size()
+        };
+        assert!(size(4, "").1 < size(4, "n").1 && size(4, "").0 > size(4, "n").0);
+        let (width, height) = size(6, "");
+        assert!(width > height, "{width} {height}");
+        // One disc fills a good part of its page.
+        assert!(size(1, "").1 > size(1, "n").1);
     }
 
     #[test]

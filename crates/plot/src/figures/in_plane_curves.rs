@@ -1,13 +1,16 @@
 //! Cosine-weighted BSDF against angle in the plane of incidence.
 
-use crate::elements::axis::{Axis, extent, per_steradian_axis};
+use crate::elements::axis::{Axis, extent};
 use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
 use crate::elements::geometry::Rect;
-use crate::elements::legend::{Entry, Legend};
+use crate::elements::legend::{Entry, Key, Legend};
+use crate::elements::lobe_axes::{
+    NARROW_DEG, WEIGHTED_BSDF, angle_axis, of_lobe, points, value_axis,
+};
 use crate::elements::numbers::per_steradian;
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
-use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
+use crate::elements::scene::{Align, Level, Marker, Pen, Scene, TextStyle};
 use crate::elements::series::{Source, shown, stacked};
 use crate::elements::theme;
 use crate::error::Valid;
@@ -21,9 +24,9 @@ use crate::{Figure, PlotError, Series, Side};
 /// bin that slides along the angle. Residuals beyond the panel are hollow, at its edge.
 ///
 /// A lobe narrower than 45 degrees fills the linear panel (and the residuals below it). The logarithmic panel covers all
-/// angles unless what it shows is as narrow. There values of zero and below are left out with
-/// their bars, other bars end at the lower edge, and the scale ends a little below the lowest value that
-/// exceeds its standard error: what lies deeper is noise.
+/// angles unless what it shows is as narrow; where it covers more than the linear one, faint lines mark the range of that. Values below
+/// the logarithmic scale are left out with their bars, other bars end at the lower edge, and the scale ends a little below the lowest
+/// value that exceeds its standard error and is at least `least`: what lies deeper is noise.
 ///
 /// See the [crate page](crate) for an example.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +39,8 @@ pub struct InPlaneCurves {
     pub side: Side,
     /// Direction of reflection or refraction at a flat surface, signed degrees; `None` draws no line.
     pub flat_direction_deg: Option<f64>,
+    /// Least value that rays have shown, 1/sr, as deep as the logarithmic panel goes; `None` if errors alone decide.
+    pub least: Option<f64>,
     /// The series, in order of the legend within explicit ones and models.
     pub series: Vec<Series>,
 }
@@ -48,16 +53,14 @@ const RESIDUAL_GAP: f64 = 16.0;
 const Y_AXIS_ROOM: f64 = 72.0;
 /// The logarithmic panel shows at most this many decades.
 const MAX_DECADES: f64 = 6.0;
-/// Fraction of the peak above which a value belongs to the lobe.
-const LOBE_FRACTION: f64 = 0.005;
-const QUANTITY: &str = "f |cos θₒ|";
 /// Residuals that are marked.
 const MARKED_Z: f64 = 2.0;
 /// Fraction of the residuals that the scale covers at least.
 const MOST_SHOWN: f64 = 0.9;
-/// Widest lobe that fills a panel, degrees, with its neighbours.
-const NARROW_DEG: f64 = 45.0;
-
+/// Width of the range of the logarithmic panel, over that of the linear one, below which they share it.
+const MOST_SHARED: f64 = 2.0;
+/// Name of the lines at the ends of the linear panel.
+const MARKED_RANGE: &str = "range of the panel on the left";
 impl InPlaneCurves {
     /// Lays the figure out.
     ///
@@ -75,13 +78,41 @@ impl InPlaneCurves {
         }
         let curves = stacked(series.iter().copied());
         let residuals = residuals(&series);
-        let legend = Legend::column(self.entries(&series, !residuals.is_empty()), PANEL.0)?;
+        let mut x = angle_axis(of_lobe(points(&curves)), NARROW_DEG);
+        let log = log_y_axis(&curves, self.least).map(|y| {
+            let shown = points(&curves).filter(|p| p.y >= y.lo);
+            (angle_axis(shown, NARROW_DEG), y)
+        });
+        if let Some((wider, _)) = &log
+            && wider.hi - wider.lo < MOST_SHARED * (x.hi - x.lo)
+        {
+            x = wider.clone();
+        }
+        // The range of the linear panel, where the logarithmic one shows more.
+        let marked = log.as_ref().map_or_else(Vec::new, |(log_x, log_y)| {
+            let ends = [x.lo, x.hi];
+            let inside = ends
+                .into_iter()
+                .filter(|end| *end > log_x.lo && *end < log_x.hi);
+            let line = |x| Curve::guide(MARKED_RANGE, Style::Faint, [(x, log_y.lo), (x, log_y.hi)]);
+            inside.map(line).collect()
+        });
+        let entries = self.entries(&series, &residuals, &marked);
+        let legend = Legend::column(entries, PANEL.0)?;
 
         let mut page = Page::new(&self.title, &self.subtitle, FIGURE_WIDTH)?;
         let top = page.y + 16.0;
         let log_left = FIGURE_WIDTH - theme::MARGIN - PANEL.0;
         let log_frame = Rect::at((log_left, top), PANEL.0, PANEL.1);
-        self.draw_log_panel(&mut page.scene, log_frame, &curves)?;
+        match log {
+            Some((x, y)) => {
+                let x = x.with_label(self.angle_label());
+                let panel = Panel::new(log_frame, x, y)?;
+                let curves: Vec<Curve> = marked.into_iter().chain(curves.clone()).collect();
+                self.draw_panel(&mut page.scene, &panel, &curves);
+            }
+            None => draw_empty_panel(&mut page.scene, log_frame),
+        }
         let legend_top = log_frame.bottom + X_AXIS_DEPTH + 14.0;
         legend.draw(&mut page.scene, (log_left, legend_top));
 
@@ -90,14 +121,26 @@ impl InPlaneCurves {
             .max(legend_top + legend.height - X_AXIS_DEPTH);
         let left = theme::MARGIN + Y_AXIS_ROOM;
         let frame = Rect::at((left, top), PANEL.0, bottom - top);
-        self.draw_linear_panels(&mut page.scene, frame, &curves, &residuals)?;
+        self.draw_linear_panels(&mut page.scene, frame, x, &curves, &residuals)?;
         Ok(page.finish(bottom + X_AXIS_DEPTH))
     }
 
-    fn entries(&self, series: &[&Series], residuals: bool) -> Vec<Entry> {
+    fn entries(&self, series: &[&Series], residuals: &[Residuals], marked: &[Curve]) -> Vec<Entry> {
         let of_series = series.iter().map(|s| s.curve());
-        let curves: Vec<Curve> = of_series.chain(self.flat_direction(0.0, 1.0)).collect();
+        let flat = self.flat_direction(0.0, 1.0);
+        let curves: Vec<Curve> = of_series.chain(flat).chain(marked.to_vec()).collect();
         let mut entries = curve_entries(&curves);
+        // Lines of models, with the markers of their residuals.
+        for series in series {
+            if let Source::Model(number) = series.source
+                && residuals.iter().any(|of| of.model == number)
+                && let Some(entry) = entries.iter_mut().find(|entry| entry.text == series.name)
+                && let Key::Line(pen) = entry.key
+            {
+                let marker = Marker::nth(number);
+                entry.key = Key::Joined { marker, pen };
+            }
+        }
         let binned = series.iter().flat_map(|s| &s.points);
         if binned.clone().any(|point| point.x_range.is_some()) {
             let averaged = match series.iter().any(|s| s.is_model()) {
@@ -107,10 +150,10 @@ impl InPlaneCurves {
             let note = format!("Horizontal bars: width of a bin{averaged}.");
             entries.push(Entry::note(note));
         }
-        if residuals {
+        if !residuals.is_empty() {
             entries.push(Entry::note(
                 "Residual z = (explicit − model) / standard error, each model against explicit light of its own \
-                 component; colour of the model, dashed lines at ±2, hollow points lie beyond the scale.",
+                 component; marks and colours of the models, dashed lines at ±2, hollow marks lie beyond the scale.",
             ));
         }
         entries
@@ -143,11 +186,11 @@ impl InPlaneCurves {
         &self,
         scene: &mut Scene,
         frame: Rect,
+        x: Axis,
         curves: &[Curve],
         residuals: &[Residuals],
     ) -> Result<(), PlotError> {
-        let x = linear_x_axis(curves);
-        let y = linear_y_axis(curves);
+        let y = value_axis(points(curves));
         if residuals.is_empty() {
             let panel = Panel::new(frame, x.with_label(self.angle_label()), y)?;
             self.draw_panel(scene, &panel, curves);
@@ -176,75 +219,20 @@ impl InPlaneCurves {
         self.draw_panel(scene, &lower, &marked);
         Ok(())
     }
-
-    fn draw_log_panel(
-        &self,
-        scene: &mut Scene,
-        frame: Rect,
-        curves: &[Curve],
-    ) -> Result<(), PlotError> {
-        if let Some(y) = log_y_axis(curves) {
-            let x = angle_axis(curves, y.lo).with_label(self.angle_label());
-            self.draw_panel(scene, &Panel::new(frame, x, y)?, curves);
-            return Ok(());
-        }
-        scene.rect_outline(frame, Pen::solid(theme::GRID, theme::FRAME_WIDTH));
-        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Middle);
-        scene.text(
-            "no positive value: nothing to show on a logarithmic scale",
-            frame.centre(),
-            style.muted(),
-        );
-        Ok(())
-    }
 }
 
-fn points(curves: &[Curve]) -> impl Iterator<Item = &Point> + Clone {
-    curves.iter().flat_map(|curve| &curve.points)
-}
-
-/// All angles, or the lobe if it is narrow.
-fn linear_x_axis(curves: &[Curve]) -> Axis {
-    let peak = points(curves).fold(0.0_f64, |m, p| m.max(p.y));
-    angle_axis(curves, LOBE_FRACTION * peak)
-}
-
-/// All angles, or those of values above zero of at least `least` if they are close together.
-fn angle_axis(curves: &[Curve], least: f64) -> Axis {
-    let lobe = points(curves).filter(|p| p.y > 0.0 && p.y >= least);
-    let narrow = extent(lobe.map(|p| p.x)).map(|[lo, hi]| {
-        // The neighbours of the lobe are shown too, so that a lobe of one bin has a range.
-        let pad = (0.3 * (hi - lo)).max(1.0);
-        [(lo - pad).floor(), (hi + pad).ceil()]
-    });
-    let narrow = narrow.filter(|[lo, hi]| hi - lo <= NARROW_DEG && points(curves).count() > 1);
-    let [lo, hi] = narrow.unwrap_or([-90.0, 90.0]);
-    Axis::degrees(lo.max(-90.0), hi.min(90.0))
-}
-
-/// From a little below zero, or from the lowest noise, to the peak.
-fn linear_y_axis(curves: &[Curve]) -> Axis {
-    let largest = |of: fn(&Point) -> f64| points(curves).map(of).fold(0.0_f64, f64::max);
-    let (top, tip) = (largest(|p| p.y), largest(|p| p.bar()[1]));
-    let (bottom, foot) = (-largest(|p| -p.y), -largest(|p| -p.bar()[0]));
-    // Values always fit. A bar out of all proportion does not rule the scale, unless there are only bars.
-    let reach = match top.max(-bottom) {
-        0.0 => 2.0 * tip,
-        reach => reach,
-    };
-    let hi = tip.min(top + 0.5 * reach);
-    let lo = foot.max(bottom - 0.1 * reach);
-    let span = hi - lo;
-    let (lo, hi) = if span > 0.0 && span.is_finite() {
-        (lo - 0.025 * span, hi + 0.05 * span)
-    } else {
-        (-0.025, 1.0)
-    };
-    per_steradian_axis(QUANTITY, lo, hi, 6)
+fn draw_empty_panel(scene: &mut Scene, frame: Rect) {
+    scene.rect_outline(frame, Pen::solid(theme::GRID, theme::FRAME_WIDTH));
+    let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Middle);
+    scene.text(
+        "no positive value: nothing to show on a logarithmic scale",
+        frame.centre(),
+        style.muted(),
+    );
 }
 
 /// The decades of the positive values; `None` without a positive value.
-fn log_y_axis(curves: &[Curve]) -> Option<Axis> {
+fn log_y_axis(curves: &[Curve], least: Option<f64>) -> Option<Axis> {
     let top = points(curves).fold(0.0_f64, |m, p| m.max(p.y));
     if !top.is_normal() {
         return None;
@@ -260,12 +248,13 @@ fn log_y_axis(curves: &[Curve]) -> Option<Axis> {
         extent(above_noise.map(|p| p.y)).map(|[lowest, _]| lowest)
     };
     let lowest = lowest_of(false).or_else(|| lowest_of(true)).unwrap_or(top);
+    let lowest = lowest.max(least.unwrap_or(0.0));
     let hi = (2.0 * top).min(f64::MAX);
     // At least two decades, so that there are ticks to read.
     let lo = (0.3 * lowest)
         .clamp(top * 10f64.powf(-MAX_DECADES), 0.01 * top)
         .max(f64::MIN_POSITIVE);
-    Some(Axis::log10(lo, hi).with_label(&format!("{QUANTITY} {}", per_steradian(0))))
+    Some(Axis::log10(lo, hi).with_label(&format!("{WEIGHTED_BSDF} {}", per_steradian(0))))
 }
 
 /// Symmetric, at least to z = ±4, and beyond ±12 only as far as it takes to show most points.
@@ -283,12 +272,11 @@ fn residual_axis(residuals: &[Residuals]) -> Axis {
 /// Distances of an explicit series from a model, in standard errors.
 struct Residuals {
     model: usize,
-    component: usize,
     points: Vec<Point>,
 }
 
 impl Residuals {
-    /// Marker of the explicit series, colour of the model; hollow at the edge if beyond `reach`.
+    /// Marker and colour of the model; hollow at the edge if beyond `reach`.
     fn curves(&self, reach: f64) -> [Curve; 2] {
         [false, true].map(|beyond| {
             let points = self.points.iter().filter(|p| (p.y.abs() > reach) == beyond);
@@ -296,8 +284,8 @@ impl Residuals {
                 name: String::new(),
                 colour: Colour::Model(self.model),
                 style: match beyond {
-                    false => Style::Points(self.component),
-                    true => Style::Hollow(self.component),
+                    false => Style::Points(self.model),
+                    true => Style::Hollow(self.model),
                 },
                 points: points
                     .map(|p| Point::exact(p.x, p.y.clamp(-reach, reach)))
@@ -327,7 +315,6 @@ fn residuals(series: &[&Series]) -> Vec<Residuals> {
             if !points.is_empty() {
                 all.push(Residuals {
                     model: number,
-                    component: model.component,
                     points,
                 });
             }
@@ -367,13 +354,7 @@ mod tests {
     fn most_residuals_lie_within_their_panel() {
         let of = |sizes: Vec<f64>| {
             let points = sizes.into_iter().map(|z| Point::exact(0.0, z)).collect();
-            let (model, component) = (0, 0);
-            residual_axis(&[Residuals {
-                model,
-                component,
-                points,
-            }])
-            .hi
+            residual_axis(&[Residuals { model: 0, points }]).hi
         };
         assert_eq!(of(vec![1.0, -2.0]), 4.0);
         assert!((of(vec![-8.0, 2.0]) - 8.8).abs() < 1e-12);
@@ -385,17 +366,44 @@ mod tests {
     }
 
     #[test]
-    fn the_logarithmic_panel_is_as_wide_as_what_it_shows() {
-        let curve = |points: &[(f64, f64)]| {
-            let points = points.iter().map(|&(x, y)| Point::exact(x, y)).collect();
-            Series::explicit("e", 0, Side::Reflected, points).curve()
+    fn the_logarithmic_panel_goes_no_deeper_than_a_ray() {
+        let points = [(0.0, 1.0), (10.0, 1e-2), (20.0, 1e-4), (30.0, 1e-5)];
+        let points = points.map(|(x, y)| Point::with_error(x, y, Some(1e-6)));
+        let rays = Series::explicit("e", 0, Side::Reflected, points.to_vec()).curve();
+        let lo = |least| log_y_axis(std::slice::from_ref(&rays), least).unwrap().lo;
+        assert!((lo(None) / 3e-6 - 1.0).abs() < 1e-9);
+        assert!((lo(Some(1e-4)) / 3e-5 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_legend_has_the_marks_of_residuals() {
+        let points = |se| {
+            vec![
+                Point::with_error(0.0, 1.0, se),
+                Point::with_error(5.0, 1.0, se),
+            ]
         };
-        let ends = |axis: Axis| [axis.lo, axis.hi];
-        let lobe = [(24.0, 0.01), (30.0, 1.0), (36.0, 0.01)];
-        let far = [(-80.0, 1e-9), (80.0, 0.0)];
-        let narrow = [curve(&[&lobe[..], &far].concat())];
-        assert_eq!(ends(angle_axis(&narrow, 1e-6)), [20.0, 40.0]);
-        assert_eq!(ends(angle_axis(&narrow, 1e-10)), [-90.0, 90.0]);
+        let series = [
+            Series::explicit("e", 0, Side::Reflected, points(Some(0.1))),
+            Series::model("compared", 3, Side::Reflected, points(None)),
+            Series::model("of other light", 6, Side::Reflected, points(None)).of_component(1),
+        ];
+        let figure = InPlaneCurves {
+            title: String::new(),
+            subtitle: String::new(),
+            side: Side::Reflected,
+            flat_direction_deg: None,
+            least: None,
+            series: series.to_vec(),
+        };
+        let shown: Vec<&Series> = series.iter().collect();
+        let entries = figure.entries(&shown, &residuals(&shown), &[]);
+        let key = |name: &str| entries.iter().find(|entry| entry.text == name).unwrap().key;
+        let Key::Joined { marker, .. } = key("compared") else {
+            panic!("no marker");
+        };
+        assert_eq!(marker, Marker::nth(3));
+        assert!(matches!(key("of other light"), Key::Line(_)));
     }
 
     #[test]
@@ -409,7 +417,7 @@ mod tests {
         ];
         let residuals = residuals(&series.each_ref());
         assert_eq!(residuals.len(), 1);
-        assert_eq!((residuals[0].model, residuals[0].component), (4, 1));
+        assert_eq!(residuals[0].model, 4);
         assert!((residuals[0].points[0].y + 5.0).abs() < 1e-12);
     }
 }

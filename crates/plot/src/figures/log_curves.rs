@@ -2,7 +2,7 @@
 
 use crate::elements::axis::{Axis, extent};
 use crate::elements::curve::{Curve, curve_entries};
-use crate::elements::legend::Entry;
+use crate::elements::legend::{Entry, Legend};
 use crate::elements::page::Chart;
 use crate::error::Valid;
 use crate::{Figure, PlotError};
@@ -47,6 +47,7 @@ pub struct LogCurves {
 }
 
 const PANEL: (f64, f64) = (560.0, 420.0);
+/// Largest width of the legend.
 const LEGEND_WIDTH: f64 = 262.0;
 
 impl LogCurves {
@@ -72,8 +73,9 @@ impl LogCurves {
             subtitle: &self.subtitle,
             x: Axis::decades_around(x).with_label(&self.x),
             y: Axis::decades_around(y).with_label(&self.y),
+            log_y: None,
             size: PANEL,
-            legend_width: LEGEND_WIDTH,
+            legend_width: Legend::width(&entries, LEGEND_WIDTH)?,
             curves: &self.curves,
             entries,
         }

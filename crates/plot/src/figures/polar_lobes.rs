@@ -1,10 +1,13 @@
 //! Lobes around the surface, as the transmission paper draws them.
 
+use crate::elements::axis::Axis;
 use crate::elements::curve::{Curve, Style, curve_entries, draw_curves};
-use crate::elements::geometry::Xy;
+use crate::elements::geometry::{Rect, Xy};
 use crate::elements::legend::{Entry, Key, Legend};
+use crate::elements::lobe_axes::{angle_axis, of_lobe, points, value_axis};
 use crate::elements::numbers::{display_exponent, fixed, per_steradian, round_step_below};
 use crate::elements::page::Page;
+use crate::elements::panel::{Panel, X_AXIS_DEPTH, y_axis_room};
 use crate::elements::polar::{ANGLE_ROOM, HalfPlane, NumberPlace, RADIUS, polar};
 use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
 use crate::elements::series::{shown, stacked};
@@ -37,7 +40,8 @@ impl Sides {
 ///
 /// The surface is the horizontal line, the mean normal points up, light comes from the upper left and travels
 /// towards +x. Radial numbers are true values on both sides, whatever the enlargement of one half.
-/// Negative values (noise) sit at the origin, and so much of their bar as is positive is drawn.
+/// Negative values (noise) sit at the origin, and so much of their bar as is positive is drawn. A lobe so narrow that its width is
+/// hardly seen is drawn once more, over straight axes, below the legend.
 ///
 /// ```
 /// use asperity_plot::{Point, PolarLobes, Series, Side, Sides};
@@ -93,6 +97,13 @@ const TIP_RADIUS: f64 = 6.0;
 /// The line of the surface ends so far beyond the circle.
 const SURFACE_END: f64 = 6.0;
 
+/// Widest lobe, degrees with its neighbours, that is drawn once more.
+const NARROW_DEG: f64 = 20.0;
+const DETAIL_HEIGHT: f64 = 130.0;
+const DETAIL_TICKS: usize = 5;
+/// Between the legend and the details.
+const DETAIL_GAP: f64 = 22.0;
+
 /// Room above and below the line of the surface.
 struct Heights {
     above: f64,
@@ -120,11 +131,11 @@ impl PolarLobes {
             half.draw_grid(scene);
         }
         self.draw_surface_and_light(scene, origin);
+        let of_side = |side| stacked(series.iter().copied().filter(|s| s.side == side));
         for half in &halves {
             half.draw_side_text(scene);
             let guide = self.flat_direction(half.side, half.full);
-            let of_side = series.iter().copied().filter(|s| s.side == half.side);
-            let mut curves = stacked(of_side);
+            let mut curves = of_side(half.side);
             for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
                 point.x_range = None;
             }
@@ -138,8 +149,43 @@ impl PolarLobes {
         let legend = Legend::column(entries, FIGURE_WIDTH - theme::MARGIN - legend_left)?;
         let legend_top = top + 4.0;
         legend.draw(scene, (legend_left, legend_top));
-        let bottom = (origin.1 + below).max(legend_top + legend.height);
+        page.y = legend_top + legend.height;
+        for side in halves.iter().map(|half| half.side) {
+            self.draw_detail(&mut page, legend_left, side, &of_side(side))?;
+        }
+        let bottom = (origin.1 + below).max(page.y);
         Ok(page.finish(bottom - 0.5 * theme::MARGIN))
+    }
+
+    /// A narrow lobe over straight axes, below what the page holds so far.
+    fn draw_detail(
+        &self,
+        page: &mut Page,
+        left: f64,
+        side: Side,
+        curves: &[Curve],
+    ) -> Result<(), PlotError> {
+        let x = angle_axis(of_lobe(points(curves)), NARROW_DEG);
+        if x.hi - x.lo > NARROW_DEG {
+            return Ok(());
+        }
+        let x = Axis::linear(x.lo, x.hi, DETAIL_TICKS, 0);
+        let name = match side {
+            Side::Reflected => "reflected, over the angle",
+            Side::Transmitted => "transmitted, over the angle",
+        };
+        let style = TextStyle::new(theme::LEGEND_SIZE, Align::Left, Level::Top);
+        page.y += DETAIL_GAP;
+        page.scene.text(name, (left, page.y), style);
+        let y = value_axis(points(curves));
+        let corner = (left + y_axis_room(&y)?, page.y + theme::LEGEND_SIZE + 10.0);
+        let width = page.width - theme::MARGIN - corner.0;
+        let frame = Rect::at(corner, width, DETAIL_HEIGHT);
+        let guide = self.flat_direction(side, y.hi);
+        let panel = Panel::new(frame, x.with_label("θₒ (°)"), y)?;
+        panel.draw(&mut page.scene, guide.iter().chain(curves));
+        page.y = frame.bottom + X_AXIS_DEPTH;
+        Ok(())
     }
 
     fn check(&self, series: &[&Series]) -> Result<(), PlotError> {

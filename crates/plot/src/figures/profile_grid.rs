@@ -4,6 +4,7 @@ use crate::elements::axis::{Axis, extent, per_steradian_axis};
 use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
 use crate::elements::directions::Directions;
 use crate::elements::legend::{Entry, Key};
+use crate::elements::lobe_axes::{LOBE_FRACTION, NARROW_DEG, angle_axis};
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
 use crate::elements::panel_grid::PanelGrid;
@@ -25,7 +26,7 @@ pub struct ProfileComponent {
 /// either side.
 ///
 /// Panels share their axes, so that they can be compared; rows of panels in which a peak outshines all else share
-/// logarithmic ones. A peak that is one point wide is drawn as wide as its bin. Angles are signed as everywhere here:
+/// logarithmic ones. Angles are all there are, or those of a narrow lobe. A peak that is one point wide is drawn as wide as its bin. Angles are signed as everywhere here:
 /// positive is forward, so that light which goes back to where it came from is at minus the angle of incidence.
 ///
 /// ```
@@ -98,7 +99,7 @@ impl ProfileGrid {
         page.legend(entries)?;
 
         let top = page.y + 12.0;
-        let axes = self.value_axes(layout.columns);
+        let axes = self.axes(layout.columns);
         for i in 0..self.panels.len() {
             self.draw_panel(&mut page, i, &layout, top, &axes)?;
         }
@@ -126,16 +127,21 @@ impl ProfileGrid {
         }
     }
 
-    /// The axes of values. Rows of panels in which a peak hides all else are logarithmic.
-    fn value_axes(&self, columns: usize) -> ValueAxes {
+    /// The axes. Rows of panels in which a peak hides all else are logarithmic.
+    fn axes(&self, columns: usize) -> Axes {
         let panels: Vec<usize> = (0..self.panels.len()).collect();
         let (steep, even): (Vec<&[usize]>, Vec<&[usize]>) = panels
             .chunks(columns)
             .partition(|row| outshone(&self.positive_values(row)));
         let [steep, even] = [steep.concat(), even.concat()];
-        ValueAxes {
-            linear: self.linear_axis(&even),
-            log: self.log_axis(&steep),
+        let (linear, log) = (self.linear_axis(&even), self.log_axis(&steep));
+        let seen = |panels, least: f64| self.points(panels).filter(move |p| p.y > least);
+        let of_even = seen(&even, LOBE_FRACTION * linear.hi);
+        let angles = angle_axis(of_even.chain(seen(&steep, log.lo)), NARROW_DEG);
+        Axes {
+            angles,
+            linear,
+            log,
             steep,
         }
     }
@@ -147,17 +153,17 @@ impl ProfileGrid {
         i: usize,
         layout: &PanelGrid,
         top: f64,
-        axes: &ValueAxes,
+        axes: &Axes,
     ) -> Result<(), PlotError> {
         let frame = layout.frame(i, top);
         let style = TextStyle::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
         let above = (frame.centre().0, frame.top - layout.name_depth);
         page.scene.text(&self.panels[i], above, style);
-        let angles = Axis::degrees(-90.0, 90.0);
-        let angles = match i + layout.columns >= self.panels.len() {
-            true => angles.with_label("angle from the normal θₒ (°)"),
-            false => angles.without_texts(),
+        let label = match i + layout.columns >= self.panels.len() {
+            true => "angle from the normal θₒ (°)",
+            false => "",
         };
+        let angles = axes.angles.clone().with_label(label);
         let values = match i % layout.columns {
             0 => axes.of(i).clone(),
             _ => axes.of(i).clone().without_texts(),
@@ -273,15 +279,16 @@ impl ProfileGrid {
     }
 }
 
-/// The axes of values: one for all linear panels, one for all logarithmic ones.
-struct ValueAxes {
+/// The axes: of angles, of values one for all linear panels and one for all logarithmic ones.
+struct Axes {
+    angles: Axis,
     linear: Axis,
     log: Axis,
     /// Numbers of the logarithmic panels.
     steep: Vec<usize>,
 }
 
-impl ValueAxes {
+impl Axes {
     fn is_log(&self, panel: usize) -> bool {
         self.steep.contains(&panel)
     }

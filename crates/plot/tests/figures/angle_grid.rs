@@ -63,7 +63,8 @@ fn panels_have_names_and_axes_of_their_own_and_one_legend() {
     // Labels stand in the first column, numbers wherever the panel to the left has others: at b and d.
     assert!(!texts.contains("label of b") && !texts.contains("label of e"));
     assert_eq!(count("−1.0"), 2);
-    assert_eq!(count("−90"), 3);
+    // Angles stand below every panel.
+    assert_eq!(count("−90"), 5);
 }
 
 #[test]

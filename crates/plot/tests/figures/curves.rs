@@ -24,9 +24,43 @@ fn figure(curves: Vec<Curve>) -> Curves {
         subtitle: "s = 1".into(),
         x: axis("across"),
         y: axis("upwards"),
+        log_from: None,
         curves,
         notes: vec!["A remark.".into()],
     }
+}
+
+pub(crate) fn sample() -> Curves {
+    let points = [(0.0, 1.0, Some(0.1)), (1.0, 2.0, Some(0.2))];
+    let styles = [
+        Style::Points,
+        Style::Hollow,
+        Style::Joined,
+        Style::Line,
+        Style::Band,
+    ];
+    let curves = styles.iter().zip(["a", "b", "c", "d", "e"]).enumerate();
+    figure(
+        curves
+            .map(|(i, (style, name))| curve(name, style(i), &points))
+            .collect(),
+    )
+}
+
+#[test]
+fn a_second_panel_is_logarithmic_and_legends_take_no_more_room_than_they_need() {
+    let mut short = sample();
+    let one = short.draw().unwrap();
+    short.log_from = Some(0.1);
+    let two = short.draw().unwrap();
+    assert!(two.size().1 > 3 * one.size().1 / 2);
+    let svg = two.svg().unwrap();
+    assert!(svg.contains("upwards, logarithmic") && svg.contains("10⁻¹"));
+    let mut long = sample();
+    long.curves[0].name = "a long name in the legend".into();
+    assert!(long.draw().unwrap().size().0 > one.size().0);
+    short.log_from = Some(0.0);
+    assert!(short.draw().is_err());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use asperity_plot::{Colour, Diagram, DiagramLabel, DiagramPanel, DiagramPath, Pl
 
 use crate::{assert_has, render};
 
-fn diagram(stroke: Stroke, points: Vec<[f64; 2]>) -> Diagram {
+pub(crate) fn diagram(stroke: Stroke, points: Vec<[f64; 2]>) -> Diagram {
     let colour = Colour::Nth(1);
     let panel = DiagramPanel {
         caption: "from the side".into(),

@@ -38,6 +38,13 @@ fn over_time(methods: Vec<TimedMethod>, reference_error: Option<f64>) -> ErrorOv
     }
 }
 
+pub(crate) fn sample() -> ErrorOverTime {
+    over_time(
+        vec![timed("plain, random", 1e-2, &[0.02, 0.3, 4.0])],
+        Some(1e-4),
+    )
+}
+
 #[test]
 fn errors_over_time_say_what_they_show() {
     let mut methods = Vec::new();

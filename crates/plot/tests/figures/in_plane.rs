@@ -65,6 +65,7 @@ pub(crate) fn curves(series: Vec<Series>) -> InPlaneCurves {
         subtitle: "n = 1.4, s = 3".into(),
         side: Side::Transmitted,
         flat_direction_deg: Some(20.9),
+        least: None,
         series,
     }
 }
@@ -134,7 +135,24 @@ fn a_narrow_lobe_fills_the_linear_panel() {
     // Faint light far from the lobe: ticks of the linear panel and of the logarithmic one.
     let faint = [-60.0, 60.0].map(|theta| Point::exact(theta, 0.01));
     let with_faint = texts([&fine[..], &faint].concat());
-    assert!(has(&with_faint, "20") && has(&with_faint, "−90"));
+    assert!(has(&with_faint, "20.0") && has(&with_faint, "−90"));
+    let marked = "range of the panel on the left";
+    assert!(has(&with_faint, marked) && !has(&alone, marked));
+}
+
+#[test]
+fn a_lobe_too_narrow_for_lobes_is_drawn_over_its_angles_too() {
+    let lobe = |width: f64| {
+        let point = |i: i32| {
+            let x = 30.0 + 0.05 * width * f64::from(i);
+            Point::exact(x, (-((x - 30.0) / width).powi(2)).exp())
+        };
+        let points = (-60..=60).map(point).filter(|p| p.x.abs() < 90.0).collect();
+        let series = vec![Series::model("narrow", 0, Side::Reflected, points)];
+        render(&polar(series, Sides::Both).draw().unwrap())
+    };
+    assert_has(&lobe(0.1), &["reflected, over the angle", "30.0"]);
+    assert!(!lobe(20.0).contains("over the angle"));
 }
 
 #[test]

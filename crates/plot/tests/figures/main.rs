@@ -10,6 +10,7 @@ mod diagram;
 mod error_over_time;
 mod height_map;
 mod in_plane;
+mod pictures;
 
 use asperity_plot::{Figure, Sides};
 

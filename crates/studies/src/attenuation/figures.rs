@@ -55,6 +55,7 @@ fn over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
         subtitle: subtitle(outcome),
         x: axis(THETA, Some([0.0, 90.0])),
         y: axis(LIT, FRACTIONS),
+        log_from: None,
         curves: curves.collect(),
         notes: Vec::new(),
     }
@@ -92,7 +93,16 @@ fn models_over_theta(outcome: &AttenuationOutcome<'_>) -> Curves {
         x: axis(THETA, Some([0.0, 90.0])),
         y: axis(LIT, FRACTIONS),
         curves: with_models(curves, &models),
-        notes: vec!["Colours: σ. Patterns: model.".into()],
+        log_from: None,
+        notes: ["Colours: σ. Patterns: model.".into()]
+            .into_iter()
+            .chain(left_out(
+                "σ",
+                "",
+                &outcome.study.models_at,
+                outcome.study.surfaces.iter().map(|surfaces| surfaces.sigma),
+            ))
+            .collect(),
     }
 }
 
@@ -131,7 +141,16 @@ fn over_sigma(outcome: &AttenuationOutcome<'_>) -> Curves {
         x: axis(format!("root mean square height σ ({unit})"), None),
         y: axis(LIT, FRACTIONS),
         curves: with_models(curves, &models),
-        notes: vec!["Colours: θᵢ. Patterns: model.".into()],
+        log_from: None,
+        notes: ["Colours: θᵢ. Patterns: model.".into()]
+            .into_iter()
+            .chain(left_out(
+                "θᵢ",
+                "°",
+                &outcome.study.over_sigma_at,
+                outcome.study.lights.iter().map(|light| light.theta_deg()),
+            ))
+            .collect(),
     }
 }
 
@@ -153,7 +172,7 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
             short((10.0 * light.theta_deg()).round() / 10.0),
             short((1000.0 * rows[0].x).round() / 1000.0)
         );
-        curves.insert(i, curve(name, colour, Style::Points(0), points));
+        curves.insert(i, curve(name, colour, Style::Points(i), points));
         let wi = from_spherical(light.theta(), 0.0);
         let heights = steps([-1.0, 1.0]).map(|step| HIGHEST * step);
         let smith = heights.map(|h| Point::exact(h, smith_visibility(&surfaces.slopes, wi, h)));
@@ -171,6 +190,7 @@ fn visibility(outcome: &AttenuationOutcome<'_>) -> Curves {
         subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
         x: axis("height h / σ", Some([-HIGHEST - 0.1, HIGHEST + 0.1])),
         y: axis("visibility V(h, θᵢ)", FRACTIONS),
+        log_from: None,
         curves: with_models(curves, &models),
         notes: vec![
             "Points: explicit surfaces, bins of σ / 4.".into(),
@@ -214,6 +234,20 @@ fn with_models(mut curves: Vec<Curve>, models: &[(&str, Style)]) -> Vec<Curve> {
     curves
 }
 
+/// Remark on the values that are not drawn, if there are any: `Not drawn: θᵢ = 30°, 75°.`
+fn left_out(
+    symbol: &str,
+    unit: &str,
+    drawn: &[usize],
+    values: impl Iterator<Item = f64>,
+) -> Option<String> {
+    let values = values
+        .enumerate()
+        .filter(|(number, _)| !drawn.contains(number));
+    let values: Vec<String> = values.map(|(_, value)| short(value) + unit).collect();
+    (!values.is_empty()).then(|| format!("Not drawn: {symbol} = {}.", values.join(", ")))
+}
+
 fn axis(label: impl Into<String>, range: Option<[f64; 2]>) -> CurveAxis {
     let label = label.into();
     CurveAxis { label, range }
@@ -248,10 +282,11 @@ fn subtitle(outcome: &AttenuationOutcome<'_>) -> String {
         other => format!(", {other} border"),
     };
     format!(
-        "τ = {}, spacing {}, {} of {} points{border}",
+        "τ = {}, spacing {}, {} of {} points, seed {}{border}",
         short(surface.tau.0),
         short(surface.spacing.xy()[0].0),
         counted(outcome.work.realisations, "surface"),
-        outcome.work.points
+        outcome.work.points,
+        outcome.study.config.run.seed
     )
 }

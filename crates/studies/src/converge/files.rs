@@ -61,11 +61,12 @@ fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
     let parameters = case.case.figure_label();
     let [x, y] = outcome.config.extent().map(short);
     let runs = counted(outcome.config.converge.repeats.0, "run");
-    let threads = case.work.threads;
+    let threads = counted(case.work.threads as u64, "thread");
+    let seed = outcome.config.converge.seed;
     ErrorOverTime {
         title: format!("Run time against error: {parameters}"),
         subtitle: format!(
-            "surfaces of {x} × {y} length units; seconds are medians of {runs} on {threads} threads"
+            "surfaces of {x} × {y} length units; seconds are medians of {runs} on {threads}, seed {seed}"
         ),
         methods: case.methods.iter().map(timed).collect(),
         reference_error: Some(case.reference.error),

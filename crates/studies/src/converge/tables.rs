@@ -27,8 +27,8 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     let runs = counted(outcome.config.converge.repeats.0, "run");
     let _ = writeln!(
         out,
-        "seconds are medians of {runs} on {} threads; in brackets the fastest and the slowest run\n",
-        case.work.threads,
+        "seconds are medians of {runs} on {}; in brackets the fastest and the slowest run\n",
+        counted(case.work.threads as u64, "thread"),
     );
     out.push_str(&measured(case).text(rows(case)));
     if rows(case).any(|row| !row.measurement.usable) {

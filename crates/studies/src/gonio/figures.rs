@@ -19,8 +19,9 @@ use super::summary::labelled;
 use super::tables::projected_in_plane;
 use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
+use crate::report::effort::effort;
 use crate::report::error::ReportError;
-use crate::report::figures::{plot_side, save};
+use crate::report::figures::{least_seen, mean_angle_deg, plot_side, save};
 
 /// Rows of a matrix.
 #[derive(Clone, Copy)]
@@ -95,7 +96,12 @@ fn quantity(side: Side) -> &'static str {
 fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
     let name = outcome.sample.map(|sample| sample.name.clone());
     let common = Distinction::of(outcome.settings()).common;
-    let words = name.into_iter().chain([common, more.to_owned()]);
+    let work = outcome
+        .directions()
+        .filter_map(|one| Some(&one.outcome?.work));
+    let work = work.map(|work| [work.realisations, work.rays]);
+    let effort = effort(work, " per direction", outcome.config.run.seed);
+    let words = name.into_iter().chain([common, effort, more.to_owned()]);
     words
         .filter(|w| !w.is_empty())
         .collect::<Vec<_>>()
@@ -213,8 +219,8 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
         let point = |i: usize| {
             let flux = direction.in_plane(component, side, i)?;
             let bsdf = over(flux, projected_in_plane(spec, side, i));
-            let [from, to] = spec.in_plane_filter(side).theta_deg(i);
-            Some(Point::with_error(0.5 * (from + to), bsdf.mean, bsdf.se))
+            let angle = mean_angle_deg(spec.in_plane_filter(side).theta_deg(i));
+            Some(Point::with_error(angle, bsdf.mean, bsdf.se))
         };
         (0..spec.in_plane_len()).filter_map(point).collect()
     };
@@ -257,7 +263,11 @@ fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
             let weighted = over(flux, filter.solid_angle(i));
             Some(Point {
                 x_range: Some(filter.theta_deg(i)),
-                ..Point::with_error(filter.centre_deg(i), weighted.mean, weighted.se)
+                ..Point::with_error(
+                    mean_angle_deg(filter.theta_deg(i)),
+                    weighted.mean,
+                    weighted.se,
+                )
             })
         };
         let name = match label.is_empty() {
@@ -277,6 +287,9 @@ fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
         subtitle: subtitle(outcome, ""),
         side: plot_side(side),
         flat_direction_deg: lobes.iter().find_map(|lobe| lobe.angle_to_normal_deg(side)),
+        least: (0..labels.len())
+            .filter_map(|setting| least_seen(outcome.direction(setting, theta, 0).outcome?, side))
+            .reduce(f64::min),
         series: series.collect(),
     }
 }

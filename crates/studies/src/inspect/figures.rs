@@ -1,12 +1,17 @@
 //! The figures of an inspected surface.
 
+use std::f64::consts::E;
+
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, LogCurves, Point, Style};
-use asperity_surface::LengthUnit;
+use asperity_surface::{Histogram, LengthUnit};
 
 use super::{Texture, ggx, normal};
 
 /// Densities below this part of the largest are rounding, and are not drawn.
 const DRAWN: f64 = 1e-14;
+
+/// Autocorrelations are drawn over as many lengths of decay.
+const DECAYS: usize = 5;
 
 /// Points of the smooth curve beside a histogram, less one.
 const STEPS: usize = 200;
@@ -44,23 +49,44 @@ impl Texture {
     }
 
     pub(super) fn correlation_figure(&self, name: &str) -> Curves {
+        let [dx, dy] = self.spacing;
+        let of = &self.correlation;
+        let ends = [(&of.along_x, dx), (&of.along_y, dy)];
+        let end = ends.map(|(values, spacing)| spacing * shown_lags(values) as f64);
+        let end = end[0].max(end[1]);
         let points = |values: &[f64], spacing: f64| -> Vec<Point> {
             let lags = values.iter().enumerate();
-            let normalised = |(i, value): (usize, &f64)| {
-                Point::exact(i as f64 * spacing, value / (self.sq * self.sq))
-            };
-            lags.map(normalised).collect()
+            let lags = lags.map(|(i, value)| (i as f64 * spacing, value));
+            let lags = lags.take_while(|(lag, _)| *lag <= end);
+            let normalised =
+                lags.map(|(lag, value)| Point::exact(lag, value / (self.sq * self.sq)));
+            normalised.collect()
         };
-        let [dx, dy] = self.spacing;
+        let mut curves = vec![
+            line("along x", 0, points(&of.along_x, dx)),
+            line("along y", 1, points(&of.along_y, dy)),
+        ];
+        if let Some(psd) = &self.requested {
+            let along = |cos: f64, sin: f64| {
+                let variance = psd.autocorrelation(0.0, 0.0);
+                sampled([0.0, end], |lag| {
+                    psd.autocorrelation(lag * cos, lag * sin) / variance
+                })
+            };
+            if psd.is_isotropic() {
+                curves.push(of_axis("requested", 2, 3, along(1.0, 0.0)));
+            } else {
+                curves.push(of_axis("requested along x", 0, 3, along(1.0, 0.0)));
+                curves.push(of_axis("requested along y", 1, 3, along(0.0, 1.0)));
+            }
+        }
         Curves {
             title: "Autocorrelation of heights over Sq²".into(),
             subtitle: name.to_owned(),
             x: axis(&format!("lag ({})", self.length())),
             y: axis("C / Sq²"),
-            curves: vec![
-                line("along x", 0, points(&self.correlation.along_x, dx)),
-                line("along y", 1, points(&self.correlation.along_y, dy)),
-            ],
+            log_from: None,
+            curves,
             notes: Vec::new(),
         }
     }
@@ -76,6 +102,7 @@ impl Texture {
             subtitle: name.to_owned(),
             x: axis(&format!("height ({})", self.length())),
             y: axis(&format!("probability density (1/{})", self.length())),
+            log_from: lowest([&self.heights]),
             curves: vec![
                 line("samples", 0, found.collect()),
                 beside("normal, same Sq", ends, self.sq * self.sq),
@@ -86,7 +113,7 @@ impl Texture {
 
     pub(super) fn slopes_figure(&self, name: &str) -> Curves {
         let [x, y] = &self.slopes;
-        let found = |of: &asperity_surface::Histogram| -> Vec<Point> {
+        let found = |of: &Histogram| -> Vec<Point> {
             of.middles().map(|(x, y)| Point::exact(x, y)).collect()
         };
         let outside = x.outside.max(y.outside);
@@ -99,6 +126,7 @@ impl Texture {
             subtitle: name.to_owned(),
             x: axis("slope"),
             y: axis("probability density"),
+            log_from: lowest([x, y]),
             curves: [("along x", found(x)), ("along y", found(y))]
                 .into_iter()
                 .enumerate()
@@ -141,6 +169,22 @@ impl Texture {
             unit => unit.symbol(),
         }
     }
+}
+
+/// Lags that show how an autocorrelation decays: five times as many as it takes to fall to 1/e.
+fn shown_lags(values: &[f64]) -> usize {
+    let fallen = values.iter().position(|value| *value < values[0] / E);
+    let shown = fallen.map_or(values.len(), |lags| DECAYS * lags);
+    shown.clamp(1, values.len().max(2) - 1)
+}
+
+/// The least density of a bin that is not empty.
+fn lowest<'a>(histograms: impl IntoIterator<Item = &'a Histogram>) -> Option<f64> {
+    let densities = histograms.into_iter().flat_map(|of| &of.densities);
+    densities
+        .copied()
+        .filter(|density| *density > 0.0)
+        .reduce(f64::min)
 }
 
 fn axis(label: &str) -> CurveAxis {

@@ -10,6 +10,7 @@ use super::json::map_summary;
 use super::outcome::MapOutcome;
 use super::summary::{grooves, is_in_panel, map_table, panels, smoothness, thetas};
 use super::tables;
+use crate::report::effort::effort;
 use crate::report::views::Views;
 
 impl MapConfig {
@@ -69,10 +70,19 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     ValidityMap {
         title: format!("Validity map: {what}"),
         subtitle: format!(
-            "Signs compare 95 % confidence intervals with total variation {}, energy per side {} of the incident flux, peak direction {}°{}",
+            "Signs compare 95 % confidence intervals with total variation {}, energy per side {} of the incident flux, peak direction {}°; {}{}",
             short(tolerances.total_variation.0),
             short(tolerances.energy.0),
             short(tolerances.peak.0),
+            effort(
+                outcome
+                    .found()
+                    .map(|(_, found)| [found.surfaces, found.rays])
+                    .collect::<Vec<_>>()
+                    .into_iter(),
+                " per cell",
+                outcome.config.run.seed,
+            ),
             grooves(outcome).map_or_else(String::new, |text| format!("; {text}")),
         ),
         models: models.clone(),

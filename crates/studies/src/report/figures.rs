@@ -7,6 +7,7 @@ use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
+use asperity_simulate::Outcome;
 use asperity_surface::HeightField;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
@@ -20,6 +21,8 @@ use crate::report::shown_case::ShownCase;
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;
+/// Points of a model's line from one bin of unequal width to the next.
+const STEPS_PER_BIN: u32 = 4;
 
 /// Writes a figure as SVG and PNG under `name` into each of the places.
 pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result<(), ReportError> {
@@ -119,6 +122,7 @@ pub(crate) fn lobes_and_curves(place: &Place<'_>, case: &ShownCase<'_>) -> Resul
             subtitle: case.subtitle(),
             side: plot_side(side),
             flat_direction_deg: case.flat_direction(side),
+            least: least_seen(case.outcome, side),
             series: series.clone(),
         };
         save(&[place], &format!("in_plane_{side}"), &curves.draw()?)
@@ -245,13 +249,40 @@ pub(crate) fn in_plane_points(
     let point = |(i, flux): (usize, asperity_tally::Estimate)| {
         let solid_angle = filter.solid_angle(i);
         Point {
-            x: filter.centre_deg(i),
+            x: mean_angle_deg(filter.theta_deg(i)),
             y: flux.mean / solid_angle,
             se: flux.se.map(|se| se / solid_angle),
             x_range: Some(filter.theta_deg(i)),
         }
     };
     view.iter().enumerate().map(point).collect()
+}
+
+/// The least cosine-weighted BSDF in the plane of incidence that rays have shown: that of a bin which a ray at least is expected to
+/// have left to, 1/sr; `None` without rays.
+pub(crate) fn least_seen(outcome: &Outcome, side: Side) -> Option<f64> {
+    let statistics = &outcome.statistics;
+    let one_ray = statistics.means().flux(side, Component::All) / outcome.work.rays as f64;
+    let view = statistics.in_plane(side, Component::All);
+    let seen = view
+        .iter()
+        .enumerate()
+        .filter(|(_, flux)| flux.mean >= one_ray);
+    let bsdf = seen.map(|(i, flux)| flux.mean / view.filter().solid_angle(i));
+    bsdf.reduce(f64::min)
+}
+
+/// Solid angle per azimuth between the normal and a signed angle, radians; negative of negative angles.
+fn cap(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin().powi(2) * angle.signum()
+}
+
+/// Mean angle to the normal, signed degrees, over the solid angle of a bin of the in-plane slice: the angle to which its mean
+/// belongs. Next to the normal it lies well away from the middle of the bin.
+pub(crate) fn mean_angle_deg(ends: [f64; 2]) -> f64 {
+    let [from, to] = ends.map(f64::to_radians);
+    let moment = |angle: f64| angle.abs().sin() - angle.abs() * angle.cos();
+    ((moment(to) - moment(from)) / (cap(to) - cap(from))).to_degrees()
 }
 
 /// A model averaged over a bin that slides along the angle: what the points of its bins estimate.
@@ -269,15 +300,15 @@ fn density_line(
             let half_width = spec.in_plane_half_width();
             let flux = in_plane_flux(model, incidence, half_width, side, [from, to]);
             // The slice's solid angle on both sides of the normal.
-            let cap = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2) * angle.signum();
             let solid_angle = 2.0 * spec.in_plane_half_width() * (cap(to) - cap(from));
-            Point::exact(theta_deg, flux / solid_angle)
+            let ends = [from.to_degrees(), to.to_degrees()];
+            Point::exact(mean_angle_deg(ends), flux / solid_angle)
         })
         .collect()
 }
 
-/// Places and widths, degrees, of a bin that slides along the signed angle: of equal bins in small steps, of others in the middle of each and
-/// at the edges between them, where the width is the mean of both.
+/// Places and widths, degrees, of a bin that slides along the signed angle in small steps: of equal bins their width, of others that
+/// of the bin in the middle of each and in proportion between them.
 fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
     let filter = spec.in_plane_filter(side);
     if spec.grid().has_equal_angles() {
@@ -286,15 +317,31 @@ fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
         let places = (-steps..=steps).map(|i| f64::from(i) * LINE_STEP_DEG);
         return places.map(|theta_deg| (theta_deg, width)).collect();
     }
-    let width = |i: usize| {
+    let bin = |i: usize| {
         let [from, to] = filter.theta_deg(i);
-        to - from
+        (filter.centre_deg(i), to - from)
     };
-    let places = (0..filter.len()).flat_map(|i| {
-        let middle = (filter.centre_deg(i), width(i));
-        let edge = (i + 1 < filter.len())
-            .then(|| (filter.theta_deg(i)[1], 0.5 * (width(i) + width(i + 1))));
-        [Some(middle), edge].into_iter().flatten()
+    let last = filter.len() - 1;
+    let places = (0..last).flat_map(|i| {
+        let ((a, width_a), (b, width_b)) = (bin(i), bin(i + 1));
+        (0..STEPS_PER_BIN).map(move |step| {
+            let t = f64::from(step) / f64::from(STEPS_PER_BIN);
+            (a + t * (b - a), width_a + t * (width_b - width_a))
+        })
     });
-    places.collect()
+    places.chain([bin(last)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_stand_at_the_mean_angle_of_their_solid_angle() {
+        let near = |ends, expected: f64| (mean_angle_deg(ends) - expected).abs() < 1e-3;
+        // Next to the normal the solid angle of a slice grows with the angle: two thirds of the width.
+        assert!(near([0.0, 3.0], 2.0) && near([-3.0, 0.0], -2.0));
+        assert!(near([-2.0, 2.0], 0.0));
+        assert!(near([59.9, 60.1], 60.0));
+    }
 }

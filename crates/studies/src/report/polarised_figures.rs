@@ -13,7 +13,7 @@ use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
-use crate::report::figures::{in_plane_points, plot_side, save};
+use crate::report::figures::{in_plane_points, mean_angle_deg, plot_side, save};
 use crate::report::polarised::elements;
 use crate::report::shown_case::ShownCase;
 
@@ -150,7 +150,13 @@ fn element_points(
         let measure = Measure::Element { row, column };
         let element = statistics.over_flux(entries.get(i), measure)?;
         let known = element.se.is_none_or(|se| se <= MOST_ERROR);
-        known.then(|| Point::with_error(filter.centre_deg(i), element.mean, element.se))
+        known.then(|| {
+            Point::with_error(
+                mean_angle_deg(filter.theta_deg(i)),
+                element.mean,
+                element.se,
+            )
+        })
     };
     (0..filter.len()).filter_map(point).collect()
 }

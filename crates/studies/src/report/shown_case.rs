@@ -7,6 +7,7 @@ use asperity_tracer::HalfSpace;
 
 use crate::comparison::judgement::Judgement;
 use crate::comparison::models::ModelOutcome;
+use crate::report::effort::effort;
 
 /// Results of one case. Figures show the side that the light comes from as the upper one.
 #[derive(Clone, Copy)]
@@ -14,6 +15,10 @@ pub(crate) struct ShownCase<'a> {
     pub(crate) outcome: &'a Outcome,
     /// Comparison with models; of a given surface, that of its regions.
     pub(crate) judgement: Option<&'a Judgement<'a>>,
+    /// Names of given surfaces.
+    pub(crate) surfaces: Option<&'a str>,
+    /// Seed of surfaces and rays.
+    pub(crate) seed: u64,
     /// Interactions after which paths end.
     pub(crate) max_order: u32,
 }
@@ -39,17 +44,24 @@ impl<'a> ShownCase<'a> {
         self.case().layer.map(|below| below.layer)
     }
 
-    /// Parameters, and where the light comes from if that is below.
+    /// Surfaces, parameters, the work that was done, and where the light comes from if that is below.
     pub(crate) fn subtitle(&self) -> String {
+        let work = &self.outcome.work;
         let turned = match self.case().light.from {
-            HalfSpace::Above => "",
-            HalfSpace::Below => "; light from below the surface, drawn with its side up",
+            HalfSpace::Above => None,
+            HalfSpace::Below => Some("light from below the surface, drawn with its side up"),
         };
-        let surfaces = match self.case().surface.shapes().len() {
-            0 | 1 => String::new(),
-            n => format!("; mean of {n} surfaces"),
-        };
-        format!("{}{surfaces}{turned}", self.case().figure_label())
+        let parts = [
+            self.surfaces,
+            Some(&self.case().figure_label()),
+            Some(&effort(
+                [[work.realisations, work.rays]].into_iter(),
+                "",
+                self.seed,
+            )),
+            turned,
+        ];
+        parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
     /// Direction into which a flat surface would send the light of `side`, signed degrees from its normal.

@@ -43,6 +43,8 @@ impl TraceOutcome<'_> {
         ShownCase {
             outcome: self.outcome,
             judgement: self.comparison.as_ref().map(|of| &of.judgement),
+            surfaces: Some(&self.study.name),
+            seed: self.study.settings.seed,
             max_order: self.study.config.run.max_order,
         }
     }

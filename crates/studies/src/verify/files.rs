@@ -1,6 +1,6 @@
 //! The files of a verification.
 
-use asperity_simulate::{Case, SimulateError, SurfaceSource};
+use asperity_simulate::{Case, SimulateError, SurfaceSource, counted};
 use asperity_surface::HeightField;
 use serde_json::{Value, json};
 
@@ -81,9 +81,10 @@ fn height_maps(
         };
         let first = surfaces.heights(outcome.config.run.seed, 0);
         let first: HeightField = first.map_err(SimulateError::from)?;
+        let seed = outcome.config.run.seed;
         let name = match found.work.realisations {
-            0 => "One such surface".to_owned(),
-            n => format!("First of {n} surfaces"),
+            0 => format!("One such surface, seed {seed}"),
+            n => format!("First of {} of seed {seed}", counted(n, "surface")),
         };
         let finer = first.shape()[1] / found.case.surface.size().map_or(1, |[nx, _]| nx.max(1));
         let name = if finer > 1 {
@@ -109,6 +110,8 @@ impl VerifyOutcome<'_> {
         ShownCase {
             outcome: case.outcome,
             judgement: Some(case),
+            surfaces: None,
+            seed: self.config.run.seed,
             max_order: self.config.run.max_order,
         }
     }
