@@ -12,6 +12,7 @@ mod attenuation_files;
 mod cells;
 mod commands;
 mod converge;
+mod coverage;
 mod estimators;
 mod exactness;
 mod examples;

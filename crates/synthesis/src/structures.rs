@@ -121,6 +121,23 @@ impl Structure {
         }
     }
 
+    /// About how many features of random slopes a tile of this `extent` along x and y has, at least one; `None` if all have the same slopes.
+    #[must_use]
+    pub fn random_features(&self, [x, y]: [f64; 2]) -> Option<f64> {
+        let width = self.width();
+        let (randomness, features) = match self {
+            Self::Pits(one) | Self::Caps(one) => (one.randomness, x * y / (width * width)),
+            Self::Pyramids(one) | Self::Inverted(one) => (one.randomness, x * y / (width * width)),
+            Self::Grooves(one) => {
+                let [across_x, across_y] = [one.azimuth.sin().abs(), one.azimuth.cos().abs()];
+                (one.randomness, (x * across_x + y * across_y) / width)
+            }
+            Self::Scratches(one) => (one.randomness, x.max(y) / width),
+            Self::Cracks(_) => (1.0, x * y / (width * width)),
+        };
+        (randomness > 0.0).then_some(features.max(1.0))
+    }
+
     /// Returns `true` if its statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {

@@ -2,12 +2,15 @@
 
 pub(crate) mod batches;
 pub(crate) mod few_rays;
+pub(crate) mod lit_surfaces;
 pub(crate) mod mirror;
+pub(crate) mod sample_groups;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Entry, Measure, Polarimetry, TallyResult, TallySpec, TallyValues};
 use batches::{Estimate, add_batch, standard_error};
+use few_rays::is_of_few_rays;
 
 /// Running mean and variance of each entry over equally weighted tallies: ray blocks, or surfaces.
 ///
@@ -119,10 +122,11 @@ impl TallyStatistics {
         }
     }
 
-    /// A measure over the flux that it is kept with; `None` where nothing has arrived, or the measure is not kept. Elements of a Mueller matrix are
-    /// taken over its first one.
+    /// A measure over the flux that it is kept with; `None` where that has the relative error of fewer than [`FEW_RAYS`](crate::FEW_RAYS) rays, or
+    /// the measure is not kept. Elements of a Mueller matrix are taken over its first one.
     ///
-    /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common.
+    /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common, and no less than the least of
+    /// the measure. The ratio is biased by no more than its relative error times that of the flux, a fifth of its error at most.
     #[must_use]
     pub fn over_flux(&self, flux: Entry, measure: Measure) -> Option<Estimate> {
         let entry = self.spec().measure_entry(flux, measure)?;
@@ -130,13 +134,14 @@ impl TallyStatistics {
         let flux = self.spec().measure_entry(flux, first).unwrap_or(flux);
         let number = entry.0 - (self.means.as_slice().len() - self.products.len());
         let (below, above) = (self.means[flux], self.means[entry]);
-        if below == 0.0 {
+        if below == 0.0 || is_of_few_rays(self.at(flux)) {
             return None;
         }
         let ratio = above / below;
         let square = self.squares[entry] - 2.0 * ratio * self.products[number]
             + ratio * ratio * self.squares[flux];
-        let se = standard_error(self.batches, square.max(0.0), None);
+        let least = self.least_errors.as_ref().map(|errors| errors[entry]);
+        let se = standard_error(self.batches, square.max(0.0), least);
         Some(Estimate {
             mean: ratio,
             se: se.map(|se| se / below.abs()),
@@ -241,7 +246,7 @@ mod tests {
         let flux = spec.flux_entry(Side::Reflected, Component::All);
         let [first, m10] = [0, 1].map(|row| Measure::Element { row, column: 0 });
         let entry = |measure| spec.measure_entry(flux, measure).unwrap();
-        let fluxes = [0.1, 0.2, 0.4, 0.3];
+        let fluxes = [0.2, 0.25, 0.3, 0.25];
         let noise = [0.01, -0.02, 0.015, -0.005];
         let mut statistics = TallyStatistics::new(spec);
         for (flux, noise) in fluxes.into_iter().zip(noise) {

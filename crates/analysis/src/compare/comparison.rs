@@ -34,9 +34,6 @@ pub struct BinComparison {
     pub standard_error: Option<f64>,
     /// Flux that the model expects, or its mean over batches.
     pub model: f64,
-    /// `(mean - model) / standard_error`: infinite where all surfaces deviate by the same amount,
-    /// zero where they agree exactly; `None` for one surface.
-    pub z: Option<f64>,
     /// `true` if the bin holds enough rays to enter the test.
     pub tested: bool,
 }
@@ -116,7 +113,6 @@ pub fn compare(
                 mean: model + offsets[b],
                 standard_error,
                 model,
-                z: standard_error.map(|se| z_score(offsets[b], se)),
                 tested: enough[b],
             }
         })
@@ -136,17 +132,6 @@ fn standard_error(residuals: &[Vec<f64>], bin: usize, mean: f64) -> Option<f64> 
         let squares: f64 = residuals.iter().map(|d| (d[bin] - mean).powi(2)).sum();
         (squares / (count * (count - 1.0))).sqrt()
     })
-}
-
-/// The offset over its standard error: infinite if the scatter is rounding, zero for no offset.
-fn z_score(offset: f64, standard_error: f64) -> f64 {
-    if offset == 0.0 {
-        0.0
-    } else if standard_error <= 4.0 * f64::EPSILON * offset.abs() {
-        offset.signum() * f64::INFINITY
-    } else {
-        offset / standard_error
-    }
 }
 
 /// The sign-flip test of bins and of the sums of bins in `groupings`.
@@ -261,8 +246,7 @@ mod tests {
         let bin = result.bins[0];
         assert!((bin.mean - 0.2).abs() < 1e-15);
         assert!((bin.standard_error.unwrap() - 0.1).abs() < 1e-15);
-        assert!((bin.z.unwrap() - 1.0).abs() < 1e-14);
-        assert_eq!(result.bins[1].z, Some(0.0));
+        assert_eq!(result.bins[1].standard_error, Some(0.0));
         assert!((result.total_variation.observed - 0.05).abs() < 1e-15);
         let too_few = Untested::TooFewSurfaces {
             found: 2,
@@ -281,7 +265,6 @@ mod tests {
             1,
         )
         .unwrap();
-        assert_eq!(result.bins[0].z, None);
         assert_eq!(result.bins[0].standard_error, None);
         assert_eq!(result.test, Err(Untested::OneSurface));
         assert_eq!(result.total_variation.noise, None);
@@ -299,8 +282,7 @@ mod tests {
             1,
         )
         .unwrap();
-        assert_eq!(result.bins[0].z, Some(f64::NEG_INFINITY));
-        assert_eq!(result.bins[1].z, Some(0.0));
+        assert_eq!(result.bins[0].mean, 0.0);
         let test = result.test.unwrap();
         assert_eq!((test.scales[0].max_t, test.p), (f64::INFINITY, 1.0 / 512.0));
     }

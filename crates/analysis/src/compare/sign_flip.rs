@@ -50,13 +50,13 @@ pub(crate) const MIN_P: f64 = 1.0 / (RANDOM_FLIPS as f64 + 1.0);
 pub struct ScaleTest {
     /// Name of the scale.
     pub name: String,
-    /// Fraction of the flips, the data themselves included, whose largest `|t|` on this scale reaches
-    /// the observed one. Not corrected for the number of scales.
+    /// Fraction of the flips, the data themselves included, whose largest `|t|`, corrected for skewness, reaches the observed one on this
+    /// scale. Not corrected for the number of scales.
     pub p: f64,
-    /// The largest `|t|`, corrected for skewness; infinite if all surfaces deviate by the same
+    /// The largest `|t|`, the mean over its standard error, not corrected for skewness; infinite if all surfaces deviate by the same
     /// amount.
     pub max_t: f64,
-    /// Index of the bin, or of the group of bins, that has it.
+    /// Index of the bin, or of the group of bins, whose `|t|` corrected for skewness is the largest.
     pub member: usize,
 }
 
@@ -173,6 +173,16 @@ pub(crate) fn flipped_sums<const N: usize>(
     }
 }
 
+/// Student's `|t|` of `r` residuals, from their sum, scaled so that the sum of their squares is one.
+fn plain_t(sum: f64, r: f64) -> f64 {
+    let mean = sum / r;
+    let variance = 1.0 / r - mean * mean;
+    if variance <= 1e-12 / r {
+        return f64::INFINITY;
+    }
+    (mean * ((r - 1.0) / variance).sqrt()).abs()
+}
+
 /// `|t|` with Hall's correction, from the sum of `r` residuals and the sum of their cubes, scaled
 /// so that the sum of their squares is one.
 fn corrected_t(sum: f64, cubes: f64, r: f64) -> f64 {
@@ -210,12 +220,12 @@ pub(crate) fn sign_flip_test(scales: &[Scale<'_>], seed: u64) -> Result<SignFlip
     let mut tests = Vec::new();
     let mut smallest = vec![flips; flips];
     for scale in scales.iter().filter(|scale| !scale.members.is_empty()) {
-        let (largest, member) = largest_t(scale, &signs, flips);
+        let (largest, member, max_t) = largest_t(scale, &signs, flips);
         let ranks = ranks(&largest);
         tests.push(ScaleTest {
             name: scale.name.to_owned(),
             p: ranks[0] as f64 / flips as f64,
-            max_t: largest[0],
+            max_t,
             member,
         });
         smallest
@@ -249,8 +259,8 @@ fn ranks(values: &[f64]) -> Vec<usize> {
         .collect()
 }
 
-/// The largest `|t|` of one scale for every flip, and which member has it in the data.
-fn largest_t(scale: &Scale<'_>, signs: &[f64], flips: usize) -> (Vec<f64>, usize) {
+/// The largest corrected `|t|` of one scale for every flip, which member has it in the data, and the largest plain `|t|` of the data.
+fn largest_t(scale: &Scale<'_>, signs: &[f64], flips: usize) -> (Vec<f64>, usize, f64) {
     let Scale {
         residuals,
         members: bins,
@@ -278,18 +288,22 @@ fn largest_t(scale: &Scale<'_>, signs: &[f64], flips: usize) -> (Vec<f64>, usize
 
     let mut largest = vec![0.0_f64; flips];
     let mut observed = (0.0_f64, 0);
+    let mut plain = 0.0_f64;
     flipped_sums(&[&firsts, &cubes], signs, |flip, first, [sums, cubes]| {
         let mut max = 0.0_f64;
         for (i, (&sum, &cube)) in sums.iter().zip(cubes).enumerate() {
             let t = corrected_t(sum, cube, surfaces as f64);
             max = max.max(t);
-            if flip == 0 && t > observed.0 {
-                observed = (t, first + i);
+            if flip == 0 {
+                plain = plain.max(plain_t(sum, surfaces as f64));
+                if t > observed.0 {
+                    observed = (t, first + i);
+                }
             }
         }
         largest[flip] = largest[flip].max(max);
     });
-    (largest, bins[observed.1])
+    (largest, bins[observed.1], plain)
 }
 
 #[cfg(test)]
@@ -342,8 +356,8 @@ mod tests {
             (test.flips, test.p, test.min_p),
             (32, 1.0 / 32.0, 1.0 / 32.0)
         );
-        // No skewness: t = sqrt(6) mean / sd, with mean 3.5 and variance 35 / 12.
-        let expected = 3.5 * (6.0 * 12.0 / 35.0_f64).sqrt();
+        // t = sqrt(6) mean / sd, with mean 3.5 and variance 17.5 / 5
+        let expected = 3.5 * (6.0 / 3.5_f64).sqrt();
         assert!((test.scales[0].max_t / expected - 1.0).abs() < 1e-13);
     }
 
@@ -386,6 +400,9 @@ mod tests {
         // Perfect agreement, on the other hand, is no deviation at all.
         let test = of_bins(&residuals, &[0]);
         assert_eq!((test.scales[0].max_t, test.p), (0.0, 1.0));
+        // Of skewed residuals 0, 0, 0, 0, 0, 6 it is the plain one: mean 1, variance 6.
+        let skewed: Vec<Vec<f64>> = (0..6).map(|i| vec![f64::from(i / 5 * 6)]).collect();
+        assert!((of_bins(&skewed, &[0]).scales[0].max_t - 1.0).abs() < 1e-13);
     }
 
     #[test]

@@ -133,34 +133,42 @@ impl<F> Divider<'_, F> {
         F: Fn(DVec3) -> Option<P>,
     {
         let [low, high] = table.grid().corners(cell);
+        let plateau = table.plateau_of(cell);
         let square = Square {
             low,
             high,
-            part: 1.0,
+            part: 1.0 - plateau,
             depth: 0,
         };
         let corners = corners(low, high).map(|slope| self.exit(slope));
         let mut images = Vec::new();
-        self.divide(
-            square,
-            corners,
-            table.masses()[cell],
-            &mut |place, flux, wo| match images
-                .iter_mut()
-                .find(|image: &&mut Image<P>| image.place == place)
-            {
-                Some(image) => {
-                    image.flux += flux;
-                    image.wo += flux * wo;
-                }
-                None => images.push(Image {
-                    cell,
-                    place,
-                    flux,
-                    wo: flux * wo,
-                }),
-            },
-        );
+        let mut add = |place, flux, wo| match images
+            .iter_mut()
+            .find(|image: &&mut Image<P>| image.place == place)
+        {
+            Some(image) => {
+                image.flux += flux;
+                image.wo += flux * wo;
+            }
+            None => images.push(Image {
+                cell,
+                place,
+                flux,
+                wo: flux * wo,
+            }),
+        };
+        if plateau < 1.0 {
+            self.divide(square, corners, table.masses()[cell], &mut add);
+        }
+        // Level facets send rays to one side of an edge between bins, in the mirror direction as it is rounded.
+        if plateau > 0.0
+            && let Exit {
+                wo: Some(wo),
+                place: Some(place),
+            } = self.exit(DVec2::ZERO)
+        {
+            add(place, plateau * self.flux(DVec2::ZERO), wo);
+        }
         images
     }
 
@@ -272,4 +280,51 @@ fn spread<P: Copy>(corners: &[Exit<P>; 4]) -> f64 {
         _ => 0.0,
     };
     distance(0, 3).max(distance(1, 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_optics::Incidence;
+    use asperity_tally::HemisphereGrid;
+
+    use super::*;
+    use crate::microfacet::lambda_map::MapSize;
+    use crate::microfacet::slope_grid::SlopeGrid;
+
+    /// Light on level facets at the angle of an edge between bins leaves in one bin, that in which rays are counted, while slopes about zero send it to
+    /// both sides of the edge.
+    #[test]
+    fn light_of_level_facets_is_not_divided_between_bins() {
+        let grid = HemisphereGrid::new(18, 36).unwrap();
+        for theta in [30.0, 40.0, 45.0, 60.0] {
+            let light = FacetLight {
+                wi: Incidence::from_degrees(theta, 0.0).unwrap().wi(),
+                material: Material::Mirror,
+                side: Side::Reflected,
+            };
+            for plateau in [1.0, 0.0] {
+                let cell = || vec![-0.01, 0.01];
+                let cells = SlopeGrid::new([cell(), cell()]).unwrap();
+                let table = SlopeTable::new(cells, &[1.0])
+                    .unwrap()
+                    .with_plateau(plateau);
+                let place = |wo: DVec3| Some(grid.index_of(Side::Reflected, wo));
+                let images = SlopeImages::new(&table, light, place);
+                let map = LambdaMap::new(&table, MapSize::COARSE);
+                let rings = images.fluxes(&table, &map);
+                let rings: Vec<(usize, f64)> = rings.map(|(bin, flux)| (bin / 36, flux)).collect();
+                let ring = (theta / 5.0) as usize;
+                let there: f64 = rings
+                    .iter()
+                    .filter(|(r, _)| *r == ring)
+                    .map(|(_, f)| f)
+                    .sum();
+                let expected = if plateau == 1.0 { 1.0 } else { 0.5 };
+                assert!(
+                    (there - expected).abs() < 0.01,
+                    "{theta} {plateau}: {rings:?}"
+                );
+            }
+        }
+    }
 }

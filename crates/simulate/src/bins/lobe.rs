@@ -78,6 +78,8 @@ impl Lobe {
         let deviations = [forward, forward + FRAC_PI_2].map(|azimuth| slopes.deviation(azimuth));
         let cos_i = incidence.theta().cos();
         let (theta, turns) = match side {
+            // Equal indices reflect nothing.
+            Side::Reflected if material.transmitting_index() == Some(1.0) => return None,
             Side::Reflected => (incidence.theta(), [2.0, 2.0 * cos_i]),
             Side::Transmitted => {
                 let eta = material.transmitting_index()?;
@@ -86,7 +88,8 @@ impl Lobe {
                     return None;
                 }
                 let cos_t = (1.0 - sin_t * sin_t).sqrt();
-                let across = (cos_t - cos_i / eta).abs();
+                // The difference of the cosines, without cancellation: zero of equal indices
+                let across = (1.0 - eta.powi(-2)).abs() / (cos_t + cos_i / eta);
                 (PI - sin_t.asin(), [across / cos_t, across])
             }
         };

@@ -84,11 +84,12 @@ const BY_SURFACES: &str = "standard error by the scatter of the surfaces, less w
 const TOTAL: &str =
     "root of the sum of the squares of rays, surfaces and mesh, without those that are null";
 
-/// Method and number of the rays of a result.
-#[derive(Clone, Copy)]
-pub(crate) struct TracedRays<'a> {
-    pub(crate) method: &'a Method,
-    pub(crate) count: u64,
+/// Errors below which none is reported, since few samples tell no more.
+pub(crate) struct LeastErrors {
+    /// By the rays that carry a result.
+    pub(crate) by_rays: TallyValues,
+    /// By these and by the surfaces.
+    pub(crate) all: TallyValues,
 }
 
 /// Errors by surfaces, with their explanation.
@@ -123,8 +124,13 @@ impl ErrorBudget {
     }
 
     /// The errors of a result on one surface, of which `blocks` are the ray blocks.
-    pub(crate) fn of_one(blocks: &TallyStatistics, rays: TracedRays<'_>, mesh: MeshErrors) -> Self {
-        let explanation = match rays.method.control_variate_mean() {
+    pub(crate) fn of_one(
+        blocks: &TallyStatistics,
+        method: &Method,
+        least: &LeastErrors,
+        mesh: MeshErrors,
+    ) -> Self {
+        let explanation = match method.control_variate_mean() {
             Some(ControlVariateMean::GaussianSlopes | ControlVariateMean::SlopeMixture) => {
                 "unknown: one surface has no scatter between surfaces, and its control variate has the mean of the ensemble"
             }
@@ -134,41 +140,38 @@ impl ErrorBudget {
             squares: None,
             explanation: explanation.to_owned(),
         };
-        Self::new(blocks.means(), blocks.error_squares(), surfaces, rays, mesh)
+        Self::new(blocks.error_squares(), surfaces, least, mesh)
     }
 
     /// The errors of means over `surfaces`; `of_rays` are the squares of their errors by the scatter of ray blocks.
     pub(crate) fn of_surfaces(
         surfaces: &TallyStatistics,
         of_rays: TallyValues,
-        rays: TracedRays<'_>,
+        least: &LeastErrors,
         mesh: MeshErrors,
     ) -> Self {
-        let means = surfaces.means();
         let surfaces = SurfaceErrors {
             squares: Some(surfaces.error_squares()),
             explanation: BY_SURFACES.to_owned(),
         };
-        Self::new(means, of_rays, surfaces, rays, mesh)
+        Self::new(of_rays, surfaces, least, mesh)
     }
 
     /// From squares of errors by rays.
     fn new(
-        means: &TallyValues,
         mut of_rays: TallyValues,
         of_surfaces: SurfaceErrors,
-        rays: TracedRays<'_>,
+        least: &LeastErrors,
         mesh: MeshErrors,
     ) -> Self {
-        let least = rays.method.least_errors(means, &of_rays, rays.count);
         let at_least = |square: &mut f64, least: &f64| {
             if !square.is_nan() {
                 *square = square.max(least * least);
             }
         };
-        of_rays.update(&least, at_least);
+        of_rays.update(&least.by_rays, at_least);
         let less_rays = |mut all: TallyValues| {
-            all.update(&least, at_least);
+            all.update(&least.all, at_least);
             all.zip_map(&of_rays, |a, r| a - r)
         };
         let said_of_mesh = mesh.explanation.clone();
@@ -179,7 +182,7 @@ impl ErrorBudget {
             bounds: None,
         };
         Self {
-            spec: *means.spec(),
+            spec: *least.all.spec(),
             kept: Some(Box::new(kept)),
             explanation: Explanation {
                 rays: BY_BLOCKS.to_owned(),

@@ -130,6 +130,17 @@ impl RandomSurfaces {
         self.spacing
     }
 
+    /// About how many features of random slopes a surface has; `None` if it is no structure.
+    pub(crate) fn random_features(&self) -> Option<f64> {
+        let SurfaceRecipe::Structured(surface) = &self.recipe else {
+            return None;
+        };
+        let [ny, nx] = self.shape;
+        let [dx, dy] = self.spacing;
+        let extent = [nx as f64 * dx, ny as f64 * dy];
+        surface.structure().random_features(extent)
+    }
+
     /// Moments that the slopes of its surfaces have on average; `None` if these are not known.
     #[must_use]
     pub(crate) fn expected_slope_moments(&self) -> Option<SlopeMoments> {

@@ -1,12 +1,12 @@
 //! Method: estimates a case by path starts, branching, a control variate, and folding of bins.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use asperity_analysis::{ModelError, SlopeMixture, control_variate};
 use asperity_optics::{Incidence, Material};
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{
-    ControlVariate, Mirror, RayErrors, TallyResult, TallySpec, TallyStatistics, TallyValues,
+    ControlVariate, Mirror, Polarimetry, RayErrors, TallyResult, TallySpec, TallyValues,
 };
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts, Window};
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,10 @@ impl Method {
             },
             ..self.clone()
         };
-        let mut found = vec![from_elsewhere];
+        let mut found = Vec::new();
+        if !needs_equal_weights(settings) {
+            found.push(from_elsewhere);
+        }
         if settings.estimator == Estimator::Auto {
             let plain = Self {
                 mirror: self.mirror,
@@ -188,7 +191,7 @@ impl Method {
         let [x, y] = [wi.x / wi.z, wi.y / wi.z];
         let weight_variance = slopes.xx() * x * x + 2.0 * slopes.xy() * x * y + slopes.yy() * y * y;
         Ok(Self {
-            starts: if weight_variance <= MOST_WEIGHT_VARIANCE {
+            starts: if weight_variance <= MOST_WEIGHT_VARIANCE && !needs_equal_weights(settings) {
                 Starts::OnSurface
             } else {
                 Starts::FromAbove
@@ -228,29 +231,20 @@ impl Method {
         self.control_variate.as_ref().map(|(_, mean)| *mean)
     }
 
-    /// Statistics of `rays` rays by this method, with no error below what few rays can tell. `ray_squares`: squares of the standard errors
-    /// by the scatter of rays.
-    pub(crate) fn with_least_errors(
-        &self,
-        statistics: TallyStatistics,
-        ray_squares: &TallyValues,
-        rays: u64,
-    ) -> TallyStatistics {
-        let least = self.least_errors(statistics.means(), ray_squares, rays);
-        statistics.with_least_errors(least)
-    }
-
-    /// Errors below which none of these means is reported.
+    /// Errors below which no mean of `rays` rays is reported, by the number of rays that carry it. `squares`: of the standard errors by the
+    /// scatter of rays.
     pub(crate) fn least_errors(
         &self,
+        light: &Light,
         means: &TallyValues,
-        ray_squares: &TallyValues,
+        squares: &TallyValues,
         rays: u64,
     ) -> TallyValues {
         RayErrors {
             means,
-            squares: ray_squares,
+            squares,
             rays,
+            forward_azimuth: light.incidence.phi() + PI,
             folded: self.mirror.is_some(),
             control_variate: self.control_variate(),
         }
@@ -264,6 +258,12 @@ impl Method {
             None => Estimator::Plain,
         }
     }
+}
+
+/// Returns `true` if paths should not start on the surface: their weights add up to one only on average, and no control variate takes that
+/// scatter from the elements of Mueller matrices.
+fn needs_equal_weights(settings: &Settings) -> bool {
+    settings.tally.polarimetry() == Polarimetry::Mueller
 }
 
 /// The plane of incidence, if light and random surfaces are symmetric about it on average, and bins are mirrored onto bins.

@@ -7,7 +7,7 @@ use asperity_tally::Estimate;
 use serde::Serialize;
 
 use super::survey::Survey;
-use crate::output::with_error;
+use crate::output::{Basis, EstimateWithLimit};
 
 /// Seed of the points, two in each cell.
 const SEED: u64 = 1;
@@ -22,11 +22,11 @@ pub struct ShadowShares {
     /// Its azimuth, degrees.
     pub phi_deg: f64,
     /// Points that the light reaches.
-    pub lit: Estimate,
+    pub(crate) lit: EstimateWithLimit,
     /// Points that face away from the light: local shadow.
-    pub facing_away: Estimate,
+    pub(crate) facing_away: EstimateWithLimit,
     /// Points that face the light and are hidden by other parts: distant shadow.
-    pub hidden: Estimate,
+    pub(crate) hidden: EstimateWithLimit,
     /// Number of points.
     pub points: u64,
     /// Visibility rays lost to numerical failure; their points count as hidden.
@@ -62,9 +62,9 @@ impl ShadowShares {
             Ok(Self {
                 theta_deg: light.theta_deg(),
                 phi_deg: light.phi_deg(),
-                lit: fraction(lit, points),
-                facing_away: fraction(points - facing, points),
-                hidden: fraction(facing - lit, points),
+                lit: fraction(lit, points, light),
+                facing_away: fraction(points - facing, points, light),
+                hidden: fraction(facing - lit, points, light),
                 points,
                 lost: counts.lost,
             })
@@ -76,20 +76,22 @@ impl ShadowShares {
     #[must_use]
     pub fn text(&self) -> String {
         let [theta, phi] = [self.theta_deg, self.phi_deg].map(short);
-        let [lit, away, hidden] = [self.lit, self.facing_away, self.hidden].map(with_error);
+        let [lit, away, hidden] = [self.lit, self.facing_away, self.hidden].map(|part| part.text());
         format!(
             "light from theta {theta} deg, phi {phi} deg: lit {lit}, facing away {away}, hidden {hidden} of the mean plane"
         )
     }
 }
 
-/// A fraction of independent points.
-fn fraction(of: u64, all: u64) -> Estimate {
+/// A fraction of independent points; under vertical light, where nothing is hidden, a proof.
+fn fraction(of: u64, all: u64, light: &Incidence) -> EstimateWithLimit {
     let mean = of as f64 / all as f64;
-    Estimate {
-        mean,
-        se: Some((mean * (1.0 - mean) / all as f64).sqrt()),
-    }
+    let se = Some((mean * (1.0 - mean) / all as f64).sqrt());
+    let basis = match light.is_vertical() {
+        true => Basis::Proven,
+        false => Basis::Samples(all as f64),
+    };
+    EstimateWithLimit::new(Estimate { mean, se }, basis)
 }
 
 #[cfg(test)]
@@ -117,12 +119,25 @@ mod tests {
         // distance u from the foot has the height u / 2 and the crest at 2 + u: it is lit if u / 2 + (2 + u) / 6 > 1, which is u > 1 of 2.
         let theta = 6_f64.atan().to_degrees();
         let found = ShadowShares::of(&ridges(), Cells::Flat, &[light(45.0), light(theta)]).unwrap();
-        assert_eq!(found[0].lit.mean, 1.0);
+        assert_eq!(found[0].lit.estimate().mean, 1.0);
+        // 128 points of which none is in the shadow: less than 3 / 128 is.
+        let text = found[0].text();
+        assert!(
+            text.contains("lit 1 (> 1 - 2.3e-2, 95 %)")
+                && text.contains("hidden 0 (< 2.3e-2, 95 %)"),
+            "{text}"
+        );
         assert_eq!((found[1].points, found[1].lost), (128, 0));
-        assert_eq!(found[1].facing_away.mean, 0.5);
+        assert_eq!(found[1].facing_away.estimate().mean, 0.5);
         // 128 points scatter by 0.038 at most
-        assert!((found[1].hidden.mean - 0.25).abs() < 0.06, "{found:?}");
-        assert!((found[1].lit.mean - 0.25).abs() < 0.06, "{found:?}");
+        assert!(
+            (found[1].hidden.estimate().mean - 0.25).abs() < 0.06,
+            "{found:?}"
+        );
+        assert!(
+            (found[1].lit.estimate().mean - 0.25).abs() < 0.06,
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -133,17 +148,19 @@ mod tests {
         let [flat, smooth] = [Cells::Flat, Cells::Smooth]
             .map(|cells| ShadowShares::of(&field, cells, &[light(60.0)]).unwrap()[0]);
         assert!(
-            (flat.lit.mean - smooth.lit.mean).abs() < 0.01,
+            (flat.lit.estimate().mean - smooth.lit.estimate().mean).abs() < 0.01,
             "{flat:?}, {smooth:?}"
         );
-        let sum = flat.lit.mean + flat.facing_away.mean + flat.hidden.mean;
+        let sum = flat.lit.estimate().mean
+            + flat.facing_away.estimate().mean
+            + flat.hidden.estimate().mean;
         assert!((sum - 1.0).abs() < 1e-12);
         // 1024 patches of a correlation length that are lit or not scatter by 0.016 at most. Facets are 0.2 % flatter than
         // smooth cells, and points scatter by 7e-4
         let slopes = asperity_analysis::SlopeCovariance::isotropic(2.0).unwrap();
         let smith = asperity_analysis::smith_lit(&slopes, light(60.0).wi());
         assert!(
-            (flat.lit.mean - smith).abs() < 0.04,
+            (flat.lit.estimate().mean - smith).abs() < 0.04,
             "{flat:?}, Smith {smith}"
         );
     }

@@ -219,7 +219,7 @@ impl Compared<'_> {
         let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence());
         let adjusted = adjusted.map_err(ConfigError::from)?;
         Ok(match self.regions {
-            Some(regions) => regions.stretched(tallies, adjusted),
+            Some(regions) => regions.stretched(adjusted),
             None => adjusted,
         })
     }

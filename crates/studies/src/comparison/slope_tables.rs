@@ -23,6 +23,9 @@ const TURNS: usize = 8;
 /// The golden angle, in turns: azimuths of one slope after another fill the circle evenly.
 const GOLDEN: f64 = 0.381_966_011_250_105;
 
+/// Mean slopes below this are rounding.
+const LEVEL: f64 = 1e-12;
+
 /// Slopes that count as much as those that are there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SlopeSymmetry {
@@ -59,24 +62,38 @@ impl SlopeTables {
             Ok(Extent::of(&samples))
         });
         let found = found.collect::<Result<Vec<_>, E>>()?;
-        let (mean, grid) = cells(&found, symmetry)?;
+        let (mean_slope, grid) = cells(&found, symmetry)?;
+        let [mean_x, mean_y] = mean_slope;
         let sign = from.sign();
-        let level = |[x, y]: [f64; 2]| [sign * (x - mean[0]), sign * (y - mean[1])];
+        let level = |[x, y]: [f64; 2]| [sign * (x - mean_x), sign * (y - mean_y)];
         let weights = (0..count).into_par_iter().map(|number| {
             let samples = samples(number)?;
+            let plateau = samples.iter().filter(|slope| **slope == [0.0; 2]).count();
+            let plateau = plateau as f64 / samples.len().max(1) as f64;
             let level = samples.into_iter().map(level);
             let mut weights = grid.weights(images(level, symmetry));
             let sum = weights.iter().sum::<f64>().max(1.0);
             weights.iter_mut().for_each(|weight| *weight /= sum);
-            Ok(weights)
+            Ok((weights, plateau))
         });
-        let weights = weights.collect::<Result<Vec<_>, E>>()?;
+        let found = weights.collect::<Result<Vec<_>, E>>()?;
+        let (weights, plateaus): (Vec<Vec<f64>>, Vec<f64>) = found.into_iter().unzip();
         let mut mean = vec![0.0; grid.len()];
         for weights in &weights {
             mean.iter_mut().zip(weights).for_each(|(a, b)| *a += b);
         }
-        let table = Arc::new(SlopeTable::new(grid, &mean)?);
-        Ok(Self { table, weights })
+        let mut table = SlopeTable::new(grid, &mean)?;
+        // Plateaus of a surface whose mean slope is more than rounding are no level facets of the table.
+        if let Some(cell) = table.grid().cell_of([0.0; 2])
+            && mean_slope.iter().all(|m| m.abs() < LEVEL)
+            && mean[cell] > 0.0
+        {
+            table = table.with_plateau(plateaus.iter().sum::<f64>() / mean[cell]);
+        }
+        Ok(Self {
+            table: Arc::new(table),
+            weights,
+        })
     }
 
     /// The slopes of all, with their `covariance`.

@@ -13,8 +13,8 @@ use crate::report::disc_bins::disc_bins;
 pub(super) struct Peak {
     /// Edges of the bin in polar angle.
     theta_deg: [f64; 2],
-    /// Edges of the bin in azimuth.
-    phi_deg: [f64; 2],
+    /// Edges of the bin in azimuth; `None` if the bins of its ring differ by no more than noise.
+    phi_deg: Option<[f64; 2]>,
     /// Mean BSDF of the bin, 1/sr.
     pub(super) bsdf: Estimate,
 }
@@ -30,16 +30,61 @@ impl Peak {
         let (bin, bsdf) = bins.max_by(|(_, a), (_, b)| least(*a).total_cmp(&least(*b)))?;
         let filter = BinFilter::new(grid, side);
         let number = bin % grid.bins_per_side();
+        let first = bin - number % grid.n_phi();
+        let ring = (first..first + grid.n_phi()).filter_map(|bin| direction.bsdf(bin));
         (bsdf.mean > 0.0).then(|| Self {
             theta_deg: filter.theta_deg(number),
-            phi_deg: filter.phi_deg(number),
+            phi_deg: (!is_even(&ring.collect::<Vec<_>>())).then(|| filter.phi_deg(number)),
             bsdf,
         })
     }
 
-    /// The middle of the bin, "29.8, 180".
+    /// The middle of the bin, "29.8, 180"; "2.5, any" if light is spread evenly over azimuth.
     pub(super) fn place(&self) -> String {
         let middle = |[from, to]: [f64; 2]| short(0.5 * (from + to));
-        format!("{}, {}", middle(self.theta_deg), middle(self.phi_deg))
+        let phi = self.phi_deg.map_or_else(|| "any".to_owned(), middle);
+        format!("{}, {phi}", middle(self.theta_deg))
+    }
+}
+
+/// Returns `true` if these differ by no more than their errors: if their chi-squared about their mean exceeds that of bins which are averaged with
+/// their mirror images by less than three deviations.
+fn is_even(bins: &[Estimate]) -> bool {
+    let freedom = bins.len() as f64 - 1.0;
+    let mean = bins.iter().map(|bin| bin.mean).sum::<f64>() / bins.len() as f64;
+    let square = |bin: &Estimate| {
+        let deviation = bin.mean - mean;
+        // Equal bins are even, whatever their errors, and all others are not if they have none.
+        match bin.se {
+            _ if deviation.abs() <= 1e-9 * mean => 0.0,
+            Some(se) => (deviation / se).powi(2),
+            None => f64::INFINITY,
+        }
+    };
+    bins.iter().map(square).sum::<f64>() < freedom + 6.0 * freedom.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_azimuth_is_told_where_bins_differ_by_more_than_noise() {
+        let bins = |means: [f64; 4], se: Option<f64>| means.map(|mean| Estimate { mean, se });
+        assert!(is_even(&bins([1.0, 1.1, 0.9, 1.05], Some(0.1))));
+        assert!(!is_even(&bins([1.0, 1.1, 0.9, 3.0], Some(0.1))));
+        assert!(is_even(&bins([1.0; 4], None)));
+        assert!(!is_even(&bins([1.0, 1.1, 0.9, 1.05], None)));
+        assert!(!is_even(&bins([0.0, 0.0, 0.0, 1.0], Some(0.0))));
+        let peak = |phi_deg| Peak {
+            theta_deg: [0.0, 5.0],
+            phi_deg,
+            bsdf: Estimate {
+                mean: 1.0,
+                se: None,
+            },
+        };
+        assert_eq!(peak(None).place(), "2.5, any");
+        assert_eq!(peak(Some([110.0, 120.0])).place(), "2.5, 115");
     }
 }

@@ -175,6 +175,11 @@ pub(crate) fn in_plane<'a>(outcome: &'a Outcome, models: &'a [ModelOutcome]) -> 
         .with_rows(places(spec, |side| spec.in_plane_filter(side).len()))
 }
 
+/// A difference over its standard error; infinite if that is zero, and `None` if both are.
+fn z_score(difference: f64, standard_error: f64) -> Option<f64> {
+    (difference != 0.0 || standard_error > 0.0).then(|| difference / standard_error)
+}
+
 /// The name of a model within those of columns.
 fn column_name(model: &ModelOutcome) -> String {
     model.model.name().replace('-', "_")
@@ -188,8 +193,8 @@ pub(crate) fn comparison<'a>(case: &'a Judgement<'_>) -> Csv<'a> {
     let first = spec.recorded_bins().start;
     let mut table = Table::new().columns(bin_columns(spec.grid(), |bin| *bin));
     for component in COMPARED.into_iter().filter(shown) {
-        let bins = spec.grid_entries(component);
-        let flux = move |bin: &usize| Some(case.outcome.statistics.at(bins.get(*bin)));
+        let entries = spec.grid_entries(component);
+        let flux = move |bin: &usize| Some(case.outcome.statistics.at(entries.get(*bin)));
         let name = format!("flux_{}", key(component));
         table = table.column(Column::estimate(name, "explicit flux into the bin", flux));
         let of_component = match component {
@@ -203,18 +208,27 @@ pub(crate) fn comparison<'a>(case: &'a Judgement<'_>) -> Csv<'a> {
         for (model, compared) in claimed.filter_map(|m| Some((m, m.compared(component)?))) {
             let bins = &compared.comparison.bins;
             let name = |what| format!("{what}_{of_component}{}", column_name(model));
-            let flux = move |bin: &usize| bins[bin - first].model;
-            let z = move |bin: &usize| bins[bin - first].z;
+            let of_model = move |bin: &usize| Estimate {
+                mean: bins[bin - first].model,
+                ..model.expectation.statistics().at(entries.get(*bin))
+            };
+            let is_exact = model.expectation.is_exact();
+            let z = move |bin: &usize| {
+                let (found, of_model) = (flux(bin)?, of_model(bin));
+                let noise = if is_exact { 0.0 } else { of_model.se? };
+                z_score(found.mean - of_model.mean, found.se?.hypot(noise))
+            };
+            let about = "flux that the model expects";
+            let expected = match is_exact {
+                true => Column::new(name("flux"), about, move |bin| of_model(bin).mean),
+                false => Column::estimate(name("flux"), about, move |bin| Some(of_model(bin))),
+            };
             let tested = move |bin: &usize| u64::from(bins[bin - first].tested);
             table = table
-                .column(Column::new(
-                    name("flux"),
-                    "flux that the model expects",
-                    flux,
-                ))
+                .column(expected)
                 .column(Column::new(
                     name("z"),
-                    "their difference in standard errors",
+                    "their difference over the root of the sum of the squares of their standard errors",
                     z,
                 ))
                 .column(Column::new(

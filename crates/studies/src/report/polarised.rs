@@ -97,7 +97,7 @@ fn with_elements<'a, R: 'a>(
     let flux = move |row: &R| Some(statistics.at(entry(row)));
     let elements = elements().map(move |[row, column]| {
         let name = format!("m{row}{column}");
-        let about = "element of the Mueller matrix over the flux, its first element";
+        let about = "element of the Mueller matrix over the flux, its first element; empty where the flux has the error of fewer than 20 rays";
         let measure = Measure::Element { row, column };
         Column::estimate(name, about, move |place: &R| {
             statistics.over_flux(entry(place), measure)
@@ -209,7 +209,8 @@ pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static s
     }
 }
 
-/// A Mueller matrix, null where no light leaves, as `mean` and `se`, and over its first element as `normalised` and `normalised_se`.
+/// A Mueller matrix, null where no light leaves, as `mean` and `se`, and over its first element as `normalised` and `normalised_se`, which are
+/// null for fewer than 20 rays.
 fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
     let spec = statistics.spec();
     let element = |row, column| {
@@ -217,9 +218,10 @@ fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
         entry.map(|entry| statistics.at(entry))
     };
     let over = |row, column| statistics.over_flux(flux, Measure::Element { row, column });
-    if over(0, 0).is_none() {
+    if element(0, 0).is_none_or(|first| first.mean == 0.0) {
         return Value::Null;
     }
+    let is_known = over(0, 0).is_some();
     let matrix = |of: &dyn Fn(usize, usize) -> Option<f64>| {
         let rows = (0..4).map(|row| (0..4).map(|column| of(row, column)).collect::<Vec<_>>());
         json!(rows.collect::<Vec<_>>())
@@ -227,8 +229,8 @@ fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
     json!({
         "mean": matrix(&|row, column| Some(element(row, column)?.mean)),
         "se": matrix(&|row, column| element(row, column)?.se),
-        "normalised": matrix(&|row, column| Some(over(row, column)?.mean)),
-        "normalised_se": matrix(&|row, column| over(row, column)?.se),
+        "normalised": is_known.then(|| matrix(&|row, column| Some(over(row, column)?.mean))),
+        "normalised_se": is_known.then(|| matrix(&|row, column| over(row, column)?.se)),
     })
 }
 

@@ -48,6 +48,11 @@ impl Polarimetry {
         self.len() == 0
     }
 
+    /// All measures, in the order of their numbers.
+    pub fn measures(self) -> impl Iterator<Item = Measure> {
+        (0..self.len()).map(move |index| self.measure(index))
+    }
+
     /// Number of a measure among those of a flux entry, if it is kept: elements column by column.
     #[must_use]
     pub(crate) const fn index(self, measure: Measure) -> Option<usize> {

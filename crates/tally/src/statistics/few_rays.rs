@@ -2,21 +2,28 @@
 //!
 //! The scatter of few rays says little of how far they may be off. Where one ray in fifty carries half of the flux, eight rays
 //! without it agree well with each other and lie far too low. Where no ray was seen to deviate from a control variate, nothing scatters
-//! at all. An entry of fewer than [`FEW_RAYS`] rays therefore has an error of at least one more ray of the root mean square flux
-//! that rays carry to its side, times the root of the number of rays that are expected in it where that is below one.
+//! at all. An entry of fewer than [`FEW_RAYS`] rays that carry its quantity therefore has an error of at least one more ray of the root
+//! mean square flux that rays carry to its side, times the root of the number of rays that are expected in it where that is below one.
+//!
+//! Rays are counted in bins. In rings and in-plane bins of single orders their number is that of equal rays which would scatter as
+//! much. Rays that met the surface once carry nothing of what averaging s and p changes.
 //!
 //! An estimate of zero variance has no such error where all samples may have missed a rare event: [`zero_variance_limit`] bounds its
 //! probability.
 
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use super::batches::Estimate;
+use super::sample_groups::{
+    FEW_RAYS, entries_of, expected_samples, flux_groups, measured_groups, raise,
+};
 use crate::spec::filters::Half;
 use crate::values::single_path;
-use crate::{Component, ControlVariate, Entry, Score, Side, TallyResult, TallySpec, TallyValues};
-
-/// Rays from which on their own scatter is taken for the error.
-pub const FEW_RAYS: f64 = 20.0;
+use crate::{
+    Component, ControlVariate, Entries, Entry, Measure, Score, Side, TallyResult, TallySpec,
+    TallyValues,
+};
 
 /// Upper limit, at 95 %, of the expected number of events of which none was seen: `-ln 0.05`, as the rule of three has it.
 const UNSEEN: f64 = 3.0;
@@ -46,6 +53,8 @@ pub struct RayErrors<'a> {
     pub squares: &'a TallyValues,
     /// Incident rays.
     pub rays: u64,
+    /// Azimuth towards which the light travels, radians.
+    pub forward_azimuth: f64,
     /// `true` if bins are averaged with their mirror images, whose rays count for both.
     pub folded: bool,
     /// The control variate, with which rays of order one are counted only where they deviate from it.
@@ -62,6 +71,20 @@ struct SideRays {
     square: f64,
 }
 
+impl SideRays {
+    /// Entries of a score that the rays add to, as far as they are kept: of their component, and of all light if the surface tells components
+    /// apart.
+    fn entries(&self, spec: &TallySpec, score: Score) -> Vec<Entries> {
+        let all = Component::SURFACE.contains(&self.component);
+        let components = [self.component].into_iter();
+        components
+            .chain(all.then_some(Component::All))
+            .filter(|&component| spec.keeps(score, component))
+            .map(|component| spec.component_entries(score, self.side, component))
+            .collect()
+    }
+}
+
 impl RayErrors<'_> {
     /// Standard errors below which none should be reported; zero where the scatter of rays can be trusted, and where no ray is
     /// expected.
@@ -70,13 +93,17 @@ impl RayErrors<'_> {
         let spec = *self.means.spec();
         let mut squares = TallyValues::zeros(spec);
         for side in spec.sides() {
-            for component in Component::SURFACE {
+            for &component in Component::SURFACE.iter().chain(spec.components()) {
                 let rays = self.on_side(side, component);
-                self.add_bins(&mut squares, &rays);
-                self.add_rings(&mut squares, &rays);
+                let in_rings = self.in_rings(&rays);
+                let expected = expected_samples(&in_rings, FEW_RAYS);
+                self.add_bins(&mut squares, &rays, &expected);
+                self.add_rings(&mut squares, &rays, &in_rings, &expected);
                 self.add_totals(&mut squares, &rays);
             }
         }
+        self.raise_orders(&mut squares);
+        self.raise_measures(&mut squares);
         let mut least = squares.map(|square| square.sqrt());
         self.add_budget(&mut least);
         least
@@ -128,6 +155,17 @@ impl RayErrors<'_> {
         expected.min(1.0)
     }
 
+    /// Rays of each ring.
+    fn in_rings(&self, rays: &SideRays) -> Vec<f64> {
+        let grid = self.means.spec().grid();
+        let bins: Vec<f64> = self
+            .hits(rays.side, rays.component, 0..grid.bins_per_side())
+            .collect();
+        let each = if self.folded { 0.5 } else { 1.0 } * self.rays as f64;
+        let in_ring = |bins: &[f64]| each * bins.iter().sum::<f64>();
+        bins.chunks(grid.n_phi()).map(in_ring).collect()
+    }
+
     /// Rays per incident ray in bins of a side. Bins and their mirror images have all rays of both.
     fn hits(
         &self,
@@ -138,20 +176,21 @@ impl RayErrors<'_> {
         bins.map(move |i| self.means.hits(side, component, i))
     }
 
-    fn add_bins(&self, squares: &mut TallyValues, rays: &SideRays) {
+    /// `in_rings`: rays that are expected in rings of few.
+    fn add_bins(&self, squares: &mut TallyValues, rays: &SideRays, in_rings: &[f64]) {
         let spec = *self.means.spec();
         let sectors = spec.grid().n_phi();
         // A ray counts half in its own bin and half in the mirror image.
         let square = if self.folded { 0.25 } else { 1.0 } * rays.square;
-        let [bins, all] = [rays.component, Component::All].map(|c| spec.bin_entries(rays.side, c));
-        for ring in 0..spec.grid().n_theta() {
+        let kept = rays.entries(&spec, Score::BinFlux);
+        for (ring, &expected_there) in in_rings.iter().enumerate() {
             let hits = self.hits(
                 rays.side,
                 rays.component,
                 ring * sectors..(ring + 1) * sectors,
             );
             let in_bins: Vec<f64> = hits.map(|hits| hits * self.rays as f64).collect();
-            let in_ring = in_bins.iter().sum::<f64>();
+            let in_ring = in_bins.iter().sum::<f64>().max(expected_there);
             for (sector, &found) in in_bins.iter().enumerate() {
                 let of_ring = spec.grid().part_of_ring(rays.side, sector, in_ring);
                 let i = ring * sectors + sector;
@@ -160,72 +199,172 @@ impl RayErrors<'_> {
                     None => found.max(of_ring),
                 };
                 if found < FEW_RAYS {
-                    let expected = self.expected_rays(rays, bins.get(i), by_ring);
-                    squares[bins.get(i)] += square * expected;
-                    squares[all.get(i)] += square * expected;
+                    let expected = self.expected_rays(rays, kept[0].get(i), by_ring);
+                    for bins in &kept {
+                        squares[bins.get(i)] += square * expected;
+                    }
                 }
             }
         }
     }
 
-    /// Rings, and the in-plane bins over them, whose rays are not counted and are taken to be a part of those of the ring.
-    fn add_rings(&self, squares: &mut TallyValues, rays: &SideRays) {
+    /// Rings, and the in-plane bins over them, whose rays are those of the bins that they lie over. `expected`: rays of rings of few.
+    fn add_rings(
+        &self,
+        squares: &mut TallyValues,
+        rays: &SideRays,
+        in_rings: &[f64],
+        expected: &[f64],
+    ) {
         let spec = *self.means.spec();
-        let sectors = spec.grid().n_phi();
+        let grid = spec.grid();
         let filter = spec.in_plane_filter(rays.side);
-        let part_of_slice = spec.in_plane_half_width() / std::f64::consts::PI;
-        // Of multiple scattering alone there are no rings.
-        let kept = [rays.component, Component::All]
-            .into_iter()
-            .filter(|&component| spec.keeps(Score::RingFlux, component));
-        for ring in 0..spec.grid().n_theta() {
-            let hits = self.hits(
-                rays.side,
-                rays.component,
-                ring * sectors..(ring + 1) * sectors,
-            );
-            let in_ring =
-                if self.folded { 0.5 } else { 1.0 } * hits.sum::<f64>() * self.rays as f64;
-            let ring_of = |component| spec.ring_entries(rays.side, component).get(ring);
-            let of_all = ring_of(Component::All);
-            self.add(squares, rays, in_ring, of_all, kept.clone().map(ring_of));
+        let kept = [Score::RingFlux, Score::InPlaneFlux].map(|score| rays.entries(&spec, score));
+        for (ring, &in_ring) in in_rings.iter().enumerate() {
+            let bins = ring * grid.n_phi()..(ring + 1) * grid.n_phi();
+            let hits: Vec<f64> = self.hits(rays.side, rays.component, bins).collect();
+            let each = if self.folded { 0.5 } else { 1.0 } * self.rays as f64;
+            let ring_entries = kept[0].iter().map(|rings| rings.get(ring));
+            self.add(squares, rays, in_ring, expected[ring], ring_entries);
             for half in Half::BOTH {
-                let i = filter.number(ring, half);
-                let slice_of = |component| spec.in_plane_entries(rays.side, component).get(i);
-                let slice = slice_of(Component::All);
-                let part = (self.means[slice] / self.means[of_all]).max(part_of_slice);
-                let in_slice = if part.is_finite() {
-                    in_ring * part
-                } else {
-                    0.0
-                };
-                self.add(squares, rays, in_slice, slice, kept.clone().map(slice_of));
+                let parts = self.parts_in_slice(rays.side, half);
+                let found: f64 = hits
+                    .iter()
+                    .zip(parts)
+                    .map(|(hits, part)| each * hits * part)
+                    .sum();
+                let evenly = spec.in_plane_half_width() / PI * in_ring.max(expected[ring]);
+                let slices = kept[1].iter();
+                let slices = slices.map(|slices| slices.get(filter.number(ring, half)));
+                self.add(squares, rays, found, found.max(evenly), slices);
             }
         }
     }
 
-    fn add_totals(&self, squares: &mut TallyValues, rays: &SideRays) {
+    /// Parts of the sectors of a side that lie in one half of the in-plane slice.
+    fn parts_in_slice(&self, side: Side, half: Half) -> impl Iterator<Item = f64> {
         let spec = *self.means.spec();
-        let of_side = spec.flux_entry(rays.side, rays.component);
-        let path = spec.event_path_entry(rays.side, single_path(rays.side));
-        let entries = [of_side, spec.flux_entry(rays.side, Component::All)];
-        let path = (rays.component == Component::Single).then_some(path);
-        let entries = entries.into_iter().chain(path);
-        self.add(squares, rays, rays.count, of_side, entries);
+        let grid = spec.grid();
+        let width = spec.in_plane_half_width();
+        let middle = match half {
+            Half::Forward => self.forward_azimuth,
+            Half::Backward => self.forward_azimuth + PI,
+        };
+        (0..grid.n_phi()).map(move |sector| {
+            let [from, to] = [0, 1].map(|k| grid.phi_edge(side, sector + k));
+            let first = middle + TAU * ((from - middle) / TAU).floor();
+            let overlap =
+                |middle: f64| (to.min(middle + width) - from.max(middle - width)).max(0.0);
+            [first, first + TAU, first + 2.0 * TAU]
+                .map(overlap)
+                .iter()
+                .sum::<f64>()
+                / (to - from)
+        })
     }
 
-    /// Adds the square of the error of few rays to `entries`. `found`: rays of them; `of_all`: the entry that tells how many are expected.
+    fn add_totals(&self, squares: &mut TallyValues, rays: &SideRays) {
+        let spec = *self.means.spec();
+        let path = spec.event_path_entry(rays.side, single_path(rays.side));
+        let entries = rays.entries(&spec, Score::Flux).into_iter();
+        let entries = entries.map(|entries| entries.get(0));
+        let path = (rays.component == Component::Single).then_some(path);
+        self.add(squares, rays, rays.count, rays.count, entries.chain(path));
+    }
+
+    /// Adds the square of the error of few rays to `entries`, the first of which tells how many rays deviate from a control variate.
+    /// `found`: rays of them; `expected`: rays that are expected without a control variate.
     fn add(
         &self,
         squares: &mut TallyValues,
         rays: &SideRays,
         found: f64,
-        of_all: Entry,
+        expected: f64,
         entries: impl Iterator<Item = Entry>,
     ) {
-        if found < FEW_RAYS {
-            let square = rays.square * self.expected_rays(rays, of_all, found);
-            entries.for_each(|entry| squares[entry] += square);
+        if found >= FEW_RAYS {
+            return;
+        }
+        let mut entries = entries.peekable();
+        let Some(&first) = entries.peek() else {
+            return;
+        };
+        let expected = match self.expected(rays.component) {
+            Some(_) => found,
+            None => expected,
+        };
+        let square = rays.square * self.expected_rays(rays, first, expected);
+        entries.for_each(|entry| squares[entry] += square);
+    }
+
+    /// Orders of two and more and their event paths, whose rays are not counted.
+    fn raise_orders(&self, squares: &mut TallyValues) {
+        let spec = *self.means.spec();
+        let first = |side: Side| {
+            let path = spec.event_path_entry(side, single_path(side));
+            [spec.flux_entry(side, Component::Single), path]
+        };
+        let controlled: Vec<Entry> = spec.sides().flat_map(first).collect();
+        for mut entries in flux_groups(&spec, [Score::RingFlux, Score::InPlaneFlux]) {
+            entries.retain(|entry| !controlled.contains(entry));
+            let samples: Vec<f64> = entries
+                .iter()
+                .map(|&entry| self.equal_rays(entry))
+                .collect();
+            self.raise(squares, &entries, &samples);
+        }
+    }
+
+    fn raise(&self, squares: &mut TallyValues, entries: &[Entry], samples: &[f64]) {
+        let limits = [FEW_RAYS, f64::INFINITY];
+        raise(squares, self.squares, entries, samples, limits);
+    }
+
+    /// Number of equal rays that would scatter as much as the light of an entry.
+    fn equal_rays(&self, entry: Entry) -> f64 {
+        let mean = self.means[entry];
+        match mean == 0.0 {
+            true => 0.0,
+            false => mean * mean / self.squares[entry],
+        }
+    }
+
+    /// Measures of polarised light, by the rays that carry them: those of orders in which the measure is not zero on the side.
+    fn raise_measures(&self, squares: &mut TallyValues) {
+        let spec = *self.means.spec();
+        let first = Measure::Element { row: 0, column: 0 };
+        let rays = |flux: Entry| self.equal_rays(spec.measure_entry(flux, first).unwrap_or(flux));
+        for measure in spec.polarimetry().measures() {
+            let beside = |flux: Entry| spec.measure_entry(flux, measure);
+            let is_carried = |side: Side, order: Component| {
+                let entry = beside(spec.flux_entry(side, order));
+                entry.is_some_and(|entry| self.means[entry] != 0.0 || self.squares[entry] > 0.0)
+            };
+            for (side, score, component) in measured_groups(&spec) {
+                let of_order = |order: Component| component == Component::All || component == order;
+                let orders = Component::ORDERS.into_iter();
+                let orders: Vec<Component> = orders
+                    .filter(|&order| of_order(order) && is_carried(side, order))
+                    .collect();
+                let fluxes = entries_of(&spec, score, side, component);
+                let carriers = |i: usize| -> f64 {
+                    if score != Score::BinFlux {
+                        let of = |&order: &Component| {
+                            rays(spec.component_entries(score, side, order).get(i))
+                        };
+                        orders.iter().map(of).sum()
+                    } else if orders.contains(&Component::Single) {
+                        rays(fluxes[i])
+                    } else if orders.is_empty() {
+                        0.0
+                    } else {
+                        self.rays as f64 * self.means.hits(side, Component::Multiple, i)
+                    }
+                };
+                let samples: Vec<f64> = (0..fluxes.len()).map(carriers).collect();
+                let entries: Vec<Entry> = fluxes.into_iter().filter_map(beside).collect();
+                self.raise(squares, &entries, &samples);
+            }
         }
     }
 
@@ -289,6 +428,7 @@ mod tests {
             means: &means(),
             squares,
             rays: RAYS,
+            forward_azimuth: 0.0,
             folded,
             control_variate: None,
         }
@@ -371,6 +511,7 @@ mod tests {
                 means,
                 squares: &zeros,
                 rays: RAYS,
+                forward_azimuth: 0.0,
                 folded: false,
                 control_variate: Some(&control_variate),
             }

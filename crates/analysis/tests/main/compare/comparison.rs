@@ -113,7 +113,8 @@ fn p_values_of_a_correct_model_are_uniform_unlike_chi_squared() {
         )
         .unwrap();
         honest.push(result.test.unwrap().p);
-        let z: Vec<f64> = result.bins.iter().filter_map(|b| b.z).collect();
+        let z = |b: &asperity_analysis::BinComparison| Some((b.mean - b.model) / b.standard_error?);
+        let z: Vec<f64> = result.bins.iter().filter_map(z).collect();
         let chi_squared = chi_squared_per_degree(&z).unwrap() * BINS as f64;
         naive.push(chi_squared_survival(chi_squared, BINS));
     }

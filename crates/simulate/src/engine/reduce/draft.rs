@@ -4,7 +4,7 @@ use asperity_tally::{TallyResult, TallyValues};
 
 use super::tallies::CaseTallies;
 use crate::engine::prepare::case_run::CaseRun;
-use crate::errors::budget::{ErrorBudget, TracedRays};
+use crate::errors::budget::ErrorBudget;
 use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
@@ -31,41 +31,37 @@ pub(crate) struct Draft {
 impl Draft {
     /// The outcome, with its errors by where they come from.
     pub(crate) fn finish(self, settings: &Settings) -> Outcome {
-        let rays = self.tallies.work.rays;
-        let statistics = self.tallies.statistics();
+        let mut statistics = self.tallies.statistics();
         let is_analytic = self.deviation_bound.is_some();
-        let statistics = if is_analytic {
-            statistics
-        } else {
-            let squares = self.tallies.error_squares_of_rays();
-            self.run
-                .method()
-                .with_least_errors(statistics, &squares, rays)
-        };
+        let least = (!is_analytic).then(|| self.tallies.least_errors(&self.run, &statistics));
+        if let Some(least) = &least {
+            statistics = statistics.with_least_errors(least.all.clone());
+        }
         let errors_from = match self.tallies.blocks_of_one {
             _ if is_analytic => ErrorSource::DeviationBound,
             Some(_) => ErrorSource::RayBlocks,
             None if self.run.case.surface.shapes().len() == 1 => ErrorSource::Regions,
             None => ErrorSource::Surfaces,
         };
-        let traced_rays = TracedRays {
-            method: self.run.method(),
-            count: rays,
-        };
-        let errors = match errors_from {
-            ErrorSource::DeviationBound => {
+        let errors = match least {
+            None => {
                 let spec = settings.spec_of(&self.run.case);
                 ErrorBudget::of_bounds(TallyValues::from_fn(spec, |entry| {
                     statistics.at(entry).se.unwrap_or(0.0)
                 }))
             }
-            ErrorSource::RayBlocks => {
-                ErrorBudget::of_one(&statistics, traced_rays, self.mesh_errors(settings))
-            }
-            ErrorSource::Surfaces | ErrorSource::Regions => {
+            Some(least) => {
                 let mesh = self.mesh_errors(settings);
-                let of_rays = self.tallies.error_squares_of_rays();
-                ErrorBudget::of_surfaces(&statistics, of_rays, traced_rays, mesh)
+                let method = self.run.method();
+                match errors_from {
+                    ErrorSource::RayBlocks => {
+                        ErrorBudget::of_one(&statistics, method, &least, mesh)
+                    }
+                    _ => {
+                        let of_rays = self.tallies.error_squares_of_rays();
+                        ErrorBudget::of_surfaces(&statistics, of_rays, &least, mesh)
+                    }
+                }
             }
         };
         let (tallies, run) = (self.tallies, self.run);

@@ -117,9 +117,8 @@ impl Group {
             Some(control) => tallies.adjusted_statistics(&control),
             None => tallies.statistics(),
         };
-        let of_rays = tallies.error_squares_of_rays();
-        let method = run.method();
-        let statistics = method.with_least_errors(statistics, &of_rays, tallies.work.rays);
+        let least = tallies.least_errors(run, &statistics);
+        let statistics = statistics.with_least_errors(least.all);
         self.target()?.of().error(&statistics)
     }
 

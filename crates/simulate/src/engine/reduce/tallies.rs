@@ -1,10 +1,13 @@
 //! The tallies of one case, surface by surface.
 
 use asperity_surface::SlopeMoments;
-use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
+use asperity_tally::{LitSurfaces, TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 
+use crate::engine::prepare::case_run::CaseRun;
+use crate::errors::budget::LeastErrors;
 use crate::errors::refinement::MeshShifts;
+use crate::input::surface_source::SurfaceSource;
 use crate::methods::control_variates::slopes::SlopeControlVariate;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
@@ -14,6 +17,8 @@ use crate::output::work::Used;
 pub(crate) struct CaseTallies {
     /// Flux fractions of each surface.
     pub(crate) surfaces: Vec<TallyValues>,
+    /// Surfaces behind each entry.
+    lit: LitSurfaces,
     /// Moments of the slopes of each, of random surfaces.
     pub(crate) slopes: Vec<SlopeMoments>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
@@ -31,6 +36,7 @@ impl CaseTallies {
     fn new(spec: TallySpec, used: Used) -> Self {
         Self {
             surfaces: Vec::new(),
+            lit: LitSurfaces::new(spec),
             slopes: Vec::new(),
             ray_squares: TallyValues::zeros(spec),
             blocks_of_one: None,
@@ -75,6 +81,7 @@ impl CaseTallies {
             work,
             ..
         } = case;
+        self.lit.push(tally.means());
         self.surfaces.push(tally.means().clone());
         self.ray_squares += &tally.error_squares();
         self.blocks_of_one = is_only.then_some(tally);
@@ -85,6 +92,7 @@ impl CaseTallies {
     /// Puts the surfaces of `more` behind those that are there.
     pub(crate) fn append(&mut self, more: Self) {
         self.surfaces.extend(more.surfaces);
+        self.lit.append(&more.lit);
         self.slopes.extend(more.slopes);
         self.ray_squares += &more.ray_squares;
         self.blocks_of_one = None;
@@ -115,6 +123,24 @@ impl CaseTallies {
     pub(crate) fn error_squares_of_rays(&self) -> TallyValues {
         let n = self.surfaces.len() as f64;
         self.ray_squares.map(|sum| sum / (n * n))
+    }
+
+    /// Errors below which no mean of `statistics`, which are of these tallies, is reported.
+    pub(crate) fn least_errors(&self, run: &CaseRun, statistics: &TallyStatistics) -> LeastErrors {
+        let (means, squares) = (statistics.means(), self.error_squares_of_rays());
+        let light = &run.case.light;
+        let by_rays = run
+            .method()
+            .least_errors(light, means, &squares, self.work.rays);
+        let features = match &run.case.surface {
+            SurfaceSource::Random(surfaces) => surfaces.random_features(),
+            SurfaceSource::Given(_) | SurfaceSource::Described(_) => None,
+        };
+        let by_surfaces = self.lit.least(means, &statistics.error_squares(), features);
+        LeastErrors {
+            all: by_rays.zip_map(&by_surfaces, |a, b| a.max(*b)),
+            by_rays,
+        }
     }
 
     /// Statistics of the tallies; a batch is a surface, or a block of rays where there is only one surface.

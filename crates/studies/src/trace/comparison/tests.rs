@@ -61,12 +61,32 @@ const MIRROR: &str = "[material]\nkind = \"mirror\"\n[light]\ntheta = 30\n[run]\
 
 const GLASS: &str = "[material]\neta = 1.5\n[light]\ntheta = 30\n[run]\nbins = \"9x12\"\nrays = 50000\n[compare]\nmodel_rays = 20000\n";
 
-/// For `n` surfaces of which a model is true, `n a` are rejected at level `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than
-/// one of 10^4 such tests.
+/// Asserts that p values are those of a true model: `n a` of `n` lie below `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than one of
+/// 10^4 such tests; their mean is 1/2 with the deviation `(12 n)^(-1/2)`.
+fn assert_uniform(p: &[f64]) {
+    println!("{p:?}");
+    for level in [0.01, 0.05, 0.2, 0.5] {
+        let rejected = p.iter().filter(|p| **p < level).count() as f64;
+        let due = p.len() as f64 * level;
+        println!("{rejected} below {level}, {due} due");
+        assert!(
+            rejected <= due + 4.0 * due.sqrt(),
+            "{rejected} below {level}"
+        );
+    }
+    let mean = p.iter().sum::<f64>() / p.len() as f64;
+    println!("mean {mean}");
+    assert!(
+        (mean - 0.5).abs() < 4.0 / (12.0 * p.len() as f64).sqrt(),
+        "{mean}"
+    );
+}
+
+/// Bins meet at the mirror direction, where mean slopes of regions move the most light from one to another.
 #[test]
 #[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn true_models_are_rejected_as_often_as_their_level_says() {
-    const SEEDS: u64 = 40;
+    const SEEDS: u64 = 80;
     let grooves = Psd::anisotropic_gaussian(4.0 / SMOOTH, 4.0, 6.0, 0.5).unwrap();
     let of_seed = |seed: u64| {
         let surface = match seed % 2 {
@@ -77,17 +97,7 @@ fn true_models_are_rejected_as_often_as_their_level_says() {
         let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}models = \"smith\"");
         run(planned(surface, &settings), p_values)[0]
     };
-    let p: Vec<f64> = (0..SEEDS).map(of_seed).collect();
-    println!("{p:?}");
-    for level in [0.01, 0.05, 0.2, 0.5] {
-        let rejected = p.iter().filter(|p| **p < level).count() as f64;
-        let due = SEEDS as f64 * level;
-        println!("{rejected} below {level}, {due} due");
-        assert!(
-            rejected <= due + 4.0 * due.sqrt(),
-            "{rejected} below {level}"
-        );
-    }
+    assert_uniform(&(0..SEEDS).map(of_seed).collect::<Vec<f64>>());
 }
 
 /// Peaks and flat valleys: the exponential of a Gaussian surface, whose slopes are not Gaussian, and so gentle that hardly any is shadowed.
@@ -118,16 +128,7 @@ fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {
         run(planned(surface, &settings), p_values)
     };
     let p: Vec<Vec<f64>> = (0..SEEDS).map(of_seed).collect();
-    println!("{p:?}");
-    for level in [0.01, 0.05, 0.2, 0.5] {
-        let rejected = p.iter().filter(|p| p[0] < level).count() as f64;
-        let due = SEEDS as f64 * level;
-        println!("{rejected} below {level}, {due} due");
-        assert!(
-            rejected <= due + 4.0 * due.sqrt(),
-            "{rejected} below {level}"
-        );
-    }
+    assert_uniform(&p.iter().map(|p| p[0]).collect::<Vec<f64>>());
     let wrong = |first: usize| {
         p.iter()
             .skip(first)
