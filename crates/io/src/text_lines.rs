@@ -39,6 +39,14 @@ impl<'a> Line<'a> {
     }
 }
 
+/// The number that a text states, with a decimal point or a decimal comma.
+pub(crate) fn decimal(text: &str) -> Option<f64> {
+    match text.split_once(',') {
+        None => text.parse().ok(),
+        Some((whole, digits)) => format!("{whole}.{digits}").parse().ok(),
+    }
+}
+
 /// At most the first 40 characters, on one line, for messages; control characters as escapes, `\u{0}`.
 pub(crate) fn short(text: &str) -> String {
     let mut shown = String::new();
