@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::ending_found;
+use crate::shown::shown_path;
 
 /// Error on writing a file or folder.
 ///
@@ -65,10 +66,10 @@ pub enum WriteProblem {
     #[error("is a folder; the name of a file is needed")]
     IsFolder,
     /// No folder to write into.
-    #[error("the folder `{}` does not exist", .0.display())]
+    #[error("the folder `{}` does not exist", shown_path(.0))]
     NoFolder(PathBuf),
     /// A file under the name of the folder, or of one above it.
-    #[error("`{}` is a file", .0.display())]
+    #[error("`{}` is a file", shown_path(.0))]
     FolderIsFile(PathBuf),
     /// Refusal of the operating system to make a folder or to let files into it.
     #[error("{0}")]
@@ -80,7 +81,7 @@ pub enum WriteProblem {
 
 impl Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, problem) = (self.path.display(), &self.problem);
+        let (path, problem) = (shown_path(&self.path), &self.problem);
         match problem {
             WriteProblem::Io(_) | WriteProblem::NoFolder(_) => {
                 write!(f, "cannot write `{path}`: {problem}")
