@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
-use asperity_io::{HeightMapFormat, MeshFormat, read_text};
+use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     settings_of,
@@ -343,7 +343,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         let names = names.chain(Tool::ALL.map(Tool::name));
         let known = names.collect::<Vec<_>>().join(", ");
         return Failure::usage(format!(
-            "unknown command `{name}`; the commands are {known} and help"
+            "unknown command `{}`; the commands are {known} and help",
+            shown(name)
         ))
         .into();
     }
@@ -360,7 +361,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         && !value.is_empty()
     {
         let names = format!("{} or {last}", others.join(", "));
-        return Failure::usage(format!("`{value}`: must be {names}")).into();
+        return Failure::usage(format!("`{}`: must be {names}", shown(value))).into();
     }
     if error.kind() == ErrorKind::InvalidUtf8 {
         let argument = arguments
@@ -368,7 +369,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
             .find(|argument| argument.to_str().is_none());
         let argument = argument.map_or(Default::default(), |argument| argument.to_string_lossy());
         return Failure::usage(format!(
-            "`{argument}`: not UTF-8, which arguments and names of files must be"
+            "`{}`: not UTF-8, which arguments and names of files must be",
+            shown(&argument)
         ))
         .into();
     }
@@ -401,10 +403,11 @@ const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
 
 /// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, error: &clap::Error) -> String {
+    let argument = shown(argument);
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
-    if ROUGHNESS.contains(&argument) {
+    if ROUGHNESS.contains(&argument.as_str()) {
         return format!(
             "unknown flag {argument}; roughness is given as --smoothness, s = 2 / alpha"
         );

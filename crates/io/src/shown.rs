@@ -19,6 +19,19 @@ fn is_hidden(c: char) -> bool {
         )
 }
 
+/// A text in which `escape` gives what stands for each hidden character that `keep` does not list.
+fn escaped<'t>(text: &'t str, keep: &[char], escape: impl Fn(char) -> String) -> Cow<'t, str> {
+    let is_hidden = |c: char| is_hidden(c) && !keep.contains(&c);
+    if !text.contains(is_hidden) {
+        return text.into();
+    }
+    let seen = |c: char| match is_hidden(c) {
+        true => escape(c),
+        false => c.to_string(),
+    };
+    text.chars().map(seen).collect::<String>().into()
+}
+
 /// A text of which everything is seen, on one line, long text shortened in its middle.
 ///
 /// # Examples
@@ -42,31 +55,25 @@ pub fn shown_path(path: &Path) -> String {
 #[must_use]
 pub fn within(text: &str, most: usize) -> String {
     let count = text.chars().count();
-    let escape = |c: char| match is_hidden(c) {
-        true => c.escape_unicode().to_string(),
-        false => c.to_string(),
-    };
+    let seen = |part: &str| escaped(part, &[], |c| c.escape_unicode().to_string()).into_owned();
     if count <= most {
-        return text.chars().map(escape).collect();
+        return seen(text);
     }
     let half = most / 2;
-    let start: String = text.chars().take(half).map(escape).collect();
-    let end: String = text.chars().skip(count - half).map(escape).collect();
-    format!("{start} [{} characters] {end}", count - 2 * half)
+    let start: String = text.chars().take(half).collect();
+    let end: String = text.chars().skip(count - half).collect();
+    format!(
+        "{} [{} characters] {}",
+        seen(&start),
+        count - 2 * half,
+        seen(&end)
+    )
 }
 
 /// A text of several lines with escapes for all characters that are not seen, but for line feeds and tabs.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_hidden = |c: char| is_hidden(c) && c != '\n' && c != '\t';
-    if !text.contains(is_hidden) {
-        return text.into();
-    }
-    let escape = |c: char| match is_hidden(c) {
-        true => c.escape_unicode().to_string(),
-        false => c.to_string(),
-    };
-    text.chars().map(escape).collect::<String>().into()
+    escaped(text, &['\n', '\t'], |c| c.escape_unicode().to_string())
 }
 
 /// Indented JSON; its strings have the escapes of JSON for all characters that are not seen.
@@ -76,19 +83,12 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 pub fn json_text(value: &(impl serde::Serialize + ?Sized)) -> serde_json::Result<String> {
     let text = serde_json::to_string_pretty(value)?;
     // Outside of its strings JSON has no such characters but line feeds.
-    let is_hidden = |c: char| is_hidden(c) && c != '\n';
-    if !text.contains(is_hidden) {
-        return Ok(text);
-    }
-    let escape = |c: char| match is_hidden(c) {
-        true => {
-            let units = &mut [0; 2];
-            let units = c.encode_utf16(units).iter();
-            units.map(|unit| format!("\\u{unit:04x}")).collect()
-        }
-        false => c.to_string(),
+    let escape = |c: char| {
+        let units = &mut [0; 2];
+        let units = c.encode_utf16(units).iter();
+        units.map(|unit| format!("\\u{unit:04x}")).collect()
     };
-    Ok(text.chars().map(escape).collect())
+    Ok(escaped(&text, &['\n'], escape).into_owned())
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use std::borrow::Borrow;
 use std::path::Path;
 
-use asperity_io::{ResultFolder, WriteError, write_bytes, write_json};
+use asperity_io::{ResultFolder, WriteError, printable, write_bytes, write_json};
 use asperity_plot::Figure;
 use asperity_simulate::{Case, Observer};
 use rayon::prelude::*;
@@ -90,7 +90,10 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
     {
         let name = name.into();
         self.other(vec![name.clone()], move |found, place| match text(found) {
-            Some(text) => Ok(write_bytes(place.claim(&name)?, text.as_bytes())?),
+            Some(text) => Ok(write_bytes(
+                place.claim(&name)?,
+                printable(&text).as_bytes(),
+            )?),
             None => Ok(()),
         });
     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use asperity_io::shown;
+
 use super::command::{Command, Commands};
 
 /// Place where a value was given.
@@ -33,7 +35,7 @@ impl fmt::Display for Place {
             Self::File {
                 name: Some(name),
                 line,
-            } => write!(f, "{name}: line {line}: "),
+            } => write!(f, "{}: line {line}: ", shown(name)),
             Self::File { name: None, line } => write!(f, "line {line}: "),
             Self::Flag => Ok(()),
         }
@@ -42,7 +44,7 @@ impl fmt::Display for Place {
 
 impl fmt::Display for Given {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}{}", self.place, self.text)
+        write!(f, "{}{}", self.place, shown(&self.text))
     }
 }
 
@@ -59,7 +61,7 @@ pub enum SettingError {
         expected: String,
     },
     /// Two values that exclude each other, or of one setting.
-    #[error("{first}: excludes {second}; give one or the other")]
+    #[error("{first}: excludes {}; give one or the other", shown(second))]
     Excluded {
         /// One of them.
         first: Given,
@@ -67,7 +69,10 @@ pub enum SettingError {
         second: String,
     },
     /// A key that no section of this name has.
-    #[error("{place}unknown key `{key}` in [{section}]; its keys are {known}")]
+    #[error(
+        "{place}unknown key `{}` in [{section}]; its keys are {known}",
+        shown(key)
+    )]
     UnknownKey {
         /// Its place.
         place: Place,
@@ -80,7 +85,8 @@ pub enum SettingError {
     },
     /// A section that the command does not have.
     #[error(
-        "{place}unknown section `{section}`; the sections of {command} are {known}{}",
+        "{place}unknown section `{}`; the sections of {command} are {known}{}",
+        shown(section),
         other_readers(*readers)
     )]
     UnknownSection {

@@ -1,5 +1,6 @@
 //! The layer of a configuration file: its text becomes entries with their lines.
 
+use asperity_io::shown;
 use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -36,6 +37,7 @@ impl File<'_> {
                 return Err(self.unknown_section(place, name, &sections));
             }
             let DeValue::Table(keys) = value.get_ref() else {
+                let name = shown(name);
                 let reason = format!("`{name}` must be a section, written as [{name}]");
                 return Err(SettingError::Syntax { place, reason });
             };
@@ -194,8 +196,8 @@ impl File<'_> {
                 .split('\n')
                 .next()
                 .unwrap_or_default();
-        let reason = message.trim().replace('\n', " ");
-        let line = line.trim();
+        let reason = shown(&message.trim().replace('\n', " "));
+        let (line, written) = (line.trim(), shown(line.trim()));
         let reason = match line.split_once('=') {
             // The value is what is wrong if the line is not TOML by itself either.
             Some((key, _)) if DeTable::parse(line).is_err() => {
@@ -203,14 +205,14 @@ impl File<'_> {
                 let quotes = "text and numbers with a unit stand in quotes";
                 match self.setting_named(section, key.trim()) {
                     Some(setting) => format!(
-                        "`{line}` is not valid TOML: {quotes}; {} must be {}",
+                        "`{written}` is not valid TOML: {quotes}; {} must be {}",
                         key.trim(),
                         setting.expected(self.command)
                     ),
-                    None => format!("`{line}` is not valid TOML: {quotes}"),
+                    None => format!("`{written}` is not valid TOML: {quotes}"),
                 }
             }
-            Some(_) => format!("`{line}` is not valid TOML: {reason}"),
+            Some(_) => format!("`{written}` is not valid TOML: {reason}"),
             None => reason,
         };
         SettingError::Syntax {
