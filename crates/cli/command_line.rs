@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
-use asperity_io::{HeightMapFormat, MeshFormat, read_text};
+use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     known_names, settings_of, suggestion,
@@ -349,7 +349,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         let names = Command::ALL.map(Command::name).into_iter();
         let names: Vec<&str> = names.chain(Tool::ALL.map(Tool::name)).collect();
         return Failure::usage(format!(
-            "unknown command `{name}`{} and help",
+            "unknown command `{}`{} and help",
+            shown(name),
             known_names(name, &names, "the commands are")
         ))
         .into();
@@ -367,7 +368,7 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         && !value.is_empty()
     {
         let names = format!("{} or {last}", others.join(", "));
-        return Failure::usage(format!("`{value}`: must be {names}")).into();
+        return Failure::usage(format!("`{}`: must be {names}", shown(value))).into();
     }
     if error.kind() == ErrorKind::InvalidUtf8 {
         let argument = arguments
@@ -375,7 +376,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
             .find(|argument| argument.to_str().is_none());
         let argument = argument.map_or(Default::default(), |argument| argument.to_string_lossy());
         return Failure::usage(format!(
-            "`{argument}`: not UTF-8, which arguments and names of files must be"
+            "`{}`: not UTF-8, which arguments and names of files must be",
+            shown(&argument)
         ))
         .into();
     }
@@ -408,10 +410,11 @@ const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
 
 /// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, command: Option<Command>) -> String {
+    let argument = shown(argument);
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
-    if ROUGHNESS.contains(&argument) {
+    if ROUGHNESS.contains(&argument.as_str()) {
         return format!(
             "unknown flag {argument}; roughness is given as --smoothness, s = 2 / alpha"
         );
@@ -419,7 +422,7 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     let settings = settings_of(command.unwrap_or(Command::Trace));
     let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
     let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
-    match suggestion(argument, &flags) {
+    match suggestion(&argument, &flags) {
         Some(similar) => format!("unknown flag {argument}; did you mean --{similar}?"),
         None => format!("unknown flag {argument}; see --help"),
     }

@@ -4,10 +4,14 @@ use std::fmt::Display;
 use std::io::Write;
 use std::process::ExitCode;
 
+use asperity_io::within;
 use asperity_simulate::SimulateError;
 use asperity_studies::StudyError;
 use asperity_studies::settings::Document;
 use asperity_surface::RefinementError;
+
+/// Most characters of a reason: what it names may be of any length.
+const MAX_REASON: usize = 2000;
 
 /// Reason for which a command failed.
 #[derive(Debug)]
@@ -66,6 +70,7 @@ impl Failure {
     /// Prints the sentence and returns the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let (Self::Usage(reason) | Self::Failed(reason)) = self;
+        let reason = within(reason, MAX_REASON);
         // A closed standard error is ignored.
         let _ = writeln!(std::io::stderr().lock(), "asperity: {reason}");
         match self {

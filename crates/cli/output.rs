@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use asperity_io::ResultFolder;
+use asperity_io::{ResultFolder, json_text, printable};
 use asperity_studies::settings::Document;
 use serde::Serialize;
 
@@ -13,7 +13,10 @@ use crate::output_files::refuse_input;
 /// Prints `text`; a reader that has gone away is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out
+        .write_all(printable(text).as_bytes())
+        .and_then(|()| out.flush())
+    {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::failed(format!(
             "standard output could not be written: {error}"
         ))),
@@ -23,14 +26,14 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints `value` as JSON.
 pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
-    let mut text = serde_json::to_string_pretty(value).map_err(Failure::failed)?;
+    let mut text = json_text(value).map_err(Failure::failed)?;
     text.push('\n');
     print(&text)
 }
 
 /// Prints a line on standard error; a closed standard error is ignored.
 pub(crate) fn say(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
 }
 
 /// Prints a note on standard error for each of `notes`.

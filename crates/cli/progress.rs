@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use asperity_io::shown;
 use asperity_simulate::{Observer, StoppedBy};
 use asperity_studies::wrapped;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -120,7 +121,7 @@ fn bar(stage: &str, total: u64) -> ProgressBar {
     ) {
         bar.set_style(style.progress_chars("=> "));
     }
-    bar.set_message(stage.to_owned());
+    bar.set_message(shown(stage));
     bar
 }
 
@@ -141,10 +142,7 @@ impl Observer for Progress {
     }
 
     fn note(&self, text: &str) {
-        self.with_bar(
-            |bar| bar.set_prefix(text.to_owned()),
-            |lines| lines.note(text),
-        );
+        self.with_bar(|bar| bar.set_prefix(shown(text)), |lines| lines.note(text));
     }
 
     fn explain(&self, text: &str) {

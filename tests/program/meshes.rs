@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{files, json, refused, succeed, with_surface};
+use crate::support::{files, json, refused, succeed, unwrapped, with_surface, words};
 use serde_json::Value;
 
 /// A cube of side 2 on a square ground of side 6 with a gap beneath it, by polygons.
@@ -187,4 +187,86 @@ fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
     let error = refused(folder, &trace(&[]), 1);
     assert!(error.contains("face opposite sides"), "{error}");
     assert_eq!(files(folder), ["cut.ply", "table.obj"]);
+}
+
+#[test]
+fn concave_faces_reflect_by_their_area() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let corners = ["0 0", "4 0", "4 4", "3 4", "3 1", "0 1"];
+    let vertices: String = corners.map(|corner| format!("v {corner} 0\n")).concat();
+    // An L of area 7 in a square of 16, from the corner that a fan is right around, and from another
+    for (name, face) in [
+        ("fan.obj", "f 5 6 1 2 3 4"),
+        ("concave.obj", "f 1 2 3 4 5 6"),
+    ] {
+        fs::write(folder.join(name), format!("{vertices}{face}\n")).unwrap();
+        let flags =
+            "--border open --material mirror --theta 0 --estimator plain --rays 4000 --json";
+        let summary = json(&succeed(
+            folder,
+            &[vec!["trace", name], words(flags)].concat(),
+        ));
+        let reflected = &summary["energy"]["reflected"];
+        let apart = number(reflected, "mean") - 7.0 / 16.0;
+        assert!(
+            apart.abs() < 4.0 * number(reflected, "se"),
+            "{name}: {apart}"
+        );
+    }
+    let fan = format!("{vertices}f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n");
+    fs::write(folder.join("folded.obj"), fan).unwrap();
+    let error = refused(folder, &words("trace folded.obj --theta 30"), 1);
+    assert!(error.contains("folded onto each other"), "{error}");
+}
+
+#[test]
+fn meshes_that_stand_on_edge_are_told_and_laid_down() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let sheet = |place: fn(f64, f64, f64) -> [f64; 3]| {
+        let heights = [0.1, 0.3, 0.2, 0.5, 0.0, 0.4, 0.3, 0.2, 0.1];
+        let vertex = |k: usize| place((k % 3) as f64, (k / 3) as f64, heights[k]);
+        let vertices = (0..9).map(|k| vertex(k).map(|x| x.to_string()).join(" "));
+        let vertices: String = vertices.map(|vertex| format!("v {vertex}\n")).collect();
+        let cells = [0, 1, 3, 4].map(|k| {
+            [k + 1, k + 2, k + 5, k + 4]
+                .map(|k| k.to_string())
+                .join(" ")
+        });
+        vertices + &cells.map(|cell| format!("f {cell}\n")).concat()
+    };
+    fs::write(folder.join("z.obj"), sheet(|x, y, z| [x, y, z])).unwrap();
+    fs::write(folder.join("y.obj"), sheet(|x, y, z| [x, z, -y])).unwrap();
+    fs::write(folder.join("x.obj"), sheet(|x, y, z| [z, x, y])).unwrap();
+    let trace = |name: &'static str, up: &'static str| {
+        let flags = words("--theta 30 --eta 1.5 --rays 500");
+        unwrapped(&succeed(
+            folder,
+            &[vec!["trace", name], words(up), flags].concat(),
+        ))
+    };
+    let flux = |text: &str| {
+        let start = text.find("reflected").unwrap();
+        text[start..].split("sum").next().unwrap().to_owned()
+    };
+    let lying = trace("z.obj", "");
+    assert!(!lying.contains("stands on edge"), "{lying}");
+    for (name, up) in [("y.obj", "--up y"), ("x.obj", "--up x")] {
+        let standing = trace(name, "");
+        assert!(
+            standing.contains("stands on edge") && standing.contains(up),
+            "{standing}"
+        );
+        let laid = trace(name, up);
+        assert!(!laid.contains("stands on edge"), "{laid}");
+        assert_eq!(flux(&laid), flux(&lying), "{name}");
+    }
+    let flat = "v 0 0 0\nv 1 0 0\nv 1 0 1\nf 1 2 3\n";
+    fs::write(folder.join("flat.obj"), flat).unwrap();
+    assert!(refused(folder, &words("trace flat.obj --theta 0"), 1).contains("`--up y`"));
+    succeed(folder, &words("trace flat.obj --theta 0 --up y --rays 100"));
+    fs::write(folder.join("map.txt"), "0 1\n1 0\n").unwrap();
+    let error = refused(folder, &words("trace map.txt --theta 0 --up y"), 2);
+    assert!(error.contains("--up is for triangle meshes"), "{error}");
 }

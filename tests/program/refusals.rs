@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::{errors_of, files, refused, succeed, with_surface, words};
+use crate::support::{asperity, errors_of, files, refused, succeed, with_surface, words};
 
 #[test]
 fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
@@ -339,4 +339,151 @@ fn a_manifest_says_whether_the_run_is_complete() {
 fn succeed_with_notes(folder: &Path, line: &str) {
     let output = crate::support::asperity(folder, &words(line));
     assert!(output.status.success(), "{}", errors_of(&output));
+}
+
+/// Texts that command a terminal or hide others.
+const HIDDEN: &str = "\u{1b}[31m\u{9b}2J\u{202e}\u{200b}";
+
+/// The characters of [`HIDDEN`] that are not seen.
+const MARKS: [char; 4] = ['\u{1b}', '\u{9b}', '\u{202e}', '\u{200b}'];
+
+fn assert_seen(text: &str, of: &str) {
+    assert!(!text.contains(MARKS), "{of}: {text:?}");
+    assert!(text.len() < 6000, "{of}: {} bytes", text.len());
+}
+
+#[test]
+fn foreign_text_in_messages_is_seen_and_short() {
+    let (_keep, folder) = with_surface();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
+    let long = "x".repeat(100_000);
+    for (i, text) in [HIDDEN, long.as_str()].into_iter().enumerate() {
+        write(
+            &format!("key{i}.toml"),
+            &format!("[run]\n\"{}\" = 3\n", escapes(text)),
+        );
+        write(
+            &format!("section{i}.toml"),
+            &format!("[\"{}\"]\nrays = 3\n", escapes(text)),
+        );
+        write(
+            &format!("value{i}.toml"),
+            &format!("[run]\nrays = \"{}\"\n", escapes(text)),
+        );
+        write(
+            &format!("file{i}.toml"),
+            &format!("[surface]\npsd = \"{}.csv\"\n", escapes(text)),
+        );
+        write(
+            &format!("syntax{i}.toml"),
+            &format!("[run]\nrays = {text}\n"),
+        );
+        write(
+            &format!("line{i}.toml"),
+            &format!("a={}{text}", "[".repeat(3 * i * 10_000)),
+        );
+        write(&format!("map{i}.txt"), &format!("1 2\n3 4{text}\n"));
+        write(&format!("table{i}.csv"), &format!("k,{text}\n1,2\n"));
+        write(&format!("mesh{i}.obj"), &format!("v 0 0 {text}\n"));
+        write(
+            &format!("mesh{i}.ply"),
+            &format!("ply\nformat ascii 1.0\nelement {text} 3\n"),
+        );
+        let toml = |name: &str| format!("verify {name}{i}.toml -o out");
+        let mut commands: Vec<Vec<String>> = [
+            toml("key"),
+            toml("section"),
+            toml("value"),
+            toml("file"),
+            toml("syntax"),
+            toml("line"),
+            format!("inspect map{i}.txt"),
+            format!("verify --psd table{i}.csv --size 32 -o out"),
+            format!("trace mesh{i}.obj --theta 0"),
+            format!("trace mesh{i}.ply --theta 0"),
+        ]
+        .iter()
+        .map(|line| line.split(' ').map(str::to_owned).collect())
+        .collect();
+        for line in [
+            &["inspect", "@.npy"][..],
+            &["inspect", "@"],
+            &["trace", "@.obj", "--theta", "0"],
+            &["inspect", "h.exr", "-o", "@/a.npy"],
+            &["trace", "h.exr", "--theta", "@"],
+            &["trace", "h.exr", "--theta", "0", "--border", "@"],
+            &["trace", "h.exr", "--@", "1"],
+            &["trace", "h.exr", "--theta", "0", "--material", "@"],
+            &["@"],
+            &["inspect", "h.exr", "@"],
+            &["model", "@"],
+            &["verify", "@.toml", "-o", "out"],
+            &["verify", "@", "-o", "out"],
+            &["completions", "@"],
+            &["inspect", "h.exr", "--quiet=@"],
+            &["inspect", "h.exr", "-o"],
+        ] {
+            commands.push(line.iter().map(|word| word.replace('@', text)).collect());
+        }
+        for command in commands {
+            let arguments: Vec<&str> = command.iter().map(String::as_str).collect();
+            let output = asperity(&folder, &arguments);
+            assert_ne!(output.status.code(), Some(0));
+            let of = command[..2.min(command.len())].join(" ");
+            for text in [&output.stdout, &output.stderr] {
+                assert_seen(&String::from_utf8_lossy(text), &of[..of.len().min(80)]);
+            }
+        }
+    }
+}
+
+/// A text as TOML writes it in quotes.
+fn escapes(text: &str) -> String {
+    let escape = |c: char| match c.is_ascii_graphic() {
+        true => c.to_string(),
+        false => format!("\\u{:04x}", u32::from(c)),
+    };
+    text.chars().map(escape).collect()
+}
+
+#[test]
+fn foreign_text_in_results_is_seen() {
+    let (_keep, folder) = with_surface();
+    let name = format!("a{HIDDEN}.exr");
+    fs::rename(folder.join("h.exr"), folder.join(&name)).unwrap();
+    let out = format!("out{HIDDEN}");
+    let trace = [
+        "trace",
+        &name,
+        "--theta",
+        "30",
+        "--rays",
+        "300",
+        "--verbose",
+        "-o",
+        &out,
+    ];
+    for arguments in [
+        &trace[..],
+        &["inspect", &name],
+        &["inspect", &name, "--json"],
+    ] {
+        let output = asperity(&folder, arguments);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let text =
+            String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        assert!(!text.contains(MARKS) && text.contains("\\u"), "{text:?}");
+    }
+    let mut named = 0;
+    for file in files(&folder.join(&out)) {
+        let is_text = [".txt", ".csv", ".svg", ".json"]
+            .iter()
+            .any(|ending| file.ends_with(ending));
+        if is_text {
+            let text = fs::read_to_string(folder.join(&out).join(&file)).unwrap();
+            assert!(!text.contains(MARKS), "{file}");
+            named += usize::from(text.contains("[31m"));
+        }
+    }
+    assert!(named > 2, "{named}");
 }

@@ -6,6 +6,8 @@ mod write;
 
 use std::path::Path;
 
+use crate::shown::shown_path;
+
 pub use read::{ReadError, ReadProblem};
 pub use result_folder::ResultFolderError;
 pub use write::{WriteError, WriteProblem};
@@ -13,7 +15,7 @@ pub use write::{WriteError, WriteProblem};
 /// "the unknown ending `.foo`" or "no ending".
 fn ending_found(path: &Path) -> String {
     match path.extension() {
-        Some(ending) => format!("the unknown ending `.{}`", ending.display()),
+        Some(ending) => format!("the unknown ending `.{}`", shown_path(ending.as_ref())),
         None => "no ending to tell its format".to_owned(),
     }
 }

@@ -39,6 +39,7 @@ mod limits;
 mod meshes;
 mod number_table;
 mod pictures;
+mod shown;
 mod text_lines;
 
 #[cfg(test)]
@@ -58,3 +59,4 @@ pub use height_maps::{read_height_map, write_array, write_height_map};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
 pub use number_table::{NumberTable, read_number_table};
 pub use pictures::{Picture, PictureFormat, write_picture};
+pub use shown::{json_text, printable, shown, shown_path, within};

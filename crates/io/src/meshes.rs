@@ -4,6 +4,7 @@ mod build;
 mod mesh;
 mod obj;
 mod ply;
+mod polygon;
 mod stl;
 
 #[cfg(test)]
@@ -22,13 +23,13 @@ pub use self::mesh::{MeshData, MeshView};
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.
 ///
-/// PLY is read as text and in either byte order, STL as text and binary; polygons become fans of
-/// triangles around their first corner, and vertices of equal coordinates become one. The shape
+/// PLY is read as text and in either byte order, with faces or strips of triangles, STL as text and binary; polygons
+/// are cut into triangles, concave ones by ear clipping, and vertices of equal coordinates become one. The shape
 /// is not checked: triangles may have no area, and overlap.
 ///
 /// # Errors
-/// [`ReadError`] if the file does not exist, has another ending, damaged, cut short, or holds no faces,
-/// coordinates that are not finite, or corners that do not exist.
+/// [`ReadError`] if the file does not exist, has another ending, is damaged, cut short, or holds no faces, faces whose
+/// edges cross each other, coordinates that are not finite, or corners that do not exist.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshData, ReadError> {
     let path = path.as_ref();
     let read = || {

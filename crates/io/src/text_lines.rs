@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::{self, BufRead};
 
 use crate::error::ReadProblem;
+use crate::shown::within;
 
 /// Reads the next line, with its line feed, into `bytes`; false at the end of the file.
 pub(crate) fn read_line(reader: &mut impl BufRead, bytes: &mut Vec<u8>) -> io::Result<bool> {
@@ -39,17 +40,17 @@ impl<'a> Line<'a> {
     }
 }
 
-/// At most the first 40 characters, on one line, for messages; control characters as escapes, `\u{0}`.
-pub(crate) fn short(text: &str) -> String {
-    let mut shown = String::new();
-    for letter in text.trim().chars().take(40) {
-        match letter {
-            '\t' | '\n' | '\r' => shown.push(' '),
-            letter if letter.is_control() => shown.extend(letter.escape_unicode()),
-            letter => shown.push(letter),
-        }
+/// The number that a text states, with a decimal point or a decimal comma.
+pub(crate) fn decimal(text: &str) -> Option<f64> {
+    match text.split_once(',') {
+        None => text.parse().ok(),
+        Some((whole, digits)) => format!("{whole}.{digits}").parse().ok(),
     }
-    shown
+}
+
+/// Text of a file for messages: on one line, 40 characters at most.
+pub(crate) fn short(text: &str) -> String {
+    within(&text.trim().replace(['\t', '\n', '\r'], " "), 40)
 }
 
 #[cfg(test)]
@@ -59,6 +60,6 @@ mod tests {
     #[test]
     fn quoted_text_is_one_line_without_control_characters() {
         assert_eq!(short(" a\tb\n\0\u{1b}[31m "), "a b \\u{0}\\u{1b}[31m");
-        assert_eq!(short(&"x".repeat(50)).len(), 40);
+        assert!(short(&"x".repeat(500)).len() < 70);
     }
 }

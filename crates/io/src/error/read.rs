@@ -9,6 +9,10 @@ use asperity_surface::HeightFieldError;
 
 use super::ending_found;
 use crate::formats::HeightMapFormat;
+use crate::shown::{shown_path, within};
+
+/// Most characters of a reason: content of the file may be part of it.
+const MAX_PROBLEM: usize = 1000;
 
 /// Error on reading a file.
 ///
@@ -115,15 +119,16 @@ pub enum ReadProblem {
 
 impl Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, problem) = (self.path.display(), &self.problem);
-        match problem {
+        let path = shown_path(&self.path);
+        let problem = within(&self.problem.to_string(), MAX_PROBLEM);
+        match &self.problem {
             ReadProblem::Io(_) => write!(f, "cannot read `{path}`: {problem}"),
             ReadProblem::Text { .. } => write!(f, "`{path}`, {problem}"),
             ReadProblem::Surface(_) | ReadProblem::WrongFormat { .. } => {
                 write!(f, "`{path}`: {problem}")
             }
-            ReadProblem::Malformed(what) => {
-                write!(f, "`{path}` is not a valid {}: {what}", self.format)
+            ReadProblem::Malformed(_) => {
+                write!(f, "`{path}` is not a valid {}: {problem}", self.format)
             }
             _ => write!(f, "`{path}` {problem}"),
         }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::{ReadError, WriteError};
+use crate::shown::shown_path;
 
 /// Error on using a result folder, or on writing a file in it.
 ///
@@ -11,7 +12,7 @@ use super::{ReadError, WriteError};
 #[non_exhaustive]
 pub enum ResultFolderError {
     /// Something that no earlier run of the command wrote has the name of a result.
-    #[error("the {kind} `{}` was not written by an earlier `{command}` run and is not replaced; move it or choose another folder", .path.display())]
+    #[error("the {kind} `{}` was not written by an earlier `{command}` run and is not replaced; move it or choose another folder", shown_path(.path))]
     InTheWay {
         /// File, folder or link in the way.
         path: PathBuf,
@@ -21,7 +22,7 @@ pub enum ResultFolderError {
         command: String,
     },
     /// A result of an earlier run has another content than was written.
-    #[error("`{}` was changed after the `{command}` run that wrote it; move it, or delete it to have it replaced", .path.display())]
+    #[error("`{}` was changed after the `{command}` run that wrote it; move it, or delete it to have it replaced", shown_path(.path))]
     Changed {
         /// The file.
         path: PathBuf,
@@ -29,13 +30,13 @@ pub enum ResultFolderError {
         command: String,
     },
     /// A result has the name of an input.
-    #[error("`{}` is an input of this run, which would replace it; choose another folder", .path.display())]
+    #[error("`{}` is an input of this run, which would replace it; choose another folder", shown_path(.path))]
     Input {
         /// The file.
         path: PathBuf,
     },
     /// The folder holds results that this run does not replace.
-    #[error("`{}` holds {holds}; choose another folder", .folder.display())]
+    #[error("`{}` holds {holds}; choose another folder", shown_path(.folder))]
     OtherResults {
         /// The folder.
         folder: PathBuf,
@@ -43,7 +44,7 @@ pub enum ResultFolderError {
         holds: String,
     },
     /// The manifest is damaged, of another form, or not ours.
-    #[error("`{}` is not a manifest of results ({reason}); choose another folder", .path.display())]
+    #[error("`{}` is not a manifest of results ({reason}); choose another folder", shown_path(.path))]
     InvalidManifest {
         /// The manifest.
         path: PathBuf,

@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::ending_found;
+use crate::shown::shown_path;
 
 /// Error on writing a file or folder.
 ///
@@ -65,7 +66,7 @@ pub enum WriteProblem {
     #[error("is a folder; the name of a file is needed")]
     IsFolder,
     /// A file under the name of the folder, or of one above it.
-    #[error("`{}` is a file", .0.display())]
+    #[error("`{}` is a file", shown_path(.0))]
     FolderIsFile(PathBuf),
     /// Refusal of the operating system to make a folder or to let files into it.
     #[error("{0}")]
@@ -77,7 +78,7 @@ pub enum WriteProblem {
 
 impl Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, problem) = (self.path.display(), &self.problem);
+        let (path, problem) = (shown_path(&self.path), &self.problem);
         match problem {
             WriteProblem::Io(_) => write!(f, "cannot write `{path}`: {problem}"),
             WriteProblem::FolderIsFile(_) => {

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::parts::{remove_stale_parts, temporary_in};
 use crate::error::{WriteError, WriteProblem};
+use crate::shown::json_text;
 
 /// Writes a file through `write`, aside in the same folder, and renames it once it is complete.
 ///
@@ -47,8 +48,8 @@ pub fn write_json(
 ) -> Result<(), WriteError> {
     let path = path.as_ref();
     replace(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value).map_err(io::Error::from)?;
-        Ok(out.write_all(b"\n")?)
+        let text = json_text(value).map_err(io::Error::from)?;
+        Ok(writeln!(out, "{text}")?)
     })
 }
 

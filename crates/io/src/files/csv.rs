@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::atomic::replace;
 use crate::error::{WriteError, WriteProblem};
+use crate::shown::printable;
 
 /// One field of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,9 +135,9 @@ fn write_row(out: &mut impl Write, row: &[CsvField<'_>]) -> io::Result<()> {
             CsvField::Number(value) => write_number(out, *value)?,
             CsvField::Whole(value) => write!(out, "{value}")?,
             CsvField::Text(text) if text.contains([',', '"', '\n', '\r']) => {
-                write!(out, "\"{}\"", text.replace('"', "\"\""))?;
+                write!(out, "\"{}\"", printable(text).replace('"', "\"\""))?;
             }
-            CsvField::Text(text) => out.write_all(text.as_bytes())?,
+            CsvField::Text(text) => out.write_all(printable(text).as_bytes())?,
             CsvField::Empty => {}
         }
     }

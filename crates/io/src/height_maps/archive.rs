@@ -1,5 +1,6 @@
 //! Parts of a ZIP archive: reads them within limits.
 
+use std::borrow::Cow;
 use std::io::{Read, Seek};
 
 use zip::ZipArchive;
@@ -7,10 +8,13 @@ use zip::result::ZipError;
 
 use crate::error::ReadProblem;
 use crate::limits::{COMPRESSION_LIMIT, room};
+use crate::text_lines::short;
 
 /// The parts of the archive.
 pub(super) struct Parts<R> {
     archive: ZipArchive<R>,
+    /// Folder of the archive that all parts are in; empty for none.
+    folder: String,
     pub(super) length: u64,
 }
 
@@ -22,7 +26,36 @@ impl<R: Read + Seek> Parts<R> {
                 "it is not a complete ZIP archive ({e}); it may be cut short"
             ))
         })?;
-        Ok(Self { archive, length })
+        Ok(Self {
+            archive,
+            folder: String::new(),
+            length,
+        })
+    }
+
+    /// Takes names of parts as those of the folder that the part `main` is in, and returns its name.
+    pub(super) fn enter(&mut self, main: &str) -> Result<String, ReadProblem> {
+        let names = self.names().filter_map(|name| {
+            let name = with_slashes(&name);
+            let (folder, last) = name.rsplit_once('/').unwrap_or(("", &name));
+            // A Mac adds a folder of its own files.
+            let is_main = last.eq_ignore_ascii_case(main) && !folder.starts_with("__MACOSX");
+            is_main.then(|| folder.to_owned())
+        });
+        let mut folders: Vec<String> = names.collect();
+        folders.sort_by_key(String::len);
+        match folders.as_slice() {
+            [first, second, ..] if !first.is_empty() => {
+                return Err(ReadProblem::unsupported(format_args!(
+                    "it has a part `{main}` in two folders, `{}` and `{}`",
+                    short(first),
+                    short(second)
+                )));
+            }
+            [first, ..] => self.folder.clone_from(first),
+            [] => {}
+        }
+        Ok(self.resolve(main))
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -81,12 +114,24 @@ impl<R: Read + Seek> Parts<R> {
 
     /// The name of a part as the archive spells it: some programs write `\` into one of the two.
     pub(super) fn resolve(&self, name: &str) -> String {
-        let name = name.trim_start_matches("./");
-        [name.replace('\\', "/"), name.replace('/', "\\")]
-            .into_iter()
-            .find(|other| self.has(other))
-            .unwrap_or_else(|| name.to_owned())
+        let name = with_slashes(name);
+        let name = name.trim_start_matches("./").trim_start_matches('/');
+        let whole = match self.folder.as_str() {
+            "" => name.to_owned(),
+            folder => format!("{folder}/{name}"),
+        };
+        let mut names = self.names();
+        let found = names.find(|own| with_slashes(own).eq_ignore_ascii_case(&whole));
+        found.map_or_else(|| name.to_owned(), Cow::into_owned)
     }
+
+    fn names(&self) -> impl Iterator<Item = Cow<'_, str>> {
+        self.archive.file_names().filter_map(Result::ok)
+    }
+}
+
+fn with_slashes(name: &str) -> String {
+    name.replace('\\', "/")
 }
 
 pub(super) fn unpacking(name: &str, error: std::io::Error) -> ReadProblem {

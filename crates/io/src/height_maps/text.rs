@@ -1,9 +1,7 @@
 //! Heights as text (.asc, .txt, .csv), read only.
 //!
-//! One row per line, all of one length, separated by white space or, where a line holds a comma, by
-//! commas; lines that begin with `#` are comments. A point is missing where `nan` or `bad` stands
-//! in upper or lower case, or the field between two commas is empty. Without a header the spacing
-//! is 1 and the unit arbitrary.
+//! One row per line, all of one length, separated by white space, commas or semicolons: see [`row`]. Lines that begin
+//! with `#`, `//`, `%` or `!` are comments. Without a header the spacing is 1 and the unit arbitrary.
 //!
 //! A header may come first:
 //! - `name=value` lines of interferometers:
@@ -20,13 +18,16 @@
 //! - the grid of a terrain (`ncols`, `nrows`, `cellsize`, `NODATA_value`): [`esri`].
 //!
 //! Three numbers in each row are a list of points x, y, z where x and y lie on a regular grid, and always in files that
-//! end in .xyz: [`points`].
+//! end in .xyz or name their columns x, y, z: [`points`]. Profiles, and tables with headings, are refused: [`table`].
 
 mod esri;
 mod gwyddion;
 mod interferometer;
 mod points;
+mod row;
+mod table;
 
+use std::borrow::Cow;
 use std::io::BufRead;
 use std::path::Path;
 
@@ -35,9 +36,13 @@ use asperity_surface::{LengthUnit, RawHeightMap};
 use self::esri::Grid;
 use self::gwyddion::Comments;
 use self::interferometer::Header;
+use self::row::Row;
 use crate::error::ReadProblem;
 use crate::limits::{check_claim, room};
-use crate::text_lines::{Line, read_line, short};
+use crate::text_lines::{Line, read_line};
+
+/// Marks at the beginning of a comment.
+const COMMENTS: [&str; 4] = ["#", "//", "%", "!"];
 
 pub(crate) fn read<R: BufRead>(
     path: &Path,
@@ -50,15 +55,23 @@ pub(crate) fn read<R: BufRead>(
     while read_line(&mut reader, &mut bytes)? {
         number += 1;
         let line = |text| Line { number, text };
-        let text = std::str::from_utf8(&bytes).map_err(|e| {
-            let what = "bytes that are not UTF-8 text were found, but numbers are needed";
-            line("").refuse_at(e.valid_up_to(), what)
-        })?;
+        let text = match std::str::from_utf8(&bytes) {
+            Ok(text) => Cow::Borrowed(text),
+            // Comments may be in ISO 8859-1
+            Err(_) if bytes.trim_ascii_start().starts_with(b"#") => {
+                Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect())
+            }
+            Err(e) => {
+                let what = "bytes that are not UTF-8 text were found, but numbers are needed";
+                return Err(line("").refuse_at(e.valid_up_to(), what));
+            }
+        };
         let byte_order_mark = if number == 1 { "\u{feff}" } else { "" };
-        let text = text.strip_prefix(byte_order_mark).unwrap_or(text);
+        let text = text.strip_prefix(byte_order_mark).unwrap_or(&text);
         matrix.take_line(line(text), length)?;
     }
-    matrix.finish(points::is_named_as_list(path), number)
+    matrix.is_list |= points::is_named_as_list(path);
+    matrix.finish(number)
 }
 
 /// The numbers read so far.
@@ -71,46 +84,77 @@ struct Matrix {
     /// Known from the header or the first row on.
     columns: Option<usize>,
     rows: usize,
+    /// Most numbers of a line.
+    longest: usize,
+    /// Lines of separators alone since the last row.
+    blank_rows: usize,
+    /// Empty fields that every row ends with.
+    blank_columns: usize,
+    /// `true` if the file says that it is a list of points.
+    is_list: bool,
 }
 
 impl Matrix {
     /// Adds a line of a file of `length` bytes.
     fn take_line(&mut self, line: Line<'_>, length: u64) -> Result<(), ReadProblem> {
         let trimmed = line.text.trim();
-        if let Some(comment) = trimmed.strip_prefix('#') {
-            self.comments.take(comment);
+        let before_numbers = self.columns.is_none();
+        let comment = COMMENTS.iter().find_map(|mark| trimmed.strip_prefix(mark));
+        if before_numbers && points::is_heading(comment.unwrap_or(trimmed)) {
+            self.is_list = true;
             return Ok(());
         }
-        let before_numbers = self.columns.is_none();
-        if trimmed.is_empty() || (before_numbers && points::is_heading(trimmed)) {
+        if let Some(comment) = comment {
+            self.comments.take(comment);
             return Ok(());
         }
         if before_numbers && trimmed.contains('=') {
             return self.header.take_line(line, trimmed);
         }
-        if before_numbers && self.grid.take_line(line, trimmed)? {
+        let numbers = match before_numbers {
+            true => self.grid.take(line, trimmed)?,
+            false => trimmed,
+        };
+        let [ny, nx] = self.claim();
+        if row::is_blank(numbers) {
+            // Inside a map these are missing points; around it they are no part of it.
+            let counts = !before_numbers && ny.is_none() && !numbers.is_empty();
+            self.blank_rows += usize::from(counts);
             return Ok(());
         }
-        let before = self.heights.len();
-        let [ny, nx] = self.claim();
         if before_numbers && let (Some(nx), Some(ny)) = (nx, ny) {
             // A digit and a separator are the least size of a number; the last has no separator.
             check_claim([ny, nx], 2, length + 1)?;
             self.heights = room(nx, ny)?;
         }
-        read_row(line, &mut self.heights)?;
-        let found = self.heights.len() - before;
+        let blank_heights = self.blank_rows * self.columns.unwrap_or(0);
+        self.heights.extend((0..blank_heights).map(|_| f64::NAN));
+        self.rows += std::mem::take(&mut self.blank_rows) + 1;
+        let before = self.heights.len();
+        let row = Row { line, numbers };
+        let is_missing = |field: &str| self.grid.is_nodata(field);
+        let mut blank = row.read(before_numbers, is_missing, &mut self.heights)?;
+        let mut found = self.heights.len() - before;
         let expected = *self.columns.get_or_insert(match nx {
             Some(w) => usize::try_from(w).unwrap_or(usize::MAX),
             None => found,
         });
-        if found != expected {
+        if nx.is_some() && found > expected && found - blank <= expected {
+            self.heights.truncate(before + expected);
+            blank -= found - expected;
+            found = expected;
+        }
+        self.longest = self.longest.max(found);
+        if found != expected && self.grid.shape().is_none() {
             return Err(line.refuse_at(
                 line.text.trim_end().len(),
                 format_args!("this row has {found} numbers, but {expected} are needed"),
             ));
         }
-        self.rows += 1;
+        self.blank_columns = match self.rows {
+            1 => blank,
+            _ => blank.min(self.blank_columns),
+        };
         Ok(())
     }
 
@@ -122,12 +166,16 @@ impl Matrix {
         ]
     }
 
-    /// The map, after the last line of this number; `is_list` if the file is named as a list of points.
-    fn finish(mut self, is_list: bool, last: usize) -> Result<RawHeightMap, ReadProblem> {
-        let rows = self.rows;
-        let Some(columns) = self.columns else {
+    /// The map, after the last line of this number.
+    fn finish(mut self, last: usize) -> Result<RawHeightMap, ReadProblem> {
+        let Some(mut columns) = self.columns else {
             return Err(ReadProblem::truncated("it holds no numbers at all"));
         };
+        if let Some([nx, ny]) = self.grid.shape() {
+            table::check_lines([nx, ny], [self.rows, self.longest], self.heights.len())?;
+            self.rows = self.heights.len() / columns;
+        }
+        let rows = self.rows;
         if let [Some(h), _] = self.claim()
             && h != rows as u64
         {
@@ -138,6 +186,12 @@ impl Matrix {
                 let (number, text) = (last, "");
                 Line { number, text }.refuse_at(0, what)
             });
+        }
+        if self.claim()[1].is_none() && (1..columns).contains(&self.blank_columns) {
+            let kept = columns - self.blank_columns;
+            let all = self.heights.chunks(columns);
+            self.heights = all.flat_map(|row| &row[..kept]).copied().collect();
+            columns = kept;
         }
         let map = |heights, spacing, unit| -> Result<_, ReadProblem> {
             let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
@@ -156,51 +210,11 @@ impl Matrix {
             return map(self.heights, spacing, unit);
         }
         if self.claim() == [None, None] {
-            if columns == 3
-                && let Some(list) = points::map_of(is_list, &self.heights)?
-            {
+            if let Some(list) = points::map_of(self.is_list, columns, &self.heights)? {
                 return Ok(list);
             }
-            if is_list {
-                return Err(points::wrong_columns(columns));
-            }
+            table::check_matrix(columns, &self.heights)?;
         }
         Ok(map(self.heights, spacing, unit)?.with_assumed_spacing())
-    }
-}
-
-/// Appends the numbers of one line.
-fn read_row(line: Line<'_>, heights: &mut Vec<f64>) -> Result<(), ReadProblem> {
-    let mut push = |field: &str| {
-        let height = match field.parse::<f64>() {
-            Ok(height) if height.is_infinite() => {
-                return Err(line.refuse(
-                    field,
-                    format_args!(
-                        "`{}` is infinite; heights must be finite, or nan where missing",
-                        short(field)
-                    ),
-                ));
-            }
-            Ok(height) => height,
-            Err(_) if field.is_empty() || field.eq_ignore_ascii_case("bad") => f64::NAN,
-            Err(_) => {
-                return Err(line.refuse(
-                    field,
-                    format_args!(
-                        "`{}` is not a number; numbers with a decimal point are needed, or nan or bad for missing points",
-                        short(field)
-                    ),
-                ));
-            }
-        };
-        heights.push(height);
-        Ok(())
-    };
-    let text = line.text;
-    if text.contains(',') {
-        text.split(',').map(str::trim).try_for_each(&mut push)
-    } else {
-        text.split_whitespace().try_for_each(&mut push)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Lengths are metres. Read: surfaces on a regular grid (CX and CY incremental, CZ absolute), of
 //! numbers of type I (16 bits), L (32 bits), F or D, in a binary part or in the XML text; heights
-//! are `Offset + Increment * number`. Points are missing where the number is NaN, the datum empty,
+//! are `Offset + Increment * number`. Points are missing where the number is NaN or infinite, the datum empty,
 //! or their bit in the mask of valid points is 0 (one bit per point, the lowest first). MD5
 //! checksums are verified where they are given. A rotation of the frame is ignored.
 //!
@@ -38,9 +38,11 @@ const CHECKSUM_LIMIT: u64 = 1 << 12;
 
 pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadProblem> {
     let mut parts = Parts::open(reader, length)?;
-    let text = parts.read(MAIN, |size| size <= XML_LIMIT)?;
-    if parts.has(CHECKSUM) {
-        let stated = parts.read(CHECKSUM, |size| size <= CHECKSUM_LIMIT)?;
+    let main = parts.enter(MAIN)?;
+    let text = parts.read(&main, |size| size <= XML_LIMIT)?;
+    let checksum = parts.resolve(CHECKSUM);
+    if parts.has(&checksum) {
+        let stated = parts.read(&checksum, |size| size <= CHECKSUM_LIMIT)?;
         let stated = String::from_utf8_lossy(&stated);
         let stated = stated.split_whitespace().next().unwrap_or_default();
         verify_checksum(MAIN, Md5::new_with_prefix(&text), stated)?;
@@ -63,6 +65,11 @@ pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMa
             inline(data, &grid)?
         }
     };
+    for height in &mut heights {
+        if height.is_infinite() {
+            *height = f64::NAN;
+        }
+    }
     if grid.increment != 1.0 || grid.offset != 0.0 {
         for height in &mut heights {
             *height = *height * grid.increment + grid.offset;

@@ -1,8 +1,9 @@
-//! Mesh builder: joins vertices, splits polygons into fans of triangles, refuses invalid meshes.
+//! Mesh builder: joins vertices, cuts polygons and strips into triangles, refuses invalid meshes.
 
 use std::collections::HashMap;
 
 use super::mesh::MeshData;
+use super::polygon;
 use crate::error::ReadProblem;
 use crate::text_lines::{Line, short};
 
@@ -47,33 +48,54 @@ impl Builder {
         Ok(number)
     }
 
-    /// Adds a polygon of vertices of the file, as a fan of triangles around its first corner.
+    /// Adds a polygon of vertices of the file, as triangles.
     ///
-    /// An error says what is wrong: too few corners, or corners that do not exist.
+    /// An error says what is wrong: too few corners, corners that do not exist, or an outline that crosses itself.
     pub(super) fn polygon(&mut self, corners: &[i64]) -> Result<(), String> {
-        let number = |corner: &i64| {
-            let number = usize::try_from(*corner)
-                .ok()
-                .and_then(|k| self.numbers.get(k));
-            number.copied().ok_or_else(|| {
-                format!(
-                    "the vertex number {corner}, counted from zero, but there are {} vertices",
-                    self.numbers.len()
-                )
-            })
-        };
-        let [first, rest @ ..] = corners else {
-            return Err("no corners, at least 3 are needed".to_owned());
-        };
-        if rest.len() < 2 {
-            return Err(format!("{} corners, at least 3 are needed", corners.len()));
+        match corners.len() {
+            0 => return Err("no corners, at least 3 are needed".to_owned()),
+            count @ (1 | 2) => return Err(format!("{count} corners, at least 3 are needed")),
+            _ => {}
         }
-        let first = number(first)?;
-        for pair in rest.windows(2) {
-            let triangle = [first, number(&pair[0])?, number(&pair[1])?];
-            self.mesh.triangles.push(triangle);
+        let numbers = corners.iter().map(|corner| self.number(*corner));
+        let numbers = numbers.collect::<Result<Vec<u32>, _>>()?;
+        let place = |k: &u32| self.mesh.vertices[*k as usize];
+        let places: Vec<[f64; 3]> = numbers.iter().map(place).collect();
+        let triangles = polygon::triangles(&places)?;
+        let named = triangles.iter().map(|t| t.map(|k| numbers[k]));
+        self.mesh.triangles.extend(named);
+        Ok(())
+    }
+
+    /// Adds strips of triangles, each of one vertex and the two before it; -1 parts strips.
+    ///
+    /// An error says what is wrong: corners that do not exist.
+    pub(super) fn strips(&mut self, corners: &[i64]) -> Result<(), String> {
+        for strip in corners.split(|corner| *corner == -1) {
+            let numbers = strip.iter().map(|corner| self.number(*corner));
+            let numbers = numbers.collect::<Result<Vec<u32>, _>>()?;
+            for (i, three) in numbers.windows(3).enumerate() {
+                let [a, b, c] = [three[0], three[1], three[2]];
+                // Every other triangle runs the other way; one with a corner twice moves the strip elsewhere.
+                let triangle = if i % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                if a != b && b != c && c != a {
+                    self.mesh.triangles.push(triangle);
+                }
+            }
         }
         Ok(())
+    }
+
+    /// The number in the mesh of a vertex of the file.
+    fn number(&self, corner: i64) -> Result<u32, String> {
+        let number = usize::try_from(corner).ok();
+        let number = number.and_then(|k| self.numbers.get(k));
+        number.copied().ok_or_else(|| {
+            format!(
+                "the vertex number {corner}, counted from zero, but there are {} vertices",
+                self.numbers.len()
+            )
+        })
     }
 
     /// Adds a triangle given by the coordinates of its corners.

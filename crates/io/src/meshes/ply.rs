@@ -2,7 +2,7 @@
 //!
 //! Elements are read one by one, so that a count in the header takes no memory. Vertices have the
 //! properties `x`, `y` and `z` of any type, faces a list `vertex_indices` or `vertex_index` of whole
-//! numbers; all other properties and elements are skipped.
+//! numbers, and so have strips of triangles (`tristrips`), which -1 parts; all other properties and elements are skipped.
 
 use std::io::{self, BufRead, ErrorKind, Read, Write};
 
@@ -48,8 +48,12 @@ pub(super) fn read<R: BufRead>(mut reader: R, length: u64) -> Result<MeshData, R
                     mesh.vertex(vertex).map_err(|what| ("is", what))
                 }
                 "face" => {
-                    let Face(corners) = elements.next(element, i)?;
+                    let Corners(corners) = elements.next(element, i)?;
                     mesh.polygon(&corners).map_err(|what| ("has", what))
+                }
+                "tristrips" => {
+                    let Corners(corners) = elements.next(element, i)?;
+                    mesh.strips(&corners).map_err(|what| ("has", what))
                 }
                 _ => elements.next(element, i).map(|Skipped| Ok(()))?,
             };
@@ -168,22 +172,33 @@ fn header_error(error: &ParseError) -> ReadProblem {
 
 /// Checks the header before anything is read by it.
 fn check(header: &Header, length: u64) -> Result<(), ReadProblem> {
-    for name in ["vertex", "face"] {
-        if !header.elements.contains_key(name) {
-            return Err(ReadProblem::malformed(format_args!(
-                "it has no element `{name}`"
-            )));
-        }
-    }
-    if header.elements.keys().position(|name| name == "vertex")
-        > header.elements.keys().position(|name| name == "face")
-    {
-        return Err(ReadProblem::malformed("its faces come before its vertices"));
-    }
+    let place = |name: &str| header.elements.keys().position(|own| own == name);
+    let Some(vertices) = place("vertex") else {
+        return Err(ReadProblem::malformed("it has no element `vertex`"));
+    };
     check_vertices(header)?;
-    check_faces(header)?;
+    let mut has_faces = false;
+    for (name, what) in FACES {
+        match place(name) {
+            None => continue,
+            Some(faces) if faces < vertices => {
+                let what = format_args!("its {what} come before its vertices");
+                return Err(ReadProblem::malformed(what));
+            }
+            Some(_) => check_corners(&header.elements[name], what)?,
+        }
+        has_faces = true;
+    }
+    if !has_faces {
+        return Err(ReadProblem::malformed(
+            "it has no element `face`, nor strips of triangles, `tristrips`",
+        ));
+    }
     check_size(header, length)
 }
+
+/// Elements with lists of corners, and their names in messages.
+const FACES: [(&str, &str); 2] = [("face", "faces"), ("tristrips", "strips of triangles")];
 
 /// Checks that vertices have three coordinates.
 fn check_vertices(header: &Header) -> Result<(), ReadProblem> {
@@ -205,32 +220,27 @@ fn check_vertices(header: &Header) -> Result<(), ReadProblem> {
     Ok(())
 }
 
-/// Checks that faces have one list of corners.
-fn check_faces(header: &Header) -> Result<(), ReadProblem> {
-    let lists = header.elements["face"].properties.values();
-    let is_corners = |name: &str| CORNERS.contains(&name);
-    match lists.clone().filter(|p| is_corners(&p.name)).count() {
-        0 => {
-            let what = "its faces have no list `vertex_indices` or `vertex_index`";
-            return Err(ReadProblem::malformed(what));
-        }
-        1 => {}
-        _ => {
-            return Err(ReadProblem::malformed(
-                "its faces have two lists of corners",
-            ));
-        }
+/// Checks that elements have one list of corners; `what` are they in messages.
+fn check_corners(element: &ElementDef, what: &str) -> Result<(), ReadProblem> {
+    let lists = element.properties.values();
+    let lists: Vec<_> = lists
+        .filter(|p| CORNERS.contains(&p.name.as_str()))
+        .collect();
+    match *lists {
+        [] => Err(ReadProblem::malformed(format_args!(
+            "its {what} have no list `vertex_indices` or `vertex_index`"
+        ))),
+        [list] => match &list.data_type {
+            PropertyType::List(_, item) if is_whole(item) => Ok(()),
+            _ => Err(ReadProblem::malformed(format_args!(
+                "the {} of its {what} are not a list of whole numbers",
+                list.name
+            ))),
+        },
+        _ => Err(ReadProblem::malformed(format_args!(
+            "its {what} have two lists of corners"
+        ))),
     }
-    for p in lists.filter(|p| is_corners(&p.name)) {
-        if !matches!(&p.data_type, PropertyType::List(_, item) if is_whole(item)) {
-            let what = format_args!(
-                "the {} of its faces are not a list of whole numbers",
-                p.name
-            );
-            return Err(ReadProblem::malformed(what));
-        }
-    }
-    Ok(())
 }
 
 /// Checks that the file can hold the elements that its header claims.
@@ -282,7 +292,7 @@ const fn is_whole(kind: &ScalarType) -> bool {
     !matches!(kind, ScalarType::Float | ScalarType::Double)
 }
 
-/// Names of the list of a face's corners.
+/// Names of a list of corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// Bytes of a number.
@@ -331,10 +341,10 @@ impl PropertyAccess for Vertex {
     }
 }
 
-/// A face, of which the corners are kept.
-struct Face(Vec<i64>);
+/// A face or strips of triangles, of which the corners are kept.
+struct Corners(Vec<i64>);
 
-impl PropertyAccess for Face {
+impl PropertyAccess for Corners {
     fn new() -> Self {
         Self(Vec::new())
     }

@@ -39,13 +39,19 @@ impl Pen {
     }
 }
 
-/// A character that XML admits: controls and non-characters become the replacement character.
-fn printable(c: char) -> char {
-    if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') {
-        char::REPLACEMENT_CHARACTER
-    } else {
-        c
-    }
+/// A text of which everything is seen, and which XML admits: controls, marks of writing direction, what has no width and
+/// non-characters become escapes, `\u{1b}`.
+fn printable(text: &str) -> String {
+    let is_hidden = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
+            || matches!(c, '\u{feff}' | '\u{fffe}' | '\u{ffff}')
+    };
+    let escape = |c: char| match is_hidden(c) {
+        true => c.escape_unicode().to_string(),
+        false => c.to_string(),
+    };
+    text.chars().map(escape).collect()
 }
 
 /// Shape of a point.
@@ -224,7 +230,7 @@ impl Scene {
     /// An empty scene; set the size once the layout is known.
     pub(crate) fn new(title: &str) -> Self {
         Scene {
-            title: title.chars().map(printable).collect(),
+            title: printable(title),
             width: 0,
             height: 0,
             pictures: Vec::new(),
@@ -351,7 +357,7 @@ impl Scene {
             return;
         }
         self.items.push(Item::Text(TextItem {
-            text: text.chars().map(printable).collect(),
+            text: printable(text),
             anchor,
             align: style.align,
             size: style.size,

@@ -32,6 +32,9 @@ pub struct MeasuredConfig {
     /// `true` if the rows of a height map are taken in reverse order.
     #[serde(default)]
     pub flip: bool,
+    /// Axis of a mesh that points up; z unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up: Option<UpAxis>,
     /// Policy for missing points.
     #[serde(with = "MissingName")]
     pub missing: MissingPolicy,
@@ -43,6 +46,30 @@ pub struct MeasuredConfig {
     /// Nesting index of the L-filter, which removes longer waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub l_filter: Option<Length>,
+}
+
+/// Axis of the coordinates of a mesh that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UpAxis {
+    /// x: y, z, x become x, y, z.
+    X,
+    /// y, as in files of Blender: x, -z, y become x, y, z.
+    Y,
+    /// z.
+    Z,
+}
+
+impl UpAxis {
+    /// A position turned so that the axis points along z.
+    #[must_use]
+    pub const fn turned(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::X => [y, z, x],
+            Self::Y => [x, -z, y],
+            Self::Z => [x, y, z],
+        }
+    }
 }
 
 /// Names of [`MissingPolicy`] in files.

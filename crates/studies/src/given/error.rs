@@ -65,6 +65,9 @@ pub enum FileProblem {
     /// A setting of height maps with a triangle mesh.
     #[error("{0} is for height maps, and this is a triangle mesh")]
     ForHeightMaps(&'static str),
+    /// A setting of triangle meshes with a height map.
+    #[error("{0} is for triangle meshes, and this is a height map")]
+    ForMeshes(&'static str),
     /// The unit of the lengths is not as requested.
     #[error(transparent)]
     Unit(#[from] UnitError),
@@ -140,6 +143,9 @@ const fn advice_on_mesh(error: &MeshSurfaceError) -> &'static str {
         MeshSurfaceError::NotPeriodic { .. }
         | MeshSurfaceError::Gaps { .. }
         | MeshSurfaceError::NotOneGround { .. } => ": `--border open` takes it as a patch",
+        MeshSurfaceError::BadExtent {
+            extent: [0.0, ..] | [_, 0.0, _],
+        } => ": `--up x` or `--up y` lays down a mesh that stands on edge",
         _ => "",
     }
 }

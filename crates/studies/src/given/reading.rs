@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use asperity_io::{MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh};
+use asperity_io::{
+    MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh, shown,
+};
 use asperity_simulate::{Observer, counted, short};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, MissingPolicy};
 use asperity_tracer::{Geometry, MeshSurface};
@@ -137,6 +139,9 @@ impl MeasuredConfig {
         if MeshFormat::from_path(path).is_some() {
             return Err(FileProblem::Mesh.at(path));
         }
+        if self.up.is_some() {
+            return Err(FileProblem::ForMeshes("--up").at(path));
+        }
         let raw = self.scaled(read_height_map(path)?);
         let mut raw = raw.map_err(|error| FileProblem::from(error).at(path))?;
         let mut notes = std::mem::take(&mut raw.notes);
@@ -181,12 +186,12 @@ impl MeasuredConfig {
         })
     }
 
-    /// Reads a triangle mesh, and the unit of its lengths; an open patch unless a border is given.
+    /// Reads a triangle mesh, and the unit of its lengths; an open patch unless a border is given. Also returns notes.
     fn read_mesh(
         &self,
         path: &Path,
         observer: &dyn Observer,
-    ) -> Result<(MeshSurface, LengthUnit), GivenError> {
+    ) -> Result<(MeshSurface, LengthUnit, Vec<String>), GivenError> {
         for (given, flag) in [
             (self.spacing.is_some(), "--spacing"),
             (self.flip, "--flip"),
@@ -212,6 +217,15 @@ impl MeasuredConfig {
                 *coordinate = convert(*coordinate);
             }
         }
+        if let Some(up) = self.up {
+            for vertex in &mut vertices {
+                *vertex = up.turned(*vertex);
+            }
+        }
+        let notes = match self.up {
+            None => edge_note(&vertices, &triangles).into_iter().collect(),
+            Some(_) => Vec::new(),
+        };
         let border = self.border.unwrap_or(Border::Open);
         let mesh = MeshSurface::new(&vertices, triangles, border);
         let mesh = mesh.map_err(|error| FileProblem::from(error).at(path))?;
@@ -223,7 +237,7 @@ impl MeasuredConfig {
             mesh.facet_count(),
             unit.suffix(),
         ));
-        Ok((mesh, unit))
+        Ok((mesh, unit, notes))
     }
 
     /// Reads a surface of either kind.
@@ -239,8 +253,11 @@ impl MeasuredConfig {
         };
         Ok(match SurfaceFormat::from_path(path)? {
             SurfaceFormat::Mesh(_) => {
-                let (mesh, unit) = self.read_mesh(path, observer)?;
-                surface(GivenShape::Mesh(mesh), unit)
+                let (mesh, unit, notes) = self.read_mesh(path, observer)?;
+                GivenSurface {
+                    notes,
+                    ..surface(GivenShape::Mesh(mesh), unit)
+                }
             }
             SurfaceFormat::HeightMap(_) => {
                 let read = self.read_height_map(path, observer)?;
@@ -256,10 +273,38 @@ impl MeasuredConfig {
     }
 }
 
+/// Note on a mesh whose mean normal is not along z, but along x or y.
+fn edge_note(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<String> {
+    let (mut sum, mut area) = ([0.0_f64; 3], 0.0);
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|k| vertices[k as usize]);
+        let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+        let normal = [1, 2, 0]
+            .map(|i| (i, (i + 1) % 3))
+            .map(|(i, j)| u[i] * v[j] - u[j] * v[i]);
+        area += normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for (sum, x) in sum.iter_mut().zip(normal) {
+            *sum += x;
+        }
+    }
+    let [x, y, z] = sum.map(f64::abs);
+    // That of a closed body is none
+    let stands = x.max(y) > z.max(CLOSED * area);
+    let axis = if x > y { 'x' } else { 'y' };
+    stands.then(|| {
+        format!(
+            "the mesh stands on edge: the mean normal of its triangles is along {axis}, not z; --up {axis} lays it down, for files in which {axis} points up"
+        )
+    })
+}
+
+/// Mean normal over area below which a mesh faces no side.
+const CLOSED: f64 = 1e-6;
+
 /// The file's own name, for titles.
 pub(crate) fn file_name(path: &Path) -> String {
     let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
+    shown(&name.to_string_lossy())
 }
 
 /// `true` of two height maps without scatter between them: they have the same heights.

@@ -7,7 +7,7 @@ use std::borrow::Borrow;
 use std::path::Path;
 
 use asperity_io::{
-    CsvField, ResultFolder, WriteError, csv_text, write_bytes, write_csv, write_json,
+    CsvField, ResultFolder, WriteError, csv_text, printable, write_bytes, write_csv, write_json,
 };
 use asperity_plot::Figure;
 use asperity_simulate::{Case, Observer};
@@ -129,7 +129,10 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
     {
         let name = name.into();
         self.other(vec![name.clone()], move |found, place| match text(found) {
-            Some(text) => Ok(write_bytes(place.claim(&name)?, text.as_bytes())?),
+            Some(text) => Ok(write_bytes(
+                place.claim(&name)?,
+                printable(&text).as_bytes(),
+            )?),
             None => Ok(()),
         });
     }

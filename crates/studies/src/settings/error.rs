@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use asperity_io::shown;
+
 use super::command::{Command, Commands};
 
 /// Place where a value was given.
@@ -33,7 +35,7 @@ impl fmt::Display for Place {
             Self::File {
                 name: Some(name),
                 line,
-            } => write!(f, "{name}: line {line}: "),
+            } => write!(f, "{}: line {line}: ", shown(name)),
             Self::File { name: None, line } => write!(f, "line {line}: "),
             Self::Flag => Ok(()),
         }
@@ -42,7 +44,7 @@ impl fmt::Display for Place {
 
 impl fmt::Display for Given {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}{}", self.place, self.text)
+        write!(f, "{}{}", self.place, shown(&self.text))
     }
 }
 
@@ -59,7 +61,7 @@ pub enum SettingError {
         expected: String,
     },
     /// Two values that exclude each other, or of one setting.
-    #[error("{first}: excludes {second}; give one or the other")]
+    #[error("{first}: excludes {}; give one or the other", shown(second))]
     Excluded {
         /// One of them.
         first: Given,
@@ -67,7 +69,7 @@ pub enum SettingError {
         second: String,
     },
     /// A model of a name that is not known.
-    #[error("{}unknown model `{name}`{known}", before_name(given, name))]
+    #[error("{}unknown model `{}`{known}", before_name(given, name), shown(name))]
     UnknownModel {
         /// The value.
         given: Given,
@@ -77,7 +79,7 @@ pub enum SettingError {
         known: String,
     },
     /// A key that no section of this name has.
-    #[error("{place}unknown key `{key}` in [{section}]{known}")]
+    #[error("{place}unknown key `{}` in [{section}]{known}", shown(key))]
     UnknownKey {
         /// Its place.
         place: Place,
@@ -90,7 +92,8 @@ pub enum SettingError {
     },
     /// A section that the command does not have.
     #[error(
-        "{place}unknown section `{section}`{known}{}",
+        "{place}unknown section `{}`{known}{}",
+        shown(section),
         other_readers(*readers)
     )]
     UnknownSection {

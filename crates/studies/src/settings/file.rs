@@ -1,5 +1,6 @@
 //! The layer of a configuration file: its text becomes entries with their lines.
 
+use asperity_io::shown;
 use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -119,10 +120,11 @@ impl File<'_> {
 
     /// Refusal of a value at the top of the file, which has sections alone.
     fn without_section(&self, place: Place, name: &str) -> SettingError {
+        let written = shown(name);
         let reason = match has_section(self.command, name) {
-            true => format!("`{name}` must be a section, written as [{name}]"),
+            true => format!("`{written}` must be a section, written as [{written}]"),
             false => format!(
-                "`{name}` stands in no section{}; put it below the heading of its section, such as [surface]",
+                "`{written}` stands in no section{}; put it below the heading of its section, such as [surface]",
                 self.elsewhere(name)
             ),
         };
@@ -236,8 +238,8 @@ impl File<'_> {
                 .split('\n')
                 .next()
                 .unwrap_or_default();
-        let reason = message.trim().replace('\n', " ");
-        let line = line.trim();
+        let reason = shown(&message.trim().replace('\n', " "));
+        let (line, written) = (line.trim(), shown(line.trim()));
         let reason = match line.split_once('=') {
             // The value is what is wrong if the line is not TOML by itself either.
             Some((key, _)) if DeTable::parse(line).is_err() => {
@@ -245,14 +247,14 @@ impl File<'_> {
                 let quotes = "text and numbers with a unit stand in quotes";
                 match self.setting_named(section, key.trim()) {
                     Some(setting) => format!(
-                        "`{line}` is not valid TOML: {quotes}; {} must be {}",
+                        "`{written}` is not valid TOML: {quotes}; {} must be {}",
                         key.trim(),
                         setting.expected(self.command)
                     ),
-                    None => format!("`{line}` is not valid TOML: {quotes}"),
+                    None => format!("`{written}` is not valid TOML: {quotes}"),
                 }
             }
-            Some(_) => format!("`{line}` is not valid TOML: {reason}"),
+            Some(_) => format!("`{written}` is not valid TOML: {reason}"),
             None => reason,
         };
         SettingError::Syntax {

@@ -180,8 +180,9 @@ fn grids_of_terrain_have_their_cell_size_and_missing_points() {
         .unwrap();
     assert_eq!(field.spacing(), [25.0, 25.0]);
     for (old, new, words) in [
-        ("ncols 3", "ncols 4", "this row has 3 numbers, but 4"),
-        ("nrows 2", "nrows 3", "3 rows were expected"),
+        ("ncols 3", "ncols 4", "4 x 2 numbers were expected"),
+        ("nrows 2", "nrows 3", "3 x 3 numbers were expected"),
+        ("nrows 2", "nrows 1", "not a valid text matrix: 3 x 1"),
         ("nrows 2", "nrows 4000000000", "claims"),
         ("ncols 3", "ncols x", "ncols is `x`"),
         ("cellsize 25", "cellsize 0", "cellsize is `0`"),
@@ -197,6 +198,268 @@ fn grids_of_terrain_have_their_cell_size_and_missing_points() {
     let map = read(HeightMapFormat::Text, unequal.as_bytes()).unwrap();
     let field = map.into_height_field(MissingPolicy::Fill, Border::Open);
     assert_eq!(field.unwrap().spacing(), [2.0, 3.0]);
+}
+
+/// The heights of a text, and how many of them are missing.
+fn heights_of(text: &str) -> (Vec<f64>, usize, [usize; 2]) {
+    let map = read(HeightMapFormat::Text, text.as_bytes()).unwrap();
+    let (missing, shape) = (map.missing(), map.shape());
+    let field = map.into_height_field(MissingPolicy::Fill, Border::Open);
+    (field.unwrap().into_heights(), missing, shape)
+}
+
+#[test]
+fn lines_of_terrain_end_anywhere() {
+    let plain = heights_of(TERRAIN);
+    for text in [
+        TERRAIN.replace("1 2 -1\n4 5 6", "1 2\n-1 4 5\n\n6"),
+        TERRAIN.replace("1 2 -1\n4 5 6", "1 2 -1 4 5 6"),
+        TERRAIN.replace('\n', " "),
+        TERRAIN.replace('\n', "\t\r\n"),
+    ] {
+        assert_eq!(heights_of(&text), plain, "{text}");
+    }
+    // Lines of the length of the columns are rather rows that were exchanged with them.
+    let exchanged = TERRAIN.replace("1 2 -1\n4 5 6", "1 2\n-1 4\n5 6");
+    refused(HeightMapFormat::Text, exchanged.as_bytes(), "exchanged");
+}
+
+#[test]
+fn marks_of_missing_points_of_terrain_are_words_and_rounded_numbers() {
+    let single = "-3.40282346638528898e+38";
+    for (mark, number) in [
+        ("null", "null"),
+        ("nan", "nan"),
+        ("missing", "Missing"),
+        ("-inf", "-inf"),
+        ("x", "X"),
+        (single, "-3.4028235e+38"),
+        ("-3.4028235e+38", single),
+        ("1e20", "100000002004087734272"),
+        ("-9999", "-9999.0"),
+    ] {
+        let text = TERRAIN.replace("value -1", &format!("value {mark}"));
+        let text = text.replace("2 -1", &format!("2 {number}"));
+        assert_eq!(heights_of(&text).1, 1, "{mark}");
+    }
+    let default = TERRAIN.replace("NODATA_value -1\n", "");
+    let default = default.replace("2 -1", "2 -9999");
+    assert_eq!(heights_of(&default).1, 1);
+    let unknown = TERRAIN.replace("2 -1", "2 x");
+    refused(
+        HeightMapFormat::Text,
+        unknown.as_bytes(),
+        "`x` is not a number",
+    );
+}
+
+/// Rows of heights without a pattern, separated by `separator`.
+fn rough([nx, ny]: [usize; 2], separator: &str) -> Vec<String> {
+    let height = |y: usize, x: usize| format!("{:.3}", ((7 * x + 13 * y * y) as f64).sin());
+    let row = |y: usize| (0..nx).map(|x| height(y, x)).collect::<Vec<_>>();
+    (0..ny).map(|y| row(y).join(separator)).collect()
+}
+
+#[test]
+fn profiles_are_refused_in_every_arrangement() {
+    use HeightMapFormat::Text;
+    let heights = rough([1, 40], "");
+    let line = |separator: &str, is_first: bool| {
+        let pairs = heights.iter().enumerate().map(|(i, z)| match is_first {
+            true => format!("{}{separator}{z}\n", 0.5 * i as f64),
+            false => format!("{z}{separator}{}\n", -0.5 * i as f64),
+        });
+        pairs.collect::<String>()
+    };
+    let mut texts = vec![line(" ", true), line(", ", true), line("\t", false)];
+    texts.push(line(";", true).replace('.', ","));
+    texts.push(line(" ", true).replace('.', ","));
+    texts.push("# x z\n0 1\n1 3\n2 2\n".to_owned());
+    texts.push(rough([2, 40], " ").join("\n"));
+    let positions: Vec<String> = (0..40).map(|i| format!("{i}.5")).collect();
+    texts.push(format!("{}\n{}\n", positions.join(","), heights.join(",")));
+    for text in texts {
+        refused(Text, text.as_bytes(), "are a profile");
+    }
+    assert_eq!(heights_of("1 2\n3 4\n").2, [2, 2]);
+    assert_eq!(heights_of("1 2\n3 4\n0 1\n").2, [3, 2]);
+}
+
+#[test]
+fn numbers_of_rows_and_columns_are_no_heights() {
+    use HeightMapFormat::Text;
+    for separator in [",", ";", "\t"] {
+        let rows = rough([16, 12], separator);
+        let above = |first: usize| {
+            let names: Vec<String> = (0..16).map(|i| (first + 2 * i).to_string()).collect();
+            names.join(separator)
+        };
+        let beside: Vec<String> = rows
+            .iter()
+            .enumerate()
+            .map(|(y, row)| format!("{y}{separator}{row}"))
+            .collect();
+        let table = [vec![above(0)], rows.clone()].concat().join("\n");
+        refused(Text, table.as_bytes(), "its first row rise in equal steps");
+        refused(Text, beside.join("\n").as_bytes(), "its first column rise");
+        let corner = if separator == "\t" {
+            "nan\t"
+        } else {
+            separator
+        };
+        for corner in [corner, &format!("-1{separator}")] {
+            let head = format!("{corner}{}", above(1));
+            let table = [vec![head], beside.clone()].concat().join("\n");
+            refused(Text, table.as_bytes(), "index=False");
+        }
+        let words = format!("a{separator}b\n{}", rows.join("\n"));
+        refused(Text, words.as_bytes(), "a heading above the numbers");
+        assert_eq!(heights_of(&rows.join("\n")).2, [12, 16]);
+    }
+    // A plane is a surface.
+    let plane = |y: usize| {
+        (0..9)
+            .map(|x| (x + 3 * y).to_string())
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let plane: Vec<String> = (0..9).map(plane).collect();
+    assert_eq!(heights_of(&plane.join("\n")).2, [9, 9]);
+}
+
+#[test]
+fn separators_at_the_end_are_no_points() {
+    for (separator, end) in [
+        (",", ","),
+        (";", ";"),
+        ("\t", "\t"),
+        (",", ",,, "),
+        (";", "; ;"),
+    ] {
+        let rows = rough([5, 4], separator);
+        let plain = heights_of(&rows.join("\n"));
+        let ended = rows.join(&format!("{end}\n")) + end;
+        assert_eq!(heights_of(&ended), plain, "{ended}");
+        let below = format!("{ended}\n{}\n", separator.repeat(5));
+        assert_eq!(heights_of(&below), plain, "{below}");
+        let stated = format!("w=5 h=4\n{ended}");
+        assert_eq!(heights_of(&stated), plain, "{stated}");
+    }
+    // A point or row that is missing among others stays missing.
+    assert_eq!(heights_of("1,2,\n3,4,5\n0,7,8\n").1, 1);
+    assert_eq!(heights_of("1,2,7\n,,\n0,7,8\n").1, 3);
+}
+
+#[test]
+fn decimal_commas_are_told_from_separators() {
+    let plain = heights_of("0.5 1.25 -3\n2 4.5 6e-1\n");
+    for text in [
+        "0,5 1,25 -3\n2 4,5 6e-1\n",
+        "0,5;1,25;-3\n2;4,5;6e-1\n",
+        "0,5\t1,25\t-3\n2\t4,5\t6e-1\n",
+        "0.5, 1.25, -3\n2, 4.5, 6e-1\n",
+        "0.5 ,1.25 ,-3\n2 ,4.5 ,6e-1\n",
+        "0.5;1.25;-3\n2;4.5;6e-1\n",
+        "! by hand\n% by hand\n0.5,1.25,-3\n// between\n2,4.5,6e-1\n",
+    ] {
+        assert_eq!(heights_of(text), plain, "{text}");
+    }
+    refused(
+        HeightMapFormat::Text,
+        b"1.234,5;2\n3;4\n",
+        "`1.234,5` is not a number",
+    );
+}
+
+#[test]
+fn lists_of_points_have_headings_and_separators_of_many_programs() {
+    let list = points([5, 4], [2.0, 2.0]);
+    let plain = heights_of(&list.join("\n"));
+    for (heading, separator) in [
+        ("//X Y Z", " "),
+        ("X;Y;Z", ";"),
+        ("# x, y, z", ", "),
+        ("\"x\",\"y\",\"z\"", ","),
+        ("% X\tY\tZ", "\t"),
+    ] {
+        let mut rows = vec![heading.to_owned()];
+        rows.extend(list.iter().map(|row| row.replace(' ', separator)));
+        let text = rows.join("\n");
+        assert_eq!(heights_of(&text), plain, "{heading}");
+        if separator != "," && separator != ", " {
+            assert_eq!(heights_of(&text.replace('.', ",")), plain, "{heading}");
+        }
+    }
+    let more = |heading: &str| {
+        let rows: Vec<String> = list.iter().map(|row| format!("{row} 0.5")).collect();
+        format!("{heading}{}", rows.join("\n"))
+    };
+    for heading in ["", "//X Y Z Intensity\n"] {
+        refused(
+            HeightMapFormat::Text,
+            more(heading).as_bytes(),
+            "have 4 numbers, but three",
+        );
+    }
+}
+
+#[test]
+fn comments_of_gwyddion_are_known_in_every_language() {
+    let plain = heights_of(GWYDDION);
+    for [channel, width, height, units] in [
+        ["Kanal", "Breite", "H\u{f6}he", "Value units"],
+        ["Canale", "Larghezza", "Altezza", "unit\u{e0} valore"],
+        [
+            "Canal\u{a0}",
+            "Largeur\u{a0}",
+            "Hauteur\u{a0}",
+            "Unit\u{e9}s de valeur\u{a0}",
+        ],
+        [
+            "Kan\u{e1}l",
+            "\u{160}\u{ed}\u{159}ka",
+            "V\u{fd}\u{161}ka",
+            "Jednotky hodnot",
+        ],
+        [
+            "\u{30c1}\u{30e3}\u{30f3}\u{30cd}\u{30eb}",
+            "\u{5e45}",
+            "\u{9ad8}\u{3055}",
+            "\u{5024}\u{306e}\u{5358}\u{4f4d}",
+        ],
+    ] {
+        let text = GWYDDION
+            .replace("Channel", channel)
+            .replace("Width", width)
+            .replace("Height", height)
+            .replace("Value units", units);
+        let wide = text.replace("# Width:", "# Width\u{ff1a}");
+        let latin: Vec<u8> = text
+            .chars()
+            .map(|c| u8::try_from(c).unwrap_or(b'?'))
+            .collect();
+        for bytes in [text.as_bytes(), wide.as_bytes(), &latin] {
+            let map = read(HeightMapFormat::Text, bytes).unwrap();
+            assert!(
+                map.spacing_is_known() && map.unit == LengthUnit::Micrometre,
+                "{text}"
+            );
+        }
+        assert_eq!(heights_of(&text), plain);
+        let volts = text.replace("nm\n", "V\n");
+        refused(
+            HeightMapFormat::Text,
+            volts.as_bytes(),
+            "`Value units` is `V`",
+        );
+    }
+    // Two lengths among other comments are no size.
+    let other = "# Wavelength: 633 nm\n# Focus: 2 mm\n# Operator: Smith\n1 2\n3 4\n";
+    assert!(
+        !read(HeightMapFormat::Text, other.as_bytes())
+            .unwrap()
+            .spacing_is_known()
+    );
 }
 
 #[test]

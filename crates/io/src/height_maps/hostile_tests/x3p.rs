@@ -123,11 +123,67 @@ fn x3p_is_read_in_every_type() {
         .iter()
         .flat_map(|x: &f64| x.to_le_bytes())
         .collect();
-    refused(
-        X3p,
-        &x3p(&main_xml(&z("D", ""), LINK), &[(DATA, &infinite)]),
-        "column 0, row 1 is inf",
-    );
+    let file = x3p(&main_xml(&z("D", ""), LINK), &[(DATA, &infinite)]);
+    assert_eq!(read(X3p, &file).unwrap().missing(), 1);
+    let single: Vec<u8> = [0.0, f32::NEG_INFINITY, 0.0, f32::INFINITY, 0.0, f32::NAN]
+        .iter()
+        .flat_map(|x: &f32| x.to_le_bytes())
+        .collect();
+    let file = x3p(&main_xml(&z("F", scale), LINK), &[(DATA, &single)]);
+    assert_eq!(read(X3p, &file).unwrap().missing(), 3);
+    let listed = list.replace("0;0;-2", "0;0;inf");
+    let file = x3p(&main_xml(&z("D", ""), &listed), &[]);
+    assert_eq!(read(X3p, &file).unwrap().missing(), 1);
+}
+
+#[test]
+fn x3p_parts_may_lie_in_a_folder_with_separators_of_windows() {
+    use std::io::Write;
+    let data: &[u8] = &[0; 48];
+    let xml = main_xml("<DataType>D</DataType>", LINK);
+    let archive = |names: &[(&str, &[u8])]| {
+        let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default();
+        for (name, bytes) in names {
+            archive.start_file(*name, options).unwrap();
+            archive.write_all(bytes).unwrap();
+        }
+        archive.finish().unwrap().into_inner()
+    };
+    let wrong: &[u8] = b"00000000000000000000000000000000 *main.xml\n";
+    for [main, part, checksum] in [
+        [
+            "scan/main.xml",
+            "scan/bindata/data.bin",
+            "scan/md5checksum.hex",
+        ],
+        [
+            "a\\b\\main.xml",
+            "a\\b\\bindata\\data.bin",
+            "a\\b\\md5checksum.hex",
+        ],
+        ["Main.xml", "Bindata/data.bin", "md5checksum.hex"],
+        [
+            "./scan/main.xml",
+            "./scan/bindata/data.bin",
+            "./scan/md5checksum.hex",
+        ],
+    ] {
+        let apple: (&str, &[u8]) = ("__MACOSX/scan/main.xml", b"x");
+        let file = archive(&[apple, (main, xml.as_bytes()), (part, data)]);
+        assert_eq!(
+            read(HeightMapFormat::X3p, &file).unwrap().shape(),
+            [2, 3],
+            "{main}"
+        );
+        let file = archive(&[(main, xml.as_bytes()), (part, data), (checksum, wrong)]);
+        refused(HeightMapFormat::X3p, &file, "MD5 checksum");
+    }
+    let two = archive(&[
+        ("a/main.xml", xml.as_bytes()),
+        ("b/main.xml", xml.as_bytes()),
+    ]);
+    refused(HeightMapFormat::X3p, &two, "in two folders, `a` and `b`");
 }
 
 #[test]

@@ -23,7 +23,8 @@ const INDEX_LIMIT: u64 = 1 << 20;
 pub(crate) fn measured(file: &Bytes<'_>) -> Result<Measured, ReadProblem> {
     let length = file.all.len() as u64;
     let mut parts = Parts::open(Cursor::new(file.all), length)?;
-    let text = parts.read(INDEX, |size| size <= INDEX_LIMIT)?;
+    let index = parts.enter(INDEX)?;
+    let text = parts.read(&index, |size| size <= INDEX_LIMIT)?;
     let text = String::from_utf8_lossy(&text);
     let Split { description, .. } = xml::split(INDEX, &text)?;
     let document = xml::parse(INDEX, &description)?;

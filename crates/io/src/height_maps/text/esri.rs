@@ -7,13 +7,14 @@
 //! cellsize 50
 //! NODATA_value -9999
 //! ```
-//! Heights and cell size are in one unit, which the format does not name. Place on the map is ignored.
+//! Heights and cell size are in one unit, which the format does not name. Place on the map is ignored. Lines may end
+//! anywhere, in the header and in the numbers.
 
 use crate::error::ReadProblem;
-use crate::text_lines::{Line, short};
+use crate::text_lines::{Line, decimal, short};
 
-/// Number that marks a missing point unless the file says.
-const DEFAULT_NODATA: f64 = -9999.0;
+/// Mark of a missing point unless the file says.
+const DEFAULT_NODATA: &str = "-9999";
 
 /// The header, as far as it is there.
 #[derive(Default)]
@@ -21,16 +22,28 @@ pub(super) struct Grid {
     pub(super) columns: Option<u64>,
     pub(super) rows: Option<u64>,
     cell: [Option<f64>; 2],
-    nodata: Option<f64>,
+    nodata: Option<String>,
 }
 
 impl Grid {
-    /// Reads a line of the header; returns false if the line is not part of it.
-    pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<bool, ReadProblem> {
-        let Some((name, value)) = text.split_once(char::is_whitespace) else {
-            return Ok(false);
-        };
-        let (name, value) = (name.to_ascii_lowercase(), value.trim());
+    /// Reads the fields of the header that `text` of a line begins with; returns what follows them.
+    pub(super) fn take<'a>(
+        &mut self,
+        line: Line<'_>,
+        mut text: &'a str,
+    ) -> Result<&'a str, ReadProblem> {
+        loop {
+            let (name, rest) = first_word(text);
+            let (value, rest) = first_word(rest);
+            if !self.take_field(line, &name.to_ascii_lowercase(), value)? {
+                return Ok(text);
+            }
+            text = rest;
+        }
+    }
+
+    /// Takes a field; returns false if there is none of that name.
+    fn take_field(&mut self, line: Line<'_>, name: &str, value: &str) -> Result<bool, ReadProblem> {
         let refuse = |needed: &str| {
             let what = format!("{name} is `{}`, but {needed} is needed", short(value));
             line.refuse_at(0, what)
@@ -39,25 +52,34 @@ impl Grid {
             let number = value.parse::<u64>().ok().filter(|n| *n > 0);
             number.ok_or_else(|| refuse("a positive whole number"))
         };
-        let number = || value.parse::<f64>().map_err(|_| refuse("a number"));
         let positive = || {
-            let number = value.parse::<f64>().ok();
-            let number = number.filter(|x| x.is_finite() && *x > 0.0);
+            let number = decimal(value).filter(|x| x.is_finite() && *x > 0.0);
             number.ok_or_else(|| refuse("a positive number"))
         };
-        match name.as_str() {
+        match name {
             "ncols" => self.columns = Some(whole()?),
             "nrows" => self.rows = Some(whole()?),
             "cellsize" => self.cell = [Some(positive()?); 2],
             "dx" => self.cell[0] = Some(positive()?),
             "dy" => self.cell[1] = Some(positive()?),
-            "nodata_value" => self.nodata = Some(number()?),
+            "nodata_value" | "nodata" => self.nodata = Some(value.to_owned()),
             "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" => {
-                number()?;
+                decimal(value).ok_or_else(|| refuse("a number"))?;
             }
             _ => return Ok(false),
         }
         Ok(true)
+    }
+
+    /// Columns and rows of numbers, wherever lines end.
+    pub(super) fn shape(&self) -> Option<[u64; 2]> {
+        Some([self.columns?, self.rows?])
+    }
+
+    /// Returns `true` for the text of a missing point, which need not be a number.
+    pub(super) fn is_nodata(&self, field: &str) -> bool {
+        let nodata = self.nodata.as_deref();
+        nodata.is_some_and(|mark| mark.eq_ignore_ascii_case(field))
     }
 
     /// Marks missing points; returns the spacing, or `None` without such a header.
@@ -70,12 +92,19 @@ impl Grid {
                 "its header has ncols and nrows, but no cellsize, or dx and dy",
             ));
         };
-        let nodata = self.nodata.unwrap_or(DEFAULT_NODATA);
+        let nodata = decimal(self.nodata.as_deref().unwrap_or(DEFAULT_NODATA));
         for height in heights {
-            if *height == nodata {
+            // The mark, or the numbers, may have been rounded to single precision
+            if nodata.is_some_and(|nodata| *height as f32 == nodata as f32) {
                 *height = f64::NAN;
             }
         }
         Ok(Some([dx, dy]))
     }
+}
+
+/// The first word of a text, and the text behind it.
+fn first_word(text: &str) -> (&str, &str) {
+    let text = text.trim_start();
+    text.split_once(char::is_whitespace).unwrap_or((text, ""))
 }

@@ -6,35 +6,58 @@
 //! # Value units: nm
 //! ```
 //! Width and height are the extents of all pixels, so that the spacing is the width over the number of
-//! columns. Heights are converted to the unit of the width.
+//! columns. Heights are converted to the unit of the width. The names are in the language of the program, and are
+//! known by their order then.
 
 use asperity_surface::LengthUnit;
 
 use crate::error::ReadProblem;
 use crate::height_maps::unit::PowerOfMetre;
-use crate::text_lines::short;
+use crate::text_lines::{decimal, short};
 
-/// The comments that say what the numbers are, as far as they are there.
+/// Names of the comments that say what the numbers are.
+const NAMES: [&str; 3] = ["Width", "Height", "Value units"];
+
+/// Most letters of a unit.
+const MAX_UNIT: usize = 4;
+
+/// Most comments that are kept.
+const MAX_COMMENTS: usize = 64;
+
+/// Comments of the form `name: value`.
 #[derive(Default)]
-pub(super) struct Comments {
-    width: Option<String>,
-    height: Option<String>,
-    value_units: Option<String>,
-}
+pub(super) struct Comments(Vec<(String, String)>);
 
 impl Comments {
-    /// Takes the text of a comment; those of no such name are left.
+    /// Takes the text of a comment; those of another form are left.
     pub(super) fn take(&mut self, comment: &str) {
-        let Some((name, value)) = comment.split_once(':') else {
-            return;
-        };
-        let slot = match name.trim().to_ascii_lowercase().as_str() {
-            "width" => &mut self.width,
-            "height" => &mut self.height,
-            "value units" => &mut self.value_units,
-            _ => return,
-        };
-        slot.get_or_insert_with(|| value.trim().to_owned());
+        if let Some((name, value)) = comment.split_once([':', '\u{ff1a}'])
+            && self.0.len() < MAX_COMMENTS
+        {
+            self.0
+                .push((name.trim().to_owned(), value.trim().to_owned()));
+        }
+    }
+
+    /// Width, height and unit of the values, those of them that are there.
+    fn given(&self) -> [Option<&str>; 3] {
+        let named = NAMES.map(|name| {
+            let mut all = self.0.iter();
+            let found = all.find(|(own, _)| own.eq_ignore_ascii_case(name));
+            found.map(|(_, value)| value.as_str())
+        });
+        // One alone may be any comment
+        if named.iter().flatten().count() > 1 {
+            return named;
+        }
+        let is_unit = |text: &str| text.chars().count() <= MAX_UNIT;
+        let mut all = self.0.windows(3);
+        let translated = all.find_map(|three| {
+            let [width, height, units] = [0, 1, 2].map(|k| three[k].1.as_str());
+            let are_these = length(width).is_some() && length(height).is_some() && is_unit(units);
+            are_these.then_some([width, height, units].map(Some))
+        });
+        translated.unwrap_or_default()
     }
 
     /// Scales the heights of a map of this shape `[ny, nx]`; returns spacing and unit, or `None` without such comments.
@@ -43,25 +66,19 @@ impl Comments {
         [ny, nx]: [usize; 2],
         heights: &mut [f64],
     ) -> Result<Option<([f64; 2], LengthUnit)>, ReadProblem> {
-        let given = [&self.width, &self.height, &self.value_units];
-        // One alone may be any comment
-        if given.iter().filter(|value| value.is_some()).count() < 2 {
+        let given = self.given();
+        if given == [None; 3] {
             return Ok(None);
         }
-        let of = |name: &str, value: &Option<String>| match value {
-            Some(value) => Ok(value.clone()),
-            None => Err(refuse(name, "is missing")),
+        let of = |k: usize| given[k].ok_or_else(|| refuse(NAMES[k], "is missing"));
+        let invalid = |k: usize, text: &str| refuse(NAMES[k], format_args!("is `{}`", short(text)));
+        let extent = |k: usize| {
+            let text = of(k)?;
+            length(text).ok_or_else(|| invalid(k, text))
         };
-        let [width, height] = [("Width", &self.width), ("Height", &self.height)].map(
-            |(name, value)| -> Result<_, ReadProblem> {
-                let value = of(name, value)?;
-                length(&value).ok_or_else(|| refuse(name, format_args!("is `{}`", short(&value))))
-            },
-        );
-        let ((width, width_unit), (height, height_unit)) = (width?, height?);
-        let units = of("Value units", &self.value_units)?;
-        let vertical = PowerOfMetre::parse(&units)
-            .ok_or_else(|| refuse("Value units", format_args!("is `{}`", short(&units))))?;
+        let ((width, width_unit), (height, height_unit)) = (extent(0)?, extent(1)?);
+        let units = of(2)?;
+        let vertical = PowerOfMetre::parse(units).ok_or_else(|| invalid(2, units))?;
         let unit = width_unit.kept_as();
         let converted = [width_unit, height_unit, vertical].map(|own| own.convert(unit));
         let [Some(along_x), Some(along_y), Some(up)] = converted else {
@@ -78,7 +95,7 @@ impl Comments {
 /// A positive number and a unit of length; some languages write a decimal comma.
 fn length(text: &str) -> Option<(f64, PowerOfMetre)> {
     let (number, unit) = text.split_once(char::is_whitespace)?;
-    let number: f64 = number.replace(',', ".").parse().ok()?;
+    let number = decimal(number)?;
     (number.is_finite() && number > 0.0).then_some((number, PowerOfMetre::parse(unit)?))
 }
 

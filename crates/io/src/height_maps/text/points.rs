@@ -18,9 +18,10 @@ const MAX_PLACES_PER_POINT: usize = 2;
 /// Largest distance of a point from its place, in spacings: coordinates are rounded in a file.
 const TOLERANCE: f64 = 0.1;
 
-/// Returns `true` if a line names the columns of a list: `x y z`.
+/// Returns `true` if a line names the columns of a list, and perhaps further ones: `x y z`.
 pub(super) fn is_heading(line: &str) -> bool {
-    let names = line.split([' ', '\t', ',']).filter(|name| !name.is_empty());
+    let names = line.split([' ', '\t', ',', ';', '"']);
+    let names = names.filter(|name| !name.is_empty()).take(3);
     names.map(str::to_ascii_lowercase).eq(["x", "y", "z"])
 }
 
@@ -30,32 +31,46 @@ pub(super) fn is_named_as_list(path: &Path) -> bool {
     ending.is_some_and(|ending| ending.eq_ignore_ascii_case(LIST_ENDING))
 }
 
-/// The refusal of a file that is named as a list and has another number of columns.
-pub(super) fn wrong_columns(columns: usize) -> ReadProblem {
-    ReadProblem::unsupported(format_args!(
-        "its rows have {columns} numbers, but three are needed: .xyz holds points x, y, z, and matrices are read from .txt, .csv and .asc"
-    ))
-}
-
-/// The map of a list of rows x, y, z; `None` where they rather are a matrix of three columns. `is_list` if the file is
-/// named as a list.
+/// The map of a list of rows x, y, z; `None` where they rather are a matrix. `is_list` if the file says that it is a list.
 ///
 /// Row 0 of the map has the least y. Places of the grid that no point is on are missing.
-pub(super) fn map_of(is_list: bool, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadProblem> {
-    let (rows, _) = rows.as_chunks::<3>();
-    match placed(rows)? {
+pub(super) fn map_of(
+    is_list: bool,
+    columns: usize,
+    numbers: &[f64],
+) -> Result<Option<RawHeightMap>, ReadProblem> {
+    let is_long = numbers.len() >= MIN_ROWS_OF_LIST * columns;
+    if columns < 3 || (columns > 3 && !is_long) {
+        return if is_list {
+            Err(wrong_columns(columns))
+        } else {
+            Ok(None)
+        };
+    }
+    let rows = numbers.chunks_exact(columns);
+    let rows: Vec<[f64; 3]> = rows.map(|row| [row[0], row[1], row[2]]).collect();
+    match placed(&rows)? {
+        None if columns > 3 && !is_list => Ok(None),
+        _ if columns > 3 => Err(wrong_columns(columns)),
         Some(Placed { heights, x, y }) => {
             let (shape, spacing) = ([y.count, x.count], [x.step, y.step]);
             let mut map = RawHeightMap::new(heights, shape, spacing)?;
             map.y_is_north = true;
             Ok(Some(map))
         }
-        None if rows.len() < MIN_ROWS_OF_LIST && !is_list => Ok(None),
+        None if !is_long && !is_list => Ok(None),
         None => Err(ReadProblem::unsupported(format_args!(
             "its {} rows of three numbers look like points x, y, z, but x and y do not lie on a regular grid, one point on each place; interpolate them on one first",
             rows.len()
         ))),
     }
+}
+
+/// The refusal of a list of points with another number of columns.
+fn wrong_columns(columns: usize) -> ReadProblem {
+    ReadProblem::unsupported(format_args!(
+        "its rows have {columns} numbers, but three are needed in a list of points x, y, z; matrices are read from .txt, .csv and .asc"
+    ))
 }
 
 /// The points in the order of their grid; `None` if the points are on none.

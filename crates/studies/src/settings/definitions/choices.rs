@@ -57,6 +57,12 @@ pub(super) const UNIT: Kind = Kind::Choice(&[
     choice("km", "kilometre"),
 ]);
 
+pub(super) const UP: Kind = Kind::Choice(&[
+    choice("x", "x points up"),
+    choice("y", "y points up, as in OBJ files of Blender"),
+    choice("z", "z points up"),
+]);
+
 pub(super) const DRAWN_UNIT: Kind = Kind::Choice(&[
     choice("1", "arbitrary"),
     choice("nm", "nanometre"),

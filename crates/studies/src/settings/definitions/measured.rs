@@ -1,7 +1,7 @@
 //! `[measured]`: given surfaces.
 
-use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, MESH, RENDER, TRACE};
+use super::choices::{BORDER, FORM, MISSING, UNIT, UP};
+use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, MESH, RENDER, SURFACES, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
@@ -59,6 +59,10 @@ pub(super) const SETTINGS: &[Setting] = &table(
         setting("flip", Kind::Switch)
             .help("Take rows in reverse order, the last at y = 0")
             .basic(HEIGHT_MAPS),
+        setting("up", UP)
+            .help("Axis of a triangle mesh that points up")
+            .commands(SURFACES)
+            .otherwise("z"),
         setting("missing", MISSING)
             .help("What is done with missing points")
             .basic(TRACE.and(HEIGHT_MAPS))

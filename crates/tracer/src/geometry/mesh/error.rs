@@ -62,6 +62,16 @@ pub enum MeshSurfaceError {
         /// Its other end.
         to: [f64; 3],
     },
+    /// Two triangles of an edge lie in each other.
+    #[error(
+        "the two triangles of the edge from {from:?} to {to:?} are folded onto each other, so that light would go to and fro between them"
+    )]
+    Folded {
+        /// One end of the edge.
+        from: [f64; 3],
+        /// Its other end.
+        to: [f64; 3],
+    },
     /// Opposite borders of a periodic tile differ.
     #[error(
         "the border must be periodic along {axis}, but the vertex at {place:?} has no counterpart on the opposite border"
