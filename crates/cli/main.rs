@@ -15,6 +15,7 @@ mod output_files;
 mod progress;
 mod render;
 mod study;
+mod system;
 mod tools;
 
 use std::process::ExitCode;
@@ -30,6 +31,7 @@ use crate::end::End;
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
+    system::refuse_large_files();
     let request = match parse(std::env::args_os().collect()) {
         Ok(request) => request,
         Err(Stop::Failure(failure)) => return failure.report(),

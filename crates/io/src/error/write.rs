@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::ending_found;
+use crate::part_names::without_parts;
 
 /// Error on writing a file or folder.
 ///
@@ -80,7 +81,8 @@ pub enum WriteProblem {
 
 impl Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, problem) = (self.path.display(), &self.problem);
+        let path = without_parts(&self.path);
+        let (path, problem) = (path.display(), &self.problem);
         match problem {
             WriteProblem::Io(_) | WriteProblem::NoFolder(_) => {
                 write!(f, "cannot write `{path}`: {problem}")
