@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use asperity_io::ResultFolder;
 use asperity_simulate::StoppedBy;
+use asperity_studies::StudyError;
 
 use crate::failure::Failure;
 use crate::output::say;
@@ -29,6 +30,26 @@ pub(crate) enum Again {
     ResumesWithOutput,
     /// It computes everything anew.
     Restarts,
+}
+
+/// The failure of a run that was stopped before it had any result: by `stopped_by`, or else the end of its time.
+pub(crate) fn stopped_without_results(
+    stopped_by: Option<StoppedBy>,
+    error: &StudyError,
+    left: &str,
+) -> Failure {
+    let why = why(stopped_by.unwrap_or(StoppedBy::Time));
+    let why = why.map_or_else(String::new, |why| format!("{why}: "));
+    Failure::failed(format!("{why}{error}; {left}"))
+}
+
+/// Clause on what stopped a run; `None` of one that came to its end.
+const fn why(stopped_by: StoppedBy) -> Option<&'static str> {
+    match stopped_by {
+        StoppedBy::Interrupt => Some("interrupted"),
+        StoppedBy::Time => Some("the time is over"),
+        _ => None,
+    }
 }
 
 /// A run that wrote its results.
@@ -58,11 +79,7 @@ impl EndedRun<'_> {
 
     /// Line on a run that was stopped.
     fn line(&self) -> Option<String> {
-        let why = match self.stopped_by? {
-            StoppedBy::Interrupt => "interrupted",
-            StoppedBy::Time => "the time is over",
-            _ => return None,
-        };
+        let why = why(self.stopped_by?)?;
         let again = match self.again {
             Again::Resumes => "the same command resumes",
             Again::ResumesWithOutput => "the same command with -o resumes",

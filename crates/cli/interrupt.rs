@@ -2,7 +2,9 @@
 //! ends the program at once, without temporary files left behind.
 
 use std::process::exit;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use asperity_io::remove_temporary_files;
 
@@ -11,8 +13,8 @@ use crate::output::say;
 /// `true` if the first interrupt is left to the run.
 static LISTENS: AtomicBool = AtomicBool::new(false);
 
-/// `true` after the first interrupt.
-static CAME: AtomicBool = AtomicBool::new(false);
+/// Time of the first interrupt.
+static CAME: OnceLock<Instant> = OnceLock::new();
 
 /// Exit code of a program that an interrupt ends at once, as shells have it.
 const KILLED: i32 = 130;
@@ -21,7 +23,7 @@ const KILLED: i32 = 130;
 pub(crate) fn handle() {
     // Where there is no handler to be had, an interrupt does what it always did.
     let _ = ctrlc::set_handler(|| {
-        let is_first = !CAME.swap(true, Ordering::Relaxed);
+        let is_first = CAME.set(Instant::now()).is_ok();
         if is_first && LISTENS.load(Ordering::Relaxed) {
             return;
         }
@@ -38,7 +40,7 @@ pub(crate) fn listen() {
     LISTENS.store(true, Ordering::Relaxed);
 }
 
-/// Returns `true` if the run should end.
-pub(crate) fn came() -> bool {
-    CAME.load(Ordering::Relaxed)
+/// Returns the time since the first interrupt, after which the run should end.
+pub(crate) fn time_since() -> Option<Duration> {
+    CAME.get().map(Instant::elapsed)
 }

@@ -16,6 +16,7 @@ mod output_files;
 mod progress;
 mod render;
 mod study;
+mod system;
 mod tools;
 
 use std::process::ExitCode;
@@ -32,6 +33,7 @@ use crate::failure::Failure;
 use crate::output::say_notes;
 
 fn main() -> ExitCode {
+    system::refuse_large_files();
     let request = match parse(std::env::args_os().collect()) {
         Ok(request) => request,
         Err(Stop::Failure(failure)) => return failure.report(),

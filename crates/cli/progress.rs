@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use asperity_io::shown;
-use asperity_simulate::{Observer, StoppedBy};
+use asperity_simulate::{GRACE, Observer, StoppedBy};
 use asperity_studies::wrapped;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -97,7 +97,8 @@ fn say_if_due(lines: &mut Lines, begun: Instant) {
 /// Prints lines that are due while steps take long, until `shown` is dropped.
 fn say_lines_in_time(shown: &Arc<Mutex<Shown>>) {
     let shown: Weak<Mutex<Shown>> = Arc::downgrade(shown);
-    thread::spawn(move || {
+    // Without a thread to be had, lines come when steps are done.
+    let _ = thread::Builder::new().spawn(move || {
         loop {
             thread::sleep(CHECK_INTERVAL);
             let Some(shown) = shown.upgrade() else {
@@ -161,6 +162,10 @@ impl Observer for Progress {
     }
 
     fn stop(&self) -> Option<StoppedBy> {
-        interrupt::came().then_some(StoppedBy::Interrupt)
+        interrupt::time_since().map(|_| StoppedBy::Interrupt)
+    }
+
+    fn gives_up(&self) -> bool {
+        interrupt::time_since().is_some_and(|time| time >= GRACE)
     }
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use asperity_io::PictureFormat;
-use asperity_simulate::counted;
+use asperity_simulate::{Observer, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{RenderConfig, RenderPlan};
 
 use crate::common::Common;
-use crate::end::{Again, End, EndedRun};
+use crate::end::{Again, End, EndedRun, stopped_without_results};
 use crate::failure::Failure;
 use crate::output::print;
 use crate::output_files::check_outputs;
@@ -27,7 +27,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let plan = RenderPlan::new(&config, document, &progress).map_err(refused)?;
 
     progress.begin_run();
-    let rendered = plan.render(&progress).map_err(refused)?;
+    let rendered = plan.render(&progress).map_err(|error| match error {
+        error if error.is_stopped() => {
+            stopped_without_results(progress.stop(), &error, "nothing is written")
+        }
+        error => refused(error),
+    })?;
     let ended = EndedRun {
         stopped_by: rendered.outcome.stopped_by,
         so_far: &format!(

@@ -2,12 +2,12 @@
 
 use asperity_io::ResultFolder;
 use asperity_results::Container;
-use asperity_simulate::counted;
+use asperity_simulate::{Observer, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{Findings, Study};
 
 use crate::common::{Common, Results};
-use crate::end::{Again, End, EndedRun};
+use crate::end::{Again, End, EndedRun, stopped_without_results};
 use crate::failure::Failure;
 use crate::output::{result_folder, say, say_notes};
 use crate::progress::Progress;
@@ -40,7 +40,21 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     if resumed.cases > 0 {
         common.say(|| format!("{} resumed", counted(resumed.cases as u64, "case")));
     }
-    let findings = study.run(&mut found, &progress).map_err(refused)?;
+    let findings = match study.run(&mut found, &progress) {
+        Ok(findings) => findings,
+        Err(error) if error.is_stopped() => {
+            let is_kept = found.close_early().map_err(Failure::failed)?;
+            let left = match &folder {
+                Some(folder) if is_kept => {
+                    folder.finish(false).map_err(Failure::failed)?;
+                    "what was traced so far is kept, and the same command resumes"
+                }
+                _ => "nothing is written",
+            };
+            return Err(stopped_without_results(progress.stop(), &error, left));
+        }
+        Err(error) => return Err(refused(error)),
+    };
     if let Some(folder) = &folder {
         let views = study.views().map_err(|error| refused(error.into()))?;
         views

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{check_output_folder, create_output_folder, exists, read_text, write_bytes};
+use asperity_io::{FolderLock, exists, read_text, write_bytes};
 use clap::builder::{PossibleValuesParser, ValueHint};
 use clap::{Arg, ArgMatches};
 use clap_complete::{Shell, generate};
@@ -124,7 +124,7 @@ const MARK: &str = ".TH asperity";
 
 /// Writes one page per command, and one of the program. Replaces pages of an earlier call and no other file.
 fn write_pages(folder: &Path, program: clap::Command) -> Result<(), Failure> {
-    check_output_folder(folder).map_err(Failure::failed)?;
+    let _lock = FolderLock::new(folder).map_err(Failure::failed)?;
     let version = env!("CARGO_PKG_VERSION");
     let mut program = program.disable_help_subcommand(true);
     program.build();
@@ -148,7 +148,6 @@ fn write_pages(folder: &Path, program: clap::Command) -> Result<(), Failure> {
     for (path, _) in &pages {
         refuse_other_file(path)?;
     }
-    create_output_folder(folder).map_err(Failure::failed)?;
     for (path, text) in pages {
         write_bytes(path, &text).map_err(Failure::failed)?;
     }

@@ -38,6 +38,7 @@ mod height_maps;
 mod limits;
 mod meshes;
 mod number_table;
+mod part_names;
 mod pictures;
 mod shown;
 mod text_lines;
@@ -49,10 +50,10 @@ pub use build::{Build, RESULTS_EPOCH};
 pub use endings::{SurfaceFormat, check_ending};
 pub use error::{ReadError, ReadProblem, ResultFolderError, WriteError, WriteProblem};
 pub use files::{
-    CsvField, Journal, JournalRecords, ResultFolder, available_memory, check_output_file,
-    check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in,
-    read_bytes, read_journal, read_text, remove_temporary_files, write_atomically, write_bytes,
-    write_csv, write_json,
+    CsvField, FolderLock, Journal, JournalRecords, ResultFolder, available_memory,
+    check_output_file, check_output_folder, create_output_folder, csv_text, exists, is_same_file,
+    names_in, read_bytes, read_journal, read_text, remove_temporary_files, write_atomically,
+    write_bytes, write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};

@@ -40,7 +40,7 @@ pub enum RenderError {
         tiles: f64,
     },
     /// There is no picture yet.
-    #[error("interrupted before the first pass was finished; nothing is written")]
+    #[error("stopped before the first pass was finished")]
     Interrupted,
     /// No pixels, or too many.
     #[error("the picture has {0} x {1} pixels; 1 to {MAX_PIXELS} per side are allowed")]

@@ -289,6 +289,18 @@ impl<'a, C: Stored> Container<'a, C> {
         }
     }
 
+    /// Keeps the finished parts of a run that ended without any result, and returns `true` if there are any.
+    ///
+    /// # Errors
+    /// [`ResultsError`] if a file cannot be written or removed.
+    pub fn close_early(&mut self) -> Result<bool, ResultsError> {
+        let is_changed = self.folder.is_some() && self.store.state().is_changed;
+        if is_changed {
+            self.close()?;
+        }
+        Ok(is_changed)
+    }
+
     /// Ends a run: writes the file of results, and removes the journal. Without a folder it does nothing.
     ///
     /// # Errors

@@ -110,7 +110,7 @@ pub enum SimulateError {
         tiles: f64,
     },
     /// The run was stopped before there was any result.
-    #[error("interrupted before the first surface was finished; nothing is written")]
+    #[error("stopped before the first surface was finished")]
     Interrupted,
 }
 

@@ -20,13 +20,14 @@ pub trait Observer: Sync {
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
     fn surface_drawn(&self, _number: u64) {}
-    /// Returns the reason why no further cases should begin, if so, although those that have begun go on. Asked between groups of cases that share surfaces.
-    fn stop_between(&self) -> Option<StoppedBy> {
-        None
-    }
     /// Returns the reason why the run should end with the results so far, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
+    }
+    /// Returns `true` if even what is under way should be given up, as a while after a [`stop`](Self::stop). Asked
+    /// several times a second.
+    fn gives_up(&self) -> bool {
+        false
     }
 }
 
@@ -40,12 +41,13 @@ impl Observer for Silent {
     fn end(&self) {}
 }
 
+/// Time after a stop in which what is under way may still be finished.
+pub const GRACE: Duration = Duration::from_millis(500);
+
 /// Ends a run when its time is over.
 pub struct Deadline<'a> {
     observer: &'a dyn Observer,
     end: Option<Instant>,
-    /// `true` if no further cases begin after it, even without any result.
-    ends_between: bool,
 }
 
 impl<'a> Deadline<'a> {
@@ -54,20 +56,12 @@ impl<'a> Deadline<'a> {
     pub fn new(observer: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
         let end = time.and_then(|time| Instant::now().checked_add(time));
-        Self {
-            observer,
-            end,
-            ends_between: false,
-        }
+        Self { observer, end }
     }
 
-    /// The deadline after which no further cases begin.
-    #[must_use]
-    pub const fn between_cases(self) -> Self {
-        Self {
-            ends_between: true,
-            ..self
-        }
+    fn is_over_for(&self, time: Duration) -> bool {
+        let over = |end: Instant| Instant::now().checked_duration_since(end);
+        self.end.and_then(over).is_some_and(|over| over >= time)
     }
 }
 
@@ -93,16 +87,11 @@ impl Observer for Deadline<'_> {
     fn surface_drawn(&self, number: u64) {
         self.observer.surface_drawn(number);
     }
-    fn stop_between(&self) -> Option<StoppedBy> {
-        match self.ends_between {
-            true => self.stop(),
-            false => self.observer.stop_between(),
-        }
-    }
     fn stop(&self) -> Option<StoppedBy> {
-        self.observer.stop().or_else(|| {
-            let over = self.end.is_some_and(|end| Instant::now() >= end);
-            over.then_some(StoppedBy::Time)
-        })
+        let over = || self.is_over_for(Duration::ZERO).then_some(StoppedBy::Time);
+        self.observer.stop().or_else(over)
+    }
+    fn gives_up(&self) -> bool {
+        self.observer.gives_up() || self.is_over_for(GRACE)
     }
 }

@@ -91,6 +91,15 @@ impl From<SlopeError> for StudyError {
 }
 
 impl StudyError {
+    /// `true` if a stop came before there was any result.
+    #[must_use]
+    pub const fn is_stopped(&self) -> bool {
+        matches!(
+            self,
+            Self::Simulate(SimulateError::Interrupted) | Self::Render(RenderError::Interrupted)
+        )
+    }
+
     /// `true` if other input would help: a value is out of range, or two exclude each other.
     #[must_use]
     pub fn is_usage(&self) -> bool {

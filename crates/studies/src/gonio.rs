@@ -126,7 +126,7 @@ impl Study for GonioStudy {
         observer: &dyn Observer,
     ) -> Result<GonioOutcome<'a>, StudyError> {
         let time = self.config.run.max_time.and_then(Seconds::duration);
-        let observer = &Deadline::new(observer, time).between_cases();
+        let observer = &Deadline::new(observer, time);
         // Of each direction moments alone are kept.
         let derive = |_: &Outcome| Ok::<_, StudyError>(Value::Null);
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;

@@ -121,7 +121,7 @@ impl Study for MapStudy {
         observer: &dyn Observer,
     ) -> Result<MapOutcome<'a>, StudyError> {
         let time = self.config.run.max_time.and_then(Seconds::duration);
-        let observer = &Deadline::new(observer, time).between_cases();
+        let observer = &Deadline::new(observer, time);
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
             let judged = judge_case(&verification, outcome)?;

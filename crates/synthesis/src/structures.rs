@@ -47,7 +47,7 @@ pub use self::segments::SphericalSegments;
 use self::cracks::PlannedCracks;
 use self::grid::Grid;
 use self::grooves::PlannedGrooves;
-use self::limits::{BYTES_PER_FEATURE, SPACINGS_PER_RADIUS};
+use self::limits::{BYTES_PER_FEATURE, MAX_TILES_PER_WIDTH, SPACINGS_PER_RADIUS};
 use self::pyramids::PlannedPyramids;
 use self::random::Streams;
 use self::scratches::PlannedScratches;
@@ -268,6 +268,17 @@ impl StructureSynthesis {
             first: [0.0; 2],
         };
         let (width, spacing) = (structure.width(), grid.coarser_spacing());
+        // Periods of grooves fit the tile, as each is checked.
+        if !matches!(structure, Structure::Grooves(_)) {
+            let [x, y] = grid.lengths();
+            let most = MAX_TILES_PER_WIDTH * x.min(y);
+            if width > most {
+                return Err(StructureError::TooWide {
+                    width: width.into(),
+                    widest: Length::at_most(most),
+                });
+            }
+        }
         if !insist && width < MIN_SPACINGS_PER_WIDTH * spacing {
             return Err(StructureError::Unresolved {
                 width: width.into(),

@@ -68,7 +68,8 @@ pub struct TracedPaths {
 
 /// Traces batches of paths of one case on one surface. Called from any thread, for several groups of batches at a time.
 pub trait BatchTracer: Sync {
-    /// Traces rays of several batches together, as [`Tracer::batches`]: sums in a tally of each batch, and the work done.
+    /// Traces rays of several batches together, as [`Tracer::batches`]: sums in a tally of each batch, and the work done;
+    /// `None` once `gives_up` returns `true`, which is to be asked several times a second.
     ///
     /// Equal arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are
     /// functions of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since
@@ -80,7 +81,8 @@ pub trait BatchTracer: Sync {
         spec: TallySpec,
         control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Tallies<'c>, Work);
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(Tallies<'c>, Work)>;
 }
 
 impl<G: Geometry> BatchTracer for Tracer<'_, G> {
@@ -91,8 +93,9 @@ impl<G: Geometry> BatchTracer for Tracer<'_, G> {
         spec: TallySpec,
         control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Tallies<'c>, Work) {
-        self.batches(illumination, rays, spec, control, stream)
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(Tallies<'c>, Work)> {
+        self.batches_unless(illumination, rays, spec, control, stream, gives_up)
     }
 }
 

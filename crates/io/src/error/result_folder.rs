@@ -35,6 +35,12 @@ pub enum ResultFolderError {
         /// The file.
         path: PathBuf,
     },
+    /// Another run writes into the folder.
+    #[error("`{}` is being written by another run; wait for it to end, or choose another folder", .folder.display())]
+    InUse {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The folder holds results that this run does not replace.
     #[error("`{}` holds {holds}; choose another folder", shown_path(.folder))]
     OtherResults {

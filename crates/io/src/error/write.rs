@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::ending_found;
+use crate::part_names::without_parts;
 use crate::shown::shown_path;
 
 /// Error on writing a file or folder.
@@ -78,7 +79,7 @@ pub enum WriteProblem {
 
 impl Display for WriteError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, problem) = (shown_path(&self.path), &self.problem);
+        let (path, problem) = (shown_path(&without_parts(&self.path)), &self.problem);
         match problem {
             WriteProblem::Io(_) => write!(f, "cannot write `{path}`: {problem}"),
             WriteProblem::FolderIsFile(_) => {

@@ -87,12 +87,16 @@ fn replace_file(
     }
     temporary.as_file().sync_all()?;
     temporary.persist(&target)?;
-    // The new name lives in the folder. Not every file system can sync one, and the file itself
-    // is safe already, so a refusal is no failure.
-    if let Ok(folder) = File::open(&folder) {
+    sync_folder(&folder);
+    Ok(())
+}
+
+/// Has the system write the names of new files in a folder to the disk. Not every file system can do that, and the files
+/// themselves are safe already, so a refusal is no failure.
+pub(super) fn sync_folder(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
-    Ok(())
 }
 
 /// [`replace`] for a file that stands alone, outside of a result folder: also removes what killed runs

@@ -21,8 +21,8 @@ const SCHEMA: u32 = 2;
 /// The form before, whose files are a list of names.
 const SCHEMA_OF_NAMES: u32 = 1;
 
-/// Files by their path relative to the folder, separated by `/`. A file has no fingerprint while it may still be
-/// written, or if it is a checkpoint, which has a checksum of its own.
+/// Files by their path relative to the folder, separated by `/`. A checkpoint, which has a checksum of its own, has no
+/// fingerprint.
 pub(super) type ListedFiles = BTreeMap<String, Option<Fingerprint>>;
 
 /// The files that a run wrote into a folder, and what wrote them.
@@ -38,6 +38,9 @@ pub(super) struct Manifest {
     pub(super) complete: bool,
     #[serde(deserialize_with = "files_of_any_schema")]
     pub(super) files: ListedFiles,
+    /// Files whose new content a run that was killed was putting in place.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(super) replacing: ListedFiles,
 }
 
 impl Manifest {
@@ -48,6 +51,7 @@ impl Manifest {
             build: Build::current(),
             complete,
             files,
+            replacing: ListedFiles::new(),
         }
     }
 
@@ -78,7 +82,8 @@ impl Manifest {
                 manifest.schema
             )));
         }
-        if let Some(name) = manifest.files.keys().find(|name| !is_inside(name)) {
+        let mut names = manifest.files.keys().chain(manifest.replacing.keys());
+        if let Some(name) = names.find(|name| !is_inside(name)) {
             return Err(invalid(format!(
                 "it lists `{name}`, which is not in the folder"
             )));

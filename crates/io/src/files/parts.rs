@@ -4,15 +4,14 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread::sleep;
 use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// Beginning and end of the names of temporary files and folders, with random letters and digits between.
-const PREFIX: &str = ".asperity-";
-const SUFFIX: &str = ".part";
-const RANDOM_LENGTH: usize = 12;
+use super::lock::remove_made_folders;
+use crate::part_names::{PREFIX, RANDOM_LENGTH, SUFFIX, is_part};
 
 /// Name of the file in a temporary folder that is locked as long as the folder is used.
 const LOCK: &str = ".asperity-lock";
@@ -23,6 +22,9 @@ const MIN_AGE: Duration = Duration::from_secs(2);
 /// Least age of a folder without a file to lock, on whatever clock its disk has.
 const MIN_AGE_WITHOUT_LOCK: Duration = Duration::from_secs(24 * 3600);
 
+/// Time between two tries to lock the list of temporary files.
+const MOMENT: Duration = Duration::from_millis(10);
+
 /// The temporary files and folders of this process that exist.
 static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -32,7 +34,7 @@ fn own() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of this process, for a process that exits at once: from then on any thread that
+/// Removes the temporary files of this process, and the folders that it has made and left empty, for a process that exits at once: from then on any thread that
 /// makes, renames or drops one waits forever.
 ///
 /// Files that were renamed are complete and stay. What cannot be removed stays too, for a later run to remove.
@@ -44,17 +46,28 @@ fn own() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 /// std::process::exit(130);
 /// ```
 pub fn remove_temporary_files() {
-    let own = own();
+    // The thread that calls this may hold the list itself, where it is out of memory.
+    let mut tries = 0..100;
+    let own = loop {
+        match OWN.try_lock() {
+            Ok(own) => break own,
+            Err(TryLockError::Poisoned(own)) => break own.into_inner(),
+            Err(TryLockError::WouldBlock) if tries.next().is_some() => sleep(MOMENT),
+            Err(TryLockError::WouldBlock) => return,
+        }
+    };
     for path in own.iter() {
         let _ = match path.is_dir() {
             true => fs::remove_dir_all(path),
             false => fs::remove_file(path),
         };
     }
+    remove_made_folders();
     std::mem::forget(own);
 }
 
 /// An entry of the list of temporary files, gone when dropped.
+#[derive(Debug)]
 struct Listed(PathBuf);
 
 impl Drop for Listed {
@@ -91,6 +104,7 @@ impl TemporaryFile {
 }
 
 /// A temporary folder, gone with its content when dropped.
+#[derive(Debug)]
 pub(super) struct TemporaryFolder {
     // Dropped before the folder, since some systems remove no open files
     _lock: File,
@@ -175,15 +189,6 @@ pub(crate) fn remove_stale_parts(folder: &Path) {
             Ok(())
         };
     }
-}
-
-/// Returns `true` if this program makes temporary files of that name.
-fn is_part(name: &str) -> bool {
-    let inner = name.strip_prefix(PREFIX);
-    let random = inner.and_then(|inner| inner.strip_suffix(SUFFIX));
-    random.is_some_and(|random| {
-        random.len() == RANDOM_LENGTH && random.bytes().all(|b| b.is_ascii_alphanumeric())
-    })
 }
 
 fn is_stale_file(path: &Path) -> bool {

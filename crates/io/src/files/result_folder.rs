@@ -3,13 +3,13 @@
 //! A file is *listed* if the manifest names it. The rules:
 //! - What exists and is not listed belongs to the user. It is neither replaced nor removed, and a run
 //!   that would write a file of that name is refused.
-//! - A listed file is replaced by a complete new one, or, once the run has come to its end, removed if
-//!   the run did not write it again. An input of the run is never touched.
+//! - Results are written aside, in a temporary folder inside, and put in place together at the end of the run. A listed
+//!   file that the run did not write again is removed then. An input of the run is never touched.
 //! - A listed file whose content is not what was written belongs to the user: runs are refused until it is moved or
-//!   deleted. The manifest keeps fingerprints of the results of a run that came to its end. Files without one count as
-//!   unchanged: those of a killed run, and checkpoints.
-//! - A name is listed before its file is written, so that an interrupted run leaves no file that a
-//!   later run would take for the user's. The manifest of a complete run is written last.
+//!   deleted. The manifest keeps a fingerprint of each result. Before new ones are put in place it lists these as well, so
+//!   that after a kill at any moment each file has one of two known contents.
+//! - Checkpoints have no fingerprint. One is listed before it is written.
+//! - One run at a time uses a folder: it is locked ([`FolderLock`]).
 //! - Symbolic links and folders are never listed files, and no listed file lies behind a link.
 
 mod listed;
@@ -23,11 +23,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::atomic::sync_folder;
 use super::fingerprint::Fingerprint;
-use super::folder::{check_output_folder, create_output_folder};
+use super::folder::create_output_folder;
+use super::lock::FolderLock;
 use super::manifest::{ListedFiles, Manifest, is_inside};
-use super::parts::remove_stale_parts;
-use crate::error::{ResultFolderError, WriteError};
+use super::parts::{remove_stale_parts, temporary_folder_in};
+use super::same_file::is_same_file;
+use crate::error::{ResultFolderError, WriteError, WriteProblem};
 use listed::{Files, Role};
 use unlisted::{has_unlisted_results, unlisted_results};
 
@@ -35,8 +38,8 @@ use unlisted::{has_unlisted_results, unlisted_results};
 ///
 /// [`open`](Self::open) it and [`check`](Self::check) the names before the work begins,
 /// [`claim`](Self::claim) the path of each file when it is written, and [`finish`](Self::finish) at the
-/// end. Until the first claim nothing is created or changed. All methods but `finish` may be called
-/// from several threads.
+/// end, which puts the results in place. Until the first claim nothing is created or changed but the folder itself, which is
+/// removed if it stays empty. All methods but `finish` may be called from several threads.
 ///
 /// Names are relative to the folder and separated by `/`; sub-folders are made as needed.
 ///
@@ -58,25 +61,28 @@ use unlisted::{has_unlisted_results, unlisted_results};
 pub struct ResultFolder {
     root: PathBuf,
     command: String,
-    /// Inputs of the run, without links.
-    inputs: BTreeSet<PathBuf>,
+    /// Inputs of the run that exist.
+    inputs: Vec<PathBuf>,
     files: Mutex<Files>,
+    // Dropped last, since a folder that is empty then is removed
+    _lock: FolderLock,
 }
 
 impl ResultFolder {
-    /// Opens the folder `path`, which need not exist, for a run of `command`.
+    /// Locks and opens the folder `path`, which need not exist, for a run of `command`.
     ///
     /// `inputs`: files that the run reads, which it must not replace or remove.
     ///
     /// # Errors
-    /// [`ResultFolderError`] if the folder holds results of another command or results that its manifest
-    /// does not list, or its manifest is invalid or cannot be read.
+    /// [`ResultFolderError`] if another run uses the folder, it holds results of another command or results that its manifest
+    /// does not list, its manifest is invalid or cannot be read, or the folder can neither be made nor written to.
     pub fn open(
         path: impl AsRef<Path>,
         command: &str,
         inputs: &[&Path],
     ) -> Result<Self, ResultFolderError> {
         let root = path.as_ref().to_owned();
+        let lock = FolderLock::new(&root)?;
         let earlier = match Manifest::read(&root)? {
             None if has_unlisted_results(&root) => {
                 return Err(unlisted_results(root));
@@ -89,19 +95,17 @@ impl ResultFolder {
                     holds: format!("results of `{found}`, which `{command}` does not replace"),
                 });
             }
-            Some(manifest) => manifest.files,
+            Some(manifest) => settled(&root, manifest)?,
         };
         Ok(Self {
             root,
             command: command.to_owned(),
-            inputs: inputs
-                .iter()
-                .filter_map(|input| fs::canonicalize(input).ok())
-                .collect(),
+            inputs: inputs.iter().map(|input| (*input).to_owned()).collect(),
             files: Mutex::new(Files {
                 earlier,
                 ..Files::default()
             }),
+            _lock: lock,
         })
     }
 
@@ -115,8 +119,8 @@ impl ResultFolder {
     /// are as they were written; removes what killed runs have left of incomplete files.
     ///
     /// # Errors
-    /// [`ResultFolderError`] if something is in the way of one of them, one is an input, a file of an earlier run was
-    /// changed, or the folder can neither be made nor written to.
+    /// [`ResultFolderError`] if something is in the way of one of them, one is an input, or a file of an earlier run was
+    /// changed.
     ///
     /// # Panics
     /// If a name is not a relative path inside the folder.
@@ -124,7 +128,6 @@ impl ResultFolder {
         &self,
         names: impl IntoIterator<Item = impl AsRef<str>>,
     ) -> Result<(), ResultFolderError> {
-        check_output_folder(&self.root)?;
         let files = self.files();
         self.sweep(&files);
         names
@@ -134,22 +137,32 @@ impl ResultFolder {
         earlier.try_for_each(|name| self.refuse_changed(&files, name))
     }
 
-    /// Lists `name` as a file of this run and returns the path to write it to, whose folder exists.
-    ///
-    /// The file is to be written by one of the functions that write aside and rename, such as
-    /// [`write_bytes`](crate::write_bytes).
+    /// Lists `name` as a file of this run and returns the path to write it to, whose folder exists: aside, until
+    /// [`finish`](Self::finish) puts it in place.
     ///
     /// # Errors
-    /// [`ResultFolderError`] for the reasons of [`check`](Self::check), or if the manifest cannot be written.
+    /// [`ResultFolderError`] for the reasons of [`check`](Self::check), or if no file can be made in the folder.
     ///
     /// # Panics
     /// If `name` is not a relative path inside the folder.
     pub fn claim(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
-        self.claim_as(Role::Result, name)
+        self.list(Role::Result, [name])?;
+        let mut files = self.files();
+        let staged = match &mut files.staged {
+            Some(staged) => staged,
+            none => {
+                let made = temporary_folder_in(&self.root);
+                none.insert(made.map_err(|error| WriteProblem::Folder(error).at(&self.root))?)
+            }
+        };
+        let path = staged.path().join(name);
+        drop(files);
+        made_for(path)
     }
 
-    /// [`claim`](Self::claim) for a file that later runs extend or replace, and whose content they check themselves:
-    /// it has no fingerprint.
+    /// Lists `name` as a file that later runs extend or replace, and whose content they check themselves. Returns the path
+    /// to write it to, in its place: it is to be written by one of the functions that write aside and rename, such as
+    /// [`write_bytes`](crate::write_bytes).
     ///
     /// # Errors
     /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim).
@@ -157,19 +170,11 @@ impl ResultFolder {
     /// # Panics
     /// If a name is not a relative path inside the folder.
     pub fn claim_checkpoint(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
-        self.claim_as(Role::Checkpoint, name)
+        self.list(Role::Checkpoint, [name])?;
+        made_for(self.root.join(name))
     }
 
-    fn claim_as(&self, role: Role, name: &str) -> Result<PathBuf, ResultFolderError> {
-        self.list(role, [name])?;
-        let path = self.root.join(name);
-        if let Some(folder) = path.parent() {
-            create_output_folder(folder)?;
-        }
-        Ok(path)
-    }
-
-    /// Lists several names at once, which writes the manifest once instead of once per name.
+    /// Lists several names at once, those of files that an earlier run left and this one keeps included.
     ///
     /// # Errors
     /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim).
@@ -189,24 +194,24 @@ impl ResultFolder {
         names: impl IntoIterator<Item = &'a str>,
     ) -> Result<(), ResultFolderError> {
         let mut files = self.files();
-        let mut is_listed = files.begun;
         let mut claimed = Vec::new();
         for name in names {
             self.refuse_unlisted(&files, checked(name))?;
             self.refuse_changed(&files, name)?;
-            is_listed &= files.lists_without_fingerprint(name);
             claimed.push((name.to_owned(), role));
         }
         if !files.begun {
             create_output_folder(&self.root)?;
             self.sweep(&files);
         }
+        let listed = files.in_place();
         // A checkpoint stays one when all files are claimed at the end.
         for (name, role) in claimed {
             files.current.entry(name).or_insert(role);
         }
-        if !is_listed {
-            Manifest::new(&self.command, false, files.all()).write(&self.root)?;
+        let in_place = files.in_place();
+        if !files.begun || in_place != listed {
+            Manifest::new(&self.command, false, in_place).write(&self.root)?;
             files.begun = true;
         }
         Ok(())
@@ -239,32 +244,43 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Ends the run: removes the files that only earlier runs wrote, unless they were changed meanwhile, and the
-    /// folders that become empty by that, then writes the manifest. `is_complete`: `false` if a time limit or an
-    /// interrupt stopped the run.
+    /// Ends the run: puts its results in place, removes the files that only earlier runs wrote, unless they were changed
+    /// meanwhile, and the folders that become empty by that. `is_complete`: `false` if a time limit or an interrupt stopped the run.
     ///
-    /// Without this call, as after an error, everything stays, listed in an incomplete manifest.
+    /// Without this call, as after an error, the results of the run are lost, and those of earlier runs and checkpoints stay.
     ///
     /// # Errors
-    /// [`ResultFolderError`] if a file cannot be read or removed, or the manifest not written.
+    /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim), or if a file cannot be read or removed, or the manifest
+    /// not written.
     pub fn finish(&self, is_complete: bool) -> Result<(), ResultFolderError> {
         self.claim_all([])?;
-        let files = self.files();
+        let mut files = self.files();
+        let written = files.written();
+        let mut replacing = ListedFiles::new();
+        for (name, path) in &written {
+            self.refuse_unlisted(&files, name)?;
+            self.refuse_changed(&files, name)?;
+            replacing.insert(name.clone(), Some(Fingerprint::of(path)?));
+        }
+        let in_place = files.in_place();
+        let mut manifest = Manifest::new(&self.command, false, in_place);
+        manifest.replacing = replacing;
+        manifest.write(&self.root)?;
+        let mut folders = BTreeSet::new();
+        for (name, path) in written {
+            let place = made_for(self.root.join(name))?;
+            put_in_place(&path, &place).map_err(WriteError::io(&place))?;
+            folders.extend(place.parent().map(Path::to_owned));
+        }
+        folders.iter().for_each(|folder| sync_folder(folder));
+        files.staged = None;
         for name in files.only_earlier() {
             self.remove_unchanged(&files, name)?;
         }
-        let mut written = ListedFiles::new();
-        for (name, role) in &files.current {
-            let path = self.root.join(name);
-            if path.is_file() {
-                let fingerprint = match role {
-                    Role::Result => Some(Fingerprint::of(&path)?),
-                    Role::Checkpoint => None,
-                };
-                written.insert(name.clone(), fingerprint);
-            }
-        }
-        Manifest::new(&self.command, is_complete, written).write(&self.root)
+        let mut all = manifest.files;
+        all.extend(manifest.replacing);
+        all.retain(|name, _| files.current.contains_key(name) && self.root.join(name).is_file());
+        Manifest::new(&self.command, is_complete, all).write(&self.root)
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {
@@ -333,7 +349,7 @@ impl ResultFolder {
     }
 
     fn is_input(&self, path: &Path) -> bool {
-        fs::canonicalize(path).is_ok_and(|path| self.inputs.contains(&path))
+        self.inputs.iter().any(|input| is_same_file(input, path))
     }
 
     /// Returns `true` if there is a file at the path of a listed one, neither behind a link nor an input.
@@ -378,6 +394,38 @@ impl ResultFolder {
             remove_stale_parts(&folder);
         }
     }
+}
+
+/// The files that a manifest lists. A run that was killed while it put new ones in place has replaced some of the old.
+fn settled(root: &Path, manifest: Manifest) -> Result<ListedFiles, ResultFolderError> {
+    let mut files = manifest.files;
+    for (name, new) in manifest.replacing {
+        let path = root.join(&name);
+        let is_new = match &new {
+            Some(new) if path.is_file() => new.is_of(&path)?,
+            _ => false,
+        };
+        if is_new || !files.contains_key(&name) {
+            files.insert(name, new);
+        }
+    }
+    Ok(files)
+}
+
+/// The path, once its folder is made.
+fn made_for(path: PathBuf) -> Result<PathBuf, ResultFolderError> {
+    if let Some(folder) = path.parent() {
+        create_output_folder(folder)?;
+    }
+    Ok(path)
+}
+
+/// Moves a complete file to its place. One that it replaces leaves it its mode.
+fn put_in_place(path: &Path, place: &Path) -> io::Result<()> {
+    if let Ok(old) = fs::metadata(place) {
+        fs::set_permissions(path, old.permissions())?;
+    }
+    fs::rename(path, place)
 }
 
 fn kind_of(found: fs::FileType) -> &'static str {

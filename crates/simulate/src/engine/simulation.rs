@@ -14,7 +14,6 @@ use crate::input::limits::check_results;
 use crate::input::settings::{Effort, Settings};
 use crate::observer::Observer;
 use crate::output::outcome::Outcome;
-use crate::output::stopped_by::StoppedBy;
 use crate::store::SurfaceStore;
 
 /// Simulates cases: traces light on their surfaces until the effort of `settings` is spent or its target reached.
@@ -186,7 +185,7 @@ impl Simulation {
             check_results(&self.largest_spec, surfaces, held, settings.refine)?;
             observer.begin("tracing", ready.iter().map(Group::rays).sum());
             for group in ready {
-                if has_outcome && observer.stop_between().is_some() {
+                if has_outcome && observer.stop().is_some() {
                     break;
                 }
                 let drafts = group.run(self.cases, context)?.into_par_iter();
@@ -199,9 +198,8 @@ impl Simulation {
                 }
             }
             observer.end();
-            // Out of time, cases still get their first surface.
-            let is_interrupted = observer.stop() == Some(StoppedBy::Interrupt);
-            if has_outcome && (is_interrupted || observer.stop_between().is_some()) {
+            // Out of time, the first cases still get a surface.
+            if observer.stop().is_some() && (has_outcome || observer.gives_up()) {
                 break;
             }
         }

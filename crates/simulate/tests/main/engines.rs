@@ -61,10 +61,13 @@ impl BatchTracer for Counted<Box<dyn BatchTracer + '_>> {
         spec: TallySpec,
         control: Option<&'c ControlVariate>,
         stream: PathStream,
-    ) -> (Tallies<'c>, Work) {
-        let found = self.0.batches(illumination, rays, spec, control, stream);
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(Tallies<'c>, Work)> {
+        let found = self
+            .0
+            .batches(illumination, rays, spec, control, stream, gives_up)?;
         self.1.0[1].fetch_add(found.1.rays, Ordering::Relaxed);
-        found
+        Some(found)
     }
 }
 

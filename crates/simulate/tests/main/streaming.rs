@@ -31,7 +31,7 @@ impl Observer for AfterOne {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}
-    fn stop_between(&self) -> Option<StoppedBy> {
+    fn stop(&self) -> Option<StoppedBy> {
         (self.0.load(Ordering::Relaxed) > 0).then_some(StoppedBy::Time)
     }
 }

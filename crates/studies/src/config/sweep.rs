@@ -12,7 +12,7 @@ use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
 
 /// Most cases of a sweep.
-const MAX_CASES: f64 = 1e6;
+const MAX_CASES: f64 = 20_000.0;
 
 /// Access to a list of a configuration.
 pub(crate) type Dimension<C> = fn(&mut C) -> Option<&mut OneOrMany<Number>>;
@@ -58,8 +58,8 @@ pub(crate) fn expanded<C: Clone>(
         .product();
     if count > MAX_CASES {
         return Err(ConfigError::unsuitable(
-            format!("{count:.0e} cases of all lists"),
-            format!("must be at most {MAX_CASES:.0e}"),
+            format!("{count} cases of all lists"),
+            format!("must be at most {MAX_CASES}; divide them among several runs"),
         ));
     }
     let with_values = |configs: Vec<C>, (dimension, values): (Dimension<C>, Vec<Number>)| {

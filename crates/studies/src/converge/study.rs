@@ -221,4 +221,7 @@ impl Observer for Steps<'_> {
     fn stop(&self) -> Option<StoppedBy> {
         self.0.stop()
     }
+    fn gives_up(&self) -> bool {
+        self.0.gives_up()
+    }
 }

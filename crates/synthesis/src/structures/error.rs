@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MIN_SPACINGS_PER_WIDTH};
+use super::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MAX_TILES_PER_WIDTH, MIN_SPACINGS_PER_WIDTH};
 use asperity_surface::{HeightFieldError, Length, LengthUnit};
 use asperity_surface::{short, short_below};
 
@@ -34,6 +34,17 @@ pub enum StructureError {
         spacing: Length,
         /// Largest spacing that resolves it.
         largest_spacing: Length,
+    },
+    /// A feature is so much wider than the tile that its periodic images take too long.
+    #[error(
+        "a feature is {width} wide, more than {MAX_TILES_PER_WIDTH} sides of the tile: take a width of at most \
+         {widest}, or a larger tile"
+    )]
+    TooWide {
+        /// Width of a feature.
+        width: Length,
+        /// Largest width.
+        widest: Length,
     },
     /// No whole number of periods is near the tile's side.
     #[error(
@@ -117,6 +128,7 @@ impl StructureError {
                 spacing,
                 largest_spacing,
             } => vec![width, spacing, largest_spacing],
+            Self::TooWide { width, widest } => vec![width, widest],
             Self::NoWholePeriods {
                 period,
                 side,

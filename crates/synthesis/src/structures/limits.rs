@@ -18,6 +18,9 @@ pub(super) const MAX_EDGE_RADIUS: f64 = 10.0;
 /// Longest feature, in sides of the tile.
 pub(super) const MAX_TILES_PER_FEATURE: f64 = 100.0;
 
+/// Widest feature, in sides of the tile: its periodic images all reach each sample.
+pub(super) const MAX_TILES_PER_WIDTH: f64 = 10.0;
+
 /// Bytes per feature: its parameters, and about nine buckets that it may reach, with the position of each.
 pub(super) const BYTES_PER_FEATURE: usize = 512;
 

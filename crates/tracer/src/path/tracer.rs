@@ -143,6 +143,20 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         control: Option<&'c ControlVariate>,
         stream: PathStream,
     ) -> (Tallies<'c>, Work) {
+        let found = self.batches_unless(illumination, rays, spec, control, stream, &|| false);
+        found.expect("nothing gives it up")
+    }
+
+    /// Traces rays as [`Tracer::batches`]; `None` once `gives_up` returns `true`, which is asked in every round.
+    pub(crate) fn batches_unless<'c>(
+        &self,
+        illumination: &Illumination,
+        rays: &BatchedRays,
+        spec: TallySpec,
+        control: Option<&'c ControlVariate>,
+        stream: PathStream,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Option<(Tallies<'c>, Work)> {
         assert!(
             self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
@@ -179,6 +193,9 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             if batch.is_finished() {
                 break;
             }
+            if gives_up() {
+                return None;
+            }
             self.search(&mut batch);
             self.interact_at_surface(&mut batch);
             self.trace_flights(&mut batch);
@@ -186,7 +203,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             self.tally_exits(&mut batch);
         }
         self.tally_exits(&mut batch);
-        (batch.tallies, batch.work)
+        Some((batch.tallies, batch.work))
     }
 
     /// Upper bound of the flux that a path adds to an entry at a time: that with which it starts, which branches share and Russian

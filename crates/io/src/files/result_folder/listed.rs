@@ -1,9 +1,11 @@
 //! Listed files of a result folder, by the run that wrote them.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use crate::files::fingerprint::Fingerprint;
 use crate::files::manifest::ListedFiles;
+use crate::files::parts::TemporaryFolder;
 
 /// Purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +23,8 @@ pub(super) struct Files {
     pub(super) earlier: ListedFiles,
     /// Claimed or kept by this run.
     pub(super) current: BTreeMap<String, Role>,
+    /// Results of this run, until all of them are put in place.
+    pub(super) staged: Option<TemporaryFolder>,
     /// `true` if the manifest on disk is that of this run.
     pub(super) begun: bool,
 }
@@ -30,17 +34,12 @@ impl Files {
         self.earlier.contains_key(name) || self.current.contains_key(name)
     }
 
-    /// The fingerprint of a file that an earlier run wrote and this one has not claimed.
+    /// The fingerprint of a file that an earlier run wrote; `None` of a checkpoint, or where it is not known.
     pub(super) fn fingerprint(&self, name: &str) -> Option<&Fingerprint> {
-        match self.current.contains_key(name) {
-            true => None,
-            false => self.earlier.get(name)?.as_ref(),
+        match self.current.get(name) {
+            Some(Role::Checkpoint) => None,
+            _ => self.earlier.get(name)?.as_ref(),
         }
-    }
-
-    /// Returns `true` if the manifest lists a file as one that may be written at any time.
-    pub(super) fn lists_without_fingerprint(&self, name: &str) -> bool {
-        self.lists(name) && self.fingerprint(name).is_none()
     }
 
     /// Files that this run has neither claimed nor kept.
@@ -49,10 +48,22 @@ impl Files {
         names.filter(|name| !self.current.contains_key(*name))
     }
 
-    /// All files, without fingerprints where this run may write them.
-    pub(super) fn all(&self) -> ListedFiles {
+    /// The files that are in place while this run goes on: those of earlier runs, and its checkpoints.
+    pub(super) fn in_place(&self) -> ListedFiles {
         let mut all = self.earlier.clone();
-        all.extend(self.current.keys().map(|name| (name.clone(), None)));
+        let claimed = self.current.iter();
+        let checkpoints = claimed.filter(|(_, role)| **role == Role::Checkpoint);
+        all.extend(checkpoints.map(|(name, _)| (name.clone(), None)));
         all
+    }
+
+    /// The results that this run has written, with the paths at which they wait.
+    pub(super) fn written(&self) -> Vec<(String, PathBuf)> {
+        let Some(staged) = &self.staged else {
+            return Vec::new();
+        };
+        let paths = self.current.keys();
+        let paths = paths.map(|name| (name.clone(), staged.path().join(name)));
+        paths.filter(|(_, path)| path.is_file()).collect()
     }
 }

@@ -156,8 +156,8 @@ fn folders_and_links_in_the_way_are_refused() {
     refused(open(path).check(["summary.json"]), "the folder");
     refused(open(path).check(["file/below.csv"]), "the file");
     fs::write(path.join("out"), "").unwrap();
-    let below = open(&path.join("out"));
-    let error = below.check(["a.csv"]).unwrap_err();
+    let below = ResultFolder::open(path.join("out"), "verify", &[]);
+    let error = below.unwrap_err();
     assert!(
         matches!(&error, ResultFolderError::Write(error)
             if matches!(error.problem, WriteProblem::FolderIsFile(_))),
@@ -220,27 +220,53 @@ fn files_changed_during_a_run_are_not_removed() {
     fs::write(path.join("old.csv"), USER).unwrap();
     results.discard("old.csv").unwrap();
     results.finish(true).unwrap();
+    drop(results);
     assert_eq!(tree(path), ["a.csv", MANIFEST, "old.csv"]);
     assert_eq!(text(path, "old.csv"), USER);
     // From then on it is the user's.
     refused(open(path).check(["old.csv"]), "not written by an earlier");
 }
 
-/// A file that a killed run claimed cannot be told from a changed one, and counts as ours; an unclaimed one is known.
+/// A run that was killed while it put its files in place has replaced some of the old: both contents are known, any other
+/// is the user's.
 #[test]
-fn files_of_a_killed_run_count_as_unchanged() {
+fn after_a_kill_each_file_is_old_or_new_or_the_users() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     run(path, &["a.csv", "b.csv"], "first");
-    let results = open(path);
-    write(&results, &["new.csv", "a.csv"], "second");
-    drop(results);
-    for name in ["a.csv", "new.csv"] {
-        fs::write(path.join(name), "half").unwrap();
-        open(path).check([name]).unwrap();
+    let before: Value = read_json(path.join(MANIFEST)).unwrap();
+    run(path, &["a.csv", "b.csv", "new.csv"], "second");
+    let mut killed: Value = read_json(path.join(MANIFEST)).unwrap();
+    killed["complete"] = false.into();
+    killed["replacing"] = killed["files"].clone();
+    killed["files"] = before["files"].clone();
+    for (a, b, has_new) in [
+        ("first", "first", false),
+        ("second", "first", false),
+        ("second", "second", true),
+    ] {
+        let restore = || {
+            write_json(path.join(MANIFEST), &killed).unwrap();
+            fs::write(path.join("a.csv"), a).unwrap();
+            fs::write(path.join("b.csv"), b).unwrap();
+            let _ = fs::remove_file(path.join("new.csv"));
+            let _ = fs::remove_file(path.join("other.csv"));
+            if has_new {
+                fs::write(path.join("new.csv"), "second").unwrap();
+            }
+        };
+        for name in ["a.csv", "b.csv", "new.csv"] {
+            restore();
+            fs::write(path.join(name), USER).unwrap();
+            for written in [&["a.csv", "b.csv", "new.csv"][..], &["other.csv"]] {
+                refused(open(path).check(written), "was changed after");
+            }
+            assert_eq!(text(path, name), USER);
+        }
+        restore();
+        run(path, &["a.csv", "other.csv"], "third");
+        assert_eq!(tree(path), ["a.csv", MANIFEST, "other.csv"]);
     }
-    fs::write(path.join("b.csv"), USER).unwrap();
-    refused(open(path).check(["a.csv"]), "b.csv` was changed after");
 }
 
 #[test]
@@ -254,6 +280,7 @@ fn checkpoints_are_extended_and_replaced() {
     }
     results.claim_all(names).unwrap();
     results.finish(false).unwrap();
+    drop(results);
     // A damaged one is found by its reader, not by the folder.
     fs::write(path.join("cells/1.json"), "damaged").unwrap();
     let results = open(path);
@@ -340,7 +367,7 @@ fn checks_leave_no_trace() {
     assert_eq!(tree(folder.path()).len(), 0);
 }
 
-/// A run that is killed leaves old or new results under each name, and the next run can resume.
+/// A run that does not come to its end leaves the old results, and the next run can resume.
 #[test]
 fn interrupted_run_loses_nothing_and_is_taken_over() {
     let folder = tempfile::tempdir().unwrap();
@@ -350,8 +377,9 @@ fn interrupted_run_loses_nothing_and_is_taken_over() {
     write(&results, &["a.csv", "new.csv"], "second");
     results.claim("never written.csv").unwrap();
     drop(results);
-    let content = ["a.csv", "b.csv", "old.csv", "new.csv"].map(|name| text(path, name));
-    assert_eq!(content, ["second", "first", "first", "second"]);
+    let content = ["a.csv", "b.csv", "old.csv"].map(|name| text(path, name));
+    assert_eq!(content, ["first"; 3]);
+    assert_eq!(tree(path).len(), 4);
     let manifest: Value = read_json(path.join(MANIFEST)).unwrap();
     assert_eq!(manifest["complete"], false);
 
@@ -361,19 +389,28 @@ fn interrupted_run_loses_nothing_and_is_taken_over() {
 }
 
 #[test]
-fn names_are_listed_before_their_files_exist() {
+fn checkpoints_are_listed_before_they_exist_and_results_come_with_their_fingerprints() {
     let folder = tempfile::tempdir().unwrap();
     let results = open(folder.path());
-    for name in ["a.csv", "cases/b.csv"] {
-        let file = results.claim(name).unwrap();
+    for name in ["a.npz", "cases/b.npz"] {
+        let file = results.claim_checkpoint(name).unwrap();
         assert!(!file.exists() && file.parent().unwrap().is_dir());
         let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
         assert_eq!(manifest["files"].get(name), Some(&Value::Null), "{name}");
     }
+    for name in ["a.csv", "cases/b.csv"] {
+        write_bytes(results.claim(name).unwrap(), b"1").unwrap();
+        assert!(!folder.path().join(name).exists());
+        let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
+        assert_eq!(manifest["files"].get(name), None, "{name}");
+    }
+    results.claim("never written.csv").unwrap();
     // What was claimed but not written is not listed in the end.
     results.finish(true).unwrap();
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
-    assert_eq!(manifest["files"], serde_json::json!({}));
+    let files = manifest["files"].as_object().unwrap();
+    assert_eq!(files.keys().collect::<Vec<_>>(), ["a.csv", "cases/b.csv"]);
+    assert!(manifest.get("replacing").is_none());
 }
 
 #[test]
@@ -391,6 +428,7 @@ fn checkpoints_are_kept_or_discarded() {
     assert!(!path.join("cells/2.json").exists() && path.join("cells/3.json").exists());
     write(&results, &["a.csv"], "2");
     results.finish(true).unwrap();
+    drop(results);
     assert_eq!(
         tree(path),
         [
@@ -438,6 +476,7 @@ fn a_folder_with_a_part_of_other_results_is_refused_as_such() {
     let path = results.claim("s3_n1.5/summary.json").unwrap();
     write_json(path, &summary).unwrap();
     results.finish(true).unwrap();
+    drop(results);
     let case = folder.path().join("s3_n1.5");
     let error = refused(
         ResultFolder::open(&case, "verify", &[]),
@@ -500,6 +539,21 @@ fn stale_parts_are_swept_from_all_folders_of_results() {
         sweep();
         assert_eq!(tree(path), ["cells/", "cells/1.json", MANIFEST]);
     }
+}
+
+/// No message names the temporary folder in which a file waits.
+#[test]
+fn results_that_cannot_be_written_are_named_by_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = open(folder.path());
+    let path = results.claim("a.csv").unwrap();
+    fs::create_dir(&path).unwrap();
+    let error = write_bytes(&path, b"1").unwrap_err().to_string();
+    let place = folder.path().join("a.csv");
+    assert!(
+        error.starts_with(&format!("`{}` is a folder", place.display())),
+        "{error}"
+    );
 }
 
 #[test]

@@ -21,8 +21,8 @@ use crate::store::Stage;
 pub const MESH_ALLOWANCE: f64 = 1.055;
 
 impl Group {
-    /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before an
-    /// interrupt are left out.
+    /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before a stop, or given up
+    /// after it, are left out.
     pub(in crate::engine) fn run(
         self,
         all_cases: usize,
@@ -39,6 +39,9 @@ impl Group {
             .map(|one| self.analytic_draft(one, &common));
         let mut drafts: Vec<Draft> = analytic.collect();
         for (run, mut tallies) in self.cases.iter().zip(tallies) {
+            if tallies.work.rays == 0 {
+                continue;
+            }
             let error = self.error(run, &tallies);
             let reached = error.and_then(|error| self.reached(error, run.mesh_error));
             let slope_control = self.slope_control(run, &tallies);

@@ -39,7 +39,7 @@ pub(crate) struct FinishedGroup {
 /// Each block is traced on all meshes of the surface with the same random numbers,
 /// and has a tally of each; the work counted is that of the first.
 ///
-/// If the run is to stop, the groups that are under way are finished, and the first blocks in any case.
+/// If the run is to stop, the groups that are under way are finished, and the first blocks in any case, unless the run gives them up.
 pub(crate) fn run_blocks(
     meshes: &[LitMesh<'_>],
     settings: &Settings,
@@ -67,6 +67,7 @@ pub(crate) fn run_blocks(
     let mut traced = Vec::new();
     let must_go_on = |group: &BlockGroup| group.first - blocks.first < MIN_BLOCKS;
     while let Some(next) = groups.peek()
+        && !observer.gives_up()
         && (must_go_on(next) || observer.stop().is_none())
     {
         let wave: Vec<BlockGroup> = groups.by_ref().take(wave).collect();
@@ -89,29 +90,29 @@ struct BlockRun<'a> {
 }
 
 impl BlockRun<'_> {
-    /// Traces groups side by side; those that were not begun before the run is to stop are left out.
+    /// Traces groups side by side; those that were not begun before the run is to stop, or that it gives up, are left out.
     fn trace(&self, groups: &[BlockGroup]) -> Vec<FinishedGroup> {
         // One at a time, so that a thread without work finds any that is left.
         let groups = groups.par_iter().with_max_len(1);
         let begun = groups.filter(|group| {
             group.first - self.first < MIN_BLOCKS || self.observer.stop().is_none()
         });
-        begun.map(|group| self.trace_group(*group)).collect()
+        let traced = begun.map(|group| self.trace_group(*group));
+        traced.flatten_iter().collect()
     }
 
-    /// Traces the parts of a group side by side, and closes the tallies.
-    fn trace_group(&self, group: BlockGroup) -> FinishedGroup {
+    /// Traces the parts of a group side by side, and closes the tallies; `None` if the run gives them up.
+    fn trace_group(&self, group: BlockGroup) -> Option<FinishedGroup> {
         let parts = (0..group.parts()).into_par_iter().with_max_len(1);
         let traced = parts.map(|part| self.trace_part(group, part));
-        let (tallies, work) = traced
-            .reduce_with(|(mut sums, mut work), (part, of_part)| {
+        let (tallies, work) =
+            traced.try_reduce_with(|(mut sums, mut work), (part, of_part)| {
                 sums.iter_mut()
                     .zip(&part)
                     .for_each(|(sum, part)| *sum += part);
                 work += of_part;
-                (sums, work)
-            })
-            .unwrap_or_default();
+                Some((sums, work))
+            })??;
         let mut blocks = vec![Vec::with_capacity(self.meshes.len()); group.count as usize];
         for (mesh, tallies) in self.meshes.iter().zip(tallies) {
             let fractions = tallies.into_fractions(group.rays_of_block());
@@ -119,25 +120,32 @@ impl BlockRun<'_> {
                 block.push(complete(mesh, tally));
             }
         }
-        FinishedGroup {
+        Some(FinishedGroup {
             first: group.first,
             blocks,
             work,
-        }
+        })
     }
 
-    /// The sums on each mesh, and the work on the first.
-    fn trace_part(&self, group: BlockGroup, part: u32) -> (Vec<Tallies<'_>>, Work) {
+    /// The sums on each mesh, and the work on the first; `None` if the run gives them up.
+    fn trace_part(&self, group: BlockGroup, part: u32) -> Option<(Vec<Tallies<'_>>, Work)> {
         let rays = group.part(part);
         let stream = self.stream.from_batch(group.first);
-        let traced = self.meshes.iter().map(|mesh| {
-            mesh.tracer
-                .batches(&mesh.light, &rays, mesh.spec, mesh.control_variate, stream)
-        });
-        let (tallies, works): (_, Vec<_>) = traced.unzip();
-        let work: Work = works.first().copied().unwrap_or_default();
+        let gives_up = || self.observer.gives_up();
+        let (mut tallies, mut work) = (Vec::new(), Work::default());
+        for (number, mesh) in self.meshes.iter().enumerate() {
+            let (light, control) = (&mesh.light, mesh.control_variate);
+            let found = mesh
+                .tracer
+                .batches(light, &rays, mesh.spec, control, stream, &gives_up);
+            let (of_mesh, work_on_mesh) = found?;
+            tallies.push(of_mesh);
+            if number == 0 {
+                work = work_on_mesh;
+            }
+        }
         self.observer.advance(work.rays);
-        (tallies, work)
+        Some((tallies, work))
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
             .default("dielectric"),
         basic("eta", Kind::Number)
             .help("Relative refractive index n_transmitted / n_incident")
-            .range(Range::FromTo(1e-6, 1e6))
+            .range(Range::FromTo(0.01, 1e6))
             .arity(Arity::ListIn(SWEEPS.and(MODEL)))
             .otherwise("1.5 for a dielectric"),
         basic("kappa", Kind::Number)

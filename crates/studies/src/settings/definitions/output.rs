@@ -49,8 +49,7 @@ pub(super) const RESULTS: &[Setting] = &flags(
         basic("output", Kind::Path)
             .help("Folder for the results")
             .short('o')
-            .value_name("DIR")
-            .required(SWEEPS),
+            .value_name("DIR"),
         basic("output", Kind::Path)
             .help("File: .exr, .npy, .gsf, .x3p or .png; folder with --realisations")
             .commands(GENERATE)
