@@ -191,7 +191,7 @@ def scaled(values, spacing):
 
 ROWS = [
     ("TIFF of whole numbers and half, single and double precision; strips and tiles; LZW, deflate, PackBits", by_tifffile_written, by_tifffile),
-    ("GeoTIFF, 1 to 32 bits a sample, tiles that the image leaves half empty", by_gdal_written, by_gdal),
+    ("GeoTIFF, 1 to 32 bits per sample, tiles that the image leaves half empty", by_gdal_written, by_gdal),
     ("GeoTIFF with tiles or strips that are not in the file", sparse, by_gdal),
     ("GeoTIFF in feet, links and yards by EPSG code; units, scale and offset of heights", with_units, by_gdal),
     ("TIFF with the scale of ImageJ or OME", with_scales, by_tifffile),
@@ -207,7 +207,6 @@ NAMES = {
 def problem(ours, theirs):
     """What differs, or None."""
     both = ~np.isnan(theirs.heights)
-    # A heights' type holds no more digits than a double
     if ours.heights.shape != theirs.heights.shape or ours.missing != theirs.missing:
         return f"shape {ours.heights.shape}, missing {ours.missing}: {theirs.heights.shape}, {theirs.missing}"
     off = np.abs(ours.heights - theirs.heights)[both].max() / np.abs(theirs.heights[both]).max()

@@ -31,7 +31,9 @@ pub(super) fn lengths<R: Read + Seek>(
     file: &mut File<R>,
     page: &Directory,
 ) -> Result<Lengths, ReadProblem> {
+    // ImageJ escapes the sign for micro
     let text = page.text(file, Tag::ImageDescription)?.unwrap_or_default();
+    let text = text.replace("\\u00B5", "\u{b5}");
     let x = page.numbers(file, Tag::XResolution)?;
     let y = page.numbers(file, Tag::YResolution)?;
     let resolution = x.zip(y).map(|(x, y)| [x[0], y[0]]);
@@ -73,25 +75,27 @@ impl Lengths {
             return;
         };
         self.unit = x.power.kept_as();
+        self.heights.factor = x.convert(1.0, self.unit);
         self.spacing = Some([
             x.convert(steps[0], self.unit),
             y.convert(steps[1], self.unit),
         ]);
     }
 
-    /// Takes the unit of heights, or says that it is assumed.
-    fn set_height_unit(&mut self, unit: Option<NamedUnit>) {
-        match (unit, self.spacing) {
-            (Some(unit), None) => {
-                self.unit = unit.power.kept_as();
+    /// Takes the unit of heights; without one, that of the grid, by its name, is assumed.
+    fn set_height_unit(&mut self, unit: Option<NamedUnit>, grid: &str) {
+        match unit {
+            Some(unit) => {
+                if self.spacing.is_none() {
+                    self.unit = unit.power.kept_as();
+                }
                 self.heights.factor = unit.convert(1.0, self.unit);
             }
-            (Some(unit), Some(_)) => self.heights.factor = unit.convert(1.0, self.unit),
-            (None, None) => {}
-            (None, Some(_)) => self.notes.push(format!(
-                "the file states no unit for its heights; {}, that of its grid, is assumed",
-                self.unit
+            None if self.spacing.is_some() => self.notes.push(format!(
+                "the file states no unit for its heights; `{}`, that of its grid, is assumed",
+                short(grid)
             )),
+            None => {}
         }
     }
 }
@@ -118,7 +122,7 @@ fn read_imagej(
             ))
         })?),
     };
-    lengths.set_height_unit(unit);
+    lengths.set_height_unit(unit, value("unit").unwrap_or_default());
     match value("cf") {
         None => {}
         Some("0") => {
@@ -174,11 +178,9 @@ fn read_ome(lengths: &mut Lengths, tag: &str) -> Result<(), ReadProblem> {
     };
     if let (Some(x), Some(y)) = (size("PhysicalSizeX")?, size("PhysicalSizeY")?) {
         let unit = |name| attribute(name).unwrap_or("\u{b5}m");
-        lengths.set_spacing(
-            [x, y],
-            [unit("PhysicalSizeXUnit"), unit("PhysicalSizeYUnit")],
-        );
-        lengths.set_height_unit(None);
+        let units = [unit("PhysicalSizeXUnit"), unit("PhysicalSizeYUnit")];
+        lengths.set_spacing([x, y], units);
+        lengths.set_height_unit(None, units[0]);
     }
     Ok(())
 }
@@ -192,7 +194,7 @@ fn note_on_resolution([x, y]: [f64; 2], unit: u64) -> Option<String> {
     };
     let [dx, dy] = [x, y].map(|per_unit| (micrometres / per_unit * 1e3).round() / 1e3);
     let symbol = if micrometres > 1.0 { " um" } else { "" };
-    (symbol != "" || [x, y] != [1.0; 2]).then(|| {
+    (!symbol.is_empty() || [x, y] != [1.0; 2]).then(|| {
         format!(
             "the file has a resolution of {x} x {y} samples per {name}, which many programs write \
              without a measurement: it is not taken for a spacing, which would be {dx} x {dy}{symbol}"

@@ -10,14 +10,13 @@ pub(super) struct NamedUnit {
 }
 
 impl NamedUnit {
-    /// Parses a name, with or without an SI prefix; ImageJ escapes the sign for micro.
+    /// Parses a name, with or without an SI prefix.
     pub(super) fn parse(name: &str) -> Option<Self> {
-        let name = name.trim().replace("\\u00B5", "\u{b5}");
         let unit = |factor, power| {
             let power = PowerOfMetre(power);
             Some(Self { factor, power })
         };
-        match name.as_str() {
+        match name.trim() {
             "metre" | "metres" | "meter" | "meters" => unit(1.0, 0),
             "micron" | "microns" | "micrometer" => unit(1.0, -6),
             "\u{c5}" | "\u{212b}" | "angstrom" => unit(1.0, -10),
