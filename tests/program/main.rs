@@ -36,6 +36,7 @@ mod random_surfaces;
 mod reference;
 mod refusals;
 mod render;
+mod resources;
 mod results;
 mod settings;
 mod smooth_meshes;
