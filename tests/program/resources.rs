@@ -50,7 +50,10 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
     sleep(Duration::from_millis(300));
     fs::create_dir(folder.join("out/cells")).unwrap();
     std::os::unix::fs::symlink("out", folder.join("link")).unwrap();
-    succeed(folder, &words("generate --size 32 --insist --tau 4 -o h.npy -q"));
+    succeed(
+        folder,
+        &words("generate --size 32 --insist --tau 4 -o h.npy -q"),
+    );
     let other_seed = format!("{LONG} --seed 2");
     for (line, out) in [
         (LONG, "out"),
@@ -71,13 +74,21 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
             line => format!("{line} -o {out}"),
         };
         let sentence = refused(folder, &words(&line), 1);
-        assert!(sentence.contains("is being written by another run"), "{line}: {sentence}");
+        assert!(
+            sentence.contains("is being written by another run"),
+            "{line}: {sentence}"
+        );
         assert!(first.try_wait().unwrap().is_none(), "{line}");
     }
     assert_eq!(files(&folder.join("out")), ["cells"]);
     first.kill().unwrap();
     first.wait().unwrap();
-    succeed(folder, &words("verify --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -o out"));
+    succeed(
+        folder,
+        &words(
+            "verify --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -o out",
+        ),
+    );
 }
 
 #[test]
@@ -90,7 +101,10 @@ fn a_run_without_a_folder_prints_its_results_and_writes_nothing() {
         ("map --models smith", "smith"),
     ] {
         let text = succeed(keep.path(), &words(&format!("{command} {surface}")));
-        assert!(text.contains(word) && !text.contains("results in"), "{text}");
+        assert!(
+            text.contains(word) && !text.contains("results in"),
+            "{text}"
+        );
         let summary = succeed(keep.path(), &words(&format!("{command} {surface} --json")));
         assert!(json(&summary).is_object());
     }
@@ -109,7 +123,9 @@ fn no_command_replaces_a_file_that_it_reads() {
     let mut walked = 0;
     for command in Name::ALL {
         for setting in settings_of(command) {
-            let Some(flag) = setting.flag_name() else { continue };
+            let Some(flag) = setting.flag_name() else {
+                continue;
+            };
             let (value, own) = match (setting.section, setting.key) {
                 ("surface", "psd" | "heights") => ("like:in.exr", ""),
                 ("surface", "slopes_of") | ("medium", "bottom_surface") => ("in.exr", ""),
@@ -122,14 +138,26 @@ fn no_command_replaces_a_file_that_it_reads() {
                 (Name::Model, _) => format!("{command} smith-slopes --{flag} {value}"),
                 _ => format!("{command} --{flag} {value}"),
             };
-            let as_file = matches!(command, Name::Generate | Name::Inspect | Name::Mesh | Name::Model | Name::Render);
-            for out in ["in.exr", "hard.exr", "soft.exr", "./in.exr", "sub/../in.exr"] {
+            let as_file = matches!(
+                command,
+                Name::Generate | Name::Inspect | Name::Mesh | Name::Model | Name::Render
+            );
+            for out in [
+                "in.exr",
+                "hard.exr",
+                "soft.exr",
+                "./in.exr",
+                "sub/../in.exr",
+            ] {
                 let line = format!("{run} -o {out}");
                 let output = asperity(&folder, &words(&line));
                 let errors = errors_of(&output);
                 assert!(!output.status.success(), "{line}");
                 // Folders have no such names, and other formats other endings.
-                assert!(!as_file || errors.contains("in.exr") || errors.contains(".exr"), "{line}: {errors}");
+                assert!(
+                    !as_file || errors.contains("in.exr") || errors.contains(".exr"),
+                    "{line}: {errors}"
+                );
                 assert!(fs::read(folder.join("in.exr")).unwrap() == before, "{line}");
                 walked += 1;
             }
@@ -158,7 +186,10 @@ fn results_that_a_run_reads_are_not_replaced_by_it() {
         fs::write(&manifest, found.to_string()).unwrap();
         let output = asperity(folder, &words(&format!("{run} --psd q/theta.csv -o q")));
         assert!(!output.status.success(), "{listed}");
-        assert_eq!(fs::read_to_string(folder.join("q/theta.csv")).unwrap(), table);
+        assert_eq!(
+            fs::read_to_string(folder.join("q/theta.csv")).unwrap(),
+            table
+        );
     }
 }
 
@@ -197,14 +228,24 @@ fn after_a_kill_at_any_time_a_file_that_a_user_changed_is_refused() {
 fn files_beyond_the_largest_size_are_refused_and_leave_nothing() {
     let (_keep, folder) = with_surface();
     for (limit, line, word) in [
-        ("-f 20", "generate --tau 8 --smoothness 2 --size 256 -o x.npy", "`x.npy`"),
+        (
+            "-f 20",
+            "generate --tau 8 --smoothness 2 --size 256 -o x.npy",
+            "`x.npy`",
+        ),
         ("-f 20", "mesh h.exr -o x.obj", "`x.obj`"),
         ("-f 4", "trace h.exr --theta 30 --rays 1000 -o out", "`out/"),
     ] {
         let (code, sentence) = limited(&folder, limit, line);
         assert_eq!(code, Some(1), "{sentence}");
-        assert!(sentence.starts_with("asperity: cannot write ") && sentence.contains(word), "{sentence}");
-        assert!(!sentence.contains(".part") && sentence.lines().count() == 1, "{sentence}");
+        assert!(
+            sentence.starts_with("asperity: cannot write ") && sentence.contains(word),
+            "{sentence}"
+        );
+        assert!(
+            !sentence.contains(".part") && sentence.lines().count() == 1,
+            "{sentence}"
+        );
         let left = files(&folder);
         assert!(!left.iter().any(|name| name.ends_with(".part")), "{left:?}");
         let _ = fs::remove_dir_all(folder.join("out"));
@@ -216,7 +257,10 @@ fn files_beyond_the_largest_size_are_refused_and_leave_nothing() {
 fn too_little_memory_is_told_in_one_sentence() {
     let keep = tempfile::tempdir().unwrap();
     let folder = keep.path();
-    succeed(folder, &words("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q"));
+    succeed(
+        folder,
+        &words("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q"),
+    );
     let mut refused = 0;
     for kibibytes in [100_000, 130_000, 160_000, 200_000] {
         let line = "trace k.exr --theta 30 --rays 20000 --threads 2 -q -o o";
@@ -226,7 +270,10 @@ fn too_little_memory_is_told_in_one_sentence() {
         }
         refused += 1;
         assert_eq!(code, Some(1), "{kibibytes}: {sentence}");
-        assert!(sentence.starts_with("asperity: ") && sentence.lines().count() == 1, "{sentence}");
+        assert!(
+            sentence.starts_with("asperity: ") && sentence.lines().count() == 1,
+            "{sentence}"
+        );
         assert!(!files(folder).iter().any(|name| name.ends_with(".part")));
     }
     assert!(refused > 0);
@@ -236,7 +283,8 @@ fn too_little_memory_is_told_in_one_sentence() {
 #[test]
 fn every_command_ends_soon_after_its_time_limit() {
     let (_keep, folder) = with_surface();
-    let random = "--rays 1e12 --theta 0,30,60 --size 64 --tau 4 --insist --realisations 2 --no-plots";
+    let random =
+        "--rays 1e12 --theta 0,30,60 --size 64 --tau 4 --insist --realisations 2 --no-plots";
     let steep = "--smoothness 0.001 --insist --tau 8 --size 128 --no-plots --rays 1e8";
     for line in [
         format!("gonio {random} -o g"),
@@ -254,7 +302,11 @@ fn every_command_ends_soon_after_its_time_limit() {
         assert!(seconds < 6.0, "{line}: {seconds} s");
         assert!(errors.contains("the time is over"), "{line}: {errors}");
         let has_results = !errors.contains("stopped before");
-        assert_eq!(output.status.code(), Some(i32::from(!has_results)), "{errors}");
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(!has_results)),
+            "{errors}"
+        );
     }
 }
 
@@ -269,8 +321,16 @@ fn the_first_interrupt_ends_rays_under_way() {
     let id = program.id().to_string();
     Command::new("kill").args(["-INT", &id]).status().unwrap();
     let output = program.wait_with_output().unwrap();
-    assert!(matches!(output.status.code(), Some(1 | 3)), "{}", output.status);
-    assert!(began.elapsed() < Duration::from_secs(5), "{:?}", began.elapsed());
+    assert!(
+        matches!(output.status.code(), Some(1 | 3)),
+        "{}",
+        output.status
+    );
+    assert!(
+        began.elapsed() < Duration::from_secs(5),
+        "{:?}",
+        began.elapsed()
+    );
 }
 
 #[test]
@@ -283,9 +343,19 @@ fn lists_and_widths_beyond_what_ends_are_refused_at_once() {
     let (smoothness, theta) = (numbers(1.0), numbers(0.0));
     let line = format!("map --smoothness {smoothness} --theta {theta} -o o");
     let sentence = refused(keep.path(), &words(&line), 2);
-    assert!(sentence.contains("40000 cases") && sentence.contains("20000"), "{sentence}");
-    for structure in ["pits", "cracks", "pyramids", "scratches --scratch-length 16"] {
-        let line = format!("generate --structure {structure} --size 48 --tau 4 --sigma 0.1 --insist --width 1e12 -o s.npy");
+    assert!(
+        sentence.contains("40000 cases") && sentence.contains("20000"),
+        "{sentence}"
+    );
+    for structure in [
+        "pits",
+        "cracks",
+        "pyramids",
+        "scratches --scratch-length 16",
+    ] {
+        let line = format!(
+            "generate --structure {structure} --size 48 --tau 4 --sigma 0.1 --insist --width 1e12 -o s.npy"
+        );
         let sentence = refused(keep.path(), &words(&line), 2);
         assert!(sentence.contains("take a width of at most"), "{sentence}");
     }

@@ -50,9 +50,9 @@ pub use endings::{SurfaceFormat, check_ending};
 pub use error::{ReadError, ReadProblem, ResultFolderError, WriteError, WriteProblem};
 pub use files::{
     CsvField, FolderLock, Journal, JournalRecords, ResultFolder, available_memory,
-    check_output_file, check_output_folder, create_output_folder, csv_text, exists, is_same_file, names_in, read_bytes,
-    read_journal, read_text, remove_temporary_files, write_atomically, write_bytes, write_csv,
-    write_json,
+    check_output_file, check_output_folder, create_output_folder, csv_text, exists, is_same_file,
+    names_in, read_bytes, read_journal, read_text, remove_temporary_files, write_atomically,
+    write_bytes, write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};

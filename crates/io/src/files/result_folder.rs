@@ -23,8 +23,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::fingerprint::Fingerprint;
 use super::atomic::sync_folder;
+use super::fingerprint::Fingerprint;
 use super::folder::create_output_folder;
 use super::lock::FolderLock;
 use super::manifest::{ListedFiles, Manifest, is_inside};

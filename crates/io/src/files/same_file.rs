@@ -49,7 +49,14 @@ mod tests {
         fs::hard_link(at("a.npy"), at("hard.npy")).unwrap();
         std::os::unix::fs::symlink("a.npy", at("soft.npy")).unwrap();
         std::os::unix::fs::symlink(".", at("dir")).unwrap();
-        for same in ["a.npy", "./a.npy", "sub/../a.npy", "hard.npy", "soft.npy", "dir/a.npy"] {
+        for same in [
+            "a.npy",
+            "./a.npy",
+            "sub/../a.npy",
+            "hard.npy",
+            "soft.npy",
+            "dir/a.npy",
+        ] {
             assert!(is_same_file(&at("a.npy"), &at(same)), "{same}");
         }
         for other in ["b.npy", "none.npy", "sub"] {

@@ -63,7 +63,9 @@ impl BatchTracer for Counted<Box<dyn BatchTracer + '_>> {
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<(Tallies<'c>, Work)> {
-        let found = self.0.batches(illumination, rays, spec, control, stream, gives_up)?;
+        let found = self
+            .0
+            .batches(illumination, rays, spec, control, stream, gives_up)?;
         self.1.0[1].fetch_add(found.1.rays, Ordering::Relaxed);
         Some(found)
     }

@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use super::limits::{
-    MAX_ADJUSTMENT, MAX_FEATURES, MAX_TILES_PER_WIDTH, MIN_SPACINGS_PER_WIDTH,
-};
+use super::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MAX_TILES_PER_WIDTH, MIN_SPACINGS_PER_WIDTH};
 use asperity_surface::{HeightFieldError, Length, LengthUnit};
 use asperity_surface::{short, short_below};
 

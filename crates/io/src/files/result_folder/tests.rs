@@ -550,7 +550,10 @@ fn results_that_cannot_be_written_are_named_by_their_place() {
     fs::create_dir(&path).unwrap();
     let error = write_bytes(&path, b"1").unwrap_err().to_string();
     let place = folder.path().join("a.csv");
-    assert!(error.starts_with(&format!("`{}` is a folder", place.display())), "{error}");
+    assert!(
+        error.starts_with(&format!("`{}` is a folder", place.display())),
+        "{error}"
+    );
 }
 
 #[test]

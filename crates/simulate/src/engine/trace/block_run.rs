@@ -105,13 +105,14 @@ impl BlockRun<'_> {
     fn trace_group(&self, group: BlockGroup) -> Option<FinishedGroup> {
         let parts = (0..group.parts()).into_par_iter().with_max_len(1);
         let traced = parts.map(|part| self.trace_part(group, part));
-        let (tallies, work) = traced.try_reduce_with(|(mut sums, mut work), (part, of_part)| {
-            sums.iter_mut()
-                .zip(&part)
-                .for_each(|(sum, part)| *sum += part);
-            work += of_part;
-            Some((sums, work))
-        })??;
+        let (tallies, work) =
+            traced.try_reduce_with(|(mut sums, mut work), (part, of_part)| {
+                sums.iter_mut()
+                    .zip(&part)
+                    .for_each(|(sum, part)| *sum += part);
+                work += of_part;
+                Some((sums, work))
+            })??;
         let mut blocks = vec![Vec::with_capacity(self.meshes.len()); group.count as usize];
         for (mesh, tallies) in self.meshes.iter().zip(tallies) {
             let fractions = tallies.into_fractions(group.rays_of_block());
