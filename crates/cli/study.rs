@@ -4,7 +4,7 @@ use asperity_io::ResultFolder;
 use asperity_results::Container;
 use asperity_simulate::{Observer, counted};
 use asperity_studies::settings::Document;
-use asperity_studies::{Findings, Study};
+use asperity_studies::{Findings, Study, StudyError};
 
 use crate::common::{Common, Results};
 use crate::end::{Again, End, EndedRun, stopped_without_results};
@@ -40,30 +40,64 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     if resumed.cases > 0 {
         common.say(|| format!("{} resumed", counted(resumed.cases as u64, "case")));
     }
-    let findings = match study.run(&mut found, &progress) {
-        Ok(findings) => findings,
-        Err(error) if error.is_stopped() => {
-            let is_kept = found.close_early().map_err(Failure::failed)?;
-            let left = match &folder {
-                Some(folder) if is_kept => {
-                    folder.finish(false).map_err(Failure::failed)?;
-                    "what was traced so far is kept, and the same command resumes"
-                }
-                _ => "nothing is written",
-            };
-            return Err(stopped_without_results(progress.stop(), &error, left));
-        }
-        Err(error) => return Err(refused(error)),
+    let shown = Shown {
+        results: &results,
+        common,
+        progress: &progress,
+        folder: folder.as_ref(),
     };
-    if let Some(folder) = &folder {
-        let views = study.views().map_err(|error| refused(error.into()))?;
-        views
-            .write(folder, &findings, &progress)
-            .map_err(Failure::failed)?;
+    let error = match run_and_show(&study, &mut found, &shown) {
+        Err(Stop::Study(error)) => error,
+        Err(Stop::Failure(failure)) => return Err(failure),
+        Ok(end) => return Ok(end),
+    };
+    if !error.is_stopped() {
+        return Err(refused(error));
     }
-    let end = ended(&findings, folder.as_ref())?;
-    common.say_if(findings.work());
-    results.print(common, || findings.summary(), || findings.text())?;
+    let is_kept = found.close_early().map_err(Failure::failed)?;
+    let left = match &folder {
+        Some(folder) if is_kept => {
+            folder.finish(false).map_err(Failure::failed)?;
+            "what was traced so far is kept, and the same command resumes"
+        }
+        _ => "nothing is written",
+    };
+    Err(stopped_without_results(progress.stop(), &error, left))
+}
+
+/// Where the results of a run go.
+struct Shown<'a> {
+    results: &'a Results,
+    common: &'a Common,
+    progress: &'a Progress,
+    folder: Option<&'a ResultFolder>,
+}
+
+/// Reason why a run has no results.
+enum Stop {
+    Study(StudyError),
+    Failure(Failure),
+}
+
+/// Runs what is not there yet, writes and prints all of it.
+fn run_and_show<S: Study>(
+    study: &S,
+    found: &mut Container<'_, S::Kept>,
+    shown: &Shown<'_>,
+) -> Result<End, Stop> {
+    let findings = study.run(found, shown.progress).map_err(Stop::Study)?;
+    if let Some(folder) = shown.folder {
+        let views = study.views().map_err(|error| Stop::Study(error.into()))?;
+        views
+            .write(folder, &findings, shown.progress)
+            .map_err(|error| Stop::Failure(Failure::failed(error)))?;
+    }
+    let end = ended(&findings, shown.folder).map_err(Stop::Failure)?;
+    shown.common.say_if(findings.work());
+    shown
+        .results
+        .print(shown.common, || findings.summary(), || findings.text())
+        .map_err(Stop::Failure)?;
     Ok(end)
 }
 

@@ -441,7 +441,6 @@ fn bad_input_gets_a_sentence() {
             "nothing leaves below",
         ),
         ("gonio g.toml --size 16 -o out", 2, "--insist"),
-        ("gonio g.toml", 2, "--output"),
     ] {
         let said = refused(folder, &words(line), code);
         assert!(said.contains(expected), "{line}: {said}");

@@ -38,6 +38,7 @@ mod random_surfaces;
 mod reference;
 mod refusals;
 mod render;
+mod resources;
 mod results;
 mod settings;
 mod smooth_meshes;

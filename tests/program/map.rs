@@ -341,7 +341,6 @@ fn invalid_map_settings_are_refused() {
             "map m.toml --models cook-torrance-neumann -o out",
             "reflect",
         ),
-        ("map m.toml", "--output"),
     ] {
         let told = refused(folder, &words(line), 2);
         assert!(told.contains(what), "{line}: {told}");

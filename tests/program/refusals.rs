@@ -61,7 +61,7 @@ fn bad_numbers_get_a_sentence_and_code_2() {
     for (arguments, expected) in [
         (
             trace(&["--eta", "0"]),
-            "--eta 0: must be a number from 1e-6",
+            "--eta 0: must be a number from 0.01",
         ),
         (trace(&["--eta", "-1.5"]), "--eta -1.5: must be"),
         (trace(&["--eta", "x"]), "must be a number"),

@@ -6,6 +6,7 @@ mod fingerprint;
 mod folder;
 mod journal;
 mod lock;
+mod made_folders;
 mod manifest;
 mod memory;
 mod open;

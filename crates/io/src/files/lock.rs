@@ -6,14 +6,11 @@
 
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use super::folder::{check_output_folder, create_output_folder, exists};
+use super::made_folders::MadeFolders;
 use super::same_file::same_inode;
 use crate::error::ResultFolderError;
-
-/// Folders that locks of this process have made, the outermost of each first.
-static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Times that a folder is locked again which was replaced in the meantime.
 const MAX_TRIES: u32 = 8;
@@ -22,8 +19,9 @@ const MAX_TRIES: u32 = 8;
 #[derive(Debug)]
 pub struct FolderLock {
     /// Open folders, whose locks end with them.
-    _locked: Vec<File>,
-    made: Vec<PathBuf>,
+    locked: Vec<File>,
+    // Dropped last
+    _made: MadeFolders,
 }
 
 impl FolderLock {
@@ -49,10 +47,9 @@ impl FolderLock {
         let missing = path.ancestors().take_while(is_missing);
         let mut made: Vec<PathBuf> = missing.map(Path::to_owned).collect();
         made.reverse();
-        made_folders(|all| all.extend(made.iter().cloned()));
         let lock = Self {
-            _locked: Vec::new(),
-            made,
+            locked: Vec::new(),
+            _made: MadeFolders::new(made),
         };
         create_output_folder(path)?;
         Ok(lock)
@@ -78,33 +75,9 @@ impl FolderLock {
             if level == 0 && !same_inode(open.metadata().ok(), fs::metadata(folder).ok()) {
                 return Ok(false);
             }
-            self._locked.push(open);
+            self.locked.push(open);
         }
         Ok(true)
-    }
-}
-
-impl Drop for FolderLock {
-    fn drop(&mut self) {
-        remove_empty(&self.made);
-        made_folders(|all| all.retain(|folder| !self.made.contains(folder)));
-    }
-}
-
-/// Removes the folders that locks of this process have made and that stayed empty.
-pub(super) fn remove_made_folders() {
-    made_folders(|all| remove_empty(all));
-}
-
-fn made_folders<T>(change: impl FnOnce(&mut Vec<PathBuf>) -> T) -> T {
-    // A path is added in one step, so a panic of another thread leaves the list whole.
-    change(&mut MADE.lock().unwrap_or_else(PoisonError::into_inner))
-}
-
-/// Removes folders, each after those inside. A folder that is not empty refuses to be removed.
-fn remove_empty(folders: &[PathBuf]) {
-    for folder in folders.iter().rev() {
-        let _ = fs::remove_dir(folder);
     }
 }
 
@@ -119,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_is_locked_by_whatever_name_with_those_inside_and_above() {
+    fn a_folder_islocked_by_whatever_name_with_those_inside_and_above() {
         let place = tempfile::tempdir().unwrap();
         let at = |name: &str| place.path().join(name);
         let first = FolderLock::new(at("out/cells")).unwrap();

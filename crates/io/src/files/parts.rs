@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-use super::lock::remove_made_folders;
+use super::made_folders::remove_made_folders;
 use crate::part_names::{PREFIX, RANDOM_LENGTH, SUFFIX, is_part};
 
 /// Name of the file in a temporary folder that is locked as long as the folder is used.

@@ -57,8 +57,22 @@ pub fn simulate(
 }
 
 /// Groups of cases that are prepared, planned and traced together, so that their progress is shown as one. More are prepared one such
-/// part after the other: the control variates of thousands of cases would fill the memory.
+/// part after the other: the control variates of thousands of cases would fill the memory, and take long before any is traced.
 const GROUPS_AT_ONCE: usize = 32;
+
+/// Most cases of the groups of such a part but its last.
+const CASES_AT_ONCE: usize = 64;
+
+/// Number of the first groups that are such a part; `cases`: those of each group.
+fn at_once(cases: impl Iterator<Item = usize>) -> usize {
+    let mut all = 0;
+    let before = cases.take(GROUPS_AT_ONCE).take_while(|cases| {
+        let has_room = all < CASES_AT_ONCE;
+        all += cases;
+        has_room
+    });
+    before.count()
+}
 
 /// Cases that are checked and prepared: what [`simulate`] runs.
 #[derive(Clone)]
@@ -90,10 +104,12 @@ impl Simulation {
         settings: &Settings,
         is_complete: impl Fn(usize) -> bool,
     ) -> Result<Self, SimulateError> {
-        let groups = Group::of_cases(cases, settings, is_complete)?.into_iter();
-        let prepared = groups.enumerate().map(|(i, group)| match i {
-            ..GROUPS_AT_ONCE => group.prepared(),
-            _ => Ok(group),
+        let groups = Group::of_cases(cases, settings, is_complete)?;
+        let first = at_once(groups.iter().map(Group::len));
+        let groups = groups.into_iter().enumerate();
+        let prepared = groups.map(|(i, group)| match i < first {
+            true => group.prepared(),
+            false => Ok(group),
         });
         Ok(Self {
             groups: prepared.collect::<Result<_, _>>()?,
@@ -175,9 +191,10 @@ impl Simulation {
             store,
         };
         let mut has_outcome = self.groups.is_empty();
-        let mut groups = self.groups.into_iter().peekable();
-        while groups.peek().is_some() {
-            let part: Vec<Group> = groups.by_ref().take(GROUPS_AT_ONCE).collect();
+        let mut groups = self.groups.into_iter();
+        while groups.len() > 0 {
+            let count = at_once(groups.as_slice().iter().map(Group::len));
+            let part: Vec<Group> = groups.by_ref().take(count).collect();
             let held = part.iter().map(Group::len).fold(held, usize::max);
             let ready = Self::plan(part, &settings, self.cases, context)?;
             let surfaces = ready.iter().map(|group| group.plan.surfaces).max();

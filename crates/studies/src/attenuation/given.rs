@@ -1,7 +1,7 @@
 //! Shadow on one given surface: which fraction of its points a light reaches.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{Cells, Shape, SimulateError, check_shape, short};
+use asperity_simulate::{Cells, Shape, Silent, SimulateError, check_shape, short};
 use asperity_surface::{HeightField, SplineSurface};
 use asperity_tally::Estimate;
 use serde::Serialize;
@@ -56,7 +56,7 @@ impl ShadowShares {
                 lights: std::slice::from_ref(light),
                 ..Survey::default()
             };
-            let counts = survey.count(&shape)?;
+            let counts = survey.count(&shape, &Silent)?;
             let points = counts.points;
             let [facing, lit] = [counts.lights.facing[0], counts.lights.free[0]];
             Ok(Self {

@@ -58,7 +58,10 @@ impl SurveyedSurface {
                 rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
             let survey = Survey::of(study, surfaces, index, &skylines);
-            counts.push(survey.count(&shape)?);
+            match survey.count(&shape, observer) {
+                Err(SimulateError::Interrupted) => return Ok(None),
+                counted => counts.push(counted?),
+            }
             observer.advance(1);
         }
         Ok(Some(Self { counts, rises }))
@@ -138,17 +141,28 @@ impl<'a> Survey<'a> {
 
     /// Counts over all points of a height map, in the order of the chunks, whatever thread had which.
     ///
+    /// # Errors
+    /// [`SimulateError`] if no accelerator can be built, or `observer` gives the count up.
+    ///
     /// # Panics
     /// On a triangle mesh, which has no points per cell.
-    pub(super) fn count(&self, shape: &Shape) -> Result<Counts, SimulateError> {
+    pub(super) fn count(
+        &self,
+        shape: &Shape,
+        observer: &dyn Observer,
+    ) -> Result<Counts, SimulateError> {
         match shape {
-            Shape::HeightField { top, .. } => self.count_on(&**top),
-            Shape::Smooth { top, .. } => self.count_on(&**top),
+            Shape::HeightField { top, .. } => self.count_on(&**top, observer),
+            Shape::Smooth { top, .. } => self.count_on(&**top, observer),
             Shape::TriangleMesh { .. } => unreachable!("only height maps are surveyed"),
         }
     }
 
-    fn count_on<G: Ground>(&self, ground: &G) -> Result<Counts, SimulateError> {
+    fn count_on<G: Ground>(
+        &self,
+        ground: &G,
+        observer: &dyn Observer,
+    ) -> Result<Counts, SimulateError> {
         let accelerator = ground.accelerator(AcceleratorKind::Auto)?;
         let site = Site {
             survey: *self,
@@ -157,8 +171,10 @@ impl<'a> Survey<'a> {
             lost: AtomicU64::new(0),
         };
         let chunks = chunks(ground).into_par_iter();
-        let counts: Vec<Counts> = chunks.map(|chunk| site.count_chunk(chunk)).collect();
+        let count = |chunk| (!observer.gives_up()).then(|| site.count_chunk(chunk));
+        let counts: Option<Vec<Counts>> = chunks.map(count).collect();
         let mut sum = Counts::default();
+        let counts = counts.ok_or(SimulateError::Interrupted)?;
         counts.into_iter().for_each(|one| sum += one);
         sum.lost = site.lost.into_inner();
         Ok(sum)

@@ -158,7 +158,7 @@ fn horizons_and_visibility_rays_count_the_same() {
             for (surfaces, by_horizons) in study.surfaces.iter().zip(&by_horizons.counts) {
                 let shape = surfaces.shape(&study, index).unwrap();
                 let survey = Survey::of(&study, surfaces, index, &[]);
-                let by_rays = survey.count(&shape).unwrap();
+                let by_rays = survey.count(&shape, &Silent).unwrap();
                 assert_eq!(&by_rays, by_horizons, "{border} {index}");
                 // Some points are shadowed.
                 assert!(by_rays.lights.free[2] < by_rays.lights.facing[2]);

@@ -22,6 +22,9 @@ pub(crate) const MIN_BLOCKS_OF_ONE: u64 = 64;
 /// few enough for a run to stop soon.
 const MAX_RAYS_OF_GROUP: u64 = 1 << 20;
 
+/// Most rays of the first group, so that a run that is to stop early has a result.
+const MAX_RAYS_OF_FIRST: u64 = 1 << 18;
+
 /// Most values in the tallies of blocks that are traced together, so that they stay in cache: 1 MiB.
 const MAX_VALUES_OF_GROUP: usize = 1 << 16;
 
@@ -72,7 +75,8 @@ impl Blocks {
         (self.strata as u64).pow(2)
     }
 
-    /// The blocks in groups that are traced together, for tallies of `values` values. Groups do not depend on threads.
+    /// The blocks in groups that are traced together, for tallies of `values` values. Groups do not depend on threads, and results
+    /// not on groups.
     pub(crate) fn groups(
         self,
         sampling: Sampling,
@@ -85,13 +89,18 @@ impl Blocks {
             Sampling::Random | Sampling::QuasiRandom => 1,
         };
         let most = most.clamp(1, BatchedRays::MAX_BATCHES.into());
+        let of_first = (MAX_RAYS_OF_FIRST / self.rays_of_one()).clamp(1, most);
         let last = self.first + self.count;
-        let firsts = (self.first..last).step_by(most as usize);
-        firsts.map(move |first| BlockGroup {
+        let group = move |first: u64, most: u64| BlockGroup {
             first,
             count: most.min(last - first) as u32,
             strata: self.strata,
-        })
+        };
+        let others = (self.first + of_first..last).step_by(most as usize);
+        let first = (self.count > 0).then(|| group(self.first, of_first));
+        first
+            .into_iter()
+            .chain(others.map(move |first| group(first, most)))
     }
 }
 

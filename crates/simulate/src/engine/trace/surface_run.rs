@@ -186,7 +186,9 @@ impl StageRun<'_> {
             }
         }
         found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
-        save(part.key, &found, context);
+        if found.cases.iter().any(|case| case.work.rays > 0) {
+            save(part.key, &found, context);
+        }
         *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);
         Ok(found)
     }

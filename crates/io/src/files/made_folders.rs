@@ -1,0 +1,44 @@
+//! Made folders: those that this process has made for results, removed again where they stay empty.
+
+use std::fs;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The folders that were made, the outermost of each first.
+static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn made() -> MutexGuard<'static, Vec<PathBuf>> {
+    // A path is added in one step, so a panic of another thread leaves the list whole.
+    MADE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Folders that are removed when dropped, where they are empty.
+#[derive(Debug)]
+pub(super) struct MadeFolders(Vec<PathBuf>);
+
+impl MadeFolders {
+    /// Folders that are about to be made, the outermost first.
+    pub(super) fn new(folders: Vec<PathBuf>) -> Self {
+        made().extend(folders.iter().cloned());
+        Self(folders)
+    }
+}
+
+impl Drop for MadeFolders {
+    fn drop(&mut self) {
+        remove_empty(&self.0);
+        made().retain(|folder| !self.0.contains(folder));
+    }
+}
+
+/// Removes the folders that stayed empty of a process that exits at once.
+pub(super) fn remove_made_folders() {
+    remove_empty(&made());
+}
+
+/// Removes folders, each after those inside. A folder that is not empty refuses to be removed.
+fn remove_empty(folders: &[PathBuf]) {
+    for folder in folders.iter().rev() {
+        let _ = fs::remove_dir(folder);
+    }
+}

@@ -1,0 +1,366 @@
+//! What runs share with other runs, users and the system: folders, files, memory and time.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use asperity_studies::settings::{Command as Name, settings_of};
+
+use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
+
+/// A run that takes long, of the kind that keeps all for its end.
+const LONG: &str = "verify --smoothness 2 --tau 4 --size 32 --insist --models none --no-plots --rays 1e12 --realisations 4";
+
+fn begun(folder: &Path, line: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .current_dir(folder)
+        .args(words(line))
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Runs a command with the limits of `ulimit`.
+fn limited(folder: &Path, limit: &str, line: &str) -> (Option<i32>, String) {
+    let program = env!("CARGO_BIN_EXE_asperity");
+    let output = Command::new("bash")
+        .current_dir(folder)
+        .args(["-c", &format!("ulimit {limit}; exec {program} {line}")])
+        .env_remove("RUST_BACKTRACE")
+        .output()
+        .unwrap();
+    (output.status.code(), errors_of(&output))
+}
+
+#[test]
+fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let mut first = begun(folder, &format!("{LONG} -o out"));
+    let until = Instant::now() + Duration::from_secs(30);
+    while !folder.join("out").exists() {
+        assert!(Instant::now() < until, "never begun");
+        sleep(Duration::from_millis(5));
+    }
+    sleep(Duration::from_millis(300));
+    fs::create_dir(folder.join("out/cells")).unwrap();
+    std::os::unix::fs::symlink("out", folder.join("link")).unwrap();
+    succeed(
+        folder,
+        &words("generate --size 32 --insist --tau 4 -o h.npy -q"),
+    );
+    let other_seed = format!("{LONG} --seed 2");
+    for (line, out) in [
+        (LONG, "out"),
+        (&other_seed, "out/"),
+        (LONG, "link"),
+        (LONG, "out/cells/deep"),
+        (LONG, "."),
+        ("gonio --theta 30 --size 32 --insist --tau 4", "out"),
+        ("map --theta 30 --size 32 --insist --tau 4", "out"),
+        ("converge --theta 30 --size 32 --tau 4", "out"),
+        ("attenuation --size 64 --spacing 1 --tau 4", "out"),
+        ("trace h.npy --spacing 1 --theta 30", "out"),
+        ("inspect h.npy --spacing 1", "out"),
+        ("man", "out"),
+    ] {
+        let line = match line {
+            "man" => format!("man {out}"),
+            line => format!("{line} -o {out}"),
+        };
+        let sentence = refused(folder, &words(&line), 1);
+        assert!(
+            sentence.contains("is being written by another run"),
+            "{line}: {sentence}"
+        );
+        assert!(first.try_wait().unwrap().is_none(), "{line}");
+    }
+    assert_eq!(files(&folder.join("out")), ["cells"]);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    succeed(
+        folder,
+        &words(
+            "verify --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -o out",
+        ),
+    );
+}
+
+#[test]
+fn a_run_without_a_folder_prints_its_results_and_writes_nothing() {
+    let keep = tempfile::tempdir().unwrap();
+    let surface = "--tau 4 --size 32 --insist --rays 1000 --realisations 2 --theta 30";
+    for (command, word) in [
+        ("verify --models none", "reflected"),
+        ("gonio", "theta"),
+        ("map --models smith", "smith"),
+    ] {
+        let text = succeed(keep.path(), &words(&format!("{command} {surface}")));
+        assert!(
+            text.contains(word) && !text.contains("results in"),
+            "{text}"
+        );
+        let summary = succeed(keep.path(), &words(&format!("{command} {surface} --json")));
+        assert!(json(&summary).is_object());
+    }
+    assert!(files(keep.path()).is_empty());
+}
+
+/// Every setting that names a file, with a file of each command's that it must not replace.
+#[test]
+fn no_command_replaces_a_file_that_it_reads() {
+    let (_keep, folder) = with_surface();
+    fs::copy(folder.join("h.exr"), folder.join("in.exr")).unwrap();
+    fs::hard_link(folder.join("in.exr"), folder.join("hard.exr")).unwrap();
+    std::os::unix::fs::symlink("in.exr", folder.join("soft.exr")).unwrap();
+    fs::create_dir(folder.join("sub")).unwrap();
+    let before = fs::read(folder.join("in.exr")).unwrap();
+    let mut walked = 0;
+    for command in Name::ALL {
+        for setting in settings_of(command) {
+            let Some(flag) = setting.flag_name() else {
+                continue;
+            };
+            let (value, own) = match (setting.section, setting.key) {
+                ("surface", "psd" | "heights") => ("like:in.exr", ""),
+                ("surface", "slopes_of") | ("medium", "bottom_surface") => ("in.exr", ""),
+                ("measured", "file") => ("in.exr", "given"),
+                _ => continue,
+            };
+            let run = match (command, own) {
+                (_, "given") => format!("{command} in.exr"),
+                (Name::Trace | Name::Render, _) => format!("{command} h.exr --{flag} {value}"),
+                (Name::Model, _) => format!("{command} smith-slopes --{flag} {value}"),
+                _ => format!("{command} --{flag} {value}"),
+            };
+            let as_file = matches!(
+                command,
+                Name::Generate | Name::Inspect | Name::Mesh | Name::Model | Name::Render
+            );
+            for out in [
+                "in.exr",
+                "hard.exr",
+                "soft.exr",
+                "./in.exr",
+                "sub/../in.exr",
+            ] {
+                let line = format!("{run} -o {out}");
+                let output = asperity(&folder, &words(&line));
+                let errors = errors_of(&output);
+                assert!(!output.status.success(), "{line}");
+                // Folders have no such names, and other formats other endings.
+                assert!(
+                    !as_file || errors.contains("in.exr") || errors.contains(".exr"),
+                    "{line}: {errors}"
+                );
+                assert!(fs::read(folder.join("in.exr")).unwrap() == before, "{line}");
+                walked += 1;
+            }
+        }
+    }
+    assert!(walked > 60, "{walked}");
+}
+
+/// Names of results that are inputs too, in the folder of an earlier run.
+#[test]
+fn results_that_a_run_reads_are_not_replaced_by_it() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let run = "verify --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 --bins 6x6";
+    succeed(folder, &words(&format!("{run} --tau 4 -o q")));
+    let table = "wavevector,psd\n0.1,10\n1,1\n";
+    for listed in ["null", "its fingerprint"] {
+        fs::write(folder.join("q/theta.csv"), table).unwrap();
+        let manifest = folder.join("q/manifest.json");
+        let mut found = json(&fs::read_to_string(&manifest).unwrap());
+        if listed == "null" {
+            found["files"]["theta.csv"] = serde_json::Value::Null;
+        } else {
+            found["files"]["theta.csv"] = serde_json::json!({"bytes": 27, "md5": "0"});
+        }
+        fs::write(&manifest, found.to_string()).unwrap();
+        let output = asperity(folder, &words(&format!("{run} --psd q/theta.csv -o q")));
+        assert!(!output.status.success(), "{listed}");
+        assert_eq!(
+            fs::read_to_string(folder.join("q/theta.csv")).unwrap(),
+            table
+        );
+    }
+}
+
+#[test]
+fn after_a_kill_at_any_time_a_file_that_a_user_changed_is_refused() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let line = "gonio --smoothness 2 --size 32 --tau 4 --insist --theta 0,20 --realisations 2 --rays 4000 --bins 6x12 --no-plots -q -o g";
+    let began = Instant::now();
+    succeed(folder, &words(line));
+    let whole = began.elapsed();
+    for step in 2..5 {
+        fs::remove_dir_all(folder.join("g")).unwrap();
+        let mut program = begun(folder, line);
+        sleep(whole * step / 5);
+        let _ = program.kill();
+        program.wait().unwrap();
+        let out = folder.join("g");
+        let is_there = out.join("manifest.json").exists();
+        if is_there {
+            let manifest = json(&fs::read_to_string(out.join("manifest.json")).unwrap());
+            for (name, content) in manifest["files"].as_object().unwrap() {
+                assert!(!content.is_null() || name.starts_with("results."), "{name}");
+            }
+        }
+        succeed(folder, &words(line));
+        let table = out.join("directions/s2_n1.5_theta0_phi0.csv");
+        fs::write(&table, "note").unwrap();
+        let sentence = refused(folder, &words(line), 1);
+        assert!(sentence.contains("was changed after"), "{sentence}");
+        assert_eq!(fs::read_to_string(&table).unwrap(), "note");
+    }
+}
+
+#[test]
+fn files_beyond_the_largest_size_are_refused_and_leave_nothing() {
+    let (_keep, folder) = with_surface();
+    for (limit, line, word) in [
+        (
+            "-f 20",
+            "generate --tau 8 --smoothness 2 --size 256 -o x.npy",
+            "`x.npy`",
+        ),
+        ("-f 20", "mesh h.exr -o x.obj", "`x.obj`"),
+        ("-f 4", "trace h.exr --theta 30 --rays 1000 -o out", "`out/"),
+    ] {
+        let (code, sentence) = limited(&folder, limit, line);
+        assert_eq!(code, Some(1), "{sentence}");
+        assert!(
+            sentence.starts_with("asperity: cannot write ") && sentence.contains(word),
+            "{sentence}"
+        );
+        assert!(
+            !sentence.contains(".part") && sentence.lines().count() == 1,
+            "{sentence}"
+        );
+        let left = files(&folder);
+        assert!(!left.iter().any(|name| name.ends_with(".part")), "{left:?}");
+        let _ = fs::remove_dir_all(folder.join("out"));
+    }
+    assert_eq!(files(&folder), ["h.exr"]);
+}
+
+#[test]
+fn too_little_memory_is_told_in_one_sentence() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    succeed(
+        folder,
+        &words("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q"),
+    );
+    let mut refused = 0;
+    for kibibytes in [100_000, 130_000, 160_000, 200_000] {
+        let line = "trace k.exr --theta 30 --rays 20000 --threads 2 -q -o o";
+        let (code, sentence) = limited(folder, &format!("-v {kibibytes}"), line);
+        if code == Some(0) {
+            continue;
+        }
+        refused += 1;
+        assert_eq!(code, Some(1), "{kibibytes}: {sentence}");
+        assert!(
+            sentence.starts_with("asperity: ") && sentence.lines().count() == 1,
+            "{sentence}"
+        );
+        assert!(!files(folder).iter().any(|name| name.ends_with(".part")));
+    }
+    assert!(refused > 0);
+}
+
+/// Runs whose first direction, cell or group of rays takes far longer than their time.
+#[test]
+fn every_command_ends_soon_after_its_time_limit() {
+    let (_keep, folder) = with_surface();
+    let random =
+        "--rays 1e12 --theta 0,30,60 --size 64 --tau 4 --insist --realisations 2 --no-plots";
+    let steep = "--smoothness 0.001 --insist --tau 8 --size 128 --no-plots --rays 1e8";
+    for line in [
+        format!("gonio {random} -o g"),
+        format!("map {random} --models smith -o m"),
+        format!("verify {random} --models none -o v"),
+        format!("verify {steep} --models none -o s"),
+        "trace h.exr --theta 30 --rays 1e12 --no-plots -o t".to_owned(),
+        "render h.exr --size 64x48 --samples 1e9 -o r.exr".to_owned(),
+    ] {
+        let began = Instant::now();
+        let output = asperity(&folder, &words(&format!("{line} --max-time 1s")));
+        let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));
+        println!("{seconds:.2} s: {line}: {errors}");
+        // Half a second to finish what is under way, and what a busy machine takes to write files
+        assert!(seconds < 6.0, "{line}: {seconds} s");
+        assert!(errors.contains("the time is over"), "{line}: {errors}");
+        let has_results = !errors.contains("stopped before");
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(!has_results)),
+            "{errors}"
+        );
+    }
+}
+
+/// Rays among the peaks of very steep surfaces take long.
+#[test]
+fn the_first_interrupt_ends_rays_under_way() {
+    let keep = tempfile::tempdir().unwrap();
+    let line = "verify --smoothness 0.001 --insist --tau 8 --size 128 --no-plots --rays 1e8 --models none -o s";
+    let program = begun(keep.path(), line);
+    sleep(Duration::from_millis(1500));
+    let began = Instant::now();
+    let id = program.id().to_string();
+    Command::new("kill").args(["-INT", &id]).status().unwrap();
+    let output = program.wait_with_output().unwrap();
+    assert!(
+        matches!(output.status.code(), Some(1 | 3)),
+        "{}",
+        output.status
+    );
+    assert!(
+        began.elapsed() < Duration::from_secs(5),
+        "{:?}",
+        began.elapsed()
+    );
+}
+
+#[test]
+fn lists_and_widths_beyond_what_ends_are_refused_at_once() {
+    let keep = tempfile::tempdir().unwrap();
+    let numbers = |from: f64| {
+        let values = (0..200).map(|i| (from + 0.01 * f64::from(i)).to_string());
+        values.collect::<Vec<_>>().join(",")
+    };
+    let (smoothness, theta) = (numbers(1.0), numbers(0.0));
+    let line = format!("map --smoothness {smoothness} --theta {theta} -o o");
+    let sentence = refused(keep.path(), &words(&line), 2);
+    assert!(
+        sentence.contains("40000 cases") && sentence.contains("20000"),
+        "{sentence}"
+    );
+    for structure in [
+        "pits",
+        "cracks",
+        "pyramids",
+        "scratches --scratch-length 16",
+    ] {
+        let line = format!(
+            "generate --structure {structure} --size 48 --tau 4 --sigma 0.1 --insist --width 1e12 -o s.npy"
+        );
+        let sentence = refused(keep.path(), &words(&line), 2);
+        assert!(sentence.contains("take a width of at most"), "{sentence}");
+    }
+    for eta in ["1e-3", "1e-5"] {
+        let line = format!("verify --size 32 --tau 4 --insist --eta {eta} -o o");
+        assert!(refused(keep.path(), &words(&line), 2).contains("from 0.01"));
+    }
+}
