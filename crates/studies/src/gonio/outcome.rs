@@ -147,6 +147,8 @@ impl<'a> GonioOutcome<'a> {
         Some(ShownCase {
             outcome: direction.outcome?,
             judgement: None,
+            surfaces: self.sample.map(|sample| sample.name.as_str()),
+            seed: self.config.run.seed,
             max_order: self.config.run.max_order,
         })
     }
