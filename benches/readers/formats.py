@@ -55,6 +55,8 @@ def mesh_by_asperity(program, path):
 def by_numpy(path):
     """A matrix of text, whatever its header; lines of an ESRI grid may end anywhere."""
     lines = [line.replace(";", " ").replace(",", " ") for line in path.read_text("utf-8").splitlines()]
+    if any(line.startswith("#") for line in lines):
+        raise ValueError("numbers after a heading with units")
     header = {}
     while lines and lines[0][:1].isalpha():
         name, value = lines.pop(0).split()

@@ -463,11 +463,8 @@ fn foreign_text_in_results_is_seen() {
         "-o",
         &out,
     ];
-    for arguments in [
-        &trace[..],
-        &["inspect", &name],
-        &["inspect", &name, "--json"],
-    ] {
+    let as_json = [&trace[..], &["--json"]].concat();
+    for arguments in [&trace[..], &["inspect", &name], &as_json] {
         let output = asperity(&folder, arguments);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let text =

@@ -16,6 +16,9 @@ const NO_AREA: f64 = 1e-12;
 ///
 /// An error says what a face has that is no outline of triangles.
 pub(super) fn triangles(corners: &[[f64; 3]]) -> Result<Vec<[usize; 3]>, String> {
+    if corners.len() == 3 {
+        return Ok(vec![[0, 1, 2]]);
+    }
     // A corner that is given twice in a row is one.
     let follows = |k: usize| corners[(k + 1) % corners.len()];
     let own: Vec<usize> = (0..corners.len())

@@ -300,8 +300,16 @@ fn numbers_of_rows_and_columns_are_no_heights() {
             .map(|(y, row)| format!("{y}{separator}{row}"))
             .collect();
         let table = [vec![above(0)], rows.clone()].concat().join("\n");
-        refused(Text, table.as_bytes(), "its first row rise in equal steps");
-        refused(Text, beside.join("\n").as_bytes(), "its first column rise");
+        refused(
+            Text,
+            table.as_bytes(),
+            "in its first row are in equal steps",
+        );
+        refused(
+            Text,
+            beside.join("\n").as_bytes(),
+            "in its first column are",
+        );
         let corner = if separator == "\t" {
             "nan\t"
         } else {
@@ -316,6 +324,8 @@ fn numbers_of_rows_and_columns_are_no_heights() {
         refused(Text, words.as_bytes(), "a heading above the numbers");
         assert_eq!(heights_of(&rows.join("\n")).2, [12, 16]);
     }
+    let gap = "0 1 2 3\n1 nan 3 4\n2 3 4 5\n";
+    assert_eq!(heights_of(gap).1, 1);
     // A plane is a surface.
     let plane = |y: usize| {
         (0..9)

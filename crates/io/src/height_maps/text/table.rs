@@ -65,16 +65,20 @@ pub(super) fn check_matrix(columns: usize, numbers: &[f64]) -> Result<(), ReadPr
         return Ok(());
     };
     Err(ReadProblem::unsupported(format_args!(
-        "its {place} rise in equal steps, as numbers of rows and columns or positions do, but only heights are read from a matrix; leave them out (in pandas: header=False, index=False)"
+        "the numbers in its {place} are in equal steps, as those of rows and columns or positions are, but only heights are read from a matrix; leave them out (in pandas: header=False, index=False)"
     )))
 }
 
-/// Number of numbers that differ by one step from each to the next, but for a missing one in the corner; 0 of others.
+/// Number of numbers that differ by one step from each to the next; 0 of others. Missing ones may be any number, and one in
+/// the corner does not count.
 fn steps(mut numbers: impl Iterator<Item = f64>) -> usize {
     let first = numbers.next().filter(|corner| !corner.is_nan());
     let numbers: Vec<f64> = first.into_iter().chain(numbers).collect();
-    let mut steps = numbers.windows(2).map(|pair| pair[1] - pair[0]);
-    let step = steps.next().unwrap_or(0.0);
+    let steps = numbers.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps = steps.filter(|step| !step.is_nan());
+    let Some(step) = steps.next() else {
+        return 1;
+    };
     let is_equal = step != 0.0 && steps.all(|other| (other - step).abs() <= 1e-6 * step.abs());
     if is_equal { numbers.len() } else { 0 }
 }
