@@ -48,3 +48,15 @@ impl Observer for OncePlanned {
         self.0.load(Ordering::Relaxed).then_some(StoppedBy::Time)
     }
 }
+
+/// Stops a run from its beginning, and lets it finish what is under way.
+pub(crate) struct OutOfTime;
+
+impl Observer for OutOfTime {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        Some(StoppedBy::Time)
+    }
+}

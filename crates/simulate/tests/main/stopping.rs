@@ -7,7 +7,7 @@ use asperity_simulate::{
 };
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
-use crate::after::After;
+use crate::after::{After, OutOfTime};
 use crate::support::{Rough, glass, run, run_for, target};
 
 fn case() -> Case {
@@ -141,7 +141,8 @@ fn without_time_one_surface_is_traced() {
         rays(9000, 9),
         reaching(1e-3, Quantity::Bins, Estimator::Auto),
     ] {
-        let outcome = run_for(1e-9, case(), &settings);
+        let outcomes = simulate(&[case()], &settings, &OutOfTime).unwrap();
+        let outcome = &outcomes[0];
         assert_eq!(outcome.work.realisations, 1);
         assert_eq!(outcome.errors_from.name(), "ray blocks");
         assert_eq!(outcome.stopping.stopped_by, StoppedBy::Time);
