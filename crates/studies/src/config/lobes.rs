@@ -105,6 +105,18 @@ mod tests {
         Lobe::of(&light, &glass, CoreSlopes::of_recipe(&psd.into()))
     }
 
+    /// Light goes straight on through equal indices, to the last digit, and nothing is reflected.
+    #[test]
+    fn equal_indices_have_no_lobe() {
+        let psd = Psd::gaussian(1.0, 2.0).unwrap();
+        for theta in [0.0, 30.0, 60.0, 89.0] {
+            let light = Light::from_above(Incidence::from_degrees(theta, 0.0).unwrap());
+            let none = Material::dielectric(1.0).unwrap();
+            let lobes = Lobe::of(&light, &none, CoreSlopes::of_recipe(&psd.clone().into()));
+            assert!(BinnedLobe::of_lobes(lobes, &TallySpec::default()).is_empty());
+        }
+    }
+
     fn run(text: &str) -> RunConfig {
         VerifyConfig::from_toml(text).unwrap().run
     }

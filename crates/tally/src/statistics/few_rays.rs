@@ -538,4 +538,71 @@ mod tests {
         assert!((bins.get(0) - one_ray).abs() < 1e-15 && bins.get(1) == 0.0);
         assert_eq!(found.flux(Side::Reflected, Component::Single), 0.0);
     }
+
+    /// Four rays scattered twice reach one bin, and 40 scattered once another: the first alone carry what averaging changes.
+    #[test]
+    fn what_averaging_changes_is_carried_by_rays_scattered_twice() {
+        let spec = spec().with_polarimetry(crate::Polarimetry::Averaging);
+        let side = Side::Reflected;
+        let (mut means, mut squares) = (TallyValues::zeros(spec), TallyValues::zeros(spec));
+        let one = 0.1 / RAYS as f64;
+        let beside = |flux| spec.measure_entry(flux, Measure::Averaging).unwrap();
+        let bins = spec.bin_entries(side, Component::All);
+        for (bin, rays, component) in [(0, 4.0, Component::Multiple), (4, 40.0, Component::Single)]
+        {
+            means[spec.hit_entries(side, component).get(bin)] = rays / RAYS as f64;
+            means[bins.get(bin)] = rays * one;
+        }
+        let [second, difference] = {
+            let flux = spec.flux_entry(side, Component::Order(2));
+            [flux, beside(flux)]
+        };
+        (means[second], squares[second]) = (4.0 * one, 4.0 * one * one);
+        for entry in [difference, beside(bins.get(0))] {
+            (means[entry], squares[entry]) = (0.02 * one, 4.0 * (0.1 * one).powi(2));
+        }
+        let found = least_of(&means, &squares);
+        let near = |bin: usize, expected: f64| {
+            let found = found[beside(bins.get(bin))];
+            assert!((found - expected).abs() < 1e-12, "{bin}: {found}");
+        };
+        near(0, 0.1 * one);
+        // The next may fall into any of five bins, 40 other rays or not.
+        near(4, 0.1 * one * 0.2_f64.sqrt());
+        near(1, 0.1 * one * 0.2_f64.sqrt());
+    }
+
+    /// Rays of the forward half tell nothing of the backward one.
+    #[test]
+    fn in_plane_bins_rest_on_the_rays_of_the_bins_there() {
+        let mut means = TallyValues::zeros(spec());
+        // Sectors of a third of a turn, the first from azimuth 0: that and the last hold the forward half.
+        for bin in [0, 2] {
+            let hits = spec().hit_entries(Side::Reflected, Component::Multiple);
+            means[hits.get(bin)] = 900.0 / RAYS as f64;
+        }
+        let component = Component::Multiple;
+        means[spec().flux_entry(Side::Reflected, component)] = 0.1;
+        let squares = TallyValues::zeros(spec());
+        let found = least_of(&means, &squares);
+        let filter = spec().in_plane_filter(Side::Reflected);
+        let slice = |half| {
+            let slices = spec().in_plane_entries(Side::Reflected, Component::All);
+            found[slices.get(filter.number(0, half))]
+        };
+        assert_eq!(slice(Half::Forward), 0.0);
+        assert!(slice(Half::Backward) > 0.0);
+    }
+
+    fn least_of(means: &TallyValues, squares: &TallyValues) -> TallyValues {
+        RayErrors {
+            means,
+            squares,
+            rays: RAYS,
+            forward_azimuth: 0.0,
+            folded: false,
+            control_variate: None,
+        }
+        .least()
+    }
 }
