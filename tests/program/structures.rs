@@ -18,6 +18,40 @@ fn generated(folder: &std::path::Path, flags: &str) -> Value {
     of(&read)
 }
 
+/// Vertical light leaves facets at 54.74 degrees downwards, so that none is reflected once: not from the recipe, not from the file, and not from
+/// the meshes of a refinement. Without the file's record of how it was drawn, cells are split across ridges.
+#[test]
+fn pyramids_are_split_along_their_ridges_and_read_back_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let lattice = "--structure pyramids --arrangement lattice --size 32 --spacing 1";
+    run(&format!("generate {lattice} -o p.exr"));
+    let told = unwrapped(&run(&format!("generate {lattice} -o p.npy")));
+    assert!(told.contains("split along the same one"), "{told}");
+    let angle = |file: &str| {
+        json(&run(&format!("inspect {file} --json")))["steepest"]["angle_degrees"].clone()
+    };
+    assert!((angle("p.exr").as_f64().unwrap() - 54.7356).abs() < 1e-4);
+    assert!(angle("p.npy").as_f64().unwrap() > 60.0);
+    let light = "--theta 0 --models none --rays 2e3";
+    let on_ridges = unwrapped(&run(&format!("trace p.exr {light}")));
+    assert!(on_ridges.contains("reflected by order 2:"), "{on_ridges}");
+    let across = unwrapped(&run(&format!("trace p.npy --border periodic {light}")));
+    assert!(across.contains("reflected by order 1:"), "{across}");
+    for output in ["v", "refined --refine"] {
+        let line = format!("verify {lattice} {light} --realisations 2 --no-plots -o {output}");
+        let told = unwrapped(&run(&line));
+        assert!(told.contains("reflected single 0 "), "{told}");
+        assert!(!told.contains("cut across"), "{told}");
+    }
+    let caps = "--structure caps --width 16 --size 32x28 --spacing 1";
+    let told = unwrapped(&run(&format!(
+        "verify {caps} {light} --realisations 2 --no-plots -o c"
+    )));
+    assert!(told.contains("facets cut across edges or curves"), "{told}");
+}
+
 /// Each setting changes what is drawn; statistics expected of the structure come back from the file.
 #[test]
 fn settings_of_structures_are_drawn_and_read_back() {

@@ -237,10 +237,16 @@ impl ErrorBudget {
         self.kept.as_ref()?.mesh.refinement.as_ref()
     }
 
-    /// Warning about the mesh error by meshes of several spacings.
+    /// Warning about the mesh error: of structures, or by meshes of several spacings.
     #[must_use]
     pub fn mesh_warning(&self) -> Option<&'static str> {
-        self.refinement()?.convergence().warning()
+        let mesh = &self.kept.as_ref()?.mesh;
+        if mesh.cuts_edges {
+            return Some(
+                "facets cut across edges or curves of the structure, so that results change with the spacing: --refine tells by how much",
+            );
+        }
+        mesh.refinement.as_ref()?.convergence().warning()
     }
 
     /// Explanation of the estimate of mesh errors, or why there is none.

@@ -19,6 +19,8 @@ pub(crate) enum Convergence {
     Fourth,
     /// Facets much smaller than the radii of curvature: second order.
     Second,
+    /// Facets that cut across the edges of a structure: first order.
+    First,
     /// Larger facets, which show no order yet.
     Unresolved,
 }
@@ -32,6 +34,7 @@ impl Convergence {
                 let [dx, dy] = surfaces.spacing();
                 Self::of_facets(curvature * scale * dx.max(dy))
             }
+            (Cells::Flat, None) if surfaces.recipe().structured().is_some() => Self::First,
             // Without a curvature there is no order.
             (_, None) => Self::Unresolved,
         }
@@ -70,7 +73,7 @@ impl Convergence {
         match self {
             Self::Fourth => 1.0 / 15.0,
             Self::Second => 1.0 / 3.0,
-            Self::Unresolved => 1.0,
+            Self::First | Self::Unresolved => 1.0,
         }
     }
 
@@ -80,6 +83,7 @@ impl Convergence {
             * match self {
                 Self::Fourth => scale.powi(4),
                 Self::Second => scale * scale,
+                Self::First => scale,
                 // A finer mesh may be no better.
                 Self::Unresolved => scale.max(1.0),
             }
@@ -93,6 +97,9 @@ impl Convergence {
             }
             Self::Second => {
                 "a third of the given mesh less that of half its spacing, which is the one reported, as for second order"
+            }
+            Self::First => {
+                "all of the given mesh less that of half its spacing, which is the one reported, as for first order: facets cut across edges or curves of a structure, or follow them exactly"
             }
             Self::Unresolved => {
                 "all of the given mesh less that of half its spacing, which is the one reported, since its facets are too large for the curvature to show second order"

@@ -28,6 +28,10 @@ const RANDOM_SMOOTH: &str = "not estimated: --refine traces a finer mesh; of 4 s
 const NOT_GAUSSIAN: &str =
     "not estimated: it is computed for Gaussian slopes alone; --refine traces a finer mesh";
 
+/// Said of structures, by whether facets are the structure itself.
+const EXACT: &str = "0: the facets are the structure itself";
+const CUT: &str = "not estimated: facets cut across edges or curves of the structure; --refine traces a finer mesh";
+
 /// Said of what a control variate removes where the slopes of cells are not Gaussian.
 const UNKNOWN_SLOPES_OF_CELLS: &str = "not estimated: the control variate has the slopes of the continuous surface, and those of the cells are not known in closed form";
 
@@ -51,6 +55,9 @@ pub(crate) struct MeshErrors {
     /// Explanation of both.
     pub(crate) explanation: MeshExplanation,
     pub(crate) refinement: Option<Refinement>,
+    /// `true` if facets cut across edges of a structure, and how much that changes is not known.
+    #[serde(default)]
+    pub(crate) cuts_edges: bool,
 }
 
 /// Explanation of the estimates of mesh errors, or why there are none: a sentence each.
@@ -80,6 +87,7 @@ impl MeshErrors {
             removed: None,
             explanation: MeshExplanation::of_remaining(why),
             refinement: None,
+            cuts_edges: false,
         }
     }
 
@@ -126,8 +134,9 @@ impl MeshErrors {
     }
 
     /// Mesh error of random surfaces whose slopes are not Gaussian: what their refinement showed, if they were refined, or else what
-    /// the pilot run found, if there was one, in words.
+    /// the pilot run found, if there was one, in words. `is_exact`: whether facets are the structure itself, of structures.
     pub(crate) fn of_random_fields(
+        is_exact: Option<bool>,
         method: &Method,
         spec: TallySpec,
         refinement: Option<Refinement>,
@@ -135,6 +144,14 @@ impl MeshErrors {
     ) -> Self {
         let mut errors = match refinement {
             Some(refinement) => Self::of_refined(refinement),
+            None if is_exact == Some(true) => Self {
+                remaining: ByEntry::filled(spec, Some(0.0)),
+                ..Self::unknown(spec, EXACT)
+            },
+            None if is_exact == Some(false) => Self {
+                cuts_edges: by_pilot_run.is_none(),
+                ..Self::unknown(spec, by_pilot_run.unwrap_or(CUT))
+            },
             None => Self::unknown(spec, by_pilot_run.unwrap_or(NOT_GAUSSIAN)),
         };
         if method.control_variate().is_some() {
@@ -150,6 +167,7 @@ impl MeshErrors {
             removed: None,
             explanation: MeshExplanation::of_remaining(&by_refinement(&refinement)),
             refinement: Some(refinement),
+            cuts_edges: false,
         }
     }
 

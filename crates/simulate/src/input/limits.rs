@@ -73,8 +73,8 @@ pub(crate) fn meshes_bytes(
 
 /// Bytes that a smooth surface of `[ny, nx]` samples takes, without an accelerator.
 pub(crate) const fn smooth_bytes([ny, nx]: [usize; 2]) -> usize {
-    // Per cell: a coefficient, its bounds of heights, and 1 for the bounds of slopes.
-    const PER_CELL: usize = 8 + 16 + 1;
+    // Per cell: a coefficient, and 1 for the bounds of slopes.
+    const PER_CELL: usize = 8 + 1;
     nx.saturating_mul(ny).saturating_mul(PER_CELL)
 }
 
@@ -249,5 +249,7 @@ mod tests {
         };
         assert!(gib(AcceleratorKind::Auto) < 6.0);
         assert!(gib(AcceleratorKind::Mesh) > 100.0);
+        let smooth = smooth_traced_bytes([side, side], AcceleratorKind::Auto) as f64;
+        assert!(smooth / GIB < 5.0);
     }
 }

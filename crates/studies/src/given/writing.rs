@@ -17,14 +17,24 @@ pub(crate) fn write_surface(
     let ([dx, dy], unit, border) = (field.spacing(), field.unit(), field.border());
     let is_default =
         [dx, dy] == [1.0; 2] && unit == LengthUnit::Arbitrary && border == ASSUMED_BORDER;
-    let is_npy = HeightMapFormat::from_path(path) == Some(HeightMapFormat::Npy);
+    let format = HeightMapFormat::from_path(path);
+    let is_npy = format == Some(HeightMapFormat::Npy);
     let assumed = match unit {
         LengthUnit::Arbitrary => String::new(),
         unit => format!(" --assume-unit {unit}"),
     };
-    Ok((is_npy && !is_default).then(|| {
+    let spacing = (is_npy && !is_default).then(|| {
         format!(
             "NPY holds heights alone: read them with --spacing {dx},{dy}{assumed} --border {border}"
         )
-    }))
+    });
+    // Read back, they follow from how the surface was drawn
+    let is_read_back = format == Some(HeightMapFormat::Exr) && field.provenance().is_some();
+    let cells = (field.turned_cells().is_some() && !is_read_back).then(|| {
+        "the file does not tell along which diagonals cells are split at the edges of the structure, as an EXR from generate does: read back, all are split along the same one".to_owned()
+    });
+    Ok([spacing, cells]
+        .into_iter()
+        .flatten()
+        .reduce(|a, b| format!("{a}; {b}")))
 }

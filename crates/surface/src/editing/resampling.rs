@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 
 use crate::height_field::check_grid;
-use crate::{Border, HeightField, HeightFieldError};
+use crate::{Border, HeightField, HeightFieldError, TurnedCells};
 
 /// Reason why a surface cannot be refined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -79,6 +79,8 @@ impl HeightField {
     /// it is mirrored with a slope, the kink makes waves about it, as any kink or step does that the
     /// grid does not resolve.
     ///
+    /// Of a surface with [turned cells](HeightField::turned_cells) the facets are the surface, and are divided in four.
+    ///
     /// It holds four times the bytes of the heights in addition to them, and some columns.
     ///
     /// # Errors
@@ -110,9 +112,16 @@ impl HeightField {
             })?;
         let mut heights = vec![0.0; len];
 
-        refine_rows(self, &mut heights, shape[1]);
-        fill_rows_between(self, &mut heights, shape[1]);
+        let turned_cells = if self.turned_cells().is_some() {
+            divide_facets(self, &mut heights, shape[1]);
+            TurnedCells::new(shape, |ix, iy| self.is_turned(ix / 2, iy / 2))
+        } else {
+            refine_rows(self, &mut heights, shape[1]);
+            fill_rows_between(self, &mut heights, shape[1]);
+            None
+        };
         Ok(Self::new(heights, shape, spacing)?
+            .with_turned_cells(turned_cells.map(Arc::new))
             .with_unit(self.unit())
             .with_border(self.border())
             .with_provenance(self.provenance().cloned()))
@@ -140,11 +149,33 @@ impl HeightField {
         for rows in self.heights().chunks(2 * self.nx()) {
             heights.extend(rows[..self.nx()].iter().step_by(2));
         }
+        let record = self.provenance();
+        let turned_cells = record.and_then(|record| record.turned_cells(shape, spacing));
         Ok(Self::new(heights, shape, spacing)?
+            .with_turned_cells(turned_cells.map(Arc::new))
             .with_unit(self.unit())
             .with_border(self.border())
             .with_provenance(self.provenance().cloned()))
     }
+}
+
+/// Writes the corners of the parts of facets to `heights`, which has `wide` columns.
+fn divide_facets(field: &HeightField, heights: &mut [f64], wide: usize) {
+    heights
+        .par_chunks_mut(wide)
+        .enumerate()
+        .for_each(|(y, row)| {
+            for (x, height) in row.iter_mut().enumerate() {
+                let (ix, iy, right, below) = (x / 2, y / 2, x % 2, y % 2);
+                let is_across = right == 1 && below == 1 && field.is_turned(ix, iy);
+                let shift = usize::from(is_across);
+                let (from, to) = (
+                    field.height(ix + shift, iy),
+                    field.height(ix + right - shift, iy + below),
+                );
+                *height = 0.5 * (from + to);
+            }
+        });
 }
 
 /// Writes the refined rows of `field` to every second row of `heights`, which has `wide` columns.

@@ -185,6 +185,17 @@ impl FieldSynthesis {
         }
     }
 
+    /// Returns whether facets are the surface itself, for structures without roughness; `None` for all others.
+    ///
+    /// # Errors
+    /// Errors of [`StructureSynthesis::heights`](crate::StructureSynthesis::heights).
+    pub fn is_exact_structure(&self) -> Result<Option<bool>, SynthesisError> {
+        match &self.drawer {
+            Drawer::Structured(structured) => structured.is_exact(),
+            Drawer::Gaussian(_) | Drawer::Transformed(_) | Drawer::StudentSlopes(_) => Ok(None),
+        }
+    }
+
     /// Draws one periodic surface: heights of mean zero, shape `[ny, nx]`, in the unit of the recipe, provenance recorded.
     ///
     /// # Errors

@@ -14,6 +14,13 @@ pub(crate) trait Grid: Geometry {
     /// Lowest and highest z of a cell, or bounds of these.
     fn cell_range(&self, cell: [u32; 2]) -> [f64; 2];
 
+    /// [`Grid::cell_range`] of all cells of row `iy`, written to `ranges`.
+    fn row_ranges(&self, iy: usize, ranges: &mut Vec<[f64; 2]>) {
+        ranges.clear();
+        let columns = self.cells()[0] as u32;
+        ranges.extend((0..columns).map(|ix| self.cell_range([ix, iy as u32])));
+    }
+
     /// An upper bound of the rise along a column or a row.
     fn steepest(&self) -> f64;
 

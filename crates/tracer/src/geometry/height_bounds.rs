@@ -27,22 +27,18 @@ struct Level {
 pub(crate) type Cells = [[u32; 2]; 2];
 
 impl HeightBounds {
-    /// Bounds over `[columns, rows]` cells; `range` is the lowest and the highest point of a cell.
-    pub(crate) fn new([cx, cy]: [usize; 2], range: impl Fn([u32; 2]) -> [f64; 2]) -> Self {
+    /// Bounds over `[columns, rows]` cells; `ranges` gives the lowest and the highest points of those of a row.
+    pub(crate) fn new([cx, cy]: [usize; 2], ranges: impl Fn(usize, &mut Vec<[f64; 2]>)) -> Self {
         let (columns, rows) = (cx.div_ceil(SMALLEST), cy.div_ceil(SMALLEST));
-        let mut bounds = Vec::with_capacity(columns * rows);
-        for row in 0..rows {
-            let cells_y = row * SMALLEST..((row + 1) * SMALLEST).min(cy);
-            for column in 0..columns {
-                let cells_x = column * SMALLEST..((column + 1) * SMALLEST).min(cx);
-                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-                for iy in cells_y.clone() {
-                    for ix in cells_x.clone() {
-                        let [lowest, highest] = range([ix as u32, iy as u32]);
-                        (low, high) = (low.min(lowest), high.max(highest));
-                    }
+        let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; columns * rows];
+        let mut of_row = Vec::new();
+        for iy in 0..cy {
+            ranges(iy, &mut of_row);
+            let bounds = &mut bounds[iy / SMALLEST * columns..][..columns];
+            for ([low, high], cells) in bounds.iter_mut().zip(of_row.chunks(SMALLEST)) {
+                for [lowest, highest] in cells {
+                    (*low, *high) = (low.min(*lowest), high.max(*highest));
                 }
-                bounds.push([low, high]);
             }
         }
         let mut levels = vec![Level {
@@ -120,7 +116,10 @@ mod tests {
                 fold(f64::NEG_INFINITY, f64::max),
             ]
         };
-        let height_bounds = HeightBounds::new([cx, cy], range);
+        let height_bounds = HeightBounds::new([cx, cy], |iy, ranges| {
+            ranges.clear();
+            ranges.extend((0..cx as u32).map(|ix| range([ix, iy as u32])));
+        });
         for y0 in 0..cy {
             for y1 in y0..cy {
                 for x0 in 0..cx {

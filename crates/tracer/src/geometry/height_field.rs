@@ -348,7 +348,8 @@ impl Geometry for Surface {
     }
 
     fn prepare_nearby(&self) {
-        let height_bounds = || HeightBounds::new(self.cells(), |cell| self.cell_range(cell));
+        let ranges = |iy, ranges: &mut Vec<_>| self.row_ranges(iy, ranges);
+        let height_bounds = || HeightBounds::new(self.cells(), ranges);
         self.height_bounds.get_or_init(height_bounds);
     }
 
@@ -360,6 +361,10 @@ impl Geometry for Surface {
     fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {
         self.over(p.x, p.y)
             .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
+    }
+
+    fn is_clear(&self, ray: &TileRay, half_space: HalfSpace, span: [f64; 2]) -> bool {
+        self.horizon_bounds.is_clear(ray, half_space, span)
     }
 
     #[inline(always)]

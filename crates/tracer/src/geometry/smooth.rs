@@ -17,11 +17,12 @@ use std::sync::OnceLock;
 use asperity_surface::{Border, SplineSurface};
 use glam::DVec3;
 
-use self::extremes::{blocks, cell_ranges, patch_of};
+use self::extremes::{blocks, patch_of, row_ranges};
 use self::first_root::first_root;
 use self::gaps::{gaps, place, snapped, without_first};
 use self::patch::Patch;
 use self::stretch::Stretch;
+use crate::geometry::blocks::{greatest, least};
 use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
@@ -56,8 +57,6 @@ pub struct SmoothSurface {
     extent: [f64; 2],
     /// `dx / dy`.
     aspect: f64,
-    /// Bounds of z in each cell, row by row.
-    ranges: Vec<[f64; 2]>,
     horizon_bounds: HorizonBounds,
     /// Steepest rise of any cell.
     steepest: f64,
@@ -83,21 +82,23 @@ impl SmoothSurface {
     pub fn new(spline: SplineSurface) -> Self {
         // Heights above one of them, so that an offset common to all loses no digits
         let first = spline.coefficients()[0];
-        let mut ranges = cell_ranges(&spline, first);
-        let low = ranges.iter().fold(f64::INFINITY, |low, r| low.min(r[0]));
-        let high = ranges
-            .iter()
-            .fold(f64::NEG_INFINITY, |high, r| high.max(r[1]));
         let [dx, dy] = spline.spacing();
-        let (offset, per_column) = (first + 0.5 * (low + high), 1.0 / dx);
+        let per_column = 1.0 / dx;
+        let mut blocks = blocks(&spline, first, per_column);
+        let low = blocks
+            .iter()
+            .fold(f64::INFINITY, |low, b| low.min(b.range[0]));
+        let high = blocks
+            .iter()
+            .fold(f64::NEG_INFINITY, |high, b| high.max(b.range[1]));
+        let offset = first + 0.5 * (low + high);
         let middle = offset - first;
         let reach = (high - middle).max(middle - low) * per_column * (1.0 + ROUNDING);
-        for [low, high] in &mut ranges {
-            *low = (*low - middle) * per_column - ROUNDING * reach;
-            *high = (*high - middle) * per_column + ROUNDING * reach;
+        for block in &mut blocks {
+            let [low, high] = block.range.map(|height| (height - middle) * per_column);
+            block.range = [low - ROUNDING * reach, high + ROUNDING * reach];
         }
         let border = spline.border();
-        let blocks = blocks(&spline, &ranges, per_column);
         let horizon_bounds =
             HorizonBounds::new(spline.cells(), border, reach, ROUNDING * reach, blocks);
         Self {
@@ -108,7 +109,6 @@ impl SmoothSurface {
             offset,
             per_column,
             reach,
-            ranges,
             steepest: horizon_bounds.steepest(),
             horizon_bounds,
             height_bounds: OnceLock::new(),
@@ -291,7 +291,8 @@ impl Geometry for SmoothSurface {
     }
 
     fn prepare_nearby(&self) {
-        let height_bounds = || HeightBounds::new(self.spline.cells(), |cell| self.cell_range(cell));
+        let ranges = |iy, ranges: &mut Vec<_>| self.row_ranges(iy, ranges);
+        let height_bounds = || HeightBounds::new(self.spline.cells(), ranges);
         self.height_bounds.get_or_init(height_bounds);
     }
 
@@ -303,6 +304,25 @@ impl Geometry for SmoothSurface {
     fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {
         self.over(p.x, p.y)
             .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
+    }
+
+    fn is_clear(&self, ray: &TileRay, half_space: HalfSpace, span: [f64; 2]) -> bool {
+        self.horizon_bounds.is_clear(ray, half_space, span)
+    }
+
+    #[inline]
+    fn lift(&self, p: &mut DVec3, margin: f64) {
+        let [cx, cy] = self.extent;
+        let is_over = (0.0 <= p.x) & (p.x < cx) & (0.0 <= p.y) & (p.y < cy);
+        if margin > ROUNDING * self.reach
+            && is_over
+            && p.z.abs() <= self.reach + margin
+            && let Some((_, on)) = self.over(p.x, p.y)
+            && p.z < on.z
+            && on.z <= p.z + margin
+        {
+            p.z = on.z;
+        }
     }
 
     #[inline(always)]
@@ -334,8 +354,23 @@ impl Grid for SmoothSurface {
     }
 
     #[inline]
-    fn cell_range(&self, [ix, iy]: [u32; 2]) -> [f64; 2] {
-        self.ranges[iy as usize * self.spline.cells()[0] + ix as usize]
+    fn cell_range(&self, cell: [u32; 2]) -> [f64; 2] {
+        let points = self.patch(cell).bezier();
+        let points = points.as_flattened();
+        let margin = ROUNDING * self.reach;
+        [
+            points.iter().copied().fold(f64::INFINITY, least) - margin,
+            points.iter().copied().fold(f64::NEG_INFINITY, greatest) + margin,
+        ]
+    }
+
+    /// Many at a time.
+    fn row_ranges(&self, iy: usize, ranges: &mut Vec<[f64; 2]>) {
+        row_ranges(&self.spline, iy, self.offset, ranges);
+        for range in ranges {
+            let [low, high] = range.map(|height| height * self.per_column);
+            *range = [low - ROUNDING * self.reach, high + ROUNDING * self.reach];
+        }
     }
 
     fn steepest(&self) -> f64 {

@@ -296,6 +296,12 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     #[inline]
     pub(crate) fn to_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
         heading.origin.z += self.shift_to(interface);
+        if let (Interface::Bottom, Some(SearchedSurface { geometry, .. })) =
+            (interface, &self.surface)
+        {
+            // Below a thick layer a height loses digits to the depth
+            geometry.lift(&mut heading.origin, 2.0 * f64::EPSILON * self.shift);
+        }
         heading
     }
 

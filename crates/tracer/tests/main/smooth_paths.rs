@@ -8,7 +8,7 @@ use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, T
 use asperity_tracer::{
     Accelerator, AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination,
     Instructions, PathEnd, PathIntegrator, PathSettings, PathStream, Pyramid, Sampling,
-    SmoothSurface, Starts, TracedLayer, Tracer, Work,
+    SearchedSurface, SmoothSurface, Starts, TracedLayer, Tracer, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -211,5 +211,32 @@ fn the_path_engine_agrees_with_the_reference() {
             // 8 comparisons: one in 1e4 runs exceeds 4.5 of a t distribution of 118 degrees of freedom.
             assert!(z.abs() < 4.5, "{eta} {side:?} {component:?}: z = {z}");
         }
+    }
+}
+
+/// Far below the surface the heights of a bottom with a shape lose digits, so that light begins beneath it there, by far more than rounding on
+/// the bottom itself.
+#[test]
+fn no_light_is_lost_at_a_smooth_bottom_of_any_depth() {
+    let surface = random(4.0, Border::Periodic);
+    let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    for thickness in [1e3, 1e5, 1e7] {
+        let medium =
+            ParticipatingMedium::from_mean_free_path(thickness, 0.9, PhaseFunction::Isotropic);
+        let bottom = Bottom::Lambertian { reflectance: 1.0 };
+        let layer = Layer::slab(medium.unwrap(), thickness, bottom).unwrap();
+        let below = SearchedSurface {
+            geometry: &surface,
+            accelerator: &*accelerator,
+        };
+        let settings = PathSettings::new(Branching::Pick, 0.02, 1000).unwrap();
+        let glass = Material::dielectric(1.5).unwrap();
+        let light = Illumination::new(Incidence::from_degrees(30.0, 25.0).unwrap(), false);
+        let spec = TallySpec::default().with_medium();
+        let tracer = Tracer::new(&surface, &*accelerator, glass, HalfSpace::Above, settings)
+            .over(TracedLayer::new(&surface, &layer, Some(below), 1000).unwrap());
+        let (values, _) = tracer.batch(&light, 100, spec, None, PathStream::new(3, 1));
+        println!("{thickness}: {:?}", values.budget());
+        assert_eq!(values.budget().lost, 0.0, "{thickness}");
     }
 }

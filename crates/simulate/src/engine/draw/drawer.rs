@@ -13,8 +13,8 @@ use crate::input::random_surfaces::RandomSurfaces;
 pub(crate) enum Drawer<'a> {
     /// A recipe; facets are refined or not.
     Random(&'a RandomSurfaces, bool),
-    /// The recipe of smooth cells that are refined: a spline has no finer mesh than itself, so the same surfaces are drawn on
-    /// grids of half the spacing and, if that resolves them, of twice.
+    /// The recipe of smooth cells or of structures that are refined: a spline has no finer mesh than itself, and edges have no spectrum, so
+    /// the same surfaces are drawn on grids of half the spacing and, if that resolves them, of twice.
     Respaced {
         finer: Box<RandomSurfaces>,
         given: &'a RandomSurfaces,
@@ -29,7 +29,8 @@ pub(crate) enum Drawer<'a> {
 impl<'a> Drawer<'a> {
     /// Returns the drawer of random surfaces, refined or not.
     pub(crate) fn new(given: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
-        if !refine || given.cells() == Cells::Flat {
+        let is_structured = given.recipe().structured().is_some();
+        if !refine || (given.cells() == Cells::Flat && !is_structured) {
             return Ok(Self::Random(given, refine));
         }
         let is_even = given.shape().iter().all(|n| n % 2 == 0);

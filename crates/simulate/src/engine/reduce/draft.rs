@@ -8,6 +8,7 @@ use crate::errors::budget::ErrorBudget;
 use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
+use crate::input::cells::Cells;
 use crate::input::random_surfaces::Planned;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
@@ -115,7 +116,13 @@ impl Draft {
                         by_pilot_run,
                     ),
                     // They are planned, since they were traced.
-                    Ok(Planned::Fields(_)) | Err(_) => MeshErrors::of_random_fields(
+                    fields => MeshErrors::of_random_fields(
+                        match fields {
+                            Ok(Planned::Fields(fields)) if surfaces.cells() == Cells::Flat => {
+                                fields.is_exact_structure().ok().flatten()
+                            }
+                            _ => None,
+                        },
                         self.run.method(),
                         spec,
                         refinement,

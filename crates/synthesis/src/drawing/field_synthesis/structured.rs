@@ -41,6 +41,15 @@ impl StructuredSynthesis {
         &self.structure
     }
 
+    /// Whether facets are the surface itself; `None` with roughness on top.
+    pub(super) fn is_exact(&self) -> Result<Option<bool>, SynthesisError> {
+        if self.roughness.is_some() {
+            return Ok(None);
+        }
+        // Facets cut all realisations of what is random
+        Ok(Some(self.structure.is_exact(0, 0)?))
+    }
+
     pub(super) fn peak_bytes(&self) -> usize {
         let [ny, nx] = self.structure.shape();
         // The middles of cells are no longer there when roughness is drawn

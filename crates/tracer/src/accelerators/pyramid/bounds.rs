@@ -113,18 +113,20 @@ impl Bounds {
         4 * (self.table.values.len() + self.table.turned.len() + self.nodes.len())
     }
 
-    /// Level 0: the bounds of the cells, row by row; `range` is the lowest and the highest point of one.
-    pub(super) fn bound_cells(&mut self, range: impl Fn([u32; 2]) -> [f64; 2] + Sync) {
+    /// Level 0: the bounds of the cells, row by row; `ranges` gives the lowest and the highest points of those of a row.
+    pub(super) fn bound_cells(&mut self, ranges: impl Fn(usize, &mut Vec<[f64; 2]>) + Sync) {
         let [cx, cy] = self.cells;
         let (per_step, shift) = self.steps();
         let steps = |bound: f64| (shift + bound as f32 * per_step) as i32 as u32;
         let nodes = self.nodes[..cx * cy].par_chunks_mut(cx);
-        nodes.enumerate().for_each(|(iy, nodes)| {
-            for (ix, node) in (0..).zip(nodes) {
-                let [low, high] = range([ix, iy as u32]);
-                *node = steps(high) | steps(-low) << 16;
-            }
-        });
+        nodes
+            .enumerate()
+            .for_each_init(Vec::new, |of_row, (iy, nodes)| {
+                ranges(iy, of_row);
+                for ([low, high], node) in of_row.iter().zip(nodes) {
+                    *node = steps(*high) | steps(-*low) << 16;
+                }
+            });
     }
 
     /// Steps per height, and what is added to round up: two steps more, for the margin, far below one, and for

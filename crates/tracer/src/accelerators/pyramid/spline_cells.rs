@@ -35,7 +35,7 @@ impl SearchedGrid for SmoothSurface {
     }
 
     fn bound_lowest(&self, bounds: &mut Bounds) {
-        bounds.bound_cells(|cell| self.cell_range(cell));
+        bounds.bound_cells(|iy, ranges| self.row_ranges(iy, ranges));
     }
 
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test {

@@ -6,7 +6,6 @@
 use std::ops::Range;
 
 use asperity_surface::SplineSurface;
-use rayon::prelude::*;
 
 use super::patch::Patch;
 use crate::geometry::blocks::{Block, FINEST, Support, greatest, least};
@@ -28,26 +27,26 @@ pub(super) fn patch_of(spline: &SplineSurface, [ix, iy]: [u32; 2]) -> Patch {
     Patch(rows)
 }
 
-/// Bounds of the heights of all cells above `offset`, row by row: `[lowest, highest]`, in the unit of the surface.
-pub(super) fn cell_ranges(spline: &SplineSurface, offset: f64) -> Vec<[f64; 2]> {
-    let [cx, cy] = spline.cells();
-    let mut ranges = vec![[0.0; 2]; cx * cy];
-    let rows = ranges.par_chunks_exact_mut(cx).enumerate();
-    rows.for_each(|(iy, ranges)| {
-        Instructions::best().run(RangesOfRow {
-            spline,
-            iy,
-            offset,
-            ranges,
-        });
+/// Bounds of the heights of the cells of row `iy` above `offset`, `[lowest, highest]`, in the unit of the surface.
+pub(super) fn row_ranges(
+    spline: &SplineSurface,
+    iy: usize,
+    offset: f64,
+    ranges: &mut Vec<[f64; 2]>,
+) {
+    ranges.resize(spline.cells()[0], [0.0; 2]);
+    Instructions::best().run(RangesOfRow {
+        spline,
+        iy,
+        offset,
+        ranges,
     });
-    ranges
 }
 
-/// The finest blocks of all cells, row by row, heights being measured in units of `1 / per_unit`; `ranges` are those of the cells.
-pub(super) fn blocks(spline: &SplineSurface, ranges: &[[f64; 2]], per_unit: f64) -> Vec<Block> {
+/// The finest blocks of all cells, row by row: rises in units of `1 / per_unit`, heights above `offset` in the unit of the surface.
+pub(super) fn blocks(spline: &SplineSurface, offset: f64, per_unit: f64) -> Vec<Block> {
     Block::by_rows(spline.cells(), |rows| {
-        row_of_blocks(spline, rows, ranges, per_unit)
+        row_of_blocks(spline, rows, offset, per_unit)
     })
 }
 
@@ -55,7 +54,7 @@ pub(super) fn blocks(spline: &SplineSurface, ranges: &[[f64; 2]], per_unit: f64)
 fn row_of_blocks(
     spline: &SplineSurface,
     rows: Range<usize>,
-    ranges: &[[f64; 2]],
+    offset: f64,
     per_unit: f64,
 ) -> Vec<Block> {
     let [cx, _] = spline.cells();
@@ -65,20 +64,22 @@ fn row_of_blocks(
         rows: rows.clone(),
         blocks: &mut rises,
     });
+    let mut heights = vec![[f64::INFINITY, f64::NEG_INFINITY]; rises.len()];
+    let mut ranges = Vec::new();
+    for iy in rows {
+        row_ranges(spline, iy, offset, &mut ranges);
+        for (height, cells) in heights.iter_mut().zip(ranges.chunks(FINEST)) {
+            *height = cells.iter().fold(*height, |[low, high], cell| {
+                [least(low, cell[0]), greatest(high, cell[1])]
+            });
+        }
+    }
     let in_units = |ends: [f64; 2]| ends.map(|rise| rise * per_unit);
-    let blocks = rises.into_iter().enumerate();
+    let blocks = rises.into_iter().zip(heights);
     blocks
-        .map(|(block, rises)| {
-            let columns = block * FINEST..((block + 1) * FINEST).min(cx);
-            let of_cells = rows
-                .clone()
-                .flat_map(|iy| &ranges[iy * cx..][columns.clone()]);
-            Block {
-                support: Support::from_extremes(rises.map(in_units)),
-                range: of_cells.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], cell| {
-                    [least(low, cell[0]), greatest(high, cell[1])]
-                }),
-            }
+        .map(|(rises, range)| Block {
+            support: Support::from_extremes(rises.map(in_units)),
+            range,
         })
         .collect()
 }
@@ -304,8 +305,9 @@ mod tests {
             let synthesis = SplineSynthesis::new(psd, shape, [1.0; 2], true).unwrap();
             let spline = synthesis.draw(3, 1).unwrap();
             let [cx, cy] = spline.cells();
-            let ranges = cell_ranges(&spline, 0.25);
+            let mut ranges = Vec::new();
             for iy in 0..cy {
+                row_ranges(&spline, iy, 0.25, &mut ranges);
                 let mut steepest =
                     vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(FINEST)];
                 RisesOfRows {
@@ -317,7 +319,7 @@ mod tests {
                 for ix in 0..cx {
                     let patch = patch_of(&spline, [ix as u32, iy as u32]);
                     let ([low, high], along) = of_patch(&patch);
-                    let [found_low, found_high] = ranges[iy * cx + ix];
+                    let [found_low, found_high] = ranges[ix];
                     assert!((found_low - (low - 0.25)).abs() < 1e-13);
                     assert!((found_high - (high - 0.25)).abs() < 1e-13);
                     for (block, cell) in steepest[ix / FINEST].iter().zip(along) {

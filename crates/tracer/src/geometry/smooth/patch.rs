@@ -44,7 +44,6 @@ impl Patch {
 
     /// The sixteen Bezier points of z: it lies between the lowest and the highest of them. The reference of what is computed for
     /// many patches at a time.
-    #[cfg(test)]
     pub(crate) fn bezier(&self) -> [[f64; 4]; 4] {
         let [r0, r1, r2, r3] = &self.0;
         let (r0, r1) = (between(r0, 0.0, 1.0), between(r1, 0.0, 1.0));
