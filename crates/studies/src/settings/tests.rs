@@ -143,7 +143,10 @@ fn groups_name_settings_and_their_values() {
                 // Settings of one key for different commands may have different names.
                 let is_known = |value| {
                     let mut settings = named.iter();
-                    settings.any(|setting| setting.kind.parse(value, setting.range).is_some())
+                    settings.any(|setting| {
+                        let is_no_model = setting.kind == Kind::Models && value == "none";
+                        is_no_model || setting.kind.parse(value, setting.range).is_some()
+                    })
                 };
                 assert!(value.is_none_or(is_known), "{pattern}");
             }
