@@ -94,7 +94,7 @@ const EXIT_STATUS: [(u32, &str); 5] = [
 /// Files of a command with their contents; `None` of one without.
 fn files(command: Option<Command>) -> Option<Vec<(&'static str, &'static str)>> {
     let command = command?;
-    let output = settings_of(command).find(|setting| setting.path() == "results.output")?;
+    let output = settings_of(command).find(|setting| setting.key == "output")?;
     let mut files = Vec::new();
     if command.has_configuration() {
         files.push((

@@ -163,7 +163,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             format!("{medium} --thickness 50 --bottom-surface independent"),
-            "goes with random surfaces, not a given surface",
+            "--bottom-surface independent: must be flat, same or a file",
         ),
         (
             format!("{medium} --thickness 50 --bottom open --bottom-surface same"),

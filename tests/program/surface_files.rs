@@ -136,10 +136,7 @@ fn files_that_give_no_spectrum_get_one_sentence() {
     // A name that is misspelt is wrong usage, as that of any other choice
     let line = "generate --psd gausian --size 64 -o a.exr";
     let said = refused(folder.path(), &words(line), 2);
-    assert!(
-        said.contains("neither a file nor one of gaussian"),
-        "{said}"
-    );
+    assert!(said.contains("or a file; did you mean gaussian?"), "{said}");
 }
 
 /// Rows of a text matrix.

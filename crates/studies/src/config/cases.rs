@@ -231,7 +231,7 @@ mod tests {
             ("[run]\nbins = \"0x5\"", "bins"),
             ("[run]\nroulette = 2", "roulette"),
             ("[run]\naccelerator = \"magic\"", "magic"),
-            ("[compare]\nmodels = [\"ggx\"]", "ggx"),
+            ("[compare]\nmodels = [\"walter\"]", "ggx-separable"),
             ("[compare]\nlevel = 0", "level"),
             ("[run]\nside = \"left\"", "left"),
             (

@@ -564,13 +564,16 @@ impl Document {
             .iter()
             .filter(|(key, _)| !self.entries.contains_key(*key));
         for (_, entry) in cleared.filter(|(_, entry)| entry.is_any(CHOICES_OF_SURFACES)) {
-            let by = GROUPS.iter().find_map(|group| {
-                let owner =
-                    group.owns(entry.setting, &entry.value) || group.variant_of(entry).is_some();
-                layer
-                    .iter()
-                    .find(|new| owner && group.variant_of(new).is_some())
-            });
+            let clears = |new: &&Entry| {
+                GROUPS.iter().any(|group| {
+                    let chosen = group.variant_of(new);
+                    chosen.is_some_and(|variant| {
+                        group.owns(entry.setting, &entry.value)
+                            && !variant.has(entry.setting, &entry.value)
+                    })
+                })
+            };
+            let by = layer.iter().find(clears);
             if let Some(by) = by {
                 self.notes.push(format!(
                     "{} does not hold, since {} replaces it",

@@ -140,10 +140,15 @@ fn groups_name_settings_and_their_values() {
                 let named: Vec<_> = all().filter(|setting| setting.matches(path)).collect();
                 assert!(!named.is_empty(), "{pattern}");
                 let value = parts.next().filter(|value| !value.ends_with(':'));
-                for setting in named {
-                    let is_known = |value| setting.kind.parse(value, setting.range).is_some();
-                    assert!(value.is_none_or(is_known), "{pattern}");
-                }
+                // Settings of one key for different commands may have different names.
+                let is_known = |value| {
+                    let mut settings = named.iter();
+                    settings.any(|setting| {
+                        let is_no_model = setting.kind == Kind::Models && value == "none";
+                        is_no_model || setting.kind.parse(value, setting.range).is_some()
+                    })
+                };
+                assert!(value.is_none_or(is_known), "{pattern}");
             }
         }
     }
@@ -259,7 +264,7 @@ fn settings_of_another_variant_are_refused_with_both_names() {
         (
             "[material]\nkind = \"mirror\"",
             vec![flag("eta", "1.5")],
-            "--eta 1.5: goes with material dielectric or conductor, not mirror",
+            "--eta 1.5: goes with material dielectric or conductor, not mirror (c.toml: line 2: kind = \"mirror\"); leave out one of the two",
         ),
         (
             "[surface]\npsd = \"gaussian\"\nnu = 1.5",
@@ -278,7 +283,7 @@ fn settings_of_another_variant_are_refused_with_both_names() {
         ),
     ] {
         assert!(
-            refusal(Command::Gonio, file, &flags).ends_with(expected),
+            refusal(Command::Gonio, file, &flags).contains(expected),
             "{}",
             refusal(Command::Gonio, file, &flags)
         );
@@ -370,7 +375,7 @@ fn settings_of_a_variant_that_is_not_chosen_name_what_chooses_it() {
             Command::Render,
             "",
             vec![flag("sun", "0"), flag("sun-theta", "3")],
-            "--sun-theta 3: goes with a sun that shines, not a sun of radiance 0",
+            "--sun-theta 3: goes with a sun that shines, not a sun of radiance 0 (--sun 0); leave out one of the two",
         ),
     ] {
         assert_eq!(refusal(command, file, &flags), expected);
@@ -520,7 +525,7 @@ fn unknown_names_are_refused_with_what_is_known() {
         (
             Command::Verify,
             "[surface]\ntua = 16",
-            "c.toml: line 2: unknown key `tua` in [surface]; its keys are tau,",
+            "c.toml: line 2: unknown key `tua` in [surface]; did you mean tau? Its keys are tau,",
         ),
         (
             Command::Verify,
