@@ -103,7 +103,7 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
             "--threads",
             threads,
         ];
-        succeed(folder, &[&["trace", &name], &rest[..]].concat());
+        succeed(folder, &[&["trace", "h1.npy"], &rest[..]].concat());
         let out = format!("v{threads}");
         let rays = words("--size 128 --tau 8 --realisations 7 --rays 2e4 --model-rays 1e4");
         let rest = ["-o", &out, "--threads", threads];
