@@ -3,16 +3,18 @@
 use asperity_simulate::short;
 use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
+use asperity_synthesis::ErosionError;
 use serde_json::{Value, json};
 
+use super::erosion::ErosionConfig;
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
 
-/// Reasons for which a surface cannot be filtered as requested.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// Reasons for which a surface cannot be filtered or eroded as requested.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilteringError {
-    /// The nesting index has a unit, and the surface none.
+    /// A length has a unit, and the surface none.
     #[error(
         "{flag} with a unit: the surface has no unit of length; say what its heights are in with --assume-unit"
     )]
@@ -38,6 +40,9 @@ pub enum FilteringError {
         /// The reason.
         error: FilterError,
     },
+    /// A process of erosion cannot be applied.
+    #[error(transparent)]
+    Erosion(#[from] ErosionError),
     /// The form cannot be removed.
     #[error(transparent)]
     Form(#[from] HeightFieldError),
@@ -57,12 +62,23 @@ pub(crate) const S_FILTER: &str = "--s-filter";
 pub(crate) const L_FILTER: &str = "--l-filter";
 
 impl MeasuredConfig {
-    /// Adds what is removed from surfaces to the description of one: `form_removed`, and the nesting indices of filters that are applied.
+    /// Adds what is removed from surfaces to the description of one: `form_removed`, and the filters and the erosion that are applied.
     pub(crate) fn describe_filtering(&self, description: &mut Value) {
         description["form_removed"] = json!(self.remove.to_string());
-        for (key, index) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
-            if let Some(index) = index {
-                description[key] = json!(index);
+        let ErosionConfig {
+            repose,
+            slip_steps,
+            etch,
+        } = self.erosion;
+        for (key, value) in [
+            ("s_filter", json!(self.s_filter)),
+            ("l_filter", json!(self.l_filter)),
+            ("repose_deg", json!(repose)),
+            ("slip_steps", json!(slip_steps)),
+            ("etch", json!(etch)),
+        ] {
+            if !value.is_null() {
+                description[key] = value;
             }
         }
     }
