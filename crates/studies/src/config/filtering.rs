@@ -1,12 +1,12 @@
-//! Filters and form removal of a given surface, in the order of ISO 25178-3.
+//! Filters and form removal of a given surface, in the order of ISO 25178-3, then its erosion.
 
 use asperity_simulate::short;
 use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
-use asperity_synthesis::ErosionError;
+use asperity_synthesis::{Erosion, ErosionError, Etch, Slip};
 use serde_json::{Value, json};
 
-use super::erosion::ErosionConfig;
+use super::erosion::{ETCH, ErosionConfig};
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
 
@@ -55,6 +55,9 @@ fn in_unit(unit: LengthUnit) -> String {
         unit => format!(", lengths in {unit}"),
     }
 }
+
+/// Steps of slipping unless a number is given.
+const SLIP_STEPS: u32 = 1000;
 
 /// Flag of the filter that removes short waves.
 pub(crate) const S_FILTER: &str = "--s-filter";
@@ -124,4 +127,48 @@ impl MeasuredConfig {
             None => Ok(field),
         }
     }
+}
+
+impl ErosionConfig {
+    /// `field` after the processes, without provenance then, and a note if one changes no shape; unchanged if there is no process.
+    ///
+    /// # Errors
+    /// [`FilteringError`] if a process does not suit the surface.
+    pub(crate) fn eroded(
+        self,
+        field: HeightField,
+    ) -> Result<(HeightField, Option<String>), FilteringError> {
+        let slip = self.repose.map(|repose| {
+            Erosion::Slip(Slip {
+                slope: repose.0.to_radians().tan(),
+                steps: self.slip_steps.unwrap_or(SLIP_STEPS),
+            })
+        });
+        let depth = self.etch.map(|depth| {
+            let depth = depth.in_unit(field.unit());
+            depth.ok_or(FilteringError::Unit { flag: ETCH })
+        });
+        let depth = depth.transpose()?;
+        let note = depth.and_then(|depth| shallow_note(depth, &field));
+        let etch = depth.map(|depth| Erosion::Etch(Etch { depth }));
+        let mut processes = slip.into_iter().chain(etch);
+        let field = processes.try_fold(field, |field, process| {
+            let eroded = process.of(&field)?;
+            Ok::<_, FilteringError>(eroded.with_provenance(None))
+        })?;
+        Ok((field, note))
+    }
+}
+
+/// Note on a depth of etching that reaches no other sample, so that the surface sinks and keeps its shape.
+fn shallow_note(depth: f64, field: &HeightField) -> Option<String> {
+    let [dx, dy] = field.spacing();
+    let spacing = dx.min(dy);
+    (depth < spacing).then(|| {
+        let unit = field.unit().suffix();
+        let (depth, spacing) = (short(depth), short(spacing));
+        format!(
+            "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
+        )
+    })
 }
