@@ -358,11 +358,7 @@ fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
             "no attenuation that a table can replace",
             2,
         ),
-        (
-            "model v-cavity --theta 40 --bins 3x4",
-            "leave out --bins",
-            2,
-        ),
+        ("model v-cavity --theta 40 --sphere", "leave out --bins", 2),
         (
             "model v-cavity --theta 60",
             "beyond those of the table, 0 to 40",

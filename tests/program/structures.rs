@@ -244,3 +244,37 @@ fn height_maps_are_eroded_by_inspect() {
         assert!(said.contains(expected), "{flags}: {said}");
     }
 }
+
+#[test]
+fn ensembles_of_worn_surfaces_are_those_that_inspect_writes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    run("generate --smoothness 1 --tau 4 --size 32 --realisations 2 --format gsf -o set");
+    let worn = "--repose 30 --slip-steps 200 --etch 1.5";
+    for number in [0, 1] {
+        run(&format!(
+            "inspect set/surface_{number}.gsf {worn} -o {number}.npy"
+        ));
+    }
+    let light = "--theta 50 --rays 2e4 --bins 6x8 --no-plots";
+    run(&format!("trace 0.npy 1.npy --border periodic {light} -o a"));
+    run(&format!(
+        "trace set/surface_0.gsf set/surface_1.gsf {worn} {light} -o b"
+    ));
+    run(&format!(
+        "trace set/surface_0.gsf set/surface_1.gsf {light} -o c"
+    ));
+    let files = "--surface set/surface_0.gsf --surface set/surface_1.gsf";
+    run(&format!("gonio {files} {worn} {light} -o g"));
+    let table = |out: &str| std::fs::read(folder.join(out).join("theta.csv")).unwrap();
+    assert!(table("a") == table("b") && table("a") != table("c"));
+    let read = |out: &str| {
+        let text = std::fs::read_to_string(folder.join(out).join("summary.json"));
+        json(&text.unwrap())
+    };
+    let (traced, measured) = (read("b"), read("g"));
+    assert_eq!(traced["config"]["surface"][1]["etch"], 1.5);
+    let reflected = &measured["directions"][0]["results"]["flux"]["all"]["reflected"];
+    assert_eq!(reflected, &traced["energy"]["reflected"]);
+}

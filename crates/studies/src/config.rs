@@ -3,6 +3,7 @@
 pub(crate) mod case_model;
 pub(crate) mod cases;
 pub(crate) mod default_models;
+pub(crate) mod erosion;
 pub(crate) mod error;
 pub(crate) mod filtering;
 pub(crate) mod isotropy;

@@ -5,7 +5,7 @@ use asperity_render::RenderError;
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
 use asperity_surface::HeightFieldError;
-use asperity_synthesis::{ErosionError, SynthesisError};
+use asperity_synthesis::SynthesisError;
 use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;
@@ -44,9 +44,6 @@ pub enum StudyError {
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
-    /// A process of erosion cannot be applied.
-    #[error(transparent)]
-    Erosion(#[from] ErosionError),
     /// A height map has too many samples or extreme heights for a finer grid.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),
@@ -105,9 +102,7 @@ impl StudyError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::Config(ConfigError::Simulate(error)) | Self::Simulate(error) => error.is_usage(),
-            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) | Self::Erosion(_) => {
-                true
-            }
+            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
             Self::Render(error) => matches!(
                 error,
                 RenderError::View(_)

@@ -15,7 +15,7 @@ use asperity_surface::{
 };
 use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
 
-pub use self::config::{ErosionConfig, InspectConfig, InspectLight, Inspection};
+pub use self::config::{InspectConfig, InspectLight, Inspection};
 pub use self::files::{InspectReport, inspection_files, names_folder};
 pub use self::statistics::Statistics;
 use crate::config::filtering::FilteringError;

@@ -69,8 +69,8 @@ pub use gonio::{
     Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, PlotScale, Sample,
 };
 pub use inspect::{
-    ErosionConfig, InspectConfig, InspectLight, InspectReport, Inspection, Statistics,
-    inspection_files, names_folder,
+    InspectConfig, InspectLight, InspectReport, Inspection, Statistics, inspection_files,
+    names_folder,
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,

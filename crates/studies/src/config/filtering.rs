@@ -1,18 +1,20 @@
-//! Filters and form removal of a given surface, in the order of ISO 25178-3.
+//! Filters and form removal of a given surface, in the order of ISO 25178-3, then its erosion.
 
 use asperity_simulate::short;
 use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
+use asperity_synthesis::{Erosion, ErosionError, Etch, Slip};
 use serde_json::{Value, json};
 
+use super::erosion::{ETCH, ErosionConfig};
 use super::measured::MeasuredConfig;
 use crate::settings::Length;
 
-/// Reasons for which a surface cannot be filtered as requested.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// Reasons for which a surface cannot be filtered or eroded as requested.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FilteringError {
-    /// The nesting index has a unit, and the surface none.
+    /// A length has a unit, and the surface none.
     #[error(
         "{flag} with a unit: the surface has no unit of length; say what its heights are in with --assume-unit"
     )]
@@ -38,6 +40,9 @@ pub enum FilteringError {
         /// The reason.
         error: FilterError,
     },
+    /// A process of erosion cannot be applied.
+    #[error(transparent)]
+    Erosion(#[from] ErosionError),
     /// The form cannot be removed.
     #[error(transparent)]
     Form(#[from] HeightFieldError),
@@ -51,18 +56,32 @@ fn in_unit(unit: LengthUnit) -> String {
     }
 }
 
+/// Steps of slipping unless a number is given.
+const SLIP_STEPS: u32 = 1000;
+
 /// Flag of the filter that removes short waves.
 pub(crate) const S_FILTER: &str = "--s-filter";
 /// Flag of the filter that removes long waves.
 pub(crate) const L_FILTER: &str = "--l-filter";
 
 impl MeasuredConfig {
-    /// Adds what is removed from surfaces to the description of one: `form_removed`, and the nesting indices of filters that are applied.
+    /// Adds what is removed from surfaces to the description of one: `form_removed`, and the filters and the erosion that are applied.
     pub(crate) fn describe_filtering(&self, description: &mut Value) {
         description["form_removed"] = json!(self.remove.to_string());
-        for (key, index) in [("s_filter", self.s_filter), ("l_filter", self.l_filter)] {
-            if let Some(index) = index {
-                description[key] = json!(index);
+        let ErosionConfig {
+            repose,
+            slip_steps,
+            etch,
+        } = self.erosion;
+        for (key, value) in [
+            ("s_filter", json!(self.s_filter)),
+            ("l_filter", json!(self.l_filter)),
+            ("repose_deg", json!(repose)),
+            ("slip_steps", json!(slip_steps)),
+            ("etch", json!(etch)),
+        ] {
+            if !value.is_null() {
+                description[key] = value;
             }
         }
     }
@@ -127,4 +146,48 @@ impl MeasuredConfig {
             None => Ok(field),
         }
     }
+}
+
+impl ErosionConfig {
+    /// `field` after the processes, without provenance then, and a note if one changes no shape; unchanged if there is no process.
+    ///
+    /// # Errors
+    /// [`FilteringError`] if a process does not suit the surface.
+    pub(crate) fn eroded(
+        self,
+        field: HeightField,
+    ) -> Result<(HeightField, Option<String>), FilteringError> {
+        let slip = self.repose.map(|repose| {
+            Erosion::Slip(Slip {
+                slope: repose.0.to_radians().tan(),
+                steps: self.slip_steps.unwrap_or(SLIP_STEPS),
+            })
+        });
+        let depth = self.etch.map(|depth| {
+            let depth = depth.in_unit(field.unit());
+            depth.ok_or(FilteringError::Unit { flag: ETCH })
+        });
+        let depth = depth.transpose()?;
+        let note = depth.and_then(|depth| shallow_note(depth, &field));
+        let etch = depth.map(|depth| Erosion::Etch(Etch { depth }));
+        let mut processes = slip.into_iter().chain(etch);
+        let field = processes.try_fold(field, |field, process| {
+            let eroded = process.of(&field)?;
+            Ok::<_, FilteringError>(eroded.with_provenance(None))
+        })?;
+        Ok((field, note))
+    }
+}
+
+/// Note on a depth of etching that reaches no other sample, so that the surface sinks and keeps its shape.
+fn shallow_note(depth: f64, field: &HeightField) -> Option<String> {
+    let [dx, dy] = field.spacing();
+    let spacing = dx.min(dy);
+    (depth < spacing).then(|| {
+        let unit = field.unit().suffix();
+        let (depth, spacing) = (short(depth), short(spacing));
+        format!(
+            "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
+        )
+    })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use asperity_surface::{Border, Form, HeightFieldError, LengthUnit, MissingPolicy, RawHeightMap};
 use serde::{Deserialize, Serialize};
 
+use super::erosion::ErosionConfig;
 use super::values::{OneOrMany, PerAxis};
 use crate::settings::Length;
 
@@ -46,6 +47,9 @@ pub struct MeasuredConfig {
     /// Nesting index of the L-filter, which removes longer waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub l_filter: Option<Length>,
+    /// Erosion of height maps after that.
+    #[serde(flatten)]
+    pub erosion: ErosionConfig,
 }
 
 /// Axis of the coordinates of a mesh that points up.

@@ -1,4 +1,4 @@
-//! Reading: given surfaces from files, in the requested unit, with missing points filled, without form.
+//! Reading: given surfaces from files, in the requested unit, with missing points filled, without form, filtered and eroded.
 
 use std::path::Path;
 
@@ -12,6 +12,7 @@ use asperity_tracer::{Geometry, MeshSurface};
 use super::border::{ASSUMED_BORDER, border_notes};
 use super::error::{FileProblem, GivenError};
 use super::surface::{GivenShape, GivenSurface, GivenSurfaces};
+use crate::config::erosion::{ETCH, REPOSE};
 use crate::config::filtering::{L_FILTER, S_FILTER};
 use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
@@ -127,7 +128,7 @@ impl MeasuredConfig {
         Err(problem.at(path))
     }
 
-    /// Reads a height map, fills or refuses missing points, filters it and removes form.
+    /// Reads a height map, fills or refuses missing points, filters it, removes form and erodes it.
     ///
     /// # Errors
     /// [`GivenError`] if the file holds no height map or cannot be read as requested.
@@ -161,7 +162,8 @@ impl MeasuredConfig {
         let field = raw.into_height_field(self.missing, ASSUMED_BORDER);
         let field = field.map_err(|error| FileProblem::from(error).at(path))?;
         let field = self.filtered(field);
-        let field = field.map_err(|error| FileProblem::from(error).at(path))?;
+        let eroded = field.and_then(|field| self.erosion.eroded(field));
+        let (field, note) = eroded.map_err(|error| FileProblem::from(error).at(path))?;
         notes.extend(border_notes(&field, is_border_known));
         notes.extend(self.filter_notes(&field));
         let [dx, dy] = field.spacing().map(short);
@@ -178,6 +180,7 @@ impl MeasuredConfig {
             let points = counted(filled as u64, "missing point");
             notes.push(format!("{points} {were} filled"));
         }
+        notes.extend(note);
         Ok(ReadHeightMap {
             field,
             y_is_north,
@@ -199,6 +202,8 @@ impl MeasuredConfig {
             (self.remove != Form::None, "--remove"),
             (self.s_filter.is_some(), S_FILTER),
             (self.l_filter.is_some(), L_FILTER),
+            (self.erosion.repose.is_some(), REPOSE),
+            (self.erosion.etch.is_some(), ETCH),
         ] {
             if given {
                 return Err(FileProblem::ForHeightMaps(flag).at(path));

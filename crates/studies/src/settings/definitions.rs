@@ -45,7 +45,6 @@ pub static SECTIONS: &[Section] = &[
     section("surface", "Surface", surface::SETTINGS),
     section("generate", "Height map", single::GENERATE_SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
-    section("erosion", "Erosion", single::EROSION),
     section("mesh", "Triangle mesh", single::MESH_SETTINGS),
     section("material", "Material", material::MATERIAL_SETTINGS),
     Section {

@@ -181,8 +181,8 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ),
     group(&[
         variant("an angle of repose")
-            .when(&["erosion.repose"])
-            .allows(&["erosion.slip_steps"]),
+            .when(&["measured.repose"])
+            .allows(&["measured.slip_steps"]),
         variant("surfaces that do not slip").by_default(),
     ])
     .keeps_all_defaults(),

@@ -1,7 +1,7 @@
-//! Settings of single commands: the height map of `generate`, erosion by `inspect`, the mesh of `mesh`, and `model`.
+//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, and `model`.
 
 use super::choices::{MESH_FORMAT, SURFACE_FORMAT};
-use super::commands::{DEGREES, GENERATE, INSPECT, MESH, MODEL};
+use super::commands::{DEGREES, GENERATE, MESH, MODEL};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Flag, Setting, basic, flags, setting};
@@ -17,26 +17,6 @@ pub(super) const GENERATE_SETTINGS: &[Setting] = &flags(
         basic("format", SURFACE_FORMAT)
             .help("Format of several surfaces in a folder")
             .default("exr"),
-    ],
-);
-
-pub(super) const EROSION: &[Setting] = &flags(
-    "erosion",
-    INSPECT,
-    [
-        basic("repose", Kind::Number)
-            .help("Let material slip down slopes steeper than this angle")
-            .unit(DEGREES)
-            .range(Range::FromBelow(0.0, 90.0))
-            .otherwise("not done"),
-        setting("slip_steps", Kind::Count)
-            .help("Steps of slipping")
-            .range(Range::FromTo(1.0, 100_000.0))
-            .default("1000"),
-        basic("etch", Kind::Length)
-            .help("Etch isotropically to this depth, after slipping")
-            .range(Range::Above(0.0))
-            .otherwise("not done"),
     ],
 );
 
