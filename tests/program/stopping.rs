@@ -72,7 +72,7 @@ fn when_the_time_is_over_results_are_valid_and_marked() {
         text.contains("warning: the time limit ended the run"),
         "{text}"
     );
-    let trace = words("trace h.exr --theta 30 --rays 1e10 --max-time 0.2 --no-plots -o t");
+    let trace = words("trace h.exr --theta 30 --rays 4e6 --max-time 0.1 --no-plots -o t");
     let text = ended_by_time(&folder, &trace);
     assert!(
         text.contains("note: the time limit ended the run"),
@@ -231,9 +231,9 @@ fn flags_say_whether_the_target_of_a_file_holds() {
 #[test]
 fn endless_runs_end_when_their_time_is_over() {
     let (_keep, folder) = with_surface();
-    let trace = words("trace h.exr --theta 30 --rays 1e13 --max-time 1 --no-plots -o t");
-    let target = words("trace h.exr --theta 30 --target-error 1e-9 --max-time 1 --no-plots -o e");
-    let several = verify("--rays 1e13 --realisations 4 --max-time 1", &["-o", "v"]);
+    let trace = words("trace h.exr --theta 30 --rays 1e13 --max-time 4 --no-plots -o t");
+    let target = words("trace h.exr --theta 30 --target-error 1e-9 --max-time 4 --no-plots -o e");
+    let several = verify("--rays 1e13 --realisations 4 --max-time 4", &["-o", "v"]);
     for (out, arguments) in [("t", &trace), ("e", &target), ("v", &several)] {
         ended_by_time(&folder, arguments);
         let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
@@ -271,16 +271,19 @@ fn resumes(folder: &Path, arguments: &[&str]) -> bool {
 #[test]
 fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
     let (_keep, folder) = with_surface();
-    for effort in ["--rays 4e6", "--target-error 5e-6 --of reflected --refine"] {
+    for (effort, time) in [
+        ("--rays 4e6", 0.02),
+        ("--target-error 5e-6 --of reflected --refine", 1.0),
+    ] {
         let flags = format!("trace h.exr --theta 30 --bins 9x4 {effort}");
         let run = |more: &str| {
             let line = format!("{flags} {more}");
             resumes(&folder, &words(&line))
         };
         assert!(!run("-o whole"));
-        assert!(!run("--max-time 0.02 --no-plots -o t"));
+        assert!(!run(&format!("--max-time {time} --no-plots -o t")));
         assert!(folder.join("t/results.npz").exists());
-        assert!(run("--max-time 0.02 --threads 1 -o t"));
+        assert!(run(&format!("--max-time {time} --threads 1 -o t")));
         assert!(run("-o t"));
         let names = files(&folder.join("whole"));
         assert_eq!(files(&folder.join("t")), names);
@@ -305,7 +308,7 @@ fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
 #[test]
 fn a_trace_is_not_resumed_with_other_settings_or_on_another_surface() {
     let (_keep, folder) = with_surface();
-    let trace = "trace h.exr --theta 30 --rays 1e10 --max-time 0.02 --no-plots -o t";
+    let trace = "trace h.exr --theta 30 --rays 4e6 --max-time 0.02 --no-plots -o t";
     assert!(!resumes(&folder, &words(trace)));
     let left = fs::read(folder.join("t/results.npz")).unwrap();
     let other = trace.replace("--theta 30", "--theta 40");

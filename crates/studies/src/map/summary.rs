@@ -50,32 +50,21 @@ pub(super) fn is_in_panel(case: &Case, panel: &Case) -> bool {
 /// The angles of a map in degrees, ascending.
 pub(super) fn thetas(outcome: &MapOutcome) -> Vec<f64> {
     let cases = outcome.plan.cases.iter();
-    let mut thetas = each_once(cases.map(|case| case.light.incidence.theta_deg()));
-    thetas.sort_by(f64::total_cmp);
-    thetas
+    ascending(cases.map(|case| case.light.incidence.theta_deg()))
 }
 
-/// Its smoothness values, rough to smooth.
+/// Values of the smoothness of all cells, ascending.
 pub(super) fn smoothness(outcome: &MapOutcome) -> Vec<f64> {
-    let mut values = each_once(
-        outcome
-            .plan
-            .cases
-            .iter()
-            .filter_map(|case| case.at.smoothness),
-    );
-    values.sort_by(f64::total_cmp);
-    values
+    let cases = outcome.plan.cases.iter();
+    ascending(cases.filter_map(|case| case.at.smoothness))
 }
 
-fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
-    let mut seen = Vec::new();
-    for value in values {
-        if !seen.contains(&value) {
-            seen.push(value);
-        }
-    }
-    seen
+/// Each of these values once.
+fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// The verdicts of a map in short: by material and further coordinates, comparison and model.

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use asperity_tally::TallyStatistics;
+
 use super::draft::Draft;
 use super::tallies::CaseTallies;
 use crate::engine::context::Context;
@@ -39,7 +41,9 @@ impl Group {
             .map(|one| self.analytic_draft(one, &common));
         let mut drafts: Vec<Draft> = analytic.collect();
         for (run, mut tallies) in self.cases.iter().zip(tallies) {
-            if tallies.work.rays == 0 {
+            // From fewer than two blocks of rays there is no error.
+            let blocks = tallies.blocks_of_one.as_ref().map(TallyStatistics::batches);
+            if tallies.work.rays == 0 || common.is_cut_short() && blocks == Some(1) {
                 continue;
             }
             let error = self.error(run, &tallies);
