@@ -247,7 +247,9 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     };
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
-        if command != Command::Model && Path::new(input).is_dir() {
+        let path = Path::new(input);
+        // Of a name with an ending the reader says so
+        if command != Command::Model && path.extension().is_none() && path.is_dir() {
             return Err(Failure::usage(format!(
                 "`{input}` is a folder; {command} takes a file"
             )));

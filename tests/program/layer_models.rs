@@ -125,7 +125,7 @@ fn layers_are_refused_what_their_models_cannot_do() {
         ),
         (
             "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same",
-            "leave out --bottom-surface",
+            "--bottom-surface is for trace, render, verify and gonio, not for model",
         ),
         ("smith --theta 30", "give --smoothness"),
     ] {

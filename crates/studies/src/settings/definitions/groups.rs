@@ -37,13 +37,6 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ])
     .keeps_all_defaults(),
     group(&[
-        variant("smoothness").when(&["surface.smoothness", "surface.smoothness_y"]),
-        variant("sigma").when(&["surface.sigma"]),
-        variant("ggx_alpha")
-            .when(&["surface.ggx_alpha"])
-            .allows(&["surface.slopes!gaussian", "surface.amplitude_ratio"]),
-    ]),
-    group(&[
         variant("slopes of a file").when(&["surface.slopes_of"]),
         variant("slopes by numbers").when(&[
             "surface.smoothness",
@@ -75,6 +68,13 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
                 "surface.arrangement",
                 "surface.spread",
             ]),
+    ]),
+    group(&[
+        variant("smoothness").when(&["surface.smoothness", "surface.smoothness_y"]),
+        variant("sigma").when(&["surface.sigma"]),
+        variant("ggx_alpha")
+            .when(&["surface.ggx_alpha"])
+            .allows(&["surface.slopes!gaussian", "surface.amplitude_ratio"]),
     ]),
     group_by(
         "surface.structure",
