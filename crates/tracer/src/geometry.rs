@@ -106,11 +106,6 @@ pub trait Geometry: Sized + Send + Sync {
         false
     }
 
-    /// Returns `true` if bounds tell that a ray in `half_space` hits nothing between two of its parameters, between which it is over the tile.
-    fn is_clear(&self, _ray: &TileRay, _half_space: HalfSpace, _span: [f64; 2]) -> bool {
-        false
-    }
-
     /// Puts a point back onto the surface, if rounding by `margin` has put it beneath, which is more than a hit makes up for.
     #[inline(always)]
     fn lift(&self, _p: &mut DVec3, _margin: f64) {}

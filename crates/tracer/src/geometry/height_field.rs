@@ -363,10 +363,6 @@ impl Geometry for Surface {
             .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
     }
 
-    fn is_clear(&self, ray: &TileRay, half_space: HalfSpace, span: [f64; 2]) -> bool {
-        self.horizon_bounds.is_clear(ray, half_space, span)
-    }
-
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
         escapes_by(&self.horizon_bounds, self, ray, half_space)

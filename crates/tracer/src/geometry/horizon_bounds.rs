@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::blocks::{Block, FINEST, Support, bound};
 use super::windows::{Joined, Layout};
-use crate::ray::{HalfSpace, TileRay};
 
 /// Stretches on which heights are bounded, each twice as long as the one before.
 const STRETCHES: usize = 5;
@@ -40,17 +39,12 @@ pub(crate) struct HorizonBounds {
     level: u32,
     /// Numbers of the last block along x and y.
     last: [u32; 2],
-    /// Lowest and highest point of each row, and of each column of blocks.
-    strips: [Vec<[f64; 2]>; 2],
     /// Block by block, row by row: of each quadrant those of rays above and those of rays below.
     quadrants: Vec<QuadrantBounds>,
     /// Scales of the bounds that are rises, and of those that are heights.
     rises: Scale,
     heights: Scale,
 }
-
-/// Rows or columns of blocks that are looked at one by one.
-const FEW: usize = 4;
 
 /// Values that are quantised in equal steps.
 #[derive(Clone, Copy, Debug)]
@@ -159,7 +153,6 @@ impl HorizonBounds {
             .into_par_iter()
             .map(|i| in_quadrants(&layout, &tops[i / STRETCHES], 2 << (i % STRETCHES)))
             .collect();
-        let strips = strips(&blocks, size[0]);
         let mut quadrants = vec![[0; BOUNDS]; 8 * blocks.len()];
         for (block, of_block) in quadrants.chunks_exact_mut(8).enumerate() {
             for (i, bounds) in of_block.iter_mut().enumerate() {
@@ -178,29 +171,10 @@ impl HorizonBounds {
             all,
             level,
             last: size.map(|n| n as u32 - 1),
-            strips,
             quadrants,
             rises,
             heights,
         }
-    }
-
-    /// Returns `true` if a ray, between two of its parameters over the tile, stays over rows or over columns of blocks that lie lower in its half
-    /// space: so does one that runs far between walls.
-    pub(super) fn is_clear(&self, ray: &TileRay, half_space: HalfSpace, span: [f64; 2]) -> bool {
-        let q = half_space.sign();
-        let ends = span.map(|t| ray.at(t));
-        let nearest = (q * ends[0].z).min(q * ends[1].z);
-        // Far more than rounding adds
-        let margin = 1e-6 * (1.0 + nearest.abs());
-        self.strips.iter().zip([1, 0]).any(|(strips, axis)| {
-            let [from, to] = ends.map(|end| end[axis]);
-            let reach = 1e-6 + 1e-9 * ray.origin[axis].abs();
-            let block = |place: f64| (place as u32 >> self.level).min(self.last[axis]) as usize;
-            let (first, last) = (block(from.min(to) - reach), block(from.max(to) + reach));
-            let is_lower = |[low, high]: &[f64; 2]| (q * low).max(q * high) < nearest - margin;
-            last - first < FEW && strips[first..=last].iter().all(is_lower)
-        })
     }
 
     /// The steepest rise of any facet along an axis or a diagonal.
@@ -264,19 +238,6 @@ fn in_quadrants<T: Joined>(layout: &Layout, blocks: &[T], count: usize) -> [Vec<
     std::array::from_fn(|quadrant| {
         layout.windows(&along_x[quadrant & 1], 1, quadrant & 2 != 0, count)
     })
-}
-
-/// Lowest and highest point of each row of blocks, of which `columns` make one, and of each column.
-fn strips(blocks: &[Block], columns: usize) -> [Vec<[f64; 2]>; 2] {
-    let join =
-        |[low, high]: [f64; 2], block: &Block| [low.min(block.range[0]), high.max(block.range[1])];
-    let none = [f64::INFINITY, f64::NEG_INFINITY];
-    let of_row = |row: &[Block]| row.iter().fold(none, join);
-    let of_column = |i| blocks.iter().skip(i).step_by(columns).fold(none, join);
-    [
-        blocks.chunks(columns).map(of_row).collect(),
-        (0..columns).map(of_column).collect(),
-    ]
 }
 
 #[cfg(test)]

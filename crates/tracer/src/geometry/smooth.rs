@@ -306,10 +306,6 @@ impl Geometry for SmoothSurface {
             .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
     }
 
-    fn is_clear(&self, ray: &TileRay, half_space: HalfSpace, span: [f64; 2]) -> bool {
-        self.horizon_bounds.is_clear(ray, half_space, span)
-    }
-
     #[inline]
     fn lift(&self, p: &mut DVec3, margin: f64) {
         let [cx, cy] = self.extent;

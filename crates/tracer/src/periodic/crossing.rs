@@ -33,8 +33,8 @@ impl Crossing {
         }
     }
 
-    /// Ray parameter at which the ray leaves the tile, and the axis along which the next one lies.
-    fn exit(&self, size: [f64; 2]) -> (f64, usize) {
+    /// Steps to the next tile and returns the axis along which it lies; `None` at the end.
+    pub(super) fn advance(&mut self, size: [f64; 2]) -> Option<usize> {
         // The boundary that comes first; a ray that runs along an axis never crosses the other.
         let crossing = |axis: usize| {
             let rate = self.ray.direction[axis];
@@ -47,27 +47,13 @@ impl Crossing {
         };
         let at = [crossing(0), crossing(1)];
         let axis = usize::from(at[1] < at[0]);
-        (at[axis], axis)
-    }
-
-    /// The part of the ray in the current tile, by its parameters.
-    pub(super) fn span(&self, size: [f64; 2]) -> [f64; 2] {
-        [
-            self.entered,
-            self.exit(size).0.min(self.end).max(self.entered),
-        ]
-    }
-
-    /// Steps to the next tile and returns the axis along which it lies; `None` at the end.
-    pub(super) fn advance(&mut self, size: [f64; 2]) -> Option<usize> {
-        let (at, axis) = self.exit(size);
-        self.entered = self.entered.max(at);
+        self.entered = self.entered.max(at[axis]);
         self.tile[axis] += if self.ray.direction[axis] > 0.0 {
             1
         } else {
             -1
         };
-        (at.is_finite() && self.entered <= self.end).then_some(axis)
+        (at[axis].is_finite() && self.entered <= self.end).then_some(axis)
     }
 }
 

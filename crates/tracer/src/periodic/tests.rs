@@ -1,7 +1,7 @@
 //! Borders against copies of the tile, and rays that a border must not lose.
 
 use super::*;
-use crate::{Accelerator, AcceleratorKind, BruteForce, Hit, Query, Surface};
+use crate::{BruteForce, Surface};
 use asperity_surface::HeightField;
 use glam::DVec3;
 
@@ -231,59 +231,4 @@ fn a_ray_steeper_than_every_facet_needs_no_search() {
         journey,
         TraversalResult::Ended(TraversalEnd::EscapedUnsearched(Escape::SteeperThanAll))
     );
-}
-
-/// Brute force that counts its searches.
-struct Counted(std::sync::atomic::AtomicUsize);
-
-impl Accelerator<Surface> for Counted {
-    fn kind(&self) -> AcceleratorKind {
-        AcceleratorKind::BruteForce
-    }
-
-    fn bytes(&self) -> usize {
-        0
-    }
-
-    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<crate::Facet>> {
-        self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        BruteForce.closest_hit(surface, query)
-    }
-}
-
-/// A ray along a trench, 1000 deep, crosses some thousand tiles on its way to the ground or to a wall, of which few are searched.
-#[test]
-fn tiles_that_a_ray_crosses_between_walls_are_not_searched() {
-    let [nx, ny] = [16, 64];
-    let height = |iy: usize| if iy < ny / 2 { 0.0 } else { 1000.0 };
-    let along_x: Vec<f64> = (0..nx * ny).map(|i| height(i / nx)).collect();
-    let along_y: Vec<f64> = (0..nx * ny).map(|i| height(i % ny)).collect();
-    for (axis, heights, shape) in [(0, along_x, [ny, nx]), (1, along_y, [nx, ny])] {
-        for border in [Border::Periodic, Border::Mirrored] {
-            let field = HeightField::new(heights.clone(), shape, [1.0; 2]).unwrap();
-            let surface = Surface::new(field.with_border(border));
-            for (slope, aside) in [(1e-2, 0.0), (-1e-2, 0.0), (1e-2, 5e-5)] {
-                let mut direction = DVec3::new(aside, aside, -slope);
-                direction[axis] = 1.0;
-                let mut origin = DVec3::new(15.5, 15.5, 450.0);
-                origin[axis] = 7.25;
-                let heading = Heading {
-                    origin,
-                    direction: direction.normalize(),
-                    mirrored: [false; 2],
-                };
-                let counted = Counted(Default::default());
-                let found = traverse(&surface, &counted, heading, HalfSpace::Above);
-                match found {
-                    TraversalResult::Hit(_, Heading { origin: at, .. }) => {
-                        assert!(slope > 0.0);
-                        assert!((at.z + 500.0).abs() < 1e-9 || aside > 0.0, "{at}");
-                    }
-                    TraversalResult::Ended(_) => assert!(slope < 0.0),
-                }
-                let searched = counted.0.into_inner();
-                assert!(searched < 40, "{border} {axis} {slope} {aside}: {searched}");
-            }
-        }
-    }
 }

@@ -205,7 +205,7 @@ impl Traversal {
         }
     }
 
-    /// Steps to the next tile that is not clear of the ray by bounds, where nothing is met in the current one, unless the traversal ends.
+    /// Steps to the next tile where nothing is met in the current one, unless the traversal ends.
     #[inline(never)]
     pub(crate) fn step<G: Geometry>(
         &mut self,
@@ -221,27 +221,22 @@ impl Traversal {
             Some(crossing) => **crossing,
             None => Crossing::begin(geometry, &query.ray),
         };
+        crossing.searched += 1;
+        if crossing.searched == MAX_TILES {
+            return Some(TraversalEnd::Lost);
+        }
         let size = geometry.extent();
-        loop {
-            crossing.searched += 1;
-            if crossing.searched == MAX_TILES {
-                return Some(TraversalEnd::Lost);
-            }
-            let Some(axis) = crossing.advance(size) else {
-                return Some(nothing_met);
-            };
-            let tile = crossing.tile[axis];
-            let image = border == Border::Mirrored && tile.rem_euclid(2) == 1;
-            let origin = crossing.ray.origin[axis];
-            query.ray.origin[axis] = from_tile(tile as f64, image, size[axis], origin);
-            if border == Border::Mirrored {
-                query.ray.direction[axis] = -query.ray.direction[axis];
-                self.direction[axis] = -self.direction[axis];
-                self.mirrored[axis] = !self.mirrored[axis];
-            }
-            if !geometry.is_clear(&query.ray, query.half_space, crossing.span(size)) {
-                break;
-            }
+        let Some(axis) = crossing.advance(size) else {
+            return Some(nothing_met);
+        };
+        let tile = crossing.tile[axis];
+        let image = border == Border::Mirrored && tile.rem_euclid(2) == 1;
+        let origin = crossing.ray.origin[axis];
+        query.ray.origin[axis] = from_tile(tile as f64, image, size[axis], origin);
+        if border == Border::Mirrored {
+            query.ray.direction[axis] = -query.ray.direction[axis];
+            self.direction[axis] = -self.direction[axis];
+            self.mirrored[axis] = !self.mirrored[axis];
         }
         match &mut self.crossing {
             Some(place) => **place = crossing,
