@@ -482,5 +482,6 @@ fn foreign_text_in_results_is_seen() {
             named += usize::from(text.contains("[31m"));
         }
     }
-    assert!(named > 2, "{named}");
+    // The summary and the figure of the heights
+    assert!(named >= 2, "{named}");
 }
