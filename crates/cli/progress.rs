@@ -4,12 +4,12 @@
 mod lines;
 
 use std::io::{IsTerminal, stderr};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex, OnceLock, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use asperity_io::shown;
-use asperity_simulate::{GRACE, Observer, StoppedBy};
+use asperity_simulate::{GRACE, Observer, StoppedBy, TIME_OF_FIRST};
 use asperity_studies::wrapped;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,6 +36,8 @@ pub(crate) struct Progress {
     shown: Arc<Mutex<Shown>>,
     /// `true` with `--verbose`.
     verbose: bool,
+    /// Time at which the run began, once it is planned.
+    begun: OnceLock<Instant>,
 }
 
 impl Progress {
@@ -54,11 +56,13 @@ impl Progress {
         Self {
             shown,
             verbose: common.verbose,
+            begun: OnceLock::new(),
         }
     }
 
     /// Begins the run: from now on the first interrupt ends it with the results so far.
     pub(crate) fn begin_run(&self) {
+        self.begun.get_or_init(Instant::now);
         interrupt::listen();
     }
 
@@ -167,5 +171,10 @@ impl Observer for Progress {
 
     fn gives_up(&self) -> bool {
         interrupt::time_since().is_some_and(|time| time >= GRACE)
+    }
+
+    fn gives_up_first(&self) -> bool {
+        let begun = self.begun.get().map(Instant::elapsed);
+        self.gives_up() && begun.is_some_and(|time| time >= TIME_OF_FIRST)
     }
 }

@@ -113,7 +113,7 @@ pub(crate) fn expose<G: Geometry>(
         let beams = sunlight.as_mut().map(|sunlight| sunlight.aimed(pass));
         let stops = || match progress.stop() {
             Some(StoppedBy::Interrupt) => true,
-            other => other.is_some() && (pass >= MIN_PASSES || progress.gives_up()),
+            other => other.is_some() && (pass >= MIN_PASSES || progress.gives_up_first()),
         };
         let done: Option<Vec<Row>> = (0..rows)
             .into_par_iter()

@@ -50,7 +50,7 @@ pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{SurfaceSource, smooth_shape};
 pub use input::target::{Quantity, Target, TargetError};
 pub use methods::method::ControlVariateMean;
-pub use observer::{Deadline, GRACE, Observer, Silent};
+pub use observer::{Deadline, GRACE, Observer, Silent, TIME_OF_FIRST};
 pub use output::chosen_paths::{ChosenPaths, PathStrategy, TriedPaths};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;

@@ -29,6 +29,10 @@ pub trait Observer: Sync {
     fn gives_up(&self) -> bool {
         false
     }
+    /// Returns `true` if even the first result of the run should be given up.
+    fn gives_up_first(&self) -> bool {
+        false
+    }
 }
 
 /// Says nothing.
@@ -44,9 +48,13 @@ impl Observer for Silent {
 /// Time after a stop in which what is under way may still be finished.
 pub const GRACE: Duration = Duration::from_millis(500);
 
+/// Time that a run takes at least for its first result, so that the same command, run again and again, comes to an end.
+pub const TIME_OF_FIRST: Duration = Duration::from_secs(3);
+
 /// Ends a run when its time is over.
 pub struct Deadline<'a> {
     observer: &'a dyn Observer,
+    begun: Instant,
     end: Option<Instant>,
 }
 
@@ -56,7 +64,11 @@ impl<'a> Deadline<'a> {
     pub fn new(observer: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
         let end = time.and_then(|time| Instant::now().checked_add(time));
-        Self { observer, end }
+        Self {
+            observer,
+            begun: Instant::now(),
+            end,
+        }
     }
 
     fn is_over_for(&self, time: Duration) -> bool {
@@ -93,5 +105,9 @@ impl Observer for Deadline<'_> {
     }
     fn gives_up(&self) -> bool {
         self.observer.gives_up() || self.is_over_for(GRACE)
+    }
+    fn gives_up_first(&self) -> bool {
+        let is_over = self.is_over_for(GRACE) && self.begun.elapsed() >= TIME_OF_FIRST;
+        is_over || self.observer.gives_up_first()
     }
 }

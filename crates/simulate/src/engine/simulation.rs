@@ -216,7 +216,7 @@ impl Simulation {
             }
             observer.end();
             // Out of time, the first cases still get a surface.
-            if observer.stop().is_some() && (has_outcome || observer.gives_up()) {
+            if observer.stop().is_some() && (has_outcome || observer.gives_up_first()) {
                 break;
             }
         }

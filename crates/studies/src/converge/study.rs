@@ -224,4 +224,7 @@ impl Observer for Steps<'_> {
     fn gives_up(&self) -> bool {
         self.0.gives_up()
     }
+    fn gives_up_first(&self) -> bool {
+        self.0.gives_up_first()
+    }
 }

@@ -65,10 +65,8 @@ pub(crate) fn run_blocks(
         of_parts.min(of_tallies).max(1)
     });
     let mut traced = Vec::new();
-    let must_go_on = |group: &BlockGroup| group.first - blocks.first < MIN_BLOCKS;
     while let Some(next) = groups.peek()
-        && !observer.gives_up()
-        && (must_go_on(next) || observer.stop().is_none())
+        && run.goes_on(next)
     {
         let wave: Vec<BlockGroup> = groups.by_ref().take(wave).collect();
         let before = std::mem::take(&mut traced);
@@ -90,13 +88,24 @@ struct BlockRun<'a> {
 }
 
 impl BlockRun<'_> {
+    /// Returns `true` for the first blocks, from which alone there is an error.
+    const fn are_first(&self, group: &BlockGroup) -> bool {
+        group.first - self.first < MIN_BLOCKS
+    }
+
+    /// Returns `true` if a group may begin.
+    fn goes_on(&self, group: &BlockGroup) -> bool {
+        match self.are_first(group) {
+            true => !self.observer.gives_up_first(),
+            false => self.observer.stop().is_none(),
+        }
+    }
+
     /// Traces groups side by side; those that were not begun before the run is to stop, or that it gives up, are left out.
     fn trace(&self, groups: &[BlockGroup]) -> Vec<FinishedGroup> {
         // One at a time, so that a thread without work finds any that is left.
         let groups = groups.par_iter().with_max_len(1);
-        let begun = groups.filter(|group| {
-            group.first - self.first < MIN_BLOCKS || self.observer.stop().is_none()
-        });
+        let begun = groups.filter(|group| self.goes_on(group));
         let traced = begun.map(|group| self.trace_group(*group));
         traced.flatten_iter().collect()
     }
@@ -131,7 +140,10 @@ impl BlockRun<'_> {
     fn trace_part(&self, group: BlockGroup, part: u32) -> Option<(Vec<Tallies<'_>>, Work)> {
         let rays = group.part(part);
         let stream = self.stream.from_batch(group.first);
-        let gives_up = || self.observer.gives_up();
+        let gives_up = || match self.are_first(&group) {
+            true => self.observer.gives_up_first(),
+            false => self.observer.gives_up(),
+        };
         let (mut tallies, mut work) = (Vec::new(), Work::default());
         for (number, mesh) in self.meshes.iter().enumerate() {
             let (light, control) = (&mesh.light, mesh.control_variate);

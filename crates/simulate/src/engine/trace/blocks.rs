@@ -1,5 +1,7 @@
 //! Blocks: divide the rays of a surface; groups of them are traced together.
 
+use std::iter::successors;
+
 use asperity_tracer::{BatchedRays, Sampling};
 
 /// A division of rays into blocks of `strata * strata` rays.
@@ -22,7 +24,7 @@ pub(crate) const MIN_BLOCKS_OF_ONE: u64 = 64;
 /// few enough for a run to stop soon.
 const MAX_RAYS_OF_GROUP: u64 = 1 << 20;
 
-/// Most rays of the first group, so that a run that is to stop early has a result.
+/// Most rays of each of the first two groups, so that a run that is to stop early has a result.
 const MAX_RAYS_OF_FIRST: u64 = 1 << 18;
 
 /// Most values in the tallies of blocks that are traced together, so that they stay in cache: 1 MiB.
@@ -96,11 +98,13 @@ impl Blocks {
             count: most.min(last - first) as u32,
             strata: self.strata,
         };
-        let others = (self.first + of_first..last).step_by(most as usize);
         let first = (self.count > 0).then(|| group(self.first, of_first));
-        first
-            .into_iter()
-            .chain(others.map(move |first| group(first, most)))
+        successors(first, move |before| {
+            let next = before.first + u64::from(before.count);
+            let is_second = before.first == self.first;
+            let most = if is_second { of_first } else { most };
+            (next < last).then(|| group(next, most))
+        })
     }
 }
 

@@ -47,7 +47,7 @@ impl Turns {
     fn are_over(&self, observer: &dyn Observer) -> bool {
         match observer.stop() {
             Some(StoppedBy::Interrupt) => true,
-            Some(_) if observer.gives_up() => true,
+            Some(_) if observer.gives_up_first() => true,
             Some(_) => self.has_begun.swap(true, Ordering::Relaxed),
             None => {
                 self.has_begun.store(true, Ordering::Relaxed);
