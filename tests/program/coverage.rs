@@ -1,8 +1,7 @@
 //! Standard errors through whole runs: results of many seeds lie within the errors that they report, of few rays and of light that few
 //! surfaces send.
 //!
-//! `benches/coverage` does the same for more cases and seeds. Tried and seen to fail: no count of surfaces, no count of the features of
-//! structures, no count of the rays that carry what polarisation changes.
+//! `benches/coverage` does the same for more cases and seeds.
 
 use asperity_simulate::{Estimator, Outcome, Silent, simulate};
 use asperity_studies::VerifyConfig;

@@ -409,7 +409,6 @@ fn foreign_text_in_messages_is_seen_and_short() {
             &["inspect", "@.npy"][..],
             &["inspect", "@"],
             &["trace", "@.obj", "--theta", "0"],
-            &["inspect", "h.exr", "-o", "@/a.npy"],
             &["trace", "h.exr", "--theta", "@"],
             &["trace", "h.exr", "--theta", "0", "--border", "@"],
             &["trace", "h.exr", "--@", "1"],

@@ -109,7 +109,7 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",
-            "goes with random surfaces, not a given surface",
+            "must be flat, same or a file",
         ),
     ] {
         let command = format!("{SMALL} {flags}");

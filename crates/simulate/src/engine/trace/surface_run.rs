@@ -120,7 +120,7 @@ impl StageRun<'_> {
     }
 
     /// Traces all cases on one surface, which is drawn in `memory`, from where they were left in `left`, and saves their tallies, also
-    /// before they are complete if the store is due. If the run is to stop, cases that were not begun have no blocks.
+    /// before they are complete if the store is due. If the run gives up, cases that were not begun have no blocks.
     pub(super) fn trace(
         &self,
         drawer: &Drawer<'_>,
@@ -150,7 +150,7 @@ impl StageRun<'_> {
             used: built.used(),
         };
         for (i, run) in self.cases.iter().enumerate() {
-            if i > 0 && context.observer.stop().is_some() {
+            if i > 0 && context.observer.gives_up_first() {
                 break;
             }
             let mut lit = built.lit(run, &self.settings)?;
