@@ -131,6 +131,7 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
     let outcome = study.run(&mut found, &Silent).unwrap();
     let views = study.views().unwrap();
     views.write(&folder, &outcome, &Silent).unwrap();
+    folder.finish(true).unwrap();
     assert_in_table(out, "gonio.csv");
     assert_in_text(out, &["report.txt"]);
     assert_in_json(out);
@@ -161,6 +162,7 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     let outcome = study.run(&mut found, &Silent).unwrap();
     let views = study.views().unwrap();
     views.write(&folder, &outcome, &Silent).unwrap();
+    folder.finish(true).unwrap();
     assert_in_text(&out, &["report.txt"]);
     assert_in_json(&out);
     for value in [450, 650] {
@@ -178,6 +180,7 @@ fn verify_and_map_name_a_further_coordinate_in_tables_json_text_folders_and_figu
     let outcome = study.run(&mut found, &Silent).unwrap();
     let views = study.views().unwrap();
     views.write(&folder, &outcome, &Silent).unwrap();
+    folder.finish(true).unwrap();
     assert_in_table(&out, "map.csv");
     assert_in_json(&out);
     assert_in_text(&out, &["report.txt"]);

@@ -127,6 +127,7 @@ fn a_kill_between_the_file_and_the_end_of_the_journal_loses_and_doubles_nothing(
     // A part is new, so that there is something to write.
     run(&mut set, &After::rays(21_000)).unwrap();
     set.close().unwrap();
+    drop(folder_of_first);
     fs::write(&path, &journal).unwrap();
     let folder = folder(place.path());
     folder.check([FILE]).unwrap();

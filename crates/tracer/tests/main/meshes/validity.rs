@@ -121,7 +121,10 @@ fn periodic_meshes_must_be_one_sheet_without_gaps() {
     surface(strip([4, 5, 6, 7]), Border::Periodic);
     let crossed = strip([4, 6, 5, 7]);
     let error = MeshSurface::new(&crossed.0, crossed.1, Border::Periodic).unwrap_err();
-    assert!(error.to_string().starts_with("6 edges inside"), "{error}");
+    assert!(
+        error.to_string().contains("are folded onto each other"),
+        "{error}"
+    );
     for border in [Border::Periodic, Border::Mirrored] {
         let over = together(mushroom(), scaled(sphere(), 0.5, 3.0));
         assert_eq!(surface(over, border).repairs().open_edges, 0);
