@@ -5,7 +5,7 @@ use asperity_surface::check_grid;
 use crate::error::ReadProblem;
 use crate::files::available_memory;
 
-/// Bytes from which on memory is asked for only if the machine has it: systems that grant more end the program.
+/// Size in bytes from which the available memory is checked first: systems that overcommit would kill the program.
 const LARGE: usize = 1 << 26;
 
 /// Room for `nx * ny` numbers, or an error where there is none.

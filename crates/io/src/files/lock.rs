@@ -25,7 +25,7 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Locks the folder `path`, and makes it if there is none.
+    /// Locks the folder `path`, and creates it if it does not exist.
     ///
     /// # Errors
     /// [`ResultFolderError`] if a run writes into it, inside or above it, or it can neither be made nor written to.

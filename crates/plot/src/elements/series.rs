@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// What remains in grey: dashes, and markers of residuals.
+    /// Dashes and markers of residuals tell models apart in grey.
     #[test]
     fn models_that_are_close_in_the_list_differ_without_their_colour() {
         for i in 0..theme::LINE_DASHES.len() {

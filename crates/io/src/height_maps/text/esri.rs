@@ -42,7 +42,7 @@ impl Grid {
         }
     }
 
-    /// Takes a field; returns false if there is none of that name.
+    /// Reads a field of the header; returns `false` if no field has that name.
     fn take_field(&mut self, line: Line<'_>, name: &str, value: &str) -> Result<bool, ReadProblem> {
         let refuse = |needed: &str| {
             let what = format!("{name} is `{}`, but {needed} is needed", short(value));

@@ -8,7 +8,7 @@ const MAX_NARROW: usize = 15;
 /// Fewest numbers in equal steps that are positions or numbers of rows or columns.
 const MIN_STEPS: usize = 8;
 
-/// The same where they stand both above and beside the heights.
+/// Fewest numbers in equal steps, of a row above and of a column beside the heights, that are positions.
 const MIN_STEPS_OF_BOTH: usize = 3;
 
 /// Checks the numbers of a file that states `nx` x `ny` of them, in that many lines, which may end anywhere; `longest` is

@@ -2,7 +2,7 @@
 
 use asperity_surface::LengthUnit;
 
-/// What samples mean as heights: `factor (offset + scale sample)`.
+/// Scale from samples to heights: `factor (offset + scale sample)`.
 pub(super) struct HeightScale {
     pub(super) scale: f64,
     pub(super) offset: f64,

@@ -5,7 +5,7 @@ use ::exr::prelude::f16;
 
 use crate::error::ReadProblem;
 
-/// What the bits of a sample mean.
+/// Number format of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Unsigned,

@@ -13,8 +13,8 @@ use crate::input::random_surfaces::RandomSurfaces;
 pub(crate) enum Drawer<'a> {
     /// A recipe; facets are refined or not.
     Random(&'a RandomSurfaces, bool),
-    /// The recipe of smooth cells or of structures that are refined: a spline has no finer mesh than itself, and edges have no spectrum, so
-    /// the same surfaces are drawn on grids of half the spacing and, if that resolves them, of twice.
+    /// The recipe of smooth cells or of structures that are refined, drawn on grids of other spacings: half the spacing, and twice the
+    /// spacing where that resolves the surface. A spline has no finer mesh than itself, and edges have no spectrum.
     Respaced {
         finer: Box<RandomSurfaces>,
         given: &'a RandomSurfaces,
