@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::{check_output_file, is_same_file};
+use asperity_io::{check_output_file, is_same_file, shown_path};
 use asperity_studies::settings::Document;
 
 use crate::failure::Failure;
@@ -21,7 +21,7 @@ pub(crate) fn refuse_file_name(output: &Path, names_file: bool) -> Result<(), Fa
     match names_file {
         true => Err(Failure::usage(format!(
             "-o {} has the ending of a file, and several files are to be written: name a folder",
-            output.display()
+            shown_path(output)
         ))),
         false => Ok(()),
     }

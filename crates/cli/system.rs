@@ -1,4 +1,4 @@
-//! System: the ends that it would put to the program without a sentence.
+//! Lack of memory and files that grow too large, which the system would answer by ending the program without a sentence.
 //!
 //! The one module of the program with unsafe code. Its two reasons:
 //!

@@ -368,13 +368,12 @@ fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
         let message = refused(folder, &words(&format!("{line} {step}")), code);
         assert!(message.contains(why), "{line}: {message}");
     }
-    let other = step.replace("--smoothness 2", "--smoothness 3");
-    let message = refused(
-        folder,
-        &words(&format!("model v-cavity {other} --theta 40")),
-        1,
-    );
-    assert!(message.contains("other slopes"), "{message}");
+    for other in ["--smoothness 3", "--smoothness 2 --smoothness-y 5"] {
+        let other = step.replace("--smoothness 2", other);
+        let line = format!("model v-cavity {other} --theta 40");
+        let message = refused(folder, &words(&line), 1);
+        assert!(message.contains("other slopes"), "{message}");
+    }
     let wrong = step.replace("a/attenuation.csv", "wrong.csv");
     fs::write(folder.join("wrong.csv"), "theta,g2\n0,1\n").unwrap();
     let message = refused(

@@ -45,6 +45,8 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
         assert!(told.contains("reflected single 0 "), "{told}");
         assert!(!told.contains("cut across"), "{told}");
     }
+    let told = refused(folder, &words(&format!("trace p.exr {light} --refine")), 2);
+    assert!(told.contains("edges have no spectrum"), "{told}");
     let caps = "--structure caps --width 16 --size 32x28 --spacing 1";
     let told = unwrapped(&run(&format!(
         "verify {caps} {light} --realisations 2 --no-plots -o c"

@@ -125,7 +125,9 @@ impl SimulateError {
                 error,
                 BuildError::NeedsHeightField { .. } | BuildError::NotFlat
             ),
-            Self::Refinement(error) => matches!(error, RefinementError::Open),
+            Self::Refinement(error) => {
+                matches!(error, RefinementError::Open | RefinementError::Edges)
+            }
             Self::Model(_)
             | Self::Layer(_)
             | Self::NoControlVariate { .. }

@@ -121,7 +121,7 @@ impl Structure {
         }
     }
 
-    /// About how many features of random slopes a tile of this `extent` along x and y has, at least one; `None` if all have the same slopes.
+    /// Approximate number of features of random slopes in a tile of this `extent` along x and y, at least one; `None` if all have the same slopes.
     #[must_use]
     pub fn random_features(&self, [x, y]: [f64; 2]) -> Option<f64> {
         let width = self.width();

@@ -126,7 +126,7 @@ impl TallyStatistics {
     /// the measure is not kept. Elements of a Mueller matrix are taken over its first one.
     ///
     /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common, and no less than the least of
-    /// the measure. The ratio is biased by no more than its relative error times that of the flux, a fifth of its error at most.
+    /// the measure. The ratio is biased by no more than its relative error times that of the flux, to first order: less than a quarter of its error.
     #[must_use]
     pub fn over_flux(&self, flux: Entry, measure: Measure) -> Option<Estimate> {
         let entry = self.spec().measure_entry(flux, measure)?;

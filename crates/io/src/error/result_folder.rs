@@ -36,7 +36,7 @@ pub enum ResultFolderError {
         path: PathBuf,
     },
     /// Another run writes into the folder.
-    #[error("`{}` is being written by another run; wait for it to end, or choose another folder", .folder.display())]
+    #[error("`{}` is being written by another run; wait for it to end, or choose another folder", shown_path(.folder))]
     InUse {
         /// The folder.
         folder: PathBuf,

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_islocked_by_whatever_name_with_those_inside_and_above() {
+    fn a_folder_is_locked_by_whatever_name_with_those_inside_and_above() {
         let place = tempfile::tempdir().unwrap();
         let at = |name: &str| place.path().join(name);
         let first = FolderLock::new(at("out/cells")).unwrap();

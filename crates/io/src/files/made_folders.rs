@@ -31,9 +31,12 @@ impl Drop for MadeFolders {
     }
 }
 
-/// Removes the folders that stayed empty of a process that exits at once.
+/// Removes the folders that stayed empty of a process that exits at once. A list that is in use is left: the thread that calls this may
+/// hold it.
 pub(super) fn remove_made_folders() {
-    remove_empty(&made());
+    if let Ok(folders) = MADE.try_lock() {
+        remove_empty(&folders);
+    }
 }
 
 /// Removes folders, each after those inside. A folder that is not empty refuses to be removed.

@@ -130,7 +130,7 @@ impl RandomSurfaces {
         self.spacing
     }
 
-    /// About how many features of random slopes a surface has; `None` if it is no structure.
+    /// Approximate number of features of random slopes of a surface; `None` if it is no structure.
     pub(crate) fn random_features(&self) -> Option<f64> {
         let SurfaceRecipe::Structured(surface) = &self.recipe else {
             return None;

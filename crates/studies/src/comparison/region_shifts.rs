@@ -32,7 +32,7 @@ const STEP: f64 = 0.1;
 /// Width, in correlation lengths, by which regions that share their edges are effectively narrower, for squares of slopes.
 const OF_SQUARES: f64 = 0.5;
 
-/// The same for fourth powers of slopes.
+/// Width by which regions are effectively narrower for fourth powers of slopes, in correlation lengths.
 const OF_FOURTH_POWERS: f64 = 0.26;
 
 /// Mean slopes of regions below which they are no more than rounding, over the root mean square slope.

@@ -6,10 +6,11 @@
 //! # Source
 //! The 2019 paper on geometric attenuation, Sec. 5.3 and Fig. 9.
 
+use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use asperity_analysis::{Beckmann, CookTorranceNeumann, SlopeCovariance, Smith, VCavity};
-use asperity_io::{NumberTable, ReadError, read_number_table};
+use asperity_io::{NumberTable, ReadError, read_number_table, shown_path};
 use asperity_optics::from_spherical;
 use asperity_simulate::short;
 
@@ -26,7 +27,7 @@ pub enum AttenuationFileError {
     /// It is no table of one surface over both angles.
     #[error(
         "{}: attenuation.csv of one sigma, with two values or more of theta and of view_theta, is needed: asperity attenuation --sigma SIGMA --theta LIST --view-theta LIST --view-phi 180 -o DIR",
-        path.display()
+        shown_path(path)
     )]
     NoGrid {
         /// The file.
@@ -35,7 +36,7 @@ pub enum AttenuationFileError {
     /// It was counted on other slopes.
     #[error(
         "{}: counted on surfaces of other slopes: Smith's G1 at theta {} is {} there, and {} for those of the model",
-        path.display(), short(*theta), short(*counted), short(*own)
+        shown_path(path), short(*theta), short(*counted), short(*own)
     )]
     OtherSlopes {
         /// The file.
@@ -48,7 +49,7 @@ pub enum AttenuationFileError {
         own: f64,
     },
     /// The light comes from an angle beyond those that were counted.
-    #[error("{}: theta {} is beyond those of the table, {} to {}", path.display(), short(*theta), short(range[0]), short(range[1]))]
+    #[error("{}: theta {} is beyond those of the table, {} to {}", shown_path(path), short(*theta), short(range[0]), short(range[1]))]
     Beyond {
         /// The file.
         path: PathBuf,
@@ -106,22 +107,25 @@ impl CountedAttenuation {
         })
     }
 
-    /// Checks that it was counted on surfaces of these slopes, and around that angle of the light, degrees.
+    /// Checks that it was counted on surfaces of these slopes, equal in all directions, and around that angle of the light, degrees.
     pub(super) fn check(
         &self,
         slopes: SlopeCovariance,
         theta_deg: f64,
     ) -> Result<(), AttenuationFileError> {
         let path = self.path.clone();
+        let beckmann = Beckmann::new(slopes);
         for (&theta, &counted) in self.theta.iter().zip(&self.smith_g1) {
-            let own = Beckmann::new(slopes).g1(from_spherical(theta.to_radians(), 0.0));
-            if (own - counted).abs() > SAME_SLOPES * counted {
-                return Err(AttenuationFileError::OtherSlopes {
-                    path,
-                    theta,
-                    counted,
-                    own,
-                });
+            for phi in [0.0, FRAC_PI_2] {
+                let own = beckmann.g1(from_spherical(theta.to_radians(), phi));
+                if (own - counted).abs() > SAME_SLOPES * counted {
+                    return Err(AttenuationFileError::OtherSlopes {
+                        path,
+                        theta,
+                        counted,
+                        own,
+                    });
+                }
             }
         }
         let range = [self.theta[0], self.theta[self.theta.len() - 1]];

@@ -31,7 +31,7 @@ const SYNONYMS: &[(&str, &str)] = &[
         "realisations",
         "n-surfaces surfaces ensemble repeats trials count",
     ),
-    ("smoothness", "s roughness rough"),
+    ("smoothness", "s"),
     ("sigma", "rms sq rq rms-height height h-rms"),
     ("tau", "correlation-length corr-length cl acl lc xi"),
     ("size", "resolution grid n nx points pixels"),

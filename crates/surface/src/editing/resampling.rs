@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 
 use crate::height_field::check_grid;
-use crate::{Border, HeightField, HeightFieldError, TurnedCells};
+use crate::{Border, HeightField, HeightFieldError};
 
 /// Reason why a surface cannot be refined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -23,6 +23,12 @@ pub enum RefinementError {
          on what lies beyond them; take a periodic or a mirrored border"
     )]
     Open,
+    /// Cells are split along the edges of a structure.
+    #[error(
+        "a structure with edges cannot be refined from its samples, since edges have no spectrum; \
+         verify and gonio draw structures again at other spacings"
+    )]
+    Edges,
     /// The system gives no more memory.
     #[error("{bytes} bytes of memory were refused for the refined surface")]
     OutOfMemory {
@@ -79,13 +85,12 @@ impl HeightField {
     /// it is mirrored with a slope, the kink makes waves about it, as any kink or step does that the
     /// grid does not resolve.
     ///
-    /// Of a surface with [turned cells](HeightField::turned_cells) the facets are the surface, and are divided in four.
-    ///
     /// It holds four times the bytes of the heights in addition to them, and some columns.
     ///
     /// # Errors
     /// - [`RefinementError::Open`] for an open border: the surface is unknown beyond its border, so it has
     ///   no spectrum.
+    /// - [`RefinementError::Edges`] for a surface with [turned cells](HeightField::turned_cells).
     /// - [`RefinementError::OutOfMemory`] if the system refuses the memory.
     /// - [`RefinementError::HeightField`] if the grid is too large, or heights overshoot what a surface
     ///   may have.
@@ -94,6 +99,9 @@ impl HeightField {
     /// Shift theorem of the discrete Fourier transform: each new sample is one of the field moved by
     /// half a spacing. It takes no transform longer than a line or, if mirrored, its period.
     pub fn refined(&self) -> Result<Self, RefinementError> {
+        if self.turned_cells().is_some() {
+            return Err(RefinementError::Edges);
+        }
         let finer = |n: usize| match self.border() {
             Border::Periodic => Ok(n.saturating_mul(2)),
             Border::Mirrored => Ok(n.saturating_mul(2).saturating_sub(1)),
@@ -112,16 +120,9 @@ impl HeightField {
             })?;
         let mut heights = vec![0.0; len];
 
-        let turned_cells = if self.turned_cells().is_some() {
-            divide_facets(self, &mut heights, shape[1]);
-            TurnedCells::new(shape, |ix, iy| self.is_turned(ix / 2, iy / 2))
-        } else {
-            refine_rows(self, &mut heights, shape[1]);
-            fill_rows_between(self, &mut heights, shape[1]);
-            None
-        };
+        refine_rows(self, &mut heights, shape[1]);
+        fill_rows_between(self, &mut heights, shape[1]);
         Ok(Self::new(heights, shape, spacing)?
-            .with_turned_cells(turned_cells.map(Arc::new))
             .with_unit(self.unit())
             .with_border(self.border())
             .with_provenance(self.provenance().cloned()))
@@ -157,25 +158,6 @@ impl HeightField {
             .with_border(self.border())
             .with_provenance(self.provenance().cloned()))
     }
-}
-
-/// Writes the corners of the parts of facets to `heights`, which has `wide` columns.
-fn divide_facets(field: &HeightField, heights: &mut [f64], wide: usize) {
-    heights
-        .par_chunks_mut(wide)
-        .enumerate()
-        .for_each(|(y, row)| {
-            for (x, height) in row.iter_mut().enumerate() {
-                let (ix, iy, right, below) = (x / 2, y / 2, x % 2, y % 2);
-                let is_across = right == 1 && below == 1 && field.is_turned(ix, iy);
-                let shift = usize::from(is_across);
-                let (from, to) = (
-                    field.height(ix + shift, iy),
-                    field.height(ix + right - shift, iy + below),
-                );
-                *height = 0.5 * (from + to);
-            }
-        });
 }
 
 /// Writes the refined rows of `field` to every second row of `heights`, which has `wide` columns.

@@ -107,7 +107,7 @@ impl HeightField {
         self
     }
 
-    /// Returns a surface of the same grid, unit, border, provenance and turned cells with other heights.
+    /// Returns a surface of the same grid, unit, border and provenance with other heights, all cells of which are split alike.
     ///
     /// # Errors
     /// Errors of [`HeightField::new`].
@@ -115,8 +115,7 @@ impl HeightField {
         Ok(Self::new(heights, self.shape, self.spacing)?
             .with_unit(self.unit)
             .with_border(self.border)
-            .with_provenance(self.provenance.clone())
-            .with_turned_cells(self.turned_cells.clone()))
+            .with_provenance(self.provenance.clone()))
     }
 
     /// Samples in row-major order, `heights[iy * nx + ix]`.

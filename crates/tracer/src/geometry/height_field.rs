@@ -339,7 +339,8 @@ impl Geometry for Surface {
         let (ix, iy) = (cell(x, cx), cell(y, cy));
         let (u, v) = (x - f64::from(ix), y - f64::from(iy));
         let is_turned = self.field.is_turned(ix as usize, iy as usize);
-        let triangle = if if is_turned { u < 1.0 - v } else { u > v } {
+        let is_lower = if is_turned { u < 1.0 - v } else { u > v };
+        let triangle = if is_lower {
             Triangle::Lower
         } else {
             Triangle::Upper

@@ -315,7 +315,7 @@ fn numbers_of_rows_and_columns_are_no_heights() {
         } else {
             separator
         };
-        for corner in [corner, &format!("-1{separator}")] {
+        for corner in [corner, &format!("-1{separator}"), &format!("0{separator}")] {
             let head = format!("{corner}{}", above(1));
             let table = [vec![head], beside.clone()].concat().join("\n");
             refused(Text, table.as_bytes(), "index=False");

@@ -69,11 +69,10 @@ pub(super) fn check_matrix(columns: usize, numbers: &[f64]) -> Result<(), ReadPr
     )))
 }
 
-/// Number of numbers that differ by one step from each to the next; 0 of others. Missing ones may be any number, and one in
-/// the corner does not count.
-fn steps(mut numbers: impl Iterator<Item = f64>) -> usize {
-    let first = numbers.next().filter(|corner| !corner.is_nan());
-    let numbers: Vec<f64> = first.into_iter().chain(numbers).collect();
+/// Number of numbers that differ by one step from each to the next; 0 of others. Missing ones may be any number, and the first, that of
+/// the corner, does not count.
+fn steps(numbers: impl Iterator<Item = f64>) -> usize {
+    let numbers: Vec<f64> = numbers.skip(1).collect();
     let steps = numbers.windows(2).map(|pair| pair[1] - pair[0]);
     let mut steps = steps.filter(|step| !step.is_nan());
     let Some(step) = steps.next() else {

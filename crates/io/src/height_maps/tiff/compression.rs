@@ -6,6 +6,7 @@ use flate2::read::ZlibDecoder;
 use weezl::{BitOrder, LzwStatus, decode::Configuration};
 
 use crate::error::ReadProblem;
+use crate::limits::room;
 
 /// Method by which strips and tiles are compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +54,11 @@ impl Compression {
 
     /// Returns the first `count` bytes that `packed` stands for, or fewer where it ends before.
     pub(super) fn unpack(self, packed: &[u8], count: usize) -> Result<Vec<u8>, ReadProblem> {
-        let mut bytes = Vec::new();
+        let mut bytes = room(count as u64, 1)?;
         match self {
             Self::None => bytes.extend(&packed[..count.min(packed.len())]),
             Self::PackBits => unpack_bits(packed, count, &mut bytes),
-            Self::Lzw => bytes = unpack_lzw(packed, count)?,
+            Self::Lzw => unpack_lzw(packed, count, &mut bytes)?,
             Self::Deflate => {
                 let mut stream = ZlibDecoder::new(packed).take(count as u64);
                 if let Err(error) = stream.read_to_end(&mut bytes)
@@ -94,7 +95,7 @@ fn unpack_bits(packed: &[u8], count: usize, bytes: &mut Vec<u8>) {
     bytes.truncate(count);
 }
 
-fn unpack_lzw(packed: &[u8], count: usize) -> Result<Vec<u8>, ReadProblem> {
+fn unpack_lzw(packed: &[u8], count: usize, bytes: &mut Vec<u8>) -> Result<(), ReadProblem> {
     // Files older than TIFF 6.0 begin with the code 256 from its lowest bit on
     let is_old = matches!(packed, [0, second, ..] if second & 1 == 1);
     let configuration = match is_old {
@@ -102,7 +103,7 @@ fn unpack_lzw(packed: &[u8], count: usize) -> Result<Vec<u8>, ReadProblem> {
         false => Configuration::with_tiff_size_switch(BitOrder::Msb, 8),
     };
     let mut decoder = configuration.with_yield_on_full_buffer(true).build();
-    let mut bytes = vec![0; count];
+    bytes.resize(count, 0);
     let (mut read, mut written) = (0, 0);
     while written < count {
         let step = decoder.decode_bytes(&packed[read..], &mut bytes[written..]);
@@ -115,5 +116,5 @@ fn unpack_lzw(packed: &[u8], count: usize) -> Result<Vec<u8>, ReadProblem> {
         }
     }
     bytes.truncate(written);
-    Ok(bytes)
+    Ok(())
 }

@@ -70,6 +70,11 @@ fn check_estimator(
         Shape::HeightField { .. } if settings.refine && shape.border() == Border::Open => {
             RefinementError::Open.into()
         }
+        Shape::HeightField { top, .. }
+            if settings.refine && top.field().turned_cells().is_some() =>
+        {
+            RefinementError::Edges.into()
+        }
         Shape::HeightField { .. } if is_controlled && any_azimuth => uncontrolled(ONE_AZIMUTH),
         Shape::Smooth { .. } if settings.refine => SimulateError::SmoothRefinement,
         Shape::Smooth { .. } if is_controlled => uncontrolled(FLAT_CELLS),

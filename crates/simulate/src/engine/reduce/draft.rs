@@ -118,7 +118,9 @@ impl Draft {
                     // They are planned, since they were traced.
                     fields => MeshErrors::of_random_fields(
                         match fields {
-                            Ok(Planned::Fields(fields)) if surfaces.cells() == Cells::Flat => {
+                            Ok(Planned::Fields(fields))
+                                if refinement.is_none() && surfaces.cells() == Cells::Flat =>
+                            {
                                 fields.is_exact_structure().ok().flatten()
                             }
                             _ => None,

@@ -41,7 +41,7 @@ impl StructuredSynthesis {
         &self.structure
     }
 
-    /// Whether facets are the surface itself; `None` with roughness on top.
+    /// Exactness of facets: `true` if they are the surface itself; `None` with roughness on top.
     pub(super) fn is_exact(&self) -> Result<Option<bool>, SynthesisError> {
         if self.roughness.is_some() {
             return Ok(None);

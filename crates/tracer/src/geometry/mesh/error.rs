@@ -64,7 +64,7 @@ pub enum MeshSurfaceError {
     },
     /// Two triangles of an edge lie in each other.
     #[error(
-        "the two triangles of the edge from {from:?} to {to:?} are folded onto each other, so that light would go to and fro between them"
+        "the two triangles of the edge from {from:?} to {to:?} are folded onto each other, so that light between them would be reflected without end"
     )]
     Folded {
         /// One end of the edge.
