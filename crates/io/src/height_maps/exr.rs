@@ -93,6 +93,9 @@ fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadPr
     }
 
     let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
+    if number(&header, "spacing_x")?.is_none() {
+        map = map.with_assumed_spacing();
+    }
     map.notes.extend(note);
     if let Some(unit) = words(&header, "unit")? {
         map.unit = unit.parse()?;

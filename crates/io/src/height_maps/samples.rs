@@ -1,4 +1,4 @@
-//! Binary numbers of any width and byte order into doubles.
+//! Samples: binary numbers of any width and byte order into doubles, and the order of their rows.
 
 use std::io::{self, Read};
 
@@ -77,5 +77,14 @@ impl SampleKind {
             left -= now;
         }
         Ok(())
+    }
+}
+
+/// Turns the rows of `nx` numbers around: the last becomes the first.
+pub(crate) fn reverse_rows(heights: &mut [f64], nx: usize) {
+    let ny = heights.len() / nx;
+    for iy in 0..ny / 2 {
+        let (before, after) = heights.split_at_mut((ny - 1 - iy) * nx);
+        before[iy * nx..(iy + 1) * nx].swap_with_slice(&mut after[..nx]);
     }
 }

@@ -24,6 +24,7 @@ use asperity_surface::{LengthUnit, RawHeightMap, check_grid};
 use self::directory::{Directory, File, Tag};
 use self::image::Image;
 use self::metadata::Metadata;
+use super::samples::reverse_rows;
 use crate::error::ReadProblem;
 use crate::limits::read_guarded;
 use crate::text_lines::short;
@@ -65,6 +66,20 @@ fn decode<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, Rea
     let (mut heights, note) = image.samples(&mut file, absent)?;
     lengths.notes.extend(note);
     lengths.notes.extend(note_on_pages(&mut file, page.next)?);
+    if !matches!(page.whole(&mut file, Tag::Orientation)?, None | Some(0 | 1)) {
+        let note =
+            "the tag Orientation is ignored: the first row and column are those stored first";
+        lengths.notes.push(note.to_owned());
+    }
+    let [rows, columns] = lengths.turned_back;
+    if columns {
+        heights
+            .chunks_exact_mut(shape[1])
+            .for_each(<[f64]>::reverse);
+    }
+    if rows {
+        reverse_rows(&mut heights, shape[1]);
+    }
     for height in &mut heights {
         *height = match nodata == Some(*height) {
             true => f64::NAN,

@@ -18,6 +18,8 @@ impl PowerOfMetre {
             "m" => -3,
             // The sign for micro exists twice in Unicode.
             "u" | "\u{b5}" | "\u{3bc}" => -6,
+            // In UTF-8, where ISO 8859-1 is read.
+            "\u{c2}\u{b5}" | "\u{ce}\u{bc}" => -6,
             "n" => -9,
             "p" => -12,
             "f" => -15,
@@ -68,6 +70,7 @@ mod tests {
         assert_eq!(power("m"), Some(0));
         assert_eq!(power(" mm "), Some(-3));
         assert_eq!(power("µm"), Some(-6));
+        assert_eq!(power("Âµm"), Some(-6));
         assert_eq!(power("μm"), Some(-6));
         assert_eq!(power("V"), None);
         assert_eq!(power("rad"), None);

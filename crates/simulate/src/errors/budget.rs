@@ -243,7 +243,7 @@ impl ErrorBudget {
         let mesh = &self.kept.as_ref()?.mesh;
         if mesh.cuts_edges {
             return Some(
-                "facets cut across edges or curves of the structure, so that results change with the spacing: --refine tells by how much",
+                "facets cut across edges or curves of the structure, so that results change with the spacing: a smaller one tells by how much",
             );
         }
         mesh.refinement.as_ref()?.convergence().warning()

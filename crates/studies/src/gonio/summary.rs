@@ -1,5 +1,6 @@
 //! A measurement in words: report.txt.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use asperity_simulate::counted;
@@ -157,9 +158,13 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     }
     let all = outcome.directions().len();
     warnings.extend(cut_short(outcome.found.cut_short(), all, "directions"));
-    let traced = measured(outcome).filter_map(|one| Some(one.outcome?.work.rays));
-    let most = traced.max().unwrap_or(0);
+    let found = || measured(outcome).filter_map(|one| one.outcome);
+    let most = found().map(|one| one.work.rays).max().unwrap_or(0);
     warnings.extend(more_rays_warning(&outcome.config.run, most));
+    let of_meshes: BTreeSet<&str> = found()
+        .filter_map(|one| one.errors.mesh_warning())
+        .collect();
+    warnings.extend(of_meshes.into_iter().map(str::to_owned));
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
         warnings.push(
             "the azimuth of the light is random, so all directions of one polar angle give the same result; give one phi"

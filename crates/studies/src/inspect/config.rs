@@ -49,8 +49,6 @@ pub struct Inspection {
     pub(super) y_is_north: bool,
     /// Its roughness and shadows.
     pub statistics: Statistics,
-    /// Notes for the user on how the file was read, eroded and written, one sentence each.
-    pub(super) notes: Vec<String>,
 }
 
 impl InspectConfig {
@@ -80,10 +78,12 @@ impl InspectConfig {
         let lights = self.light.directions(read.y_is_north)?;
         Ok(Inspection {
             file: file.to_owned(),
-            statistics: Statistics::of(&read.field, cells, &lights)?,
+            statistics: Statistics {
+                notes: read.notes,
+                ..Statistics::of(&read.field, cells, &lights)?
+            },
             field: read.field,
             y_is_north: read.y_is_north,
-            notes: read.notes,
         })
     }
 }

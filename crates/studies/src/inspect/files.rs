@@ -67,7 +67,9 @@ impl Inspection {
     /// # Errors
     /// [`StudyError`] if the file cannot be written.
     pub fn write(&mut self, path: &Path) -> Result<(), StudyError> {
-        self.notes.extend(write_surface(path, &self.field)?);
+        self.statistics
+            .notes
+            .extend(write_surface(path, &self.field)?);
         Ok(())
     }
 
@@ -88,7 +90,10 @@ impl Inspection {
     #[must_use]
     pub fn text(&self) -> String {
         let (file, statistics) = (self.file.display(), self.statistics.text());
-        wrapped(&format!("{file}: {statistics}{}", note_lines(&self.notes)))
+        wrapped(&format!(
+            "{file}: {statistics}{}",
+            note_lines(&self.statistics.notes)
+        ))
     }
 }
 

@@ -28,6 +28,9 @@ pub struct Statistics {
     /// Lit and shadowed fractions, one per light.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shadows: Vec<ShadowShares>,
+    /// Notes on how the file was read, eroded and written, one sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
 }
 
 impl Statistics {
@@ -44,6 +47,7 @@ impl Statistics {
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
             shadows: ShadowShares::of(field, cells, lights)?,
+            notes: Vec::new(),
         })
     }
 

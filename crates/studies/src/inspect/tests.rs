@@ -38,7 +38,6 @@ fn files_hold_the_mean_square_height_and_all_values() {
         statistics: Statistics::of(&field, Cells::Flat, &[]).unwrap(),
         field,
         y_is_north: false,
-        notes: Vec::new(),
     };
     inspection.report().unwrap().write(&results).unwrap();
     results.finish(true).unwrap();

@@ -443,10 +443,59 @@ fn feet_are_brought_to_metres_and_heights_are_scaled() {
     assert_eq!(field.height(0, 0), 105.0 * US_FOOT);
 }
 
+/// Heights and notes of a map with the matrix of columns and rows `[x_column, x_row, y_column, y_row]`.
+fn placed([a, b, c, d]: [f64; 4]) -> (Vec<f64>, Vec<String>) {
+    let file = map(Tags {
+        matrix: Some(&[a, b, 0.0, 5e5, c, d, 0.0, 4e6]),
+        keys: &[[1024, 1], [3076, 9001], [4099, 9001]],
+        ..Tags::default()
+    });
+    let map = read(Tiff, &file).unwrap();
+    let notes = map.notes.clone();
+    let field = map
+        .into_height_field(MissingPolicy::Fill, Border::Open)
+        .unwrap();
+    (field.heights().to_vec(), notes)
+}
+
+#[test]
+fn the_first_row_is_that_of_the_north_and_the_first_column_of_the_west() {
+    let stored = HEIGHTS.map(f64::from);
+    let [a, b, c, d, e, f] = stored;
+    for (matrix, expected) in [
+        ([2.0, 0.0, 0.0, -3.0], stored),
+        ([2.0, 0.0, 0.0, 3.0], [d, e, f, a, b, c]),
+        ([-2.0, 0.0, 0.0, -3.0], [c, b, a, f, e, d]),
+        ([-2.0, 0.0, 0.0, 3.0], [f, e, d, c, b, a]),
+    ] {
+        assert_eq!(placed(matrix), (expected.to_vec(), vec![]), "{matrix:?}");
+    }
+    // Turned, as stored and mirrored.
+    let turned = "its rows run 45.0 deg counter-clockwise from east";
+    for (matrix, expected) in [
+        ([1.0, 1.0, 1.0, -1.0], stored),
+        ([1.0, -1.0, 1.0, 1.0], [d, e, f, a, b, c]),
+    ] {
+        let (heights, notes) = placed(matrix);
+        assert_eq!(heights, expected, "{matrix:?}");
+        assert!(notes.iter().any(|note| note.contains(turned)), "{notes:?}");
+    }
+}
+
+#[test]
+fn an_orientation_that_is_ignored_is_named() {
+    for (orientation, is_named) in [(1, false), (4, true), (6, true)] {
+        let file = page(Tags::default()).with_short(274, orientation).bytes();
+        let notes = read(Tiff, &file).unwrap().notes;
+        let named = notes.iter().any(|note| note.contains("Orientation"));
+        assert_eq!(named, is_named, "{notes:?}");
+    }
+}
+
 #[test]
 fn units_follow_from_the_codes_of_coordinate_systems() {
     let grid = "the file states no unit for its grid; metres are assumed";
-    let vertical = "the file states no unit for its heights; metres are assumed";
+    let vertical = "the file states no unit for its heights; metres are assumed, though its grid is in units of 0.3048 m";
     let both = "the file states no unit for its grid and its heights; metres are assumed";
     let unknown = "the file states no unit for its grid (system EPSG:33999, which is not known); metres are assumed";
     for (keys, spacing, height, note) in [

@@ -9,9 +9,10 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use super::bytes::{Bytes, Raster};
-use super::measured::{Length, Measured, reverse_rows, unit_of_length};
+use super::measured::{Length, Measured, unit_of_length};
 use crate::error::ReadProblem;
 use crate::height_maps::samples::SampleKind;
+use crate::height_maps::samples::reverse_rows;
 use crate::height_maps::unit::PowerOfMetre;
 use crate::limits::{COMPRESSION_LIMIT, check_packed_claim, room};
 

@@ -84,12 +84,3 @@ pub(super) fn length_unit(text: &str) -> Option<PowerOfMetre> {
         _ => PowerOfMetre::parse(text),
     }
 }
-
-/// Turns the rows of `nx` numbers around: the last becomes the first.
-pub(super) fn reverse_rows(heights: &mut [f64], nx: usize) {
-    let ny = heights.len() / nx;
-    for iy in 0..ny / 2 {
-        let (before, after) = heights.split_at_mut((ny - 1 - iy) * nx);
-        before[iy * nx..(iy + 1) * nx].swap_with_slice(&mut after[..nx]);
-    }
-}

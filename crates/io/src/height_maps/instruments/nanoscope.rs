@@ -11,10 +11,10 @@ mod scale;
 use self::header::{Header, Section};
 use self::scale::HeightScale;
 use super::bytes::{Bytes, Raster};
-use super::measured::{Length, Measured, length_unit, reverse_rows, unit_of_length};
+use super::measured::{Length, Measured, length_unit, unit_of_length};
 use crate::error::ReadProblem;
 use crate::height_maps::channels::note_on_channels;
-use crate::height_maps::samples::SampleKind;
+use crate::height_maps::samples::{SampleKind, reverse_rows};
 use crate::text_lines::short;
 
 /// From this version on numbers have 32 bits, and `Bytes/pixel` is of the scale alone.

@@ -21,6 +21,7 @@ pub(super) enum Tag {
     FillOrder = 266,
     ImageDescription = 270,
     StripOffsets = 273,
+    Orientation = 274,
     SamplesPerPixel = 277,
     RowsPerStrip = 278,
     StripByteCounts = 279,

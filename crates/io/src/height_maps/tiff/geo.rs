@@ -1,7 +1,7 @@
 //! Tags of GeoTIFF 1.1: spacing and units of a grid, in metres.
 //!
-//! Place and direction on the map are ignored, as is the vertical datum. A grid in degrees is refused, since its
-//! spacing is no length. Units are those that the keys state, else those of the coordinate systems that they name
+//! The place on the map is ignored, as is the vertical datum. The first row is that of the north, in whichever order rows are stored; a grid
+//! that is turned on the map is read as it is stored, with a note. A grid in degrees is refused, since its spacing is no length. Units are those that the keys state, else those of the coordinate systems that they name
 //! by EPSG codes.
 
 use std::io::{Read, Seek};
@@ -39,7 +39,7 @@ pub(super) fn lengths<R: Read + Seek>(
     page: &Directory,
     metres: Option<f64>,
 ) -> Result<Option<Lengths>, ReadProblem> {
-    let spacing = spacing(file, page)?;
+    let grid = grid(file, page)?;
     let keys = GeoKeys::read(file, page)?;
     let model = keys.value(MODEL_TYPE);
     if model == Some(GEOGRAPHIC) {
@@ -52,13 +52,16 @@ pub(super) fn lengths<R: Read + Seek>(
             "its coordinates are geocentric, but a projected grid is needed",
         ));
     }
-    let Some(spacing) = spacing else {
+    let Some(axes) = grid else {
         return Ok(None);
     };
+    let spacing = axes.spacing;
     let (system, vertical) = (keys.code(PROJECTED_SYSTEM), keys.code(VERTICAL_SYSTEM));
     if model.is_none() && system.is_none() && metres.is_none() {
         return Ok(Some(Lengths {
             spacing: Some(spacing),
+            turned_back: axes.turned_back,
+            notes: axes.note.into_iter().collect(),
             ..Lengths::default()
         }));
     }
@@ -78,7 +81,7 @@ pub(super) fn lengths<R: Read + Seek>(
         .or_else(|| of_system("vertical", vertical))
         .or_else(|| of_system("depth", vertical));
 
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = axes.note.into_iter().collect();
     let mut missing = Vec::new();
     let mut name = match (grid, system) {
         (None, None) => page.text(file, Tag::GeoAsciiParams)?,
@@ -97,9 +100,12 @@ pub(super) fn lengths<R: Read + Seek>(
         }
     }
     if !missing.is_empty() {
+        let others = grid.filter(|grid| *grid != 1.0 && heights.is_none());
+        let others = others.map(|grid| format!(", though its grid is in units of {grid:.4} m"));
         notes.push(format!(
-            "the file states no unit for {}; metres are assumed",
-            missing.join(" and ")
+            "the file states no unit for {}; metres are assumed{}",
+            missing.join(" and "),
+            others.unwrap_or_default()
         ));
     }
     if let Some(code) = vertical.filter(|code| epsg::metres_of("depth", *code).is_some()) {
@@ -114,20 +120,32 @@ pub(super) fn lengths<R: Read + Seek>(
             factor: heights.unwrap_or(1.0),
             ..HeightScale::default()
         },
+        turned_back: axes.turned_back,
         notes,
     }))
 }
 
-/// `[dx, dy]` from the scale of pixels, or from the matrix that brings pixels to the map.
-fn spacing<R: Read + Seek>(
-    file: &mut File<R>,
-    page: &Directory,
-) -> Result<Option<[f64; 2]>, ReadProblem> {
+/// Axes of a grid on the map.
+struct Axes {
+    /// `[dx, dy]`.
+    spacing: [f64; 2],
+    /// Rows and columns that run north and west.
+    turned_back: [bool; 2],
+    /// Note on a grid that is turned.
+    note: Option<String>,
+}
+
+/// Axes from the scale of pixels, whose rows run south, or from the matrix that brings pixels to the map.
+fn grid<R: Read + Seek>(file: &mut File<R>, page: &Directory) -> Result<Option<Axes>, ReadProblem> {
     if let Some(scale) = page.numbers(file, Tag::ModelPixelScale)? {
         let [dx, dy, ..] = scale[..] else {
             return Err(ReadProblem::malformed("its scale of pixels lacks numbers"));
         };
-        return Ok(Some([dx.abs(), dy.abs()]));
+        return Ok(Some(Axes {
+            spacing: [dx.abs(), dy.abs()],
+            turned_back: [false; 2],
+            note: None,
+        }));
     }
     let Some(matrix) = page.numbers(file, Tag::ModelTransformation)? else {
         return Ok(None);
@@ -136,13 +154,27 @@ fn spacing<R: Read + Seek>(
         return Err(ReadProblem::malformed("its transformation lacks numbers"));
     };
     let [dx, dy] = [x_column.hypot(y_column), x_row.hypot(y_row)];
-    let shear = (x_column * x_row + y_column * y_row).abs();
-    if shear > MAX_SHEAR * dx * dy {
+    let area = dx * dy;
+    if (x_column * x_row + y_column * y_row).abs() > MAX_SHEAR * area {
         return Err(ReadProblem::unsupported(
             "the axes of its grid are not at right angles",
         ));
     }
-    Ok(Some([dx, dy]))
+    let is_along = y_column.abs() <= MAX_SHEAR * dx;
+    // A mirrored map is put right by the order of its rows
+    let is_mirrored = x_column * y_row > x_row * y_column;
+    let turned_back = match is_along {
+        true => [y_row > 0.0, x_column < 0.0],
+        false => [is_mirrored, false],
+    };
+    let turn = y_column.atan2(x_column).to_degrees();
+    Ok(Some(Axes {
+        spacing: [dx, dy],
+        turned_back,
+        note: (!is_along).then(|| {
+            format!("its rows run {turn:.1} deg counter-clockwise from east on the map, but azimuths count from the grid: north is its first row")
+        }),
+    }))
 }
 
 /// The directory of keys: four numbers each, key, location, count and value.
