@@ -17,7 +17,7 @@ pub enum ComparedSurfaceError {
     },
     /// The heights do not lose their correlation, or are all equal.
     #[error(
-        "--models: the heights of {name} are all equal, or keep their correlation over half of its width: errors by parts of a surface need parts that are independent; remove its form (--remove plane or parabola), or leave out --models"
+        "--models: the heights of {name} are all equal, or keep their correlation over half of its width: errors by parts of a surface need parts that are independent; take away its form, if it has one (--remove plane or parabola), or leave out --models, as for grooves"
     )]
     Correlated {
         /// Name of the surface.
