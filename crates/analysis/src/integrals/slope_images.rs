@@ -132,12 +132,11 @@ impl<F> Divider<'_, F> {
         P: Copy + PartialEq,
         F: Fn(DVec3) -> Option<P>,
     {
-        let [low, high] = table.grid().corners(cell);
-        let plateau = table.plateau_of(cell);
+        let [low, high] = table.grid().facets(cell);
         let square = Square {
             low,
             high,
-            part: 1.0 - plateau,
+            part: 1.0,
             depth: 0,
         };
         let corners = corners(low, high).map(|slope| self.exit(slope));
@@ -157,18 +156,7 @@ impl<F> Divider<'_, F> {
                 wo: flux * wo,
             }),
         };
-        if plateau < 1.0 {
-            self.divide(square, corners, table.masses()[cell], &mut add);
-        }
-        // Level facets send rays to one side of an edge between bins, in the mirror direction as it is rounded.
-        if plateau > 0.0
-            && let Exit {
-                wo: Some(wo),
-                place: Some(place),
-            } = self.exit(DVec2::ZERO)
-        {
-            add(place, plateau * self.flux(DVec2::ZERO), wo);
-        }
+        self.divide(square, corners, table.masses()[cell], &mut add);
         images
     }
 
@@ -289,41 +277,37 @@ mod tests {
 
     use super::*;
     use crate::microfacet::lambda_map::MapSize;
-    use crate::microfacet::slope_grid::SlopeGrid;
 
-    /// Light on level facets at the angle of an edge between bins leaves in one bin, that in which rays are counted, while slopes about zero send it to
-    /// both sides of the edge.
+    /// Level facets send all light into one bin, though bins meet at the direction of a mirror or along the plane of incidence; slopes about
+    /// level ones send it to both sides.
     #[test]
     fn light_of_level_facets_is_not_divided_between_bins() {
         let grid = HemisphereGrid::new(18, 36).unwrap();
+        // Slopes, and how many rings and sectors each reaches
+        let plateau = [[0.0; 2]; 4];
+        let grooves = [[0.04, 0.0], [-0.04, 0.0], [0.02, 0.0], [-0.02, 0.0]];
+        let tilted = [[0.02, 0.02], [-0.02, 0.02], [0.02, -0.02], [-0.02, -0.02]];
         for theta in [30.0, 40.0, 45.0, 60.0] {
             let light = FacetLight {
                 wi: Incidence::from_degrees(theta, 0.0).unwrap().wi(),
                 material: Material::Mirror,
                 side: Side::Reflected,
             };
-            for plateau in [1.0, 0.0] {
-                let cell = || vec![-0.01, 0.01];
-                let cells = SlopeGrid::new([cell(), cell()]).unwrap();
-                let table = SlopeTable::new(cells, &[1.0])
-                    .unwrap()
-                    .with_plateau(plateau);
+            let exact = grid.index_of(Side::Reflected, -light.wi + 2.0 * light.wi.z * DVec3::Z);
+            for (slopes, expected) in [(plateau, [1, 1]), (grooves, [2, 1]), (tilted, [2, 2])] {
+                let table = SlopeTable::of_slopes(&slopes).unwrap();
                 let place = |wo: DVec3| Some(grid.index_of(Side::Reflected, wo));
                 let images = SlopeImages::new(&table, light, place);
                 let map = LambdaMap::new(&table, MapSize::COARSE);
-                let rings = images.fluxes(&table, &map);
-                let rings: Vec<(usize, f64)> = rings.map(|(bin, flux)| (bin / 36, flux)).collect();
-                let ring = (theta / 5.0) as usize;
-                let there: f64 = rings
-                    .iter()
-                    .filter(|(r, _)| *r == ring)
-                    .map(|(_, f)| f)
-                    .sum();
-                let expected = if plateau == 1.0 { 1.0 } else { 0.5 };
-                assert!(
-                    (there - expected).abs() < 0.01,
-                    "{theta} {plateau}: {rings:?}"
-                );
+                let bins: Vec<usize> = images.fluxes(&table, &map).map(|(bin, _)| bin).collect();
+                let distinct = |of: &dyn Fn(usize) -> usize| {
+                    let found: std::collections::HashSet<usize> =
+                        bins.iter().map(|&bin| of(bin)).collect();
+                    found.len()
+                };
+                let found = [distinct(&|bin| bin / 36), distinct(&|bin| bin % 36)];
+                assert_eq!(found, expected, "{theta} {slopes:?}");
+                assert!(expected == [2, 2] || bins.iter().all(|bin| bin % 36 == exact % 36));
             }
         }
     }

@@ -18,7 +18,19 @@ const MIN_SPREAD: f64 = 1.0 / 16.0;
 /// Smallest spread along an axis, over that along the other.
 const NARROWEST: f64 = 1e-4;
 
+/// Spread of slopes that are all zero: densities of the narrowest cells are finite.
+const SMALLEST: f64 = 1e-100;
+
+/// Largest slope along an axis, over the spread, of facets that are level along it: rounding of heights, far below the width of other cells.
+const LEVEL: f64 = 1e-9;
+
+/// Least part of the slopes that is level along an axis for which there is a cell of level slopes.
+const LEAST_LEVEL: f64 = 1e-4;
+
 /// Rectangular cells of slopes along x and y, between edges that ascend.
+///
+/// Where many facets are level along an axis, as those of plateaus and grooves are, the middle cell along it holds them alone: their light
+/// leaves in exactly the plane, or the direction, of that of a mirror, where bins may meet.
 ///
 /// # Examples
 /// ```
@@ -32,6 +44,8 @@ const NARROWEST: f64 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeGrid {
     edges: [Vec<f64>; 2],
+    /// Axes along which the middle cell holds level slopes.
+    level: [bool; 2],
 }
 
 /// Error of an invalid table of slopes.
@@ -93,49 +107,39 @@ impl SlopeGrid {
                 return Err(SlopeTableError::BadEdges { axis, from, to });
             }
         }
-        Ok(Self { edges })
+        Ok(Self {
+            edges,
+            level: [false; 2],
+        })
     }
 
-    /// Cells that hold all of these slopes: 32 per spread at the centre, wider in proportion to the slope beyond twice the
-    /// spread. The spread is that of two thirds of the slopes along an axis about zero, or a sixteenth of their root mean square if that is more.
+    /// Cells for `slopes`, and all others up to the size `largest` along x and y: 32 per spread at the centre, wider in proportion to the
+    /// slope beyond twice the spread. The spread is that of two thirds of the slopes along an axis about zero, or a sixteenth of their root
+    /// mean square if that is more.
     ///
     /// # Errors
-    /// [`SlopeTableError::Empty`] without slopes, or if one is not finite.
-    pub fn covering(slopes: &[[f64; 2]]) -> Result<Self, SlopeTableError> {
-        let sizes = |axis: usize| slopes.iter().map(move |slope| slope[axis].abs());
-        let largest = [0, 1].map(|axis| sizes(axis).fold(0.0, f64::max));
-        Self::of_extents(Self::spread(slopes)?, largest)
-    }
-
-    /// The spread along x and y of slopes about zero, as in [`SlopeGrid::covering`].
-    ///
-    /// # Errors
-    /// [`SlopeTableError`] for the reasons of [`SlopeGrid::covering`].
-    pub fn spread(slopes: &[[f64; 2]]) -> Result<[f64; 2], SlopeTableError> {
-        let axis = |axis: usize| -> Result<f64, SlopeTableError> {
-            let mut sizes: Vec<f64> = slopes.iter().map(|slope| slope[axis].abs()).collect();
-            if sizes.is_empty() || !sizes.iter().all(|size| size.is_finite()) {
-                return Err(SlopeTableError::Empty);
-            }
-            let count = sizes.len();
-            let rms = (sizes.iter().map(|size| size * size).sum::<f64>() / count as f64).sqrt();
-            let within = ((Self::WITHIN_SPREAD * count as f64) as usize).min(count - 1);
-            let spread = *sizes.select_nth_unstable_by(within, f64::total_cmp).1;
-            Ok(spread.max(MIN_SPREAD * rms))
-        };
-        Ok([axis(0)?, axis(1)?])
-    }
-
-    /// The cells for slopes of this `spread` and `largest` size along x and y.
-    ///
-    /// # Errors
-    /// [`SlopeTableError::BadEdges`] if a size is not finite.
-    pub fn of_extents(spread: [f64; 2], largest: [f64; 2]) -> Result<Self, SlopeTableError> {
-        // Slopes that are all zero along an axis have one narrow cell, about zero: light that it sends onto the edge of two bins is
-        // divided between them.
-        let widest = spread[0].max(spread[1]).max(f64::MIN_POSITIVE.sqrt());
+    /// [`SlopeTableError::Empty`] without slopes, or if one is not finite; [`SlopeTableError::BadEdges`] if a size is not.
+    pub fn covering(slopes: &[[f64; 2]], largest: [f64; 2]) -> Result<Self, SlopeTableError> {
+        let spread = [spread(slopes, 0)?, spread(slopes, 1)?];
+        // Slopes that are all zero along an axis have narrow cells about it, too.
+        let widest = spread[0].max(spread[1]).max(SMALLEST);
         let spread = spread.map(|spread| spread.max(NARROWEST * widest));
-        Self::new([0, 1].map(|axis| graded_edges(spread[axis], largest[axis])))
+        let widths = spread.map(|spread| LEVEL * spread);
+        let level = [0, 1].map(|axis| {
+            let is_level = |slope: &&[f64; 2]| slope[axis].abs() <= widths[axis];
+            let count = slopes.iter().filter(is_level).count();
+            count as f64 > LEAST_LEVEL * slopes.len() as f64
+        });
+        let edges = [0, 1].map(|axis| {
+            let mut edges = graded_edges(spread[axis], largest[axis]);
+            if level[axis] {
+                let middle = edges.len() / 2;
+                edges.splice(middle..middle, [-widths[axis], widths[axis]]);
+            }
+            edges
+        });
+        let grid = Self::new(edges)?;
+        Ok(Self { level, ..grid })
     }
 
     /// Cells along x and y.
@@ -195,12 +199,38 @@ impl SlopeGrid {
         [0, 1].map(|k| DVec2::new(self.edges[0][ix + k], self.edges[1][iy + k]))
     }
 
+    /// Least and largest slopes of the facets in the cell of number `cell`: its corners, but zero along an axis along which they are level.
+    #[must_use]
+    pub(crate) fn facets(&self, cell: usize) -> [DVec2; 2] {
+        let size = self.size();
+        let numbers = [cell % size[0], cell / size[0]];
+        let is_level = |axis: usize| self.level[axis] && numbers[axis] == size[axis] / 2;
+        let tilted = DVec2::from_array([0, 1].map(|k| if is_level(k) { 0.0 } else { 1.0 }));
+        self.corners(cell).map(|corner| tilted * corner)
+    }
+
     /// These cells with all slopes less `mean`.
     #[must_use]
     pub fn shifted(&self, mean: [f64; 2]) -> Self {
         let edges = [0, 1].map(|axis| self.edges[axis].iter().map(|s| s - mean[axis]).collect());
-        Self { edges }
+        Self {
+            edges,
+            level: [false; 2],
+        }
     }
+}
+
+/// The spread of slopes about zero along one axis, as in [`SlopeGrid::covering`].
+fn spread(slopes: &[[f64; 2]], axis: usize) -> Result<f64, SlopeTableError> {
+    let mut sizes: Vec<f64> = slopes.iter().map(|slope| slope[axis].abs()).collect();
+    if sizes.is_empty() || !sizes.iter().all(|size| size.is_finite()) {
+        return Err(SlopeTableError::Empty);
+    }
+    let count = sizes.len();
+    let rms = (sizes.iter().map(|size| size * size).sum::<f64>() / count as f64).sqrt();
+    let within = ((SlopeGrid::WITHIN_SPREAD * count as f64) as usize).min(count - 1);
+    let spread = *sizes.select_nth_unstable_by(within, f64::total_cmp).1;
+    Ok(spread.max(MIN_SPREAD * rms))
 }
 
 fn is_cell(from: f64, to: f64) -> bool {
@@ -212,8 +242,8 @@ fn graded_edges(spread: f64, largest: f64) -> Vec<f64> {
     let a = CENTRE * spread;
     let step = 1.0 / (CENTRE * CELLS_PER_DEVIATION);
     let reach = ((largest / a).asinh() / step).floor() as i64 + 1;
-    let half = reach.min(MAX_CELLS as i64 / 2 - 1);
-    // A cell is centred at zero, where slopes of plateaus are.
+    // Two more cells where one of level slopes divides the middle one
+    let half = reach.min(MAX_CELLS as i64 / 2 - 2);
     let edge = |k: i64| a * ((k as f64 - 0.5) * step).sinh();
     let mut edges: Vec<f64> = (-half..=half + 1).map(edge).collect();
     if let Some(last) = edges.last_mut() {

@@ -35,8 +35,6 @@ pub struct SlopeTable {
     mass: Vec<f64>,
     /// Sums of mass, and of mass times the middle along x, of the cells before each edge of each row.
     before: Vec<[f64; 2]>,
-    /// Part of the mass of the cell about zero that has no slope at all.
-    plateau: f64,
 }
 
 impl SlopeTable {
@@ -61,12 +59,7 @@ impl SlopeTable {
         }
         let mass: Vec<f64> = weights.iter().map(|weight| weight / sum).collect();
         let before = sums_before(&grid, &mass);
-        Ok(Self {
-            grid,
-            mass,
-            before,
-            plateau: 0.0,
-        })
+        Ok(Self { grid, mass, before })
     }
 
     /// The table of `slopes` that stand for equal areas of the mean plane, less their mean, in cells of [`SlopeGrid::covering`].
@@ -80,26 +73,14 @@ impl SlopeTable {
             .iter()
             .map(|s| [s[0] - mean[0], s[1] - mean[1]])
             .collect();
-        let grid = SlopeGrid::covering(&level)?;
+        let size = |axis: usize| {
+            level
+                .iter()
+                .fold(0.0, |most: f64, s| most.max(s[axis].abs()))
+        };
+        let grid = SlopeGrid::covering(&level, [size(0), size(1)])?;
         let weights = grid.weights(level);
         Self::new(grid, &weights)
-    }
-
-    /// The table with this part of the mass of the cell about zero on level facets, all of which send light into exactly one direction.
-    #[must_use]
-    pub fn with_plateau(self, plateau: f64) -> Self {
-        Self {
-            plateau: plateau.clamp(0.0, 1.0),
-            ..self
-        }
-    }
-
-    /// Part of the mass of a cell that is on level facets.
-    pub(crate) fn plateau_of(&self, cell: usize) -> f64 {
-        match self.grid.cell_of([0.0; 2]) == Some(cell) {
-            true => self.plateau,
-            false => 0.0,
-        }
     }
 
     /// The cells.

@@ -23,9 +23,6 @@ const TURNS: usize = 8;
 /// The golden angle, in turns: azimuths of one slope after another fill the circle evenly.
 const GOLDEN: f64 = 0.381_966_011_250_105;
 
-/// Mean slopes below this are rounding.
-const LEVEL: f64 = 1e-12;
-
 /// Slopes that count as much as those that are there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SlopeSymmetry {
@@ -68,28 +65,18 @@ impl SlopeTables {
         let level = |[x, y]: [f64; 2]| [sign * (x - mean_x), sign * (y - mean_y)];
         let weights = (0..count).into_par_iter().map(|number| {
             let samples = samples(number)?;
-            let plateau = samples.iter().filter(|slope| **slope == [0.0; 2]).count();
-            let plateau = plateau as f64 / samples.len().max(1) as f64;
             let level = samples.into_iter().map(level);
             let mut weights = grid.weights(images(level, symmetry));
             let sum = weights.iter().sum::<f64>().max(1.0);
             weights.iter_mut().for_each(|weight| *weight /= sum);
-            Ok((weights, plateau))
+            Ok(weights)
         });
-        let found = weights.collect::<Result<Vec<_>, E>>()?;
-        let (weights, plateaus): (Vec<Vec<f64>>, Vec<f64>) = found.into_iter().unzip();
+        let weights = weights.collect::<Result<Vec<Vec<f64>>, E>>()?;
         let mut mean = vec![0.0; grid.len()];
         for weights in &weights {
             mean.iter_mut().zip(weights).for_each(|(a, b)| *a += b);
         }
-        let mut table = SlopeTable::new(grid, &mean)?;
-        // Plateaus of a surface whose mean slope is more than rounding are no level facets of the table.
-        if let Some(cell) = table.grid().cell_of([0.0; 2])
-            && mean_slope.iter().all(|m| m.abs() < LEVEL)
-            && mean[cell] > 0.0
-        {
-            table = table.with_plateau(plateaus.iter().sum::<f64>() / mean[cell]);
-        }
+        let table = SlopeTable::new(grid, &mean)?;
         Ok(Self {
             table: Arc::new(table),
             weights,
@@ -170,14 +157,13 @@ fn cells(
     let some = found.iter().flat_map(|one| &one.some);
     let level = some.map(|slope| [0, 1].map(|k| slope[k] - mean[k]));
     let some: Vec<[f64; 2]> = images(level, symmetry).collect();
-    let spread = SlopeGrid::spread(&some)?;
     let ends = |k: usize| found.iter().flat_map(move |one| one.range[k]);
     let largest = [0, 1].map(|k| ends(k).fold(0.0, |most: f64, s| most.max((s - mean[k]).abs())));
     let largest = match symmetry {
         SlopeSymmetry::Turned => [largest[0].hypot(largest[1]); 2],
         SlopeSymmetry::None | SlopeSymmetry::Mirrored => largest,
     };
-    Ok((mean, SlopeGrid::of_extents(spread, largest)?))
+    Ok((mean, SlopeGrid::covering(&some, largest)?))
 }
 
 /// All slopes that these stand for.
