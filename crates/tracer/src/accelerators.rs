@@ -10,6 +10,7 @@ pub(crate) mod flat;
 pub(crate) mod kind;
 pub(crate) mod mesh_bvh;
 mod obvhs_ray;
+mod overlaps;
 pub(crate) mod pyramid;
 
 pub(crate) use accelerator::{Accelerator, SearchedSurface};

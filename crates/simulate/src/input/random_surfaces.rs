@@ -106,6 +106,15 @@ impl RandomSurfaces {
         }
     }
 
+    /// Returns whether facets are the structure itself, for structures without roughness; `None` for all others. The first call draws on
+    /// the surface of `seed`, number 0, to find out.
+    pub(crate) fn is_exact_structure(&self, seed: u64) -> Result<Option<bool>, SynthesisError> {
+        match (self.planned()?, self.cells) {
+            (Planned::Fields(synthesis), Cells::Flat) => synthesis.is_exact_structure(seed),
+            _ => Ok(None),
+        }
+    }
+
     /// Kind of their cells.
     #[must_use]
     pub const fn cells(&self) -> Cells {

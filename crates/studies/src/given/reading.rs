@@ -227,13 +227,20 @@ impl MeasuredConfig {
                 *vertex = up.turned(*vertex);
             }
         }
-        let notes = match self.up {
+        let mut notes: Vec<String> = match self.up {
             None => edge_note(&vertices, &triangles).into_iter().collect(),
             Some(_) => Vec::new(),
         };
         let border = self.border.unwrap_or(Border::Open);
         let mesh = MeshSurface::new(&vertices, triangles, border);
-        let mesh = mesh.map_err(|error| FileProblem::from(error).at(path))?;
+        let checked = mesh.and_then(|mesh| Ok((mesh.check_overlaps()?, mesh)));
+        let (behind, mesh) = checked.map_err(|error| FileProblem::from(error).at(path))?;
+        if behind > FEW_BEHIND {
+            notes.push(format!(
+                "{} % of the mesh face the back of other parts, which cross them or lie over them like another sheet: light between them is taken for light on the other side",
+                short(100.0 * behind)
+            ));
+        }
         let [x, y, z] = mesh.size();
         observer.explain(&format!(
             "{}: {} vertices, {} triangles, extent {x} x {y} x {z}{}, {border} border",
@@ -302,6 +309,9 @@ fn edge_note(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Option<String> {
         )
     })
 }
+
+/// Fraction of a mesh that may face the back of other parts unsaid: it changes results less than that.
+const FEW_BEHIND: f64 = 1e-3;
 
 /// Mean normal over area below which a mesh faces no side.
 const CLOSED: f64 = 1e-6;

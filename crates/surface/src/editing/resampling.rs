@@ -44,6 +44,11 @@ pub enum RefinementError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CoarseningError {
+    /// Every second sample does not say along which diagonals the edges of a structure pass.
+    #[error(
+        "cells of the surface are split along the edges of a structure, which a coarser grid does not have; draw it at that spacing"
+    )]
+    Edges,
     /// Every second sample would not end at the border of the tile.
     #[error(
         "the tile has {cells} cells along {axis}; only an even number can be halved: of samples if \
@@ -135,9 +140,13 @@ impl HeightField {
     /// waves that the coarser grid does not resolve are aliased to longer ones.
     ///
     /// # Errors
+    /// - [`CoarseningError::Edges`] for a surface with [turned cells](HeightField::turned_cells).
     /// - [`CoarseningError::OddCells`] if a number of cells, of [`HeightField::cells`], is odd.
     /// - [`CoarseningError::HeightField`] if less than `2 x 2` samples are left.
     pub fn coarsened(&self) -> Result<Self, CoarseningError> {
+        if self.turned_cells().is_some() {
+            return Err(CoarseningError::Edges);
+        }
         for (axis, cells) in ['x', 'y'].into_iter().zip(self.cells()) {
             if cells % 2 != 0 {
                 return Err(CoarseningError::OddCells { axis, cells });
@@ -150,10 +159,7 @@ impl HeightField {
         for rows in self.heights().chunks(2 * self.nx()) {
             heights.extend(rows[..self.nx()].iter().step_by(2));
         }
-        let record = self.provenance();
-        let turned_cells = record.and_then(|record| record.turned_cells(shape, spacing));
         Ok(Self::new(heights, shape, spacing)?
-            .with_turned_cells(turned_cells.map(Arc::new))
             .with_unit(self.unit())
             .with_border(self.border())
             .with_provenance(self.provenance().cloned()))

@@ -13,9 +13,16 @@ pub trait ProvenanceRecord: Any + Debug + Send + Sync {
     /// Returns the record with all lengths converted.
     fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Arc<dyn ProvenanceRecord>;
 
-    /// Turned cells of the surface on a grid of its tile, of shape `[ny, nx]` and spacing `[dx, dy]`: those of the surface that was drawn.
-    fn turned_cells(&self, _shape: [usize; 2], _spacing: [f64; 2]) -> Option<TurnedCells> {
-        None
+    /// Turned cells of the surface that was drawn, on a grid of its tile, of shape `[ny, nx]` and spacing `[dx, dy]`.
+    ///
+    /// # Errors
+    /// A sentence on why no such surface can be drawn on this grid.
+    fn turned_cells(
+        &self,
+        _shape: [usize; 2],
+        _spacing: [f64; 2],
+    ) -> Result<Option<TurnedCells>, String> {
+        Ok(None)
     }
 
     /// Returns `true` if `other` is equal to it.

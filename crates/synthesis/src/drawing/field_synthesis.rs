@@ -185,13 +185,14 @@ impl FieldSynthesis {
         }
     }
 
-    /// Returns whether facets are the surface itself, for structures without roughness; `None` for all others.
+    /// Returns whether facets are the surface itself, for structures without roughness; `None` for all others. The first call takes a
+    /// surface of `seed` to find out, and no more memory than [`FieldSynthesis::draw`]; further calls know.
     ///
     /// # Errors
     /// Errors of [`StructureSynthesis::heights`](crate::StructureSynthesis::heights).
-    pub fn is_exact_structure(&self) -> Result<Option<bool>, SynthesisError> {
+    pub fn is_exact_structure(&self, seed: u64) -> Result<Option<bool>, SynthesisError> {
         match &self.drawer {
-            Drawer::Structured(structured) => structured.is_exact(),
+            Drawer::Structured(structured) => structured.is_exact(seed),
             Drawer::Gaussian(_) | Drawer::Transformed(_) | Drawer::StudentSlopes(_) => Ok(None),
         }
     }

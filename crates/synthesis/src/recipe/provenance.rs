@@ -37,12 +37,19 @@ impl ProvenanceRecord for Provenance {
         })
     }
 
-    fn turned_cells(&self, shape: [usize; 2], spacing: [f64; 2]) -> Option<TurnedCells> {
-        let structure = *self.recipe.structured()?.structure();
-        let synthesis = StructureSynthesis::new(structure, shape, spacing, true).ok()?;
-        let (seed, realisation) = (self.seed, self.realisation);
-        let heights = synthesis.heights(seed, realisation).ok()?;
-        synthesis.turned_cells(&heights, seed, realisation).ok()?
+    fn turned_cells(
+        &self,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+    ) -> Result<Option<TurnedCells>, String> {
+        let Some(surface) = self.recipe.structured() else {
+            return Ok(None);
+        };
+        let drawn = StructureSynthesis::new(*surface.structure(), shape, spacing, true)
+            .and_then(|synthesis| synthesis.heights_and_turned_cells(self.seed, self.realisation));
+        drawn
+            .map(|(_, cells)| cells)
+            .map_err(|error| error.to_string())
     }
 
     fn equals(&self, other: &dyn ProvenanceRecord) -> bool {

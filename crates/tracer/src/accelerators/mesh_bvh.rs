@@ -69,21 +69,23 @@ impl MeshBvh {
     }
 }
 
-impl<G: Geometry> Accelerator<G> for MeshBvh {
-    fn kind(&self) -> AcceleratorKind {
-        AcceleratorKind::Mesh
-    }
-
-    fn bytes(&self) -> usize {
-        held_by(&self.bvh)
-    }
-
-    fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {
+impl MeshBvh {
+    /// First facet of the tile that a ray passes through, other than those left out.
+    #[inline]
+    pub(super) fn closest<G: Geometry>(
+        &self,
+        geometry: &G,
+        query: &Query,
+        is_left_out: impl Fn(G::Facet) -> bool,
+    ) -> Option<Hit<G::Facet>> {
         let single = self.handover.single_precision(&query.ray)?;
         let mut closest: Option<Hit<G::Facet>> = None;
         self.bvh
             .ray_traverse(single.ray, &mut RayHit::none(), |_, id| {
                 let facet = geometry.facet(self.bvh.primitive_indices[id] as usize);
+                if is_left_out(facet) {
+                    return f32::INFINITY;
+                }
                 match geometry.intersect(facet, &query.ray, query.half_space) {
                     Some(t) => {
                         let hit = Hit { t, facet };
@@ -96,5 +98,19 @@ impl<G: Geometry> Accelerator<G> for MeshBvh {
                 }
             });
         closest
+    }
+}
+
+impl<G: Geometry> Accelerator<G> for MeshBvh {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::Mesh
+    }
+
+    fn bytes(&self) -> usize {
+        held_by(&self.bvh)
+    }
+
+    fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {
+        self.closest(geometry, query, |_| false)
     }
 }

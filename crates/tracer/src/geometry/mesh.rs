@@ -23,6 +23,7 @@ mod triangle;
 use asperity_surface::Border;
 use glam::DVec3;
 
+pub(crate) use self::intake::SEAM;
 use self::intake::{
     Frame, LONGEST, align, check_edges, check_ground, check_indices, faces_away, is_degenerate,
     lies_on_border,
@@ -43,14 +44,11 @@ const HAIR: f64 = LONGEST / (1_u64 << 48) as f64;
 /// A triangle mesh that light meets.
 ///
 /// Each triangle faces the half space above: its corners run counter-clockwise seen from there. Whether
-/// triangles intersect each other is not checked.
+/// triangles lie in each other or cross is checked by [`MeshSurface::check_overlaps`].
 #[derive(Clone, Debug)]
 pub struct MeshSurface {
     border: Border,
-    /// Extent in x, y and z, tile coordinates.
-    extent: DVec3,
-    /// Lengths of the mesh a tile coordinate.
-    unit: f64,
+    frame: Frame,
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
     normals: Vec<DVec3>,
@@ -121,8 +119,7 @@ impl MeshSurface {
             .collect();
         Ok(Self {
             border,
-            extent: frame.extent,
-            unit: 1.0 / frame.scale,
+            frame,
             mean: mean_plane(&vertices, &triangles, 0.5 * frame.extent.z),
             steepest: steepest(&normals),
             repairs: Repairs {
@@ -152,7 +149,17 @@ impl MeshSurface {
     /// Extent along x, y and z in the unit of the mesh.
     #[must_use]
     pub fn size(&self) -> [f64; 3] {
-        (self.extent * self.unit).to_array()
+        (self.frame.extent * self.unit()).to_array()
+    }
+
+    /// Returns `true` if all facets face up and cover the tile once.
+    pub(crate) fn is_height_field(&self) -> bool {
+        self.border != Border::Open && self.steepest.is_some()
+    }
+
+    /// A point in tile coordinates, in those of the mesh.
+    pub(crate) fn place(&self, p: DVec3) -> [f64; 3] {
+        self.frame.leave(p)
     }
 
     /// Returns `true` if the ray passes the edge opposite to `corner` on its outer side only by the rounding of a
@@ -175,7 +182,7 @@ impl MeshSurface {
         let [p, q] = [i, j].map(|k| seen.corners[k]);
         // As HAIR, for coordinates as large as those of the origin.
         let hair = (LONGEST + ray.origin.abs().max_element()) / (1_u64 << 48) as f64;
-        lies_on_border(ends, self.extent)
+        lies_on_border(ends, self.frame.extent)
             && seen.turns[corner] >= -hair * (q.x - p.x).hypot(q.y - p.y)
     }
 }
@@ -189,11 +196,11 @@ impl Geometry for MeshSurface {
     }
 
     fn extent(&self) -> [f64; 2] {
-        [self.extent.x, self.extent.y]
+        [self.frame.extent.x, self.frame.extent.y]
     }
 
     fn unit(&self) -> f64 {
-        self.unit
+        1.0 / self.frame.scale
     }
 
     /// One: all axes have the same unit.
@@ -202,7 +209,7 @@ impl Geometry for MeshSurface {
     }
 
     fn z_range(&self) -> [f64; 2] {
-        [-0.5 * self.extent.z, 0.5 * self.extent.z]
+        [-0.5 * self.frame.extent.z, 0.5 * self.frame.extent.z]
     }
 
     /// The mean of z over the projected area, downward facets counted as negative.
@@ -319,7 +326,7 @@ mod tests {
         let mesh = MeshSurface::new(&vertices, vec![[0, 1, 2], [0, 2, 3]], Border::Periodic);
         let mesh = mesh.unwrap();
         let [a, b, c] = mesh.corners(0);
-        assert!(a.x == 0.0 && a.y == 0.0 && c.x == mesh.extent.x && c.y == mesh.extent.y);
+        assert!(a.x == 0.0 && a.y == 0.0 && [c.x, c.y] == mesh.extent());
         assert!(a.z == b.z && b.z == c.z && mesh.repairs().open_edges == 0);
     }
 }

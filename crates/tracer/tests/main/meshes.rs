@@ -5,7 +5,7 @@ mod light;
 mod validity;
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::common::{Run, rugged, waves};
 use asperity_optics::Material;

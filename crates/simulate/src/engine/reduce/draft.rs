@@ -8,7 +8,6 @@ use crate::errors::budget::ErrorBudget;
 use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
-use crate::input::cells::Cells;
 use crate::input::random_surfaces::Planned;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
@@ -116,15 +115,9 @@ impl Draft {
                         by_pilot_run,
                     ),
                     // They are planned, since they were traced.
-                    fields => MeshErrors::of_random_fields(
-                        match fields {
-                            Ok(Planned::Fields(fields))
-                                if refinement.is_none() && surfaces.cells() == Cells::Flat =>
-                            {
-                                fields.is_exact_structure().ok().flatten()
-                            }
-                            _ => None,
-                        },
+                    Ok(Planned::Fields(_)) | Err(_) => MeshErrors::of_random_fields(
+                        // Known since their stage began
+                        surfaces.is_exact_structure(settings.seed).unwrap_or(None),
                         self.run.method(),
                         spec,
                         refinement,

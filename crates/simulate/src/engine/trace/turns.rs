@@ -7,6 +7,7 @@ use asperity_io::available_memory;
 use rayon::prelude::*;
 
 use super::stage::{Part, StageRun};
+use super::surfaces::Surfaces;
 use super::watch::Watch;
 use crate::engine::context::Context;
 use crate::engine::draw::drawer::Drawer;
@@ -70,6 +71,12 @@ impl StageRun<'_> {
     ) -> Result<Vec<CaseTallies>, SimulateError> {
         let bytes = self.surfaces.bytes(self.cases, &self.settings);
         check_memory("tracing one surface", bytes)?;
+        if let Surfaces::Random(surfaces) = self.surfaces
+            && self.stage == Stage::Result
+        {
+            // Found once, before surfaces that are traced share the memory
+            surfaces.is_exact_structure(self.settings.seed)?;
+        }
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes.max(1) as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());

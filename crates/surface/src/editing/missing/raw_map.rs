@@ -210,9 +210,10 @@ impl RawHeightMap {
             }
         };
         let record = self.provenance.as_ref();
-        let turned_cells = record.and_then(|record| record.turned_cells(self.shape, self.spacing));
+        let turned_cells = record.map(|record| record.turned_cells(self.shape, self.spacing));
+        let turned_cells = turned_cells.transpose().map_err(MissingError::Record)?;
         Ok(HeightField::new(heights, self.shape, self.spacing)?
-            .with_turned_cells(turned_cells.map(Arc::new))
+            .with_turned_cells(turned_cells.flatten().map(Arc::new))
             .with_unit(self.unit)
             .with_border(border)
             .with_provenance(self.provenance))

@@ -1,6 +1,6 @@
 //! Draws structured surfaces: a structure plus Gaussian roughness.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -15,6 +15,7 @@ use asperity_surface::HeightField;
 pub(super) struct StructuredSynthesis {
     structure: StructureSynthesis,
     roughness: Option<Synthesis>,
+    is_exact: OnceLock<bool>,
 }
 
 impl StructuredSynthesis {
@@ -34,6 +35,7 @@ impl StructuredSynthesis {
         Ok(Self {
             structure,
             roughness: roughness.transpose()?,
+            is_exact: OnceLock::new(),
         })
     }
 
@@ -41,13 +43,17 @@ impl StructuredSynthesis {
         &self.structure
     }
 
-    /// Exactness of facets: `true` if they are the surface itself; `None` with roughness on top.
-    pub(super) fn is_exact(&self) -> Result<Option<bool>, SynthesisError> {
+    /// Exactness of facets: `true` if they are the surface itself; `None` with roughness on top. Found on the first surface of the first
+    /// `seed`: facets cut all realisations of what is random.
+    pub(super) fn is_exact(&self, seed: u64) -> Result<Option<bool>, SynthesisError> {
         if self.roughness.is_some() {
             return Ok(None);
         }
-        // Facets cut all realisations of what is random
-        Ok(Some(self.structure.is_exact(0, 0)?))
+        if let Some(known) = self.is_exact.get() {
+            return Ok(Some(*known));
+        }
+        let found = self.structure.is_exact(seed, 0)?;
+        Ok(Some(*self.is_exact.get_or_init(|| found)))
     }
 
     pub(super) fn peak_bytes(&self) -> usize {
@@ -60,8 +66,8 @@ impl StructuredSynthesis {
 
     pub(super) fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         let (shape, spacing) = (self.structure.shape(), self.structure.spacing());
-        let mut heights = self.structure.heights(seed, realisation)?;
-        let turned_cells = self.structure.turned_cells(&heights, seed, realisation)?;
+        let (mut heights, turned_cells) =
+            self.structure.heights_and_turned_cells(seed, realisation)?;
         let [_, nx] = shape;
         if let Some(roughness) = &self.roughness {
             let added = roughness.draw(seed, realisation)?;

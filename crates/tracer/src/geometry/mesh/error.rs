@@ -62,15 +62,13 @@ pub enum MeshSurfaceError {
         /// Its other end.
         to: [f64; 3],
     },
-    /// Two triangles of an edge lie in each other.
+    /// Two triangles lie in each other.
     #[error(
-        "the two triangles of the edge from {from:?} to {to:?} are folded onto each other, so that light between them would be reflected without end"
+        "triangles lie in each other at {place:?}, so that light between them would be reflected without end; they may meet at edges alone"
     )]
-    Folded {
-        /// One end of the edge.
-        from: [f64; 3],
-        /// Its other end.
-        to: [f64; 3],
+    Overlapping {
+        /// A point of both.
+        place: [f64; 3],
     },
     /// Opposite borders of a periodic tile differ.
     #[error(

@@ -13,14 +13,12 @@ use super::error::MeshSurfaceError;
 /// Longest side of the bounding box, tile coordinates.
 pub(super) const LONGEST: f64 = 1024.0;
 
-/// Distance within which corners on opposite borders of a periodic tile match, and corners lie on a
-/// border: four roundings to single precision, in which many meshes are kept.
-pub(super) const SEAM: f64 = LONGEST / (1_u64 << 22) as f64;
-
-/// Sine of the angle between two triangles below which they lie in each other: the rounding of coordinates.
-const FOLD: f64 = 1e-12;
+/// Distance within which corners on opposite borders of a periodic tile match, corners lie on a
+/// border, and triangles in each other: four roundings to single precision, in which many meshes are kept.
+pub(crate) const SEAM: f64 = LONGEST / (1_u64 << 22) as f64;
 
 /// Between the coordinates of the mesh and those of the tile.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     /// Lowest x and y, and z in the middle.
     origin: DVec3,
@@ -195,11 +193,11 @@ pub(super) fn check_edges(
     vertices: &[DVec3],
     triangles: &[[u32; 3]],
 ) -> Result<SingleEdges, MeshSurfaceError> {
-    // Both ends, the smaller first, whether the triangle runs from the smaller to the larger, and its third corner.
-    let mut edges: Vec<(u32, u32, bool, u32)> = triangles
+    // Both ends, the smaller first, and whether the triangle runs from the smaller to the larger.
+    let mut edges: Vec<(u32, u32, bool)> = triangles
         .iter()
-        .flat_map(|[a, b, c]| [(*a, *b, *c), (*b, *c, *a), (*c, *a, *b)])
-        .map(|(p, q, third)| (p.min(q), p.max(q), p < q, third))
+        .flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)])
+        .map(|(p, q)| (p.min(q), p.max(q), p < q))
         .collect();
     edges.sort_unstable();
     let mut single = SingleEdges::default();
@@ -207,7 +205,7 @@ pub(super) fn check_edges(
         let ends = [edge[0].0, edge[0].1].map(|k| vertices[k as usize]);
         let [from, to] = ends.map(|p| frame.leave(p));
         match *edge {
-            [(_, _, forward, _)] if lies_on_border(ends, frame.extent) => {
+            [(_, _, forward)] if lies_on_border(ends, frame.extent) => {
                 let [p, q] = ends;
                 single.rim.push(if forward { [p, q] } else { [q, p] });
             }
@@ -215,12 +213,7 @@ pub(super) fn check_edges(
                 single.open += 1;
                 single.one_open = ends;
             }
-            [(_, _, one, c), (_, _, other, d)] if one != other => {
-                let thirds = [c, d].map(|k| vertices[k as usize]);
-                if are_folded(ends, thirds) {
-                    return Err(MeshSurfaceError::Folded { from, to });
-                }
-            }
+            [(_, _, one), (_, _, other)] if one != other => {}
             [_, _] => return Err(MeshSurfaceError::Inconsistent { from, to }),
             _ => {
                 return Err(MeshSurfaceError::Branching {
@@ -232,13 +225,6 @@ pub(super) fn check_edges(
         }
     }
     Ok(single)
-}
-
-/// Returns `true` if two triangles of an edge with these third corners lie in one plane on the same side of the edge.
-fn are_folded([p, q]: [DVec3; 2], thirds: [DVec3; 2]) -> bool {
-    let along = (q - p).normalize();
-    let [c, d] = thirds.map(|third| (third - p).reject_from_normalized(along));
-    c.dot(d) > 0.0 && c.cross(d).length() <= FOLD * c.length() * d.length()
 }
 
 /// Checks that the mesh is a ground. If every edge has two triangles, its own or those of neighbouring tiles, the layers
