@@ -7,7 +7,7 @@ use asperity_analysis::{FlatLayer, MODEL_NAMES};
 use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
-    known_names, settings_of, suggestion,
+    known_names, roughness_hint, settings_of, suggestion,
 };
 use clap::builder::{NonEmptyStringValueParser, PossibleValue, TypedValueParser, ValueHint};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -254,6 +254,16 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
                 "`{input}` is a folder; {command} takes a file"
             )));
         }
+        if command != Command::Model
+            && !command.has_configuration()
+            && is_toml(path)
+            && path.is_file()
+        {
+            return Err(Failure::usage(format!(
+                "`{input}` is a configuration, and {command} takes a surface{}",
+                run_by(input)
+            )));
+        }
         if !command.has_configuration() || !is_configuration(command, input)? {
             texts.push(input.clone());
             continue;
@@ -267,7 +277,12 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
         let text = read_text(Path::new(input)).map_err(Failure::failed)?;
         document
             .add_file(Some(input), &text)
-            .map_err(Failure::usage)?;
+            .map_err(|error| match error {
+                SettingError::OfOtherCommands { .. } => {
+                    Failure::usage(format!("{error}{}", run_by(input)))
+                }
+                error => Failure::usage(error),
+            })?;
     }
     let setting = match command {
         Command::Model => "model.name",
@@ -280,13 +295,29 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     Ok(document)
 }
 
+fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml")
+}
+
+/// End of a sentence with the command line that runs the configuration `path`; nothing if no command reads it.
+fn run_by(path: &str) -> String {
+    let text = read_text(path).unwrap_or_default();
+    let reads = |command: &Command| {
+        command.has_configuration() && Document::of_text(*command, &text).is_ok()
+    };
+    let command = Command::ALL.into_iter().find(reads);
+    command.map_or_else(String::new, |command| {
+        format!("; `asperity {command} {path}` runs it")
+    })
+}
+
 /// Returns `true` if the file is a configuration. `trace` takes surfaces as well, all others refuse them.
 fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     let file = Path::new(path);
     if command == Command::Trace {
-        return Ok(file.extension().is_some_and(|ending| ending == "toml"));
+        return Ok(is_toml(file));
     }
-    if file.extension().is_some_and(|ending| ending == "toml") {
+    if is_toml(file) {
         return Ok(true);
     }
     let is_mesh = MeshFormat::from_path(file).is_some();
@@ -407,19 +438,14 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     Failure::usage(one_sentence(&error.render().to_string())).into()
 }
 
-/// Names of roughness in other programs.
-const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
-
 /// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     let argument = shown(argument);
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
-    if ROUGHNESS.contains(&argument.as_str()) {
-        return format!(
-            "unknown flag {argument}; roughness is given as --smoothness, s = 2 / alpha"
-        );
+    if let Some(hint) = roughness_hint(&argument) {
+        return format!("unknown flag {argument}{hint}");
     }
     let settings = settings_of(command.unwrap_or(Command::Trace));
     let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();

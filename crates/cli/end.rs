@@ -7,10 +7,8 @@ use asperity_simulate::StoppedBy;
 use asperity_studies::StudyError;
 
 use crate::failure::Failure;
+use crate::interrupt::INTERRUPTED;
 use crate::output::say;
-
-/// Exit code of a run that an interrupt ended early, and that wrote what it had.
-const INTERRUPTED: u8 = 3;
 
 /// End of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -43,10 +43,6 @@ impl Failure {
     /// file, where no flag has changed it.
     pub(crate) fn of_study(document: &Document, error: StudyError) -> Self {
         match error {
-            StudyError::Synthesis(error) if error.yields_to_insistence() => {
-                let error = error.with_unit(document.own_unit());
-                Self::Usage(format!("{error} with --insist"))
-            }
             StudyError::Simulate(
                 SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement,
             ) => Self::Usage(format!("--refine: {error}")),
@@ -63,7 +59,7 @@ impl Failure {
                 Some(file) => Self::Usage(format!("{file}: {error}")),
                 None => Self::usage(error),
             },
-            error => Self::new(error.is_usage(), error),
+            error => Self::new(error.is_usage(), error.sentence(document.own_unit())),
         }
     }
 

@@ -7,7 +7,8 @@ use asperity_studies::settings::Document;
 use crate::common::{Common, Results};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::output::{print, print_json, result_folder};
+use crate::file_set::write_files;
+use crate::output::print_json;
 use crate::output_files::{check_outputs, refuse_file_name};
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
@@ -23,17 +24,14 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         return Ok(End::Complete);
     };
     refuse_file_name(&path, HeightMapFormat::from_path(&path).is_some())?;
-    let folder = result_folder(&path, document, &names)?;
     let mut found = Vec::new();
-    for (after, name) in (0..).zip(&names) {
-        let file = folder.claim(name).map_err(Failure::failed)?;
-        let surface = plan.write(after, &file, common).map_err(refused)?;
-        if !results.json && !common.quiet {
-            print(&surface.text())?;
-        }
+    let prints = !results.json && !common.quiet;
+    write_files(&path, &names, document, !results.json, |after, file| {
+        let surface = plan.write(after as u64, file, common).map_err(refused)?;
+        let text = prints.then(|| surface.text());
         found.push(surface.roughness);
-    }
-    folder.finish(true).map_err(Failure::failed)?;
+        Ok(text)
+    })?;
     if results.json {
         print_json(&found)?;
     }

@@ -2,8 +2,8 @@
 //! ends the program at once, without temporary files left behind.
 
 use std::process::exit;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use asperity_io::remove_temporary_files;
@@ -15,6 +15,12 @@ static LISTENS: AtomicBool = AtomicBool::new(false);
 
 /// Time of the first interrupt.
 static CAME: OnceLock<Instant> = OnceLock::new();
+
+/// Clause on results that are complete and in place.
+static RESULTS: Mutex<Option<String>> = Mutex::new(None);
+
+/// Exit code of a program that an interrupt ends with results.
+pub(crate) const INTERRUPTED: u8 = 3;
 
 /// Exit code of a program that an interrupt ends at once, as shells have it.
 const KILLED: i32 = 130;
@@ -28,11 +34,26 @@ pub(crate) fn handle() {
             return;
         }
         remove_temporary_files();
-        if is_first {
-            say("interrupted; no incomplete file is left");
+        let results = RESULTS.lock().ok().and_then(|results| results.clone());
+        match results {
+            Some(results) => {
+                say(&format!(
+                    "interrupted; {results}, and the same command resumes"
+                ));
+                exit(INTERRUPTED.into())
+            }
+            None if is_first => say("interrupted; no incomplete file is left"),
+            None => {}
         }
         exit(KILLED);
     });
+}
+
+/// Notes results that are complete and in place, for an interrupt to say.
+pub(crate) fn note_results(results: String) {
+    if let Ok(mut noted) = RESULTS.lock() {
+        *noted = Some(results);
+    }
 }
 
 /// From now on the first interrupt is noted, for a run to end by it.

@@ -4,6 +4,7 @@ mod command_line;
 mod common;
 mod end;
 mod failure;
+mod file_set;
 mod generate;
 mod help;
 mod inspect;

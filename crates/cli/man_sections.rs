@@ -1,6 +1,6 @@
 //! Sections of man pages that no definition of flags has: files, exit status, examples, and other pages.
 
-use asperity_studies::settings::{Command, settings_of};
+use asperity_studies::settings::{Command, Kind, settings_of};
 
 /// Examples of a command, each a whole command line.
 pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
@@ -52,10 +52,10 @@ pub(crate) fn man_sections(name: &str, pages: &[String]) -> String {
             .collect(),
     };
     let mut text = String::new();
-    if let Some(files) = files(command) {
+    if let Some(command) = command {
         text.push_str(".SH FILES\n");
-        for (file, what) in files {
-            text.push_str(&format!(".TP\n\\fI{}\\fR\n{}\n", roff(file), roff(what)));
+        for (file, what) in files(command) {
+            text.push_str(&format!(".TP\n\\fI{}\\fR\n{}\n", roff(&file), roff(&what)));
         }
     }
     text.push_str(".SH \"EXIT STATUS\"\n");
@@ -91,40 +91,22 @@ const EXIT_STATUS: [(u32, &str); 5] = [
     (130, "Interrupted and ended at once."),
 ];
 
-/// Files of a command with their contents; `None` of one without.
-fn files(command: Option<Command>) -> Option<Vec<(&'static str, &'static str)>> {
-    let command = command?;
-    let output = settings_of(command).find(|setting| setting.key == "output")?;
-    let mut files = Vec::new();
-    if command.has_configuration() {
-        files.push((
-            "FILE.toml",
-            "Settings in sections, as docs/settings.md lists them; flags come before them.",
-        ));
-    }
-    match output.placeholder(command).as_str() {
-        "DIR" => files.extend([
-            (
-                "DIR/summary.json",
-                "Results, settings, warnings, and the columns of all tables.",
-            ),
-            ("DIR/*.csv", "Tables."),
-            ("DIR/*.svg, DIR/*.png", "Figures."),
-            (
-                "DIR/results.npz",
-                "All results, from which the same command resumes, of commands that trace light.",
-            ),
-            (
-                "DIR/manifest.json",
-                "The files of the run, which alone a later one replaces.",
-            ),
-        ]),
-        _ => files.push((
-            "FILE",
-            "Written under a temporary name next to it and renamed once it is complete.",
-        )),
-    }
-    Some(files)
+/// Files that a command reads and writes: its argument, and the flags that name one.
+fn files(command: Command) -> Vec<(String, String)> {
+    let positional = command.positional();
+    let positional = positional.map(|(name, about)| (name.to_owned(), about.to_owned()));
+    let flags = settings_of(command).filter_map(|setting| match setting.kind {
+        Kind::Path | Kind::ChoiceOrFile(_) => {
+            let flag = format!(
+                "--{} {}",
+                setting.flag_name()?,
+                setting.placeholder(command)
+            );
+            Some((flag, setting.flag_help()))
+        }
+        _ => None,
+    });
+    positional.into_iter().chain(flags).collect()
 }
 
 /// Text of a line in roff.

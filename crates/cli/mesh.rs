@@ -1,5 +1,7 @@
 //! `asperity mesh`: height maps as triangles.
 
+use std::path::Path;
+
 use asperity_io::MeshFormat;
 use asperity_studies::MeshConfig;
 use asperity_studies::settings::Document;
@@ -7,7 +9,8 @@ use asperity_studies::settings::Document;
 use crate::common::{Common, Results};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::output::{print, result_folder};
+use crate::file_set::write_files;
+use crate::output::print;
 use crate::output_files::{check_outputs, refuse_file_name};
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
@@ -15,31 +18,21 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let config: MeshConfig = document.read().map_err(Failure::usage)?;
     let output = Results::of(document).map_err(Failure::usage)?.required();
     let files = config.files(document).map_err(refused)?;
-    let folder = match files.as_slice() {
-        [_] => {
-            MeshFormat::of_output(&output).map_err(Failure::usage)?;
-            check_outputs(&[&output], document)?;
-            None
-        }
-        _ => {
-            refuse_file_name(&output, MeshFormat::from_path(&output).is_some())?;
-            let names: Vec<String> = files.iter().map(|(_, name)| name.clone()).collect();
-            Some(result_folder(&output, document, &names)?)
-        }
-    };
-    for (file, name) in &files {
+    let write = |file: &Path, path: &Path| {
         let surface = config.triangles(file, document, common).map_err(refused)?;
-        let path = match &folder {
-            Some(folder) => folder.claim(name).map_err(Failure::failed)?,
-            None => output.clone(),
-        };
-        surface.write(&path).map_err(Failure::failed)?;
-        if !common.quiet {
-            print(&surface.text(&path))?;
-        }
-    }
-    if let Some(folder) = folder {
-        folder.finish(true).map_err(Failure::failed)?;
+        surface.write(path).map_err(Failure::failed)?;
+        Ok((!common.quiet).then(|| surface.text(path)))
+    };
+    if let [(file, _)] = files.as_slice() {
+        MeshFormat::of_output(&output).map_err(Failure::usage)?;
+        check_outputs(&[&output], document)?;
+        write(file, &output)?.map_or(Ok(()), |text| print(&text))?;
+    } else {
+        refuse_file_name(&output, MeshFormat::from_path(&output).is_some())?;
+        let names: Vec<String> = files.iter().map(|(_, name)| name.clone()).collect();
+        write_files(&output, &names, document, true, |number, path| {
+            write(files[number].0, path)
+        })?;
     }
     Ok(End::Complete)
 }

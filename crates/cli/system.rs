@@ -4,15 +4,15 @@
 //!
 //! - [`Memory`] hands every request on to the allocator of the system as it is.
 //! - A signal is ignored, for which no code of this program runs.
+//! - Without memory, standard error is written and the process ended by the system's own functions, which take no lock.
 #![allow(
     unsafe_code,
-    reason = "an allocator and a signal, as the module's text says"
+    reason = "an allocator, a signal and the end without memory, as the module's text says"
 )]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use std::io::{Write, stderr};
-use std::process::exit;
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_io::remove_temporary_files;
@@ -62,19 +62,48 @@ thread_local! {
 fn end_without(bytes: usize) -> ! {
     static IS_ENDING: AtomicBool = AtomicBool::new(false);
     if ENDS.replace(true) {
-        exit(1);
+        exit_at_once();
     }
     if IS_ENDING.swap(true, Ordering::Relaxed) {
         loop {
             std::thread::park();
         }
     }
+    // In memory that is there
+    let mut line = [0; 128];
+    let mut rest = line.as_mut_slice();
     let _ = writeln!(
-        stderr(),
+        rest,
         "asperity: there is not enough memory: {bytes} bytes more are needed than this process may have"
     );
+    let left = rest.len();
+    say_unlocked(&line[..line.len() - left]);
     remove_temporary_files();
-    exit(1)
+    exit_at_once()
+}
+
+/// Writes on standard error without its lock, which a thread that waits here may hold.
+#[cfg(unix)]
+fn say_unlocked(text: &[u8]) {
+    // SAFETY: the memory of `text` may be read.
+    let _ = unsafe { nix::libc::write(2, text.as_ptr().cast(), text.len()) };
+}
+
+#[cfg(not(unix))]
+fn say_unlocked(text: &[u8]) {
+    let _ = std::io::stderr().write_all(text);
+}
+
+/// Ends the process without what the end of a program does otherwise, which may wait for such a lock.
+#[cfg(unix)]
+fn exit_at_once() -> ! {
+    // SAFETY: it does not return.
+    unsafe { nix::libc::_exit(1) }
+}
+
+#[cfg(not(unix))]
+fn exit_at_once() -> ! {
+    std::process::exit(1)
 }
 
 /// Has writes beyond the largest size of a file fail with an error, as a full disk does, in place of a signal.

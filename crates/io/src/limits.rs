@@ -5,8 +5,9 @@ use asperity_surface::check_grid;
 use crate::error::ReadProblem;
 use crate::files::available_memory;
 
-/// Size in bytes from which the available memory is checked first: systems that overcommit would kill the program.
-const LARGE: usize = 1 << 26;
+/// Size in bytes from which the available memory is checked first: systems that overcommit would kill the program, and an
+/// allocator that ends it leaves no choice.
+const LARGE: usize = 1 << 20;
 
 /// Room for `nx * ny` numbers, or an error where there is none.
 pub(crate) fn room<T>(nx: u64, ny: u64) -> Result<Vec<T>, ReadProblem> {

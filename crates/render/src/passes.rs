@@ -20,7 +20,7 @@ const PASSES: u64 = 16;
 /// Most samples per pixel of a pass: more samples take more passes, so that each is soon complete.
 const MAX_SAMPLES_PER_PASS: u64 = 4;
 
-/// Passes that are completed even after the time limit: fewer give no error.
+/// Passes that are completed even after the time limit, if they soon are: fewer give no error.
 const MIN_PASSES: u64 = 2;
 
 /// Division of the samples into passes.
@@ -113,7 +113,10 @@ pub(crate) fn expose<G: Geometry>(
         let beams = sunlight.as_mut().map(|sunlight| sunlight.aimed(pass));
         let stops = || match progress.stop() {
             Some(StoppedBy::Interrupt) => true,
-            other => other.is_some() && (pass >= MIN_PASSES || progress.gives_up_first()),
+            other => {
+                let is_enough = pass >= MIN_PASSES || pass > 0 && progress.gives_up();
+                other.is_some() && (is_enough || progress.gives_up_first())
+            }
         };
         let done: Option<Vec<Row>> = (0..rows)
             .into_par_iter()

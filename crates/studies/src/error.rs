@@ -4,12 +4,12 @@ use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError
 use asperity_render::RenderError;
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
-use asperity_surface::HeightFieldError;
+use asperity_surface::{HeightFieldError, LengthUnit};
 use asperity_synthesis::SynthesisError;
 use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;
-use crate::config::error::ConfigError;
+use crate::config::error::{ConfigError, with_insistence};
 use crate::given::{ComparedSurfaceError, GivenError};
 use crate::settings::SettingError;
 
@@ -95,6 +95,17 @@ impl StudyError {
             self,
             Self::Simulate(SimulateError::Interrupted) | Self::Render(RenderError::Interrupted)
         )
+    }
+
+    /// Sentence for a user whose surfaces have lengths in `unit`, with the flag that draws them all the same.
+    #[must_use]
+    pub fn sentence(self, unit: LengthUnit) -> String {
+        match self {
+            Self::Synthesis(error) if error.yields_to_insistence() => {
+                with_insistence(error.with_unit(unit))
+            }
+            error => error.to_string(),
+        }
     }
 
     /// `true` if other input would help: a value is out of range, or two exclude each other.

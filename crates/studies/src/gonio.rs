@@ -128,7 +128,7 @@ impl Study for GonioStudy {
         let time = self.config.run.max_time.and_then(Seconds::duration);
         let observer = &Deadline::new(observer, time);
         // Of each direction moments alone are kept.
-        let derive = |_: &Outcome| Ok::<_, StudyError>(Value::Null);
+        let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
         found.close()?;
         self.judge(found)

@@ -124,8 +124,9 @@ impl Study for MapStudy {
         let observer = &Deadline::new(observer, time);
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
-            let judged = judge_case(&verification, outcome)?;
-            Ok::<_, StudyError>(json!(CellResults::of(&judged)))
+            let judged = judge_case(&verification, outcome, observer)?;
+            let is_judged = !judged.models.is_empty();
+            Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
         found.close()?;

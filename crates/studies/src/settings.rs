@@ -39,7 +39,7 @@ pub use length::Length;
 pub use range::Range;
 pub use reference::reference_page;
 pub use setting::{Arity, Flag, Setting};
-pub use suggestion::{known_names, suggestion};
+pub use suggestion::{known_names, roughness_hint, suggestion};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! Study: the steps that every study takes, from a document of settings to files, text and JSON.
 
+use std::time::Duration;
+
 use asperity_io::ResultFolder;
 use asperity_results::{Container, Header, Stored};
 use asperity_simulate::{Observer, StoppedBy, counted};
@@ -62,6 +64,12 @@ pub trait Study: Sized {
         found: &'a mut Container<'_, Self::Kept>,
         observer: &dyn Observer,
     ) -> Result<Self::Findings<'a>, StudyError>;
+}
+
+/// Time to trace, of that of a whole run: the last tenth is left for comparisons with models and for figures, of short times the last
+/// third, up to two seconds.
+pub(crate) fn time_to_trace(whole: Duration) -> Duration {
+    whole - (whole / 10).max((whole / 3).min(Duration::from_secs(2)))
 }
 
 /// The results of a study, judged.

@@ -25,7 +25,7 @@ use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study};
+use crate::study::{Findings, Study, time_to_trace};
 
 impl Study for TraceStudy {
     type Kept = CaseResult;
@@ -66,14 +66,16 @@ impl Study for TraceStudy {
     ) -> Result<TraceOutcome<'a>, StudyError> {
         let time = self.config.run.max_time.and_then(Seconds::duration);
         let deadline = Deadline::new(observer, time);
+        let compares = self.comparison.is_some();
+        let tracing = Deadline::new(&deadline, time.filter(|_| compares).map(time_to_trace));
         let cases = std::slice::from_ref(&self.case);
-        found.run_missing(0, cases, &self.settings, &deadline)?;
+        found.run_missing(0, cases, &self.settings, &tracing)?;
         if let (Some(planned), Some(whole)) = (&self.comparison, found.case(0)) {
             let rays = whole.outcome.work.rays;
             if !whole.is_cut_short() {
                 // All regions together have as many rays.
                 let settings = planned.settings(rays);
-                match found.run_missing(1, cases, &settings, &deadline) {
+                match found.run_missing(1, cases, &settings, &tracing) {
                     Err(SimulateError::Interrupted) => {}
                     run => run?,
                 }
@@ -88,10 +90,11 @@ impl Study for TraceStudy {
             let seed = self.config.run.seed;
             planned.judge(&self.case, &regions.outcome, seed, &deadline)
         });
+        let comparison = comparison.transpose()?;
         let mut outcome = TraceOutcome {
             study: self,
             outcome: &whole.outcome,
-            comparison: comparison.transpose()?,
+            comparison: comparison.filter(|compared| !compared.judgement.models.is_empty()),
             stopped_by: None,
         };
         outcome.stopped_by = if whole.is_cut_short() {

@@ -30,7 +30,7 @@ use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study};
+use crate::study::{Findings, Study, time_to_trace};
 use crate::verify::plan::Plan;
 
 impl VerifyConfig {
@@ -78,16 +78,22 @@ impl VerifyStudy {
         let cases = cases
             .into_par_iter()
             .map(|one| {
-                let judged = judge_case(&self.config, &one.outcome);
+                let judged = judge_case(&self.config, &one.outcome, observer);
                 observer.advance(1);
                 judged
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
         observer.end();
+        let lacks_models = cases.iter().any(|case| self.config.lacks_models(case));
+        let stopped = || observer.stop().or(Some(StoppedBy::Interrupt));
         Ok(VerifyOutcome {
             config: &self.config,
             plan: &self.plan,
             found,
+            stopped_by: match lacks_models {
+                true => found.stopped_by().or_else(stopped),
+                false => found.stopped_by(),
+            },
             cases,
             seconds: began.elapsed().as_secs_f64(),
         })
@@ -128,7 +134,9 @@ impl Study for VerifyStudy {
         let began = Instant::now();
         let time = self.config.run.max_time.and_then(Seconds::duration);
         let observer = &Deadline::new(observer, time);
-        found.run_missing(0, &self.plan.cases, &self.plan.settings, observer)?;
+        let compares = !self.config.compare.models.is_empty();
+        let tracing = Deadline::new(observer, time.filter(|_| compares).map(time_to_trace));
+        found.run_missing(0, &self.plan.cases, &self.plan.settings, &tracing)?;
         found.close()?;
         let mut judged = self.judge(found, observer)?;
         judged.seconds = began.elapsed().as_secs_f64();
@@ -146,7 +154,7 @@ impl Findings for VerifyOutcome<'_> {
     }
 
     fn stopped_by(&self) -> Option<StoppedBy> {
-        self.found.stopped_by()
+        self.stopped_by
     }
 
     fn work(&self) -> Option<String> {
@@ -174,10 +182,11 @@ fn other_slopes(
     OtherSlopes::of_random(surfaces, outcome, symmetry).map(Some)
 }
 
-/// The comparison of one case with every model.
+/// The comparison of one case with every model; with none if the run gives that up.
 pub(crate) fn judge_case<'a>(
     config: &VerifyConfig,
     outcome: &'a Outcome,
+    observer: &dyn Observer,
 ) -> Result<Judgement<'a>, StudyError> {
     let free_azimuth = config.free_azimuth(&outcome.case);
     let other = other_slopes(config, outcome)?;
@@ -197,7 +206,7 @@ pub(crate) fn judge_case<'a>(
         regions: None,
         tables: other.as_ref().and_then(OtherSlopes::tables),
     };
-    let (models, level) = compare_models(&compared)?;
+    let (models, level) = compare_models(&compared, observer)?;
     Ok(Judgement {
         outcome,
         models,

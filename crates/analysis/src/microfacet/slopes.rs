@@ -33,11 +33,11 @@ pub struct SlopeCovariance {
 #[non_exhaustive]
 pub enum SlopeError {
     /// The smoothness is zero, negative or not finite, or its square is.
-    #[error("smoothness is {0}; tau / sigma must be positive and finite")]
+    #[error("smoothness is {0:?}; tau / sigma must be positive and finite")]
     BadSmoothness(f64),
     /// The matrix is not positive definite.
     #[error(
-        "slope variances {xx} and {yy} with covariance {xy} are invalid; the variances must be positive and finite, and the square of the covariance below their product"
+        "slope variances {xx:?} and {yy:?} with covariance {xy:?} are invalid; the variances must be positive and finite, and the square of the covariance below their product"
     )]
     NotPositiveDefinite {
         /// Variance of `dh/dx`.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::made_folders::MadeFolders;
 use super::parts::{remove_stale_parts, temporary_in};
 use crate::error::{WriteError, WriteProblem};
 use crate::shown::json_text;
@@ -77,6 +78,8 @@ fn replace_file(
     }
 
     let folder = parent(&target);
+    // Removed again if nothing is written
+    let _made = MadeFolders::missing_of(&folder);
     if !folder.is_dir() {
         fs::create_dir_all(&folder)?;
     }

@@ -1,7 +1,7 @@
 //! Made folders: those that this process has made for results, removed again where they stay empty.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The folders that were made, the outermost of each first.
@@ -17,8 +17,14 @@ fn made() -> MutexGuard<'static, Vec<PathBuf>> {
 pub(super) struct MadeFolders(Vec<PathBuf>);
 
 impl MadeFolders {
-    /// Folders that are about to be made, the outermost first.
-    pub(super) fn new(folders: Vec<PathBuf>) -> Self {
+    /// The folder `path` and those above it that do not exist, which are about to be made.
+    pub(super) fn missing_of(path: &Path) -> Self {
+        let is_missing = |folder: &&Path| {
+            !folder.as_os_str().is_empty() && fs::symlink_metadata(folder).is_err()
+        };
+        let missing = path.ancestors().take_while(is_missing);
+        let mut folders: Vec<PathBuf> = missing.map(Path::to_owned).collect();
+        folders.reverse();
         made().extend(folders.iter().cloned());
         Self(folders)
     }

@@ -38,19 +38,28 @@ pub(super) struct Manifest {
     pub(super) complete: bool,
     #[serde(deserialize_with = "files_of_any_schema")]
     pub(super) files: ListedFiles,
+    /// Identity of the run whose files these are, where a later one may go on with them: see [`resume`](super::ResultFolder::resume).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) identity: Option<String>,
     /// Files whose new content a run that was killed was putting in place.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) replacing: ListedFiles,
 }
 
 impl Manifest {
-    pub(super) fn new(command: &str, complete: bool, files: ListedFiles) -> Self {
+    pub(super) fn new(
+        command: &str,
+        complete: bool,
+        files: ListedFiles,
+        identity: Option<&String>,
+    ) -> Self {
         Self {
             schema: SCHEMA,
             command: command.to_owned(),
             build: Build::current(),
             complete,
             files,
+            identity: identity.cloned(),
             replacing: ListedFiles::new(),
         }
     }
@@ -89,6 +98,17 @@ impl Manifest {
             )));
         }
         Ok(Some(manifest))
+    }
+
+    /// The nearest manifest above the folder `path`, which has no links, that lists files inside; with its folder.
+    pub(super) fn above(path: &Path) -> Option<(&Path, Self)> {
+        path.ancestors().skip(1).find_map(|above| {
+            let manifest = Self::read(above).ok()??;
+            let inside = path.strip_prefix(above).ok()?;
+            let mut names = manifest.files.keys().chain(manifest.replacing.keys());
+            let lists = names.any(|name| Path::new(name).starts_with(inside));
+            lists.then_some((above, manifest))
+        })
     }
 
     pub(super) fn write(&self, folder: &Path) -> Result<(), ResultFolderError> {

@@ -23,8 +23,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use md5::{Digest, Md5};
+
 use super::atomic::sync_folder;
-use super::fingerprint::Fingerprint;
+use super::fingerprint::{Fingerprint, hex};
 use super::folder::create_output_folder;
 use super::lock::FolderLock;
 use super::manifest::{ListedFiles, Manifest, is_inside};
@@ -83,11 +85,11 @@ impl ResultFolder {
     ) -> Result<Self, ResultFolderError> {
         let root = path.as_ref().to_owned();
         let lock = FolderLock::new(&root)?;
-        let earlier = match Manifest::read(&root)? {
+        let (earlier, identity) = match Manifest::read(&root)? {
             None if has_unlisted_results(&root) => {
                 return Err(unlisted_results(root));
             }
-            None => ListedFiles::new(),
+            None => (ListedFiles::new(), None),
             Some(manifest) if manifest.command != command => {
                 let found = manifest.command;
                 return Err(ResultFolderError::OtherResults {
@@ -95,7 +97,10 @@ impl ResultFolder {
                     holds: format!("results of `{found}`, which `{command}` does not replace"),
                 });
             }
-            Some(manifest) => settled(&root, manifest)?,
+            Some(mut manifest) => {
+                let identity = manifest.identity.take();
+                (settled(&root, manifest)?, identity)
+            }
         };
         Ok(Self {
             root,
@@ -103,6 +108,7 @@ impl ResultFolder {
             inputs: inputs.iter().map(|input| (*input).to_owned()).collect(),
             files: Mutex::new(Files {
                 earlier,
+                earlier_identity: identity,
                 ..Files::default()
             }),
             _lock: lock,
@@ -210,10 +216,12 @@ impl ResultFolder {
             files.current.entry(name).or_insert(role);
         }
         let in_place = files.in_place();
-        if !files.begun || in_place != listed {
-            Manifest::new(&self.command, false, in_place).write(&self.root)?;
-            files.begun = true;
+        // Results wait elsewhere: until one is in place, a folder without any needs no list.
+        if in_place != listed || !files.begun && !in_place.is_empty() {
+            let identity = files.identity_in_place();
+            Manifest::new(&self.command, false, in_place, identity).write(&self.root)?;
         }
+        files.begun = true;
         Ok(())
     }
 
@@ -244,7 +252,35 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Ends the run: puts its results in place, removes the files that only earlier runs wrote, unless they were changed
+    /// Takes over the files that an earlier run with these `settings` and inputs has finished, and returns the names of `names` that are
+    /// among them. Such a run calls [`finish`](Self::finish) after each of its files. Those of other settings are replaced.
+    ///
+    /// # Errors
+    /// [`ResultFolderError`] if an input cannot be read.
+    pub fn resume(
+        &self,
+        settings: &str,
+        names: &[String],
+    ) -> Result<BTreeSet<String>, ResultFolderError> {
+        let mut digest = Md5::new();
+        digest.update(settings);
+        for input in &self.inputs {
+            digest.update(format!("{:?}", Fingerprint::of(input)?));
+        }
+        let mut files = self.files();
+        files.identity = Some(hex(digest));
+        let is_finished = |name: &&String| {
+            files.identity_in_place().is_some()
+                && files.earlier.get(*name).is_some_and(Option::is_some)
+                && self.is_ours(name)
+        };
+        let finished: BTreeSet<String> = names.iter().filter(is_finished).cloned().collect();
+        let kept = finished.iter().map(|name| (name.clone(), Role::Result));
+        files.current.extend(kept);
+        Ok(finished)
+    }
+
+    /// Ends the run, or a part of it: puts its results in place, removes the files that only earlier runs wrote, unless they were changed
     /// meanwhile, and the folders that become empty by that. `is_complete`: `false` if a time limit or an interrupt stopped the run.
     ///
     /// Without this call, as after an error, the results of the run are lost, and those of earlier runs and checkpoints stay.
@@ -263,7 +299,8 @@ impl ResultFolder {
             replacing.insert(name.clone(), Some(Fingerprint::of(path)?));
         }
         let in_place = files.in_place();
-        let mut manifest = Manifest::new(&self.command, false, in_place);
+        let identity = files.identity_in_place();
+        let mut manifest = Manifest::new(&self.command, false, in_place, identity);
         manifest.replacing = replacing;
         manifest.write(&self.root)?;
         let mut folders = BTreeSet::new();
@@ -280,7 +317,10 @@ impl ResultFolder {
         let mut all = manifest.files;
         all.extend(manifest.replacing);
         all.retain(|name, _| files.current.contains_key(name) && self.root.join(name).is_file());
-        Manifest::new(&self.command, is_complete, all).write(&self.root)
+        files.earlier_identity = files.identity.clone();
+        files.earlier = all.clone();
+        let identity = files.identity.as_ref();
+        Manifest::new(&self.command, is_complete, all, identity).write(&self.root)
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {

@@ -96,11 +96,12 @@ impl<'a> ResultSet<'a> {
     ) -> Result<(), SimulateError> {
         let held = self.cases.len().max(first + cases.len());
         let simulation = self.prepare(first, cases, settings)?;
-        let keep = |outcome: Outcome| Ok(outcome.into());
+        let keep = |outcome: Outcome| Ok(Some(outcome.into()));
         self.run_and_keep(simulation, first..first + cases.len(), observer, held, keep)
     }
 
     /// Runs missing cases like [`run_missing`](Self::run_missing), but keeps moments alone, and the findings that a study derives from the tallies of surfaces.
+    /// A case without findings, for which there was no time, is left to a later run.
     ///
     /// # Errors
     /// Same as [`simulate`](asperity_simulate::simulate), and the first error of `derive`.
@@ -109,14 +110,14 @@ impl<'a> ResultSet<'a> {
         cases: &[Case],
         settings: &Settings,
         observer: &dyn Observer,
-        mut derive: impl FnMut(&Outcome) -> Result<Value, E>,
+        mut derive: impl FnMut(&Outcome) -> Result<Option<Value>, E>,
     ) -> Result<(), E> {
         let simulation = self.prepare(0, cases, settings)?;
         self.run_and_keep(simulation, 0..cases.len(), observer, 0, |outcome| {
-            Ok(CaseResult {
-                findings: derive(&outcome)?,
+            Ok(derive(&outcome)?.map(|findings| CaseResult {
+                findings,
                 outcome: outcome.without_details(),
-            })
+            }))
         })
     }
 
@@ -143,7 +144,7 @@ impl<'a> ResultSet<'a> {
         numbers: Range<usize>,
         observer: &dyn Observer,
         held: usize,
-        mut keep: impl FnMut(Outcome) -> Result<CaseResult, E>,
+        mut keep: impl FnMut(Outcome) -> Result<Option<CaseResult>, E>,
     ) -> Result<(), E> {
         self.store.begin(numbers.start);
         let Self { cases, store, .. } = self;
@@ -151,9 +152,10 @@ impl<'a> ResultSet<'a> {
         let run = simulation.resume(Some(store), observer, held, |mut outcome| {
             outcome.number += numbers.start;
             let number = outcome.number;
-            let case = Arc::new(keep(outcome)?);
-            store.add_case(number, &case);
-            cases[number] = Some(case);
+            if let Some(case) = keep(outcome)?.map(Arc::new) {
+                store.add_case(number, &case);
+                cases[number] = Some(case);
+            }
             Ok(())
         });
         let is_complete = numbers.into_iter().all(|case| self.is_complete(case));

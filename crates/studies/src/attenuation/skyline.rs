@@ -1,6 +1,7 @@
 //! Skyline: the horizons of all points of a surface, and of its samples.
 
 use asperity_optics::Incidence;
+use asperity_simulate::{Observer, SimulateError};
 use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
@@ -25,16 +26,22 @@ impl Skyline {
         surface: &Surface,
         index: u64,
         least: f64,
+        observer: &dyn Observer,
     ) -> Result<Vec<Self>, StudyError> {
         let along = |&azimuth: &f64| {
             let horizons = Horizons::new(surface, azimuth, least).map_err(ConfigError::from)?;
             let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found = chunks(surface).into_par_iter().map(|chunk| {
+                if observer.gives_up() {
+                    return None;
+                }
                 let points = points(surface, study.config.run.seed, index, chunk).map(of);
                 let samples = samples(surface, azimuth, chunk).map(of);
-                (points.collect(), samples.collect())
+                Some((points.collect(), samples.collect()))
             });
-            let (points, samples) = found.unzip();
+            let found: Option<Vec<_>> = found.collect();
+            let found = found.ok_or(SimulateError::Interrupted)?;
+            let (points, samples) = found.into_iter().unzip();
             Ok(Self { points, samples })
         };
         study.azimuths.iter().map(along).collect()

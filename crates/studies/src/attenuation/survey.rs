@@ -54,7 +54,10 @@ impl SurveyedSurface {
             // Horizons scale with height, so that those of the first surface serve all.
             if let (0, Shape::HeightField { top, .. }) = (number, &shape) {
                 let least = least_rise(study);
-                skylines = Skyline::of_each_azimuth(study, top, index, least)?;
+                skylines = match Skyline::of_each_azimuth(study, top, index, least, observer) {
+                    Err(error) if error.is_stopped() => return Ok(None),
+                    skylines => skylines?,
+                };
                 rises = (run.demarcation).then(|| Rises::of(&skylines[0].points, least));
             }
             let survey = Survey::of(study, surfaces, index, &skylines);

@@ -10,7 +10,7 @@ use crate::config::lobes::BinnedLobe;
 pub struct Judgement<'a> {
     /// Outcome of the simulation.
     pub outcome: &'a Outcome,
-    /// Models.
+    /// Models; none if there was no time to compare them.
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the components that models claim.
     pub level: f64,

@@ -1,6 +1,6 @@
 //! Models against the explicit surfaces of a case.
 
-use asperity_simulate::Outcome;
+use asperity_simulate::{Observer, Outcome};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -109,16 +109,21 @@ impl ModelOutcome {
 /// Compares every model of the configuration with the surfaces of a case.
 ///
 /// Each component that a model claims is a test of its own; the level is shared among all tests of the
-/// case. Returns the models and the level of each test.
+/// case. Returns the models and the level of each test; no models if the run gives them up.
 pub(crate) fn compare_models(
     compared: &Compared<'_>,
+    observer: &dyn Observer,
 ) -> Result<(Vec<ModelOutcome>, f64), StudyError> {
     let config = compared.config;
-    let mut models = config
-        .models
-        .par_iter()
-        .map(|name| compared.with(CaseModel::of(name, &compared.surface)?))
-        .collect::<Result<Vec<_>, StudyError>>()?;
+    let models = config.models.par_iter().with_max_len(1);
+    let models = models.map(|name| match observer.gives_up() {
+        true => Ok(None),
+        false => Ok(Some(
+            compared.with(CaseModel::of(name, &compared.surface)?)?,
+        )),
+    });
+    let models = models.collect::<Result<Option<Vec<_>>, StudyError>>()?;
+    let mut models = models.unwrap_or_default();
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();

@@ -199,11 +199,16 @@ const fn opaque(material: Material) -> &'static str {
     }
 }
 
+/// Sentence that ends in "or insist", with the flag that insists.
+pub(crate) fn with_insistence(sentence: impl std::fmt::Display) -> String {
+    format!("{sentence} with --insist")
+}
+
 /// Sentence on a structure that cannot be made, with the flag that draws it all the same.
 fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
     let sentence = error.clone().with_unit(unit).to_string();
     match error {
-        StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
+        StructureError::Unresolved { .. } => with_insistence(sentence),
         _ => sentence,
     }
 }

@@ -19,6 +19,9 @@ const DEFAULT_AMPLITUDE_RATIO: f64 = 8.0;
 /// Largest smoothness. Lobes are then a few millionths of a radian wide; quadrature does not resolve narrower ones.
 pub(crate) const MAX_SMOOTHNESS: f64 = 1e6;
 
+/// Least smoothness: no steeper surface is of use.
+pub(crate) const MIN_SMOOTHNESS: f64 = 1e-6;
+
 /// The cells of a surface, or `auto`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]

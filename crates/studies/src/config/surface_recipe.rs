@@ -3,7 +3,7 @@
 use asperity_simulate::short;
 use asperity_synthesis::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
-use super::surface::{MAX_SMOOTHNESS, SurfaceConfig};
+use super::surface::{MAX_SMOOTHNESS, MIN_SMOOTHNESS, SurfaceConfig};
 use super::surface_choices::{Roughness, Spectrum};
 use crate::config::error::ConfigError;
 use crate::config::structure::StructureConfig;
@@ -65,8 +65,8 @@ impl SurfaceConfig {
         };
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
         let smoother = smoothness * ratio.max(1.0);
-        if !(smoothness > 0.0 && smoother <= MAX_SMOOTHNESS) {
-            let reason = "must be above 0 and at most 1e6, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects the same";
+        if !(smoothness >= MIN_SMOOTHNESS && smoother <= MAX_SMOOTHNESS) {
+            let reason = "must be from 1e-6 to 1e6, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects the same";
             let given = format!("smoothness {}", short(smoother));
             return Err(ConfigError::unsuitable(given, reason));
         }

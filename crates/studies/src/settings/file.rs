@@ -11,7 +11,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};
-use super::suggestion::{known_names, suggestion};
+use super::suggestion::{known_names, roughness_hint, suggestion};
 use super::value_text::read_text;
 
 /// A configuration file that is being read.
@@ -89,7 +89,7 @@ impl File<'_> {
             .filter(|setting| setting.in_file && setting.section == section);
         let known: Vec<&str> = known.map(|setting| setting.key).collect();
         let mut names = known_names(key, &known, "its keys are");
-        if suggestion(key, &known).is_none() {
+        if suggestion(key, &known).is_none() || roughness_hint(key).is_some() {
             names.insert_str(0, &self.elsewhere(key));
         }
         Err(SettingError::UnknownKey {
@@ -102,6 +102,9 @@ impl File<'_> {
 
     /// End of a sentence with the section that has the key, or one like it; nothing if none does.
     fn elsewhere(&self, key: &str) -> String {
+        if let Some(hint) = roughness_hint(key) {
+            return hint;
+        }
         let in_file = settings_of(self.command).filter(|setting| setting.in_file);
         let settings: Vec<&Setting> = in_file.collect();
         let keys: Vec<&str> = settings.iter().map(|setting| setting.key).collect();

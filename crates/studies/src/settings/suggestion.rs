@@ -80,6 +80,24 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("oren-nayar", "diffuse lambert lambertian"),
 ];
 
+/// Names of roughness in other programs, which is another quantity than any here.
+const ROUGHNESS: [&str; 4] = ["alpha", "roughness", "alpha-x", "alpha-y"];
+
+/// Sentence for who names roughness as other programs do.
+#[must_use]
+pub fn roughness_hint(given: &str) -> Option<String> {
+    let is_roughness = ROUGHNESS.contains(&plain(given).as_str());
+    let dashes = if given.starts_with("--") { "--" } else { "" };
+    is_roughness.then(|| format!("; roughness is given as {dashes}smoothness, s = 2 / alpha"))
+}
+
+/// A name without dashes in front, in small letters.
+fn plain(name: &str) -> String {
+    name.trim_start_matches('-')
+        .to_lowercase()
+        .replace('_', "-")
+}
+
 /// Fewest letters of a beginning that stands for a name.
 const BEGINNING: usize = 3;
 
@@ -87,18 +105,13 @@ const BEGINNING: usize = 3;
 /// letters changed, or the one that it begins.
 #[must_use]
 pub fn suggestion<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
-    let plain = |name: &str| {
-        name.trim_start_matches('-')
-            .to_lowercase()
-            .replace('_', "-")
-    };
     let given = plain(given);
     let length = given.chars().count();
     let named = |wanted: &str| names.iter().copied().find(|name| plain(name) == wanted);
-    let synonym = |most: usize| {
-        let near = |other: &str| osa_distance(other, &given) <= most;
+    let synonym = || {
         let mut synonyms = SYNONYMS.iter();
-        synonyms.find_map(|(name, others)| named(name).filter(|_| others.split(' ').any(near)))
+        let is_given = |other: &str| other == given;
+        synonyms.find_map(|(name, others)| named(name).filter(|_| others.split(' ').any(is_given)))
     };
     // A third of the letters, and one of two or three
     let most = (length / 3).clamp(1, 3);
@@ -115,11 +128,7 @@ pub fn suggestion<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
         let mut names = names.iter().copied();
         names.find(|name| length >= BEGINNING && plain(name).starts_with(&given))
     };
-    named(&given)
-        .or_else(|| synonym(0))
-        .or_else(near)
-        .or_else(begun)
-        .or_else(|| synonym(1).filter(|_| length > BEGINNING))
+    named(&given).or_else(synonym).or_else(near).or_else(begun)
 }
 
 /// End of a sentence with the suggestion and all names: `; did you mean trace? The commands are ...`. `list` begins with a small letter.
@@ -179,9 +188,8 @@ mod tests {
             "; did you mean trace?"
         );
         let materials = ["dielectric", "conductor"];
-        assert_eq!(suggestion("goldd", &materials), Some("conductor"));
         assert_eq!(
-            known_names("golld", &materials, "the materials are"),
+            known_names("gold", &materials, "the materials are"),
             "; did you mean conductor? The materials are dielectric, conductor"
         );
         assert_eq!(

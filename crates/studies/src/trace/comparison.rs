@@ -195,7 +195,7 @@ impl PlannedComparison {
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
         };
-        let (models, level) = compare_models(&compared)?;
+        let (models, level) = compare_models(&compared, observer)?;
         observer.end();
         let judgement = Judgement {
             outcome,

@@ -49,6 +49,12 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
     let wavelength = outcome.config.light.wavelength_nm();
     warnings.extend(wavelength_warnings(wavelength, case.outcome.case.at.unit));
     warnings.extend(gaussian_models_of_ggx(case));
+    if outcome.config.lacks_models(case) {
+        warnings.push(
+            "the run was ended before the case was compared with models; the same command compares it, if it has the time"
+                .to_owned(),
+        );
+    }
     let left_out = outcome.left_out();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;

@@ -1,7 +1,7 @@
 //! Outcome of a verification: its results, judged.
 
 use asperity_results::ResultSet;
-use asperity_simulate::Stopping;
+use asperity_simulate::{StoppedBy, Stopping};
 
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
@@ -19,8 +19,17 @@ pub struct VerifyOutcome<'a> {
     pub found: &'a ResultSet<'a>,
     /// The cases that were found, in the order of the plan.
     pub cases: Vec<Judgement<'a>>,
+    /// Reason why the run ended before all cases were complete and compared.
+    pub stopped_by: Option<StoppedBy>,
     /// Seconds from beginning to end.
     pub seconds: f64,
+}
+
+impl VerifyConfig {
+    /// Returns `true` if there was no time to compare a case with models.
+    pub(super) fn lacks_models(&self, case: &Judgement<'_>) -> bool {
+        case.models.is_empty() && !self.compare.models.is_empty()
+    }
 }
 
 impl VerifyOutcome<'_> {

@@ -23,7 +23,7 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&Judgement<'_>) -> T) 
         plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }
     let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-    read(&judge_case(&config, &found[0]).unwrap())
+    read(&judge_case(&config, &found[0], &Silent).unwrap())
 }
 
 fn p_values(outcome: &Judgement<'_>) -> Vec<f64> {

@@ -1,11 +1,13 @@
 //! Spectrum error: reasons why a power spectral density is refused.
 
+use std::ops::RangeInclusive;
+
 /// Reason why a power spectral density is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PsdError {
-    /// A parameter is zero, negative or not finite.
-    #[error("{name} is {value}; it must be {allowed}")]
+    /// A parameter is out of range.
+    #[error("{name} is {value:?}; it must be {allowed}")]
     BadParameter {
         /// Name of the parameter.
         name: &'static str,
@@ -43,14 +45,17 @@ pub enum PsdError {
     Table(#[from] PsdTableError),
 }
 
-/// Checks that a parameter is positive and finite.
+/// Parameters whose ratios have squares that are finite and positive.
+const RANGE: RangeInclusive<f64> = 1e-50..=1e50;
+
+/// Checks that a parameter is positive, and neither so small nor so large that squares of ratios overflow.
 pub(super) fn positive(name: &'static str, value: f64) -> Result<(), PsdError> {
-    match value.is_finite() && value > 0.0 {
+    match RANGE.contains(&value) {
         true => Ok(()),
         false => Err(PsdError::BadParameter {
             name,
             value,
-            allowed: "positive and finite",
+            allowed: "from 1e-50 to 1e50",
         }),
     }
 }

@@ -240,7 +240,7 @@ impl PlanePsd {
         let numbers = [self.sigma, self.total, self.along[0], self.along[1]];
         self.check_table().is_ok()
             && self.axes.is_valid()
-            && numbers.iter().all(|x| positive("number", *x).is_ok())
+            && numbers.iter().all(|x| x.is_finite() && *x > 0.0)
     }
 }
 

@@ -21,6 +21,10 @@ pub(super) enum Role {
 pub(super) struct Files {
     /// Listed by the manifest of an earlier run.
     pub(super) earlier: ListedFiles,
+    /// Identity of that run, if it can be resumed.
+    pub(super) earlier_identity: Option<String>,
+    /// Identity of this run, if it can be resumed.
+    pub(super) identity: Option<String>,
     /// Claimed or kept by this run.
     pub(super) current: BTreeMap<String, Role>,
     /// Results of this run, until all of them are put in place.
@@ -40,6 +44,12 @@ impl Files {
             Some(Role::Checkpoint) => None,
             _ => self.earlier.get(name)?.as_ref(),
         }
+    }
+
+    /// Identity of the files in place before this run has put its own there: none where these are of another run.
+    pub(super) fn identity_in_place(&self) -> Option<&String> {
+        let earlier = self.earlier_identity.as_ref();
+        earlier.filter(|_| self.earlier_identity == self.identity)
     }
 
     /// Files that this run has neither claimed nor kept.

@@ -12,18 +12,10 @@ use crate::files::text::read_json;
 /// The refusal of a folder with results and without a manifest: they may be a part of those in a folder above.
 pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
-    for above in path.ancestors().skip(1) {
-        let inside = path.strip_prefix(above).unwrap_or(&path);
-        if let Ok(Some(manifest)) = Manifest::read(above)
-            && manifest
-                .files
-                .keys()
-                .any(|name| Path::new(name).starts_with(inside))
-        {
-            let (found, results) = (manifest.command, above.display());
-            let holds = format!("a part of the results of `{found}` in `{results}`");
-            return ResultFolderError::OtherResults { folder, holds };
-        }
+    if let Some((above, manifest)) = Manifest::above(&path) {
+        let (found, results) = (manifest.command, above.display());
+        let holds = format!("a part of the results of `{found}` in `{results}`");
+        return ResultFolderError::OtherResults { folder, holds };
     }
     let holds =
         "the summary.json of a run without the manifest.json that lists its files".to_owned();

@@ -28,7 +28,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
         basic("smoothness", Kind::Number)
             .help("Smoothness s = tau / sigma, along the first principal axis")
             .commands(RANDOM.and(MODEL))
-            .range(Range::AboveTo(0.0, 1e6))
+            .range(Range::FromTo(1e-6, 1e6))
             .arity(Arity::ListIn(SWEEPS.and(MODEL)))
             .default("3")
             .default_in(&[(MODEL, None)])
@@ -37,7 +37,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Smoothness tau_y / sigma along the second principal axis")
             .basic(MODEL)
             .commands(MODEL)
-            .range(Range::AboveTo(0.0, 1e6))
+            .range(Range::FromTo(1e-6, 1e6))
             .otherwise("smoothness"),
         basic("slopes_of", Kind::Path)
             .help("Height map, or table x,y,density in .csv, with the slopes")
@@ -198,7 +198,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Roughness of GGX slopes, in place of smoothness")
             .basic(MODEL)
             .commands(RANDOM.and(MODEL))
-            .range(Range::AboveTo(0.0, 10.0))
+            .range(Range::FromTo(1e-6, 10.0))
             .arity(Arity::ListIn(SWEEPS))
             .otherwise("none; --slopes ggx needs it"),
         setting("amplitude_ratio", Kind::Number)
