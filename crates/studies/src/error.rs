@@ -102,6 +102,9 @@ impl StudyError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::Config(ConfigError::Simulate(error)) | Self::Simulate(error) => error.is_usage(),
+            Self::Config(ConfigError::Synthesis { error, .. }) | Self::Synthesis(error) => {
+                error.is_usage()
+            }
             Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
             Self::Render(error) => matches!(
                 error,
@@ -113,7 +116,6 @@ impl StudyError {
             ),
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
-            Self::Synthesis(error) => error.is_usage(),
             Self::Results(_)
             | Self::Comparison(_)
             | Self::HeightField(_)
