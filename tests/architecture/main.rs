@@ -156,8 +156,8 @@ fn folders_of_height_fields_use_only_what_lies_below_them() {
 const SYNTHESIS: [(&str, &[&str]); 6] = [
     ("spectra", &[]),
     ("structures", &[]),
-    ("recipe", &["spectra", "structures"]),
-    ("drawing", &["recipe", "spectra", "structures"]),
+    ("recipe", &["erosion", "spectra", "structures"]),
+    ("drawing", &["erosion", "recipe", "spectra", "structures"]),
     ("realised", &["recipe", "spectra", "structures"]),
     ("erosion", &[]),
 ];

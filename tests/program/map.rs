@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support::{
-    asperity, assert_same_bytes, errors_of, files, json, refused, succeed, words,
+    asperity, assert_same_bytes, errors_of, files, json, refused, succeed, unwrapped, words,
 };
 
 /// Four cells in which a model is within tolerance, beyond it and not resolved; in a fraction of a second.
@@ -369,4 +369,41 @@ fn the_examples_are_maps() {
         let config = asperity_studies::MapConfig::from_toml(&text).unwrap();
         assert_eq!(config.plan().unwrap().cases.len(), cells, "{name}");
     }
+}
+
+/// Heights of 0.135 um mix the phases of reflected light, and leave more than half of the transmitted light coherent; four times as high
+/// ones mix both.
+#[test]
+fn cells_are_judged_by_the_wavelength_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "map --tau 5um --sigma 0.135um,0.54um --theta 0,60 --size 32 --realisations 8 --rays 800 --models smith --no-plots";
+    let report = succeed(folder, &words(&format!("{line} -o m")));
+    let text = unwrapped(&report);
+    assert!(
+        text.contains("warning: s37.037_n1.5_theta0: up to 55.2 % of the transmitted light is coherent at 550 nm, assumed"),
+        "{text}"
+    );
+    assert!(text.contains("in 1 other cells"), "{text}");
+    assert!(text.contains("geometric optics is doubtful"), "{text}");
+    let summary = |out: &str| {
+        let text = fs::read_to_string(folder.join(out).join("summary.json"));
+        json(&text.unwrap())
+    };
+    let cells = summary("m")["cells"].clone();
+    let holds = |i: usize| cells[i]["validity"]["holds"].clone();
+    assert_eq!([holds(0), holds(2)], [false, true]);
+    // The same results under another wavelength
+    let long = succeed(folder, &words(&format!("{line} --wavelength 5um -o m")));
+    assert!(unwrapped(&long).contains("at 5000 nm:"), "{long}");
+    assert_eq!(summary("m")["cells"][2]["validity"]["holds"], false);
+    let unknown = line.replace("um", "");
+    let text = unwrapped(&succeed(
+        folder,
+        &words(&format!("{unknown} --wavelength 500 -o u")),
+    ));
+    assert!(
+        text.contains("has no effect") && !text.contains("geometric optics"),
+        "{text}"
+    );
 }

@@ -280,3 +280,102 @@ fn ensembles_of_worn_surfaces_are_those_that_inspect_writes() {
     let reflected = &measured["directions"][0]["results"]["flux"]["all"]["reflected"];
     assert_eq!(reflected, &traced["energy"]["reflected"]);
 }
+
+/// Erosion is a step of the recipe: every drawn surface is worn as if it was written, and read with the same flags.
+#[test]
+fn eroded_random_surfaces_have_the_results_of_files_that_are_eroded_when_they_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let recipe = "--smoothness 1 --tau 4 --size 32 --spacing 1 --realisations 2";
+    let worn = "--repose 30 --slip-steps 200 --etch 1.5";
+    let light = "--theta 50 --rays 2e4 --bins 6x8 --no-plots";
+    let files = "set/surface_0.npy set/surface_1.npy --border periodic";
+    run(&format!("generate {recipe} --format npy -o set"));
+    run(&format!("generate {recipe} {worn} --format npy -o worn"));
+    run(&format!("trace {files} {worn} {light} -o traced"));
+    run(&format!(
+        "trace worn/surface_0.npy worn/surface_1.npy --border periodic {light} -o generated"
+    ));
+    let random = format!("{recipe} {worn} {light} --light-azimuth fixed --no-fold");
+    let report = unwrapped(&run(&format!("verify {random} --models smith -o drawn")));
+    assert!(
+        report.contains("cells are flat: erosion leaves"),
+        "{report}"
+    );
+    assert!(report.contains("are those before"), "{report}");
+    run(&format!("gonio {random} -o measured"));
+    let read = |out: &str| {
+        let text = std::fs::read_to_string(folder.join(out).join("summary.json"));
+        json(&text.unwrap())
+    };
+    let reflected = |out: &str| read(out)["energy"]["reflected"]["mean"].clone();
+    let traced = reflected("traced");
+    assert!(traced.as_f64().unwrap() > 0.01);
+    assert_eq!(traced, reflected("generated"));
+    assert_eq!(traced, reflected("drawn"));
+    let gonio = &read("measured")["directions"][0];
+    assert_eq!(traced, gonio["results"]["flux"]["all"]["reflected"]["mean"]);
+    assert_eq!(gonio["case"]["psd"]["erosion"][1]["depth"], 1.5);
+    // A file remembers it
+    run(&format!(
+        "generate {} {worn} -o worn.exr",
+        recipe.replace(" --realisations 2", "")
+    ));
+    run("trace worn.exr --theta 50 --rays 200 --no-plots -o exr");
+    let generated = &read("exr")["config"]["surface"]["generated"];
+    assert_eq!(generated["psd"]["erosion"][0]["steps"], 200);
+    // The results of the same command are there, and those of another erosion are others
+    run(&format!("verify {random} --models smith -o drawn"));
+    let other = random.replace("--etch 1.5", "--etch 1.6");
+    let said = refused(
+        folder,
+        &words(&format!("verify {other} --models smith -o drawn")),
+        2,
+    );
+    assert!(said.contains("other settings"), "{said}");
+}
+
+#[test]
+fn erosion_of_random_surfaces_is_refused_or_explained_where_it_makes_no_sense() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let few = "--tau 4 --size 32 --spacing 1 --realisations 2 --rays 200 --no-plots";
+    for (flags, expected) in [
+        ("--etch 65", "more than 64 spacings"),
+        ("--slip-steps 5", "--slip-steps 5 needs --repose"),
+        (
+            "--repose 30 --estimator controlled",
+            "not known for these surfaces",
+        ),
+        ("--repose 30 --spacing 2", "insist"),
+    ] {
+        let few = match flags.contains("--spacing") {
+            true => few.replace(" --spacing 1", ""),
+            false => few.to_owned(),
+        };
+        for command in ["verify", "gonio", "map"] {
+            let line = format!("{command} {few} {flags} -o {command}");
+            let said = refused(folder, &words(&line), 2);
+            assert!(said.contains(expected), "{line}: {said}");
+        }
+    }
+    let converge = format!("converge {few} --repose 30 --estimators controlled -o c");
+    let line = converge
+        .replace(" --rays 200 --no-plots", "")
+        .replace(" --realisations 2", "");
+    let said = refused(folder, &words(&line), 2);
+    assert!(said.contains("not known for these surfaces"), "{said}");
+    // Slopes are no longer GGX, so that neither are the models
+    let ggx = "--slopes ggx --ggx-alpha 0.3 --tau 4 --amplitude-ratio 2 --size 64 --spacing 1";
+    let line = format!("verify {ggx} --realisations 8 --rays 800 --etch 0.5 -o g");
+    let report = unwrapped(&succeed(folder, &words(&line)));
+    assert!(
+        report.contains("xu-sun") && !report.contains("heitz-ggx"),
+        "{report}"
+    );
+    assert!(
+        report.contains("--etch 0.5 is less than the spacing of 1"),
+        "{report}"
+    );
+}

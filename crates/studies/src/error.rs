@@ -113,6 +113,9 @@ impl StudyError {
     pub fn is_usage(&self) -> bool {
         match self {
             Self::Config(ConfigError::Simulate(error)) | Self::Simulate(error) => error.is_usage(),
+            Self::Config(ConfigError::Synthesis { error, .. }) | Self::Synthesis(error) => {
+                error.is_usage()
+            }
             Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
             Self::Render(error) => matches!(
                 error,
@@ -124,7 +127,6 @@ impl StudyError {
             ),
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
-            Self::Synthesis(error) => error.is_usage(),
             Self::Results(_)
             | Self::Comparison(_)
             | Self::HeightField(_)

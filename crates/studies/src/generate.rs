@@ -71,6 +71,7 @@ impl GeneratePlan {
         let mut notes = surface.read_files()?;
         let (_, recipe) = surface.recipe()?;
         let (shape, spacing) = (surface.shape(), surface.spacing());
+        let shallow = surface.erosion.shallow_note(spacing, surface.unit);
         let few_lengths = amplitude_note(&recipe, surface.size(), spacing);
         let planning = FieldSynthesis::planning_bytes(&recipe, shape);
         check_memory("planning these surfaces", planning)?;
@@ -82,6 +83,7 @@ impl GeneratePlan {
         check_memory("this surface", synthesis.peak_bytes())?;
         notes.extend(spectrum_note(synthesis.spectrum_mismatch()));
         notes.extend(few_lengths);
+        notes.extend(shallow);
         Ok(Self {
             config,
             synthesis,

@@ -18,6 +18,7 @@ use asperity_optics::{Incidence, Material, from_spherical};
 
 pub use self::attenuation_of::AttenuationFileError;
 use self::attenuation_of::{CountedAttenuation, with_smith};
+use self::config::Combinations;
 pub use self::config::ModelConfig;
 use self::directions::{About, Directions};
 pub use self::error::EvaluationError;
@@ -48,14 +49,15 @@ pub fn evaluate_model(
     document: &Document,
     resolution: Resolution,
 ) -> Result<Box<dyn Evaluation>, EvaluationError> {
-    let lists = config.lists();
-    if lists.is_empty() {
-        return evaluate_single(config, document, resolution);
+    let Combinations { names, singles } = config.combinations()?;
+    let evaluated = |single: &ModelConfig| evaluate_single(single, document, resolution);
+    if let [(_, single)] = singles.as_slice() {
+        return evaluated(single);
     }
-    let singles = config.singles(&lists)?.into_iter();
     let evaluations = singles
-        .map(|(values, single)| Ok((values, evaluate_single(&single, document, resolution)?)));
-    Ok(Box::new(Several::of(lists, evaluations)?))
+        .into_iter()
+        .map(|(values, single)| Ok((values, evaluated(&single)?)));
+    Ok(Box::new(Several::of(names, evaluations)?))
 }
 
 /// Evaluates the model of a configuration without lists.

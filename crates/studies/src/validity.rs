@@ -60,11 +60,8 @@ pub struct Validity {
     pub wavelength_nm: f64,
     /// `true` if it is assumed, none being given.
     pub wavelength_is_assumed: bool,
-    /// `4 pi sigma n_i cos(theta) / lambda`.
-    pub rayleigh_parameter: f64,
-    /// Fraction of the light reflected by the surface that stays coherent, of a Gaussian surface; zero for Lambertian facets.
-    pub coherent_fraction: f64,
-    /// Light that the surface reflects; `None` where the side is not recorded or facets are Lambertian.
+    /// Light that the surface reflects, none of it coherent if facets are Lambertian; `None` where the side is not recorded. Its phase is the
+    /// Rayleigh parameter, `4 pi sigma n_i cos(theta) / lambda`.
     pub reflected: Option<Coherence>,
     /// Light that is transmitted, through a layer without being scattered inside; `None` where there is none or the side is not recorded.
     pub transmitted: Option<Coherence>,
@@ -96,16 +93,22 @@ impl Validity {
         if lengths.sigma == 0.0 {
             return None;
         }
-        let beams = Beams::of(lengths, bottom, case);
-        let phase = |beam: f64| Coherence::of(2.0 * PI / wavelength * beam);
-        let rayleigh = phase(beams.reflected);
-        let is_diffuse = matches!(case.material, Material::Lambertian { .. });
+        let differences = PathDifferences::of(lengths, bottom, case);
+        let phase = |difference: f64| Coherence::of(2.0 * PI / wavelength * difference);
         let recorded = |side| spec.records(side);
-        let reflected = (recorded(Side::Reflected) && !is_diffuse).then_some(rayleigh);
-        let transmitted = beams.transmitted.filter(|_| recorded(Side::Transmitted));
-        let by_bottom = beams.by_bottom.filter(|_| recorded(Side::Reflected));
+        let reflected = recorded(Side::Reflected).then(|| match case.material {
+            Material::Lambertian { .. } => Coherence {
+                coherent_fraction: 0.0,
+                ..phase(differences.reflected)
+            },
+            _ => phase(differences.reflected),
+        });
+        let transmitted = differences
+            .transmitted
+            .filter(|_| recorded(Side::Transmitted));
+        let by_bottom = differences.by_bottom.filter(|_| recorded(Side::Reflected));
         let [transmitted, reflected_by_bottom] =
-            [transmitted, by_bottom].map(|beam| beam.map(phase));
+            [transmitted, by_bottom].map(|difference| difference.map(phase));
         let cos = case.light.incidence.theta().cos();
         let tau = lengths.tau.map(|tau| tau / wavelength);
         let curvature = lengths.curvature.filter(|curvature| *curvature > 0.0);
@@ -113,11 +116,6 @@ impl Validity {
         let mut validity = Self {
             wavelength_nm: nanometres,
             wavelength_is_assumed: wavelength_nm.is_none(),
-            rayleigh_parameter: rayleigh.phase_parameter,
-            coherent_fraction: match is_diffuse {
-                true => 0.0,
-                false => rayleigh.coherent_fraction,
-            },
             reflected,
             transmitted,
             reflected_by_bottom,
@@ -130,6 +128,16 @@ impl Validity {
         let is_complete = tau.is_some() && lengths.curvature.is_some();
         validity.holds = (is_doubtful || is_complete).then_some(!is_doubtful);
         Some(validity)
+    }
+
+    /// For the light of a case on random surfaces; `None` on given ones, and as of [`Self::new`].
+    pub(crate) fn of_random(
+        case: &Case,
+        spec: &TallySpec,
+        wavelength_nm: Option<f64>,
+    ) -> Option<Self> {
+        let lengths = SurfaceLengths::of_recipe(case.surface.recipe()?, case.at.unit);
+        Self::new(&lengths, None, case, spec, wavelength_nm)
     }
 
     /// The least of all numbers that are known.
@@ -146,14 +154,9 @@ impl Validity {
 
     /// The least phase of a side.
     pub(crate) fn least_phase(&self) -> f64 {
-        let others = [self.transmitted, self.reflected_by_bottom];
-        let phases = others.into_iter().flatten().map(|one| one.phase_parameter);
-        // Of the reflected light alone where it is recorded
-        let first = match (self.reflected, self.transmitted) {
-            (None, Some(_)) => f64::INFINITY,
-            _ => self.rayleigh_parameter,
-        };
-        phases.fold(first, f64::min)
+        let all = [self.reflected, self.transmitted, self.reflected_by_bottom];
+        let phases = all.into_iter().flatten().map(|one| one.phase_parameter);
+        phases.fold(f64::INFINITY, f64::min)
     }
 
     /// The note of a report; `None` where nothing is in doubt and no wavelength was given.
@@ -197,6 +200,26 @@ impl Validity {
                 )
             })
             .collect();
+        self.warning(&much)
+    }
+
+    /// The first lines of a report that has no fluxes by component: the largest fraction of the light of each side that may be coherent.
+    pub(crate) fn first_lines_at_most(&self) -> Option<String> {
+        let sides = [
+            (Side::Reflected, self.reflected),
+            (Side::Transmitted, self.transmitted),
+        ];
+        let fractions = sides
+            .into_iter()
+            .filter_map(|(side, one)| Some((side, one?.coherent_fraction)));
+        let much = fractions.filter(|(_, fraction)| *fraction > MUCH);
+        let much: Vec<String> = much
+            .map(|(side, fraction)| format!("up to {:.1} % of the {side} light", 100.0 * fraction))
+            .collect();
+        self.warning(&much)
+    }
+
+    fn warning(&self, much: &[String]) -> Option<String> {
         (!much.is_empty()).then(|| {
             format!(
                 "warning: {} {} coherent at {}: a wave leaves in the direction of light on a flat surface, and all numbers here hold it in the lobe of the rays",
@@ -214,6 +237,35 @@ impl Validity {
         };
         format!("{} nm{assumed}", short(self.wavelength_nm))
     }
+}
+
+/// The first of the warnings of several named cases, and the number of others; `cases` is what they are called.
+pub(crate) fn first_warning(
+    mut warnings: impl Iterator<Item = (String, String)>,
+    cases: &str,
+) -> Option<String> {
+    let (name, line) = warnings.next()?;
+    let others = match warnings.count() {
+        0 => String::new(),
+        others => format!("; the same, with other fractions, in {others} other {cases}"),
+    };
+    let line = line.trim_start_matches("warning: ");
+    Some(format!("warning: {name}: {line}{others}"))
+}
+
+/// The note on the one of several named cases where lengths are shortest against the wavelength, and the number of others that are doubtful.
+pub(crate) fn note_of_several(known: &[(String, Validity)], cases: &str) -> Option<String> {
+    let is_doubtful = |validity: &Validity| validity.holds == Some(false);
+    let doubtful = known.iter().filter(|(_, one)| is_doubtful(one)).count();
+    let (name, validity) = known.iter().min_by(|(_, a), (_, b)| {
+        let by_parameter = a.least_phase().total_cmp(&b.least_phase());
+        is_doubtful(b).cmp(&is_doubtful(a)).then(by_parameter)
+    })?;
+    let others = match doubtful.saturating_sub(1) {
+        0 => String::new(),
+        more => format!("; {more} other {cases} are doubtful"),
+    };
+    Some(format!("{name}: {}{others}", validity.note()?))
 }
 
 /// A number to three digits.
@@ -242,13 +294,13 @@ pub(crate) fn wavelength_warnings(wavelength_nm: Option<f64>, unit: LengthUnit) 
 }
 
 /// Root mean square differences of optical paths between points of a surface, in lengths.
-struct Beams {
+struct PathDifferences {
     reflected: f64,
     transmitted: Option<f64>,
     by_bottom: Option<f64>,
 }
 
-impl Beams {
+impl PathDifferences {
     fn of(lengths: &SurfaceLengths, bottom: Option<&SurfaceLengths>, case: &Case) -> Self {
         let incidence = case.light.incidence;
         let sigma = lengths.sigma;
@@ -266,22 +318,22 @@ impl Beams {
         let across = n_i * incidence.theta().cos();
         // n cos(theta) beyond; `None` where all light is reflected
         let beyond = |n: f64| (n > along).then(|| (n * n - along * along).sqrt());
-        let mut beams = Self {
+        let mut differences = Self {
             reflected: 2.0 * sigma * across,
             transmitted: None,
             by_bottom: None,
         };
         let Some((n_t, inside)) = n_t.and_then(|n| Some((n, beyond(n)?))) else {
-            return beams;
+            return differences;
         };
         let step = inside - across;
         let Some(below) = case.layer else {
-            beams.transmitted = Some(sigma * step.abs());
-            return beams;
+            differences.transmitted = Some(sigma * step.abs());
+            return differences;
         };
         let Some(end) = below.layer.end() else {
-            beams.transmitted = below.layer.transmits().then(|| sigma * step.abs());
-            return beams;
+            differences.transmitted = below.layer.transmits().then(|| sigma * step.abs());
+            return differences;
         };
         // Heights of the bottom, and their correlation with those above where light arrives
         let bottom_sigma = match (bottom, below.bottom) {
@@ -301,7 +353,7 @@ impl Beams {
             let squares = (sigma * step).powi(2) + (bottom_sigma * second).powi(2);
             root(squares + 2.0 * common * sigma * step * bottom_sigma * second)
         };
-        beams.transmitted = match end.bottom {
+        differences.transmitted = match end.bottom {
             Bottom::Open => Some(sigma * step.abs()),
             Bottom::Interface { eta } => beyond(n_t * eta).map(|out| through(out - inside)),
             _ => None,
@@ -311,12 +363,12 @@ impl Beams {
             Bottom::Interface { eta } => eta != 1.0,
             _ => false,
         };
-        beams.by_bottom = reflects.then(|| {
+        differences.by_bottom = reflects.then(|| {
             let top = (sigma * step).powi(2) * (2.0 + 2.0 * correlation(2.0));
             let of_bottom = (2.0 * inside * bottom_sigma).powi(2);
             root(top + of_bottom - 8.0 * common * sigma * step * inside * bottom_sigma)
         });
-        beams
+        differences
     }
 }
 
@@ -353,35 +405,38 @@ impl fmt::Display for Validity {
         if self.least() > BEYOND_DOUBT {
             return Ok(());
         }
-        write!(
-            f,
-            ": 4 pi sigma cos(theta) / lambda = {}",
-            short(self.rayleigh_parameter)
-        )?;
-        write_coherent(f, self.coherent_fraction, "reflected light")?;
+        f.write_str(": ")?;
+        if let Some(one) = self.reflected {
+            let phase = short(one.phase_parameter);
+            write!(f, "4 pi sigma cos(theta) / lambda = {phase}")?;
+            write_coherent(f, one.coherent_fraction, "reflected light")?;
+            f.write_str("; ")?;
+        }
         if let Some(one) = self.transmitted {
             write!(
                 f,
-                "; 2 pi sigma |n_t cos(theta_t) - n_i cos(theta_i)| / lambda = {}",
+                "2 pi sigma |n_t cos(theta_t) - n_i cos(theta_i)| / lambda = {}",
                 short(one.phase_parameter)
             )?;
             write_coherent(f, one.coherent_fraction, "transmitted light")?;
+            f.write_str("; ")?;
         }
         if let Some(one) = self.reflected_by_bottom {
             write!(
                 f,
-                "; the phase of light from the bottom varies by {}",
+                "the phase of light from the bottom varies by {}",
                 short(one.phase_parameter)
             )?;
             write_coherent(f, one.coherent_fraction, "it")?;
+            f.write_str("; ")?;
         }
         if let Some(tau) = self.tau_over_wavelength {
-            write!(f, "; tau / lambda = {}", short(tau))?;
+            write!(f, "tau / lambda = {}; ", short(tau))?;
         }
         if let Some(radius) = self.curvature_radius_over_wavelength {
-            write!(f, "; R cos^3(theta) / lambda = {}", short(radius))?;
+            write!(f, "R cos^3(theta) / lambda = {}; ", short(radius))?;
         }
-        write!(f, "; each should be above {LARGE}")
+        write!(f, "each should be above {LARGE}")
     }
 }
 
@@ -470,7 +525,8 @@ mod tests {
         let mut below = case(glass, 0.0);
         below.light.from = HalfSpace::Below;
         let found = of_case(0.135, &below);
-        assert!((found.rayleigh_parameter - 1.5 * 4.0 * PI * 0.135 / 0.55).abs() < 1e-12);
+        let reflected = found.reflected.unwrap();
+        assert!((reflected.phase_parameter - 1.5 * 4.0 * PI * 0.135 / 0.55).abs() < 1e-12);
         assert!(
             (found.transmitted.unwrap().phase_parameter - transmitted.phase_parameter).abs()
                 < 1e-12
@@ -523,7 +579,8 @@ mod tests {
         let found = found.unwrap();
         // sigma = sqrt 2 um, lambda = 0.5 um
         let rayleigh = 4.0 * PI * 2_f64.sqrt() * 0.5 / 0.5;
-        assert!((found.rayleigh_parameter / rayleigh - 1.0).abs() < 1e-12);
+        let reflected = found.reflected.unwrap();
+        assert!((reflected.phase_parameter / rayleigh - 1.0).abs() < 1e-12);
         // Second differences of a sine: 2 (1 - cos k) of it
         let curvature = 2_f64.sqrt() * 2.0 * (1.0 - (TAU / 32.0).cos());
         let radius = 0.125 / (curvature * 0.5);
@@ -560,7 +617,9 @@ mod tests {
     fn shallow_surfaces_are_doubtful_and_unknown_units_are_not_judged() {
         let shallow = of_field(&waves(0.02, LengthUnit::Micrometre), 0.0, None).unwrap();
         assert!(shallow.holds == Some(false) && shallow.wavelength_is_assumed);
-        assert!((shallow.coherent_fraction - (-shallow.rayleigh_parameter.powi(2)).exp()) == 0.0);
+        let reflected = shallow.reflected.unwrap();
+        let phase = reflected.phase_parameter;
+        assert_eq!(reflected.coherent_fraction, (-phase * phase).exp());
         let text = shallow.to_string();
         assert!(
             text.contains("doubtful") && text.contains("550 nm, assumed"),
@@ -584,6 +643,7 @@ mod tests {
         );
         let metres = metres.unwrap().with_unit(LengthUnit::Metre);
         let same = of_field(&metres, 0.0, None).unwrap();
-        assert!((same.rayleigh_parameter / shallow.rayleigh_parameter - 1.0).abs() < 1e-12);
+        let same = same.reflected.unwrap().phase_parameter;
+        assert!((same / phase - 1.0).abs() < 1e-12);
     }
 }

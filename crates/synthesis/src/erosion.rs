@@ -53,10 +53,34 @@ impl Erosion {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of(&self, field: &HeightField) -> Result<HeightField, ErosionError> {
+        self.check(field.spacing())?;
         let heights = match self {
-            Self::Etch(etch) => etch.heights(field)?,
-            Self::Slip(slip) => slip.heights(field)?,
+            Self::Etch(etch) => etch.heights(field),
+            Self::Slip(slip) => slip.heights(field),
         };
         Ok(field.with_heights(heights)?)
+    }
+
+    /// Refuses parameters that are out of range on a grid of this spacing.
+    pub(crate) fn check(&self, spacing: [f64; 2]) -> Result<(), ErosionError> {
+        match self {
+            Self::Etch(etch) => etch.check(spacing),
+            Self::Slip(slip) => slip.check(),
+        }
+    }
+
+    /// Returns `true` if parameters are in range on some grid.
+    pub(crate) fn is_valid(&self) -> bool {
+        self.check([f64::INFINITY; 2]).is_ok()
+    }
+
+    /// Returns the process with its lengths converted.
+    pub(crate) fn converted(self, convert: &dyn Fn(f64) -> f64) -> Self {
+        match self {
+            Self::Etch(Etch { depth }) => Self::Etch(Etch {
+                depth: convert(depth),
+            }),
+            slip @ Self::Slip(_) => slip,
+        }
     }
 }

@@ -42,8 +42,8 @@ pub use realised::{
     Compared, DrawnRoughness, Expectation, Gradients, Realised, RealisedStructure, SteeperThan,
 };
 pub use recipe::{
-    HeightDistribution, HeightTable, HeightTableError, Johnson, JohnsonError, JohnsonFamily,
-    MeasuredStructure, Provenance, StructuredSurface, StudentSlopes, SurfaceRecipe,
+    ErodedSurface, HeightDistribution, HeightTable, HeightTableError, Johnson, JohnsonError,
+    JohnsonFamily, MeasuredStructure, Provenance, StructuredSurface, StudentSlopes, SurfaceRecipe,
     TransformedHeights,
 };
 pub use spectra::{

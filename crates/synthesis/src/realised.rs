@@ -89,8 +89,8 @@ impl Realised {
     /// and that of slopes is not known.
     fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
         let recipe = &Provenance::of(field.provenance())?.recipe;
-        if recipe.structured().is_some() {
-            // It has statistics of its own
+        if recipe.is_measured() {
+            // Nothing was requested but what was measured
             return None;
         }
         let sigma = recipe.sigma();

@@ -1,5 +1,7 @@
 //! Recipes: descriptions of random surfaces, and the record of how one was drawn.
 
+mod drawn_moments;
+mod eroded;
 mod height_distribution;
 mod height_table;
 mod heights;
@@ -9,6 +11,8 @@ mod structured;
 mod student;
 mod surface_recipe;
 
+pub(crate) use self::drawn_moments::DrawnMoments;
+pub use self::eroded::ErodedSurface;
 pub use self::height_distribution::HeightDistribution;
 pub use self::height_table::{HeightTable, HeightTableError};
 pub use self::heights::TransformedHeights;

@@ -19,7 +19,7 @@ pub(crate) enum Convergence {
     Fourth,
     /// Facets much smaller than the radii of curvature: second order.
     Second,
-    /// Facets that cut across the edges of a structure: first order.
+    /// Facets that cut across the edges of a structure, or across those that erosion leaves: first order.
     First,
     /// Larger facets, which show no order yet.
     Unresolved,
@@ -34,7 +34,7 @@ impl Convergence {
                 let [dx, dy] = surfaces.spacing();
                 Self::of_facets(curvature * scale * dx.max(dy))
             }
-            (Cells::Flat, None) if surfaces.recipe().structured().is_some() => Self::First,
+            (Cells::Flat, None) if surfaces.recipe().is_measured() => Self::First,
             // Without a curvature there is no order.
             (_, None) => Self::Unresolved,
         }

@@ -141,9 +141,11 @@ impl RandomSurfaces {
 
     /// Approximate number of features of random slopes of a surface; `None` if it is no structure.
     pub(crate) fn random_features(&self) -> Option<f64> {
-        let SurfaceRecipe::Structured(surface) = &self.recipe else {
-            return None;
+        let before = match &self.recipe {
+            SurfaceRecipe::Eroded(eroded) => eroded.before(),
+            drawn => drawn,
         };
+        let surface = before.structured()?;
         let [ny, nx] = self.shape;
         let [dx, dy] = self.spacing;
         let extent = [nx as f64 * dx, ny as f64 * dy];

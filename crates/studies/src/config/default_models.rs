@@ -31,7 +31,7 @@ impl Described<'_> {
             (Some(_), _) => &[LayerPaths::All.name()],
             (None, MaterialConfig::Lambertian { .. }) if is_isotropic => &[OrenNayar::NAME],
             (None, MaterialConfig::Lambertian { .. }) => &[],
-            (None, _) if self.surface.amplitude_ratio().is_some() => {
+            (None, _) if self.surface.has_ggx_slopes() => {
                 &[Smith::NAME_GGX, Heitz::NAME_GGX, SmithSlopes::NAME]
             }
             (None, _) if is_isotropic => return None,

@@ -1,4 +1,4 @@
-//! Erosion: wears a given surface after it was filtered.
+//! Erosion: wears random surfaces after they are drawn, and given ones after they are filtered.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,4 +22,11 @@ pub struct ErosionConfig {
     /// Depth of etching.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub etch: Option<Length>,
+}
+
+impl ErosionConfig {
+    /// Returns `true` if there is a process.
+    pub(crate) const fn is_some(&self) -> bool {
+        self.repose.is_some() || self.etch.is_some()
+    }
 }

@@ -7,7 +7,7 @@ use asperity_optics::{
 };
 use asperity_simulate::{SimulateError, TargetError, short};
 use asperity_surface::LengthUnit;
-use asperity_synthesis::{JohnsonError, PsdError, StructureError};
+use asperity_synthesis::{JohnsonError, PsdError, SynthesisError};
 use asperity_tally::SpecError;
 use asperity_tracer::{HorizonError, PathSettingsError};
 
@@ -78,11 +78,11 @@ pub enum ConfigError {
     /// No simulation is possible: no memory, or no control variate.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
-    /// The structure cannot be made.
-    #[error("{}", structure_sentence(.error, *.unit))]
-    Structure {
+    /// The surfaces that are measured cannot be drawn.
+    #[error("{}", synthesis_sentence(.error, *.unit))]
+    Synthesis {
         /// The reason.
-        error: StructureError,
+        error: SynthesisError,
         /// The unit of lengths.
         unit: LengthUnit,
     },
@@ -204,11 +204,11 @@ pub(crate) fn with_insistence(sentence: impl std::fmt::Display) -> String {
     format!("{sentence} with --insist")
 }
 
-/// Sentence on a structure that cannot be made, with the flag that draws it all the same.
-fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
+/// Sentence on surfaces that cannot be drawn, with the flag that draws them all the same.
+fn synthesis_sentence(error: &SynthesisError, unit: LengthUnit) -> String {
     let sentence = error.clone().with_unit(unit).to_string();
-    match error {
-        StructureError::Unresolved { .. } => with_insistence(sentence),
-        _ => sentence,
+    match error.yields_to_insistence() {
+        true => with_insistence(sentence),
+        false => sentence,
     }
 }

@@ -149,45 +149,45 @@ impl MeasuredConfig {
 }
 
 impl ErosionConfig {
-    /// `field` after the processes, without provenance then, and a note if one changes no shape; unchanged if there is no process.
-    ///
-    /// # Errors
-    /// [`FilteringError`] if a process does not suit the surface.
-    pub(crate) fn eroded(
-        self,
-        field: HeightField,
-    ) -> Result<(HeightField, Option<String>), FilteringError> {
+    /// The processes, in the order in which they act, with lengths in `unit`; `None` if a length has a unit and the surface none.
+    pub(crate) fn processes(self, unit: LengthUnit) -> Option<Vec<Erosion>> {
         let slip = self.repose.map(|repose| {
             Erosion::Slip(Slip {
                 slope: repose.0.to_radians().tan(),
                 steps: self.slip_steps.unwrap_or(SLIP_STEPS),
             })
         });
-        let depth = self.etch.map(|depth| {
-            let depth = depth.in_unit(field.unit());
-            depth.ok_or(FilteringError::Unit { flag: ETCH })
-        });
-        let depth = depth.transpose()?;
-        let note = depth.and_then(|depth| shallow_note(depth, &field));
-        let etch = depth.map(|depth| Erosion::Etch(Etch { depth }));
-        let mut processes = slip.into_iter().chain(etch);
-        let field = processes.try_fold(field, |field, process| {
+        let etch = match self.etch {
+            Some(depth) => Some(Erosion::Etch(Etch {
+                depth: depth.in_unit(unit)?,
+            })),
+            None => None,
+        };
+        Some(slip.into_iter().chain(etch).collect())
+    }
+
+    /// `field` after the processes, without provenance then; unchanged if there is no process.
+    ///
+    /// # Errors
+    /// [`FilteringError`] if a process does not suit the surface.
+    pub(crate) fn eroded(self, field: HeightField) -> Result<HeightField, FilteringError> {
+        let no_unit = FilteringError::Unit { flag: ETCH };
+        let processes = self.processes(field.unit()).ok_or(no_unit)?;
+        processes.into_iter().try_fold(field, |field, process| {
             let eroded = process.of(&field)?;
             Ok::<_, FilteringError>(eroded.with_provenance(None))
-        })?;
-        Ok((field, note))
+        })
     }
-}
 
-/// Note on a depth of etching that reaches no other sample, so that the surface sinks and keeps its shape.
-fn shallow_note(depth: f64, field: &HeightField) -> Option<String> {
-    let [dx, dy] = field.spacing();
-    let spacing = dx.min(dy);
-    (depth < spacing).then(|| {
-        let unit = field.unit().suffix();
-        let (depth, spacing) = (short(depth), short(spacing));
-        format!(
-            "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
-        )
-    })
+    /// Note on a depth of etching that reaches no other sample of this spacing, so that a surface sinks and keeps its shape.
+    pub(crate) fn shallow_note(self, [dx, dy]: [f64; 2], unit: LengthUnit) -> Option<String> {
+        let (depth, spacing) = (self.etch?.in_unit(unit)?, dx.min(dy));
+        (depth < spacing).then(|| {
+            let unit = unit.suffix();
+            let (depth, spacing) = (short(depth), short(spacing));
+            format!(
+                "--etch {depth}{unit} is less than the spacing of {spacing}{unit}: the surface sinks by it and keeps its shape"
+            )
+        })
+    }
 }

@@ -1,7 +1,7 @@
 //! `[surface]`: what surfaces with a structure are drawn by.
 
 use asperity_simulate::check_memory;
-use asperity_synthesis::{Psd, StructureError, StructureSynthesis, SurfaceRecipe};
+use asperity_synthesis::{MeasuredStructure, Psd, StructureSynthesis, SurfaceRecipe};
 
 use super::surface::SurfaceConfig;
 use crate::config::error::ConfigError;
@@ -19,7 +19,7 @@ impl SurfaceConfig {
         let roughness = self.roughness_on_top()?;
         let synthesis = self.structure_synthesis(structure)?;
         check_memory("this surface", synthesis.peak_bytes())?;
-        let measured = self.measured.measured(synthesis);
+        let measured = self.measured.measured(synthesis, MeasuredStructure::of);
         let surface = measured
             .map_err(|error| self.refused(error))?
             .with(roughness);
@@ -37,13 +37,6 @@ impl SurfaceConfig {
         let (shape, spacing) = (self.shape(), self.spacing());
         let synthesis = StructureSynthesis::new(structure, shape, spacing, self.insist);
         synthesis.map_err(|error| self.refused(error))
-    }
-
-    const fn refused(&self, error: StructureError) -> ConfigError {
-        ConfigError::Structure {
-            error,
-            unit: self.unit,
-        }
     }
 
     /// Returns the spectrum of the roughness on top, if sigma is given.

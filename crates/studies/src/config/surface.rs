@@ -2,10 +2,14 @@
 
 use asperity_simulate::Cells;
 use asperity_surface::LengthUnit;
-use asperity_synthesis::{Psd, UNRESOLVED_SLOPES};
+use asperity_synthesis::{
+    ErodedSurface, Erosion, MeasuredStructure, Psd, StructureSynthesis, SurfaceRecipe,
+    UNRESOLVED_SLOPES,
+};
 use serde::{Deserialize, Serialize};
 
-use super::structure_memo::StructureMemo;
+use super::erosion::ErosionConfig;
+use super::memo::Memo;
 use super::surface_choices::{HeightsChoice, Roughness, SecondScale, Spectrum, SurfaceFiles};
 use crate::config::structure::StructureConfig;
 use crate::config::values::{Auto, Count, Number, OrAuto, PerAxis};
@@ -53,6 +57,15 @@ impl CellsChoice {
     }
 }
 
+/// Random surfaces before erosion with their grid, and the processes of erosion.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Uneroded {
+    pub(super) recipe: SurfaceRecipe,
+    pub(super) shape: [usize; 2],
+    pub(super) spacing: [f64; 2],
+    pub(super) erosion: Vec<Erosion>,
+}
+
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceConfig {
@@ -89,6 +102,9 @@ pub struct SurfaceConfig {
     /// The structure, if there is one; spectrum and roughness are then those of Gaussian roughness on top.
     #[serde(flatten)]
     pub structure: Option<StructureConfig>,
+    /// Erosion of what is drawn.
+    #[serde(flatten)]
+    pub erosion: ErosionConfig,
     /// Samples along x and y; those of a tile of 32 correlation lengths by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<PerAxis<Count>>,
@@ -105,7 +121,10 @@ pub struct SurfaceConfig {
     pub insist: bool,
     /// Measurements of the structure.
     #[serde(skip)]
-    pub(super) measured: StructureMemo,
+    pub(super) measured: Memo<StructureSynthesis, MeasuredStructure>,
+    /// Measurements of the surfaces after erosion.
+    #[serde(skip)]
+    pub(super) eroded: Memo<Uneroded, ErodedSurface>,
 }
 
 impl SurfaceConfig {
@@ -123,9 +142,12 @@ impl SurfaceConfig {
         }
     }
 
-    /// Cells between heights. Unless named they are smooth, but flat where a structure has edges.
+    /// Cells between heights. Unless named they are smooth, but flat where a structure or erosion has edges.
     #[must_use]
     pub fn cells(&self) -> Cells {
+        if self.cells == CellsChoice::default() && self.erosion.is_some() {
+            return Cells::Flat;
+        }
         if let Some(structure) = &self.structure
             && self.cells == CellsChoice::default()
         {
@@ -186,6 +208,11 @@ impl SurfaceConfig {
             }) => Some(amplitude_ratio.map_or(DEFAULT_AMPLITUDE_RATIO, |ratio| ratio.0)),
             _ => None,
         }
+    }
+
+    /// Returns `true` if slopes are GGX, which erosion changes.
+    pub(super) fn has_ggx_slopes(&self) -> bool {
+        self.amplitude_ratio().is_some() && !self.erosion.is_some()
     }
 
     /// Samples `[ny, nx]` of each surface.

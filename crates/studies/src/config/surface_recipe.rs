@@ -1,9 +1,12 @@
 //! `[surface]`: what random surfaces are drawn by.
 
-use asperity_simulate::short;
-use asperity_synthesis::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
+use asperity_simulate::{Cells, check_memory, short};
+use asperity_synthesis::{
+    FieldSynthesis, Johnson, Psd, Resolution, StudentSlopes, SurfaceRecipe, SynthesisError,
+    TransformedHeights,
+};
 
-use super::surface::{MAX_SMOOTHNESS, MIN_SMOOTHNESS, SurfaceConfig};
+use super::surface::{MAX_SMOOTHNESS, MIN_SMOOTHNESS, SurfaceConfig, Uneroded};
 use super::surface_choices::{Roughness, Spectrum};
 use crate::config::error::ConfigError;
 use crate::config::structure::StructureConfig;
@@ -12,12 +15,17 @@ use crate::config::values::{Number, OneOrMany};
 const UNREAD_SPECTRUM: ConfigError = ConfigError::Unread("the file of the spectrum");
 
 impl SurfaceConfig {
-    /// The smoothness and what surfaces are drawn by, of a configuration without lists.
+    /// The smoothness, before any erosion, and what surfaces are drawn by, of a configuration without lists.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
     pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         self.check_azimuth()?;
+        let (smoothness, recipe) = self.recipe_before_erosion()?;
+        Ok((smoothness, self.eroded(recipe)?))
+    }
+
+    fn recipe_before_erosion(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         match (&self.structure, &self.roughness, self.amplitude_ratio()) {
             (Some(structure), _, _) => self.structured(structure),
             (None, Some(Roughness::Ggx { ggx_alpha, .. }), Some(ratio)) => {
@@ -130,6 +138,57 @@ impl SurfaceConfig {
         let sigma = alpha.0 / (2.0 * along).sqrt();
         let recipe: SurfaceRecipe = StudentSlopes::new(unit.with_sigma(sigma)?, ratio)?.into();
         Ok((tau / recipe.sigma(), recipe))
+    }
+
+    /// Surfaces of `recipe` after the processes of erosion, if there are any.
+    fn eroded(&self, recipe: SurfaceRecipe) -> Result<SurfaceRecipe, ConfigError> {
+        if !self.erosion.is_some() {
+            return Ok(recipe);
+        }
+        let no_unit = || ConfigError::unsuitable("etch", "the surfaces have no unit of length");
+        let described = Uneroded {
+            recipe,
+            shape: self.shape(),
+            spacing: self.spacing(),
+            erosion: self.erosion.processes(self.unit).ok_or_else(no_unit)?,
+        };
+        let measure = |described: &Uneroded| {
+            let Uneroded {
+                recipe,
+                shape,
+                spacing,
+                erosion,
+            } = described.clone();
+            let planning = FieldSynthesis::planning_bytes(&recipe, shape);
+            check_memory("planning these surfaces", planning)?;
+            let resolution = match self.cells() {
+                _ if self.insist => Resolution::Any,
+                Cells::Flat => Resolution::Facets,
+                Cells::Smooth => Resolution::Splines,
+            };
+            let synthesis = FieldSynthesis::new(recipe, shape, spacing, resolution)
+                .map_err(|error| self.refused(error))?;
+            check_memory("this surface", synthesis.peak_bytes())?;
+            let eroded = synthesis.eroded(erosion);
+            eroded.map_err(|error| self.refused(error))
+        };
+        Ok(self.eroded.measured(described, measure)?.into())
+    }
+
+    /// Notes on the erosion, one sentence each.
+    pub(crate) fn erosion_notes(&self) -> Vec<String> {
+        if !self.erosion.is_some() {
+            return Vec::new();
+        }
+        let note = "surfaces are eroded after they are drawn: smoothness, sigma and tau are those before; models and bins take the slopes of two eroded surfaces";
+        let shallow = self.erosion.shallow_note(self.spacing(), self.unit);
+        [note.to_owned()].into_iter().chain(shallow).collect()
+    }
+
+    /// Refusal of surfaces that cannot be drawn.
+    pub(super) fn refused(&self, error: impl Into<SynthesisError>) -> ConfigError {
+        let (error, unit) = (error.into(), self.unit);
+        ConfigError::Synthesis { error, unit }
     }
 
     /// Refuses an azimuth where nothing has a direction that it would turn.

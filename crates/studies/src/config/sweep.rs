@@ -47,8 +47,9 @@ pub(crate) fn expanded<C: Clone>(
     dimensions: &[(&'static str, Dimension<C>)],
 ) -> Result<Vec<C>, ConfigError> {
     let mut lists = Vec::new();
+    let mut copy = config.clone();
     for (name, dimension) in dimensions {
-        if let Some(list) = dimension(&mut config.clone()) {
+        if let Some(list) = dimension(&mut copy) {
             lists.push((*dimension, list.values(name)?));
         }
     }

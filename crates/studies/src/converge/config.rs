@@ -357,9 +357,9 @@ fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
             "does not support Lambertian facets; give --estimators plain",
         ));
     }
-    let recipe = case.surface.recipe()?;
-    recipe.structured().map(|_| {
-        ConfigError::no_control_variate("needs the distribution of slopes, which is not known for structured surfaces; give --estimators plain")
+    let is_measured = case.surface.recipe()?.is_measured();
+    is_measured.then(|| {
+        ConfigError::no_control_variate("needs the distribution of slopes, which is not known for these surfaces; give --estimators plain")
     })
 }
 

@@ -163,7 +163,7 @@ impl MeasuredConfig {
         let field = field.map_err(|error| FileProblem::from(error).at(path))?;
         let field = self.filtered(field);
         let eroded = field.and_then(|field| self.erosion.eroded(field));
-        let (field, note) = eroded.map_err(|error| FileProblem::from(error).at(path))?;
+        let field = eroded.map_err(|error| FileProblem::from(error).at(path))?;
         notes.extend(border_notes(&field, is_border_known));
         notes.extend(self.filter_notes(&field));
         let [dx, dy] = field.spacing().map(short);
@@ -180,7 +180,7 @@ impl MeasuredConfig {
             let points = counted(filled as u64, "missing point");
             notes.push(format!("{points} {were} filled"));
         }
-        notes.extend(note);
+        notes.extend(self.erosion.shallow_note(field.spacing(), field.unit()));
         Ok(ReadHeightMap {
             field,
             y_is_north,

@@ -12,7 +12,6 @@ use crate::config::lobes::BinnedLobe;
 use crate::output::{EstimateWithLimit, over, projected_solid_angle};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::shown_case::ShownCase;
-use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 use crate::verify::plan::Plan;
 
@@ -134,12 +133,11 @@ impl<'a> GonioOutcome<'a> {
     /// Lengths of the surface of a direction against the wavelength, where their unit is known.
     pub(super) fn validity(&self, direction: &Direction<'_>) -> Option<Validity> {
         let case = direction.case;
-        let lengths = match (&self.sample, case.surface.recipe()) {
-            (Some(sample), _) => sample.lengths,
-            (None, recipe) => SurfaceLengths::of_recipe(recipe?, case.at.unit),
-        };
         let wavelength = self.config.light.wavelength_nm();
-        Validity::new(&lengths, None, case, &direction.spec, wavelength)
+        match &self.sample {
+            Some(one) => Validity::new(&one.lengths, None, case, &direction.spec, wavelength),
+            None => Validity::of_random(case, &direction.spec, wavelength),
+        }
     }
 
     /// A direction as tables and figures of single cases show it; `None` if it was not measured.

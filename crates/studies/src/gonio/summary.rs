@@ -12,7 +12,7 @@ use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
 use crate::output::{cut_short, wrapped};
 use crate::report::energies::{lost_warning, more_rays_warning};
-use crate::validity::{Validity, wavelength_warnings};
+use crate::validity::{first_warning, note_of_several, wavelength_warnings};
 
 /// The summary as text: report.txt.
 pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
@@ -66,45 +66,21 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
 
 /// The first direction with much coherent light, and the number of others.
 fn first_lines(outcome: &GonioOutcome) -> Option<String> {
-    let mut found = measured(outcome).filter_map(|direction| {
-        let line = outcome
-            .validity(&direction)?
-            .first_lines(direction.statistics()?)?;
-        Some((direction, line))
+    let warnings = measured(outcome).filter_map(|direction| {
+        let validity = outcome.validity(&direction)?;
+        let line = validity.first_lines(direction.statistics()?)?;
+        Some((direction.case.direction_name(), line))
     });
-    let (direction, line) = found.next()?;
-    let others = match found.count() {
-        0 => String::new(),
-        others => format!("; the same, with other fractions, in {others} other directions"),
-    };
-    let line = line.trim_start_matches("warning: ");
-    let name = direction.case.direction_name();
-    Some(format!("warning: {name}: {line}{others}"))
+    first_warning(warnings, "directions")
 }
 
 /// Validity of geometric optics, for the direction where lengths are shortest against the wavelength.
 fn validity_note(outcome: &GonioOutcome) -> Option<String> {
-    let known = || {
-        let all = outcome.directions();
-        all.filter_map(|direction| Some((direction, outcome.validity(&direction)?)))
-    };
-    let doubtful = known()
-        .filter(|(_, validity)| validity.holds == Some(false))
-        .count();
-    let (direction, validity) = known().min_by(|(_, a), (_, b)| {
-        let by_parameter = a.least_phase().total_cmp(&b.least_phase());
-        let is_fine = |validity: &Validity| validity.holds != Some(false);
-        is_fine(a).cmp(&is_fine(b)).then(by_parameter)
-    })?;
-    let others = match doubtful.saturating_sub(1) {
-        0 => String::new(),
-        more => format!("; {more} other directions are doubtful"),
-    };
-    Some(format!(
-        "{}: {}{others}",
-        direction.case.direction_name(),
-        validity.note()?
-    ))
+    let known = outcome.directions().filter_map(|direction| {
+        let validity = outcome.validity(&direction)?;
+        Some((direction.case.direction_name(), validity))
+    });
+    note_of_several(&known.collect::<Vec<_>>(), "directions")
 }
 
 /// Numbers of bins of a side: of all directions, or of that with the fewest and of that with the most.
@@ -141,6 +117,9 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
         }
         None => Vec::new(),
     };
+    if outcome.sample.is_none() {
+        notes.extend(outcome.config.surface.erosion_notes());
+    }
     let wavelength = outcome.config.light.wavelength_nm();
     notes.extend(wavelength_warnings(wavelength, outcome.unit()));
     notes

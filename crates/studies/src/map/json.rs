@@ -33,7 +33,7 @@ fn describe(outcome: &MapOutcome, cell: MapCell<'_>) -> Value {
         let models = models.map(|model| of_model(outcome, results, model));
         models.collect::<Vec<_>>()
     });
-    json!({
+    let mut described = json!({
         "case": cell.case.summary_json(),
         "cell": cell.case.folder(),
         "surfaces": results.map(|found| found.surfaces),
@@ -43,7 +43,11 @@ fn describe(outcome: &MapOutcome, cell: MapCell<'_>) -> Value {
         "deviation_bound": results.and_then(|found| found.deviation_bound),
         "lost": results.map(|found| found.lost),
         "models": models,
-    })
+    });
+    if let Some(validity) = outcome.validity(cell.case) {
+        described["validity"] = json!(validity);
+    }
+    described
 }
 
 /// One model; its rays are null if it has no noise.

@@ -4,6 +4,7 @@ use asperity_simulate::{Case, StoppedBy};
 
 use super::cell::CellResults;
 use super::config::MapConfig;
+use crate::validity::Validity;
 use crate::verify::plan::Plan;
 
 /// One cell of a map.
@@ -43,6 +44,19 @@ impl MapOutcome<'_> {
     pub(super) fn found(&self) -> impl Iterator<Item = (&Case, &CellResults)> {
         self.cells()
             .filter_map(|cell| Some((cell.case, cell.results?)))
+    }
+
+    /// The cells by name with the validity of geometric optics in them, where the unit of the surfaces is known.
+    pub(super) fn validities(&self) -> Vec<(String, Validity)> {
+        let cases = self.plan.cases.iter();
+        let known = cases.filter_map(|case| Some((case.folder(), self.validity(case)?)));
+        known.collect()
+    }
+
+    /// Validity of geometric optics in the cell of a case.
+    pub(super) fn validity(&self, case: &Case) -> Option<Validity> {
+        let wavelength = self.config.light.wavelength_nm();
+        Validity::of_random(case, &self.plan.settings.tally, wavelength)
     }
 
     /// Cells that are still to be found.

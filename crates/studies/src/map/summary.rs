@@ -11,6 +11,7 @@ use super::interval::CellVerdict;
 use super::outcome::MapOutcome;
 use crate::output::{Column, Table, cut_short, wrapped};
 use crate::report::energies::more_rays_warning;
+use crate::validity::{first_warning, note_of_several, wavelength_warnings};
 
 /// Summary of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -163,6 +164,13 @@ pub(super) fn map_table(outcome: &MapOutcome) -> String {
     if let Some(grooves) = grooves(outcome) {
         let _ = writeln!(out, "anisotropic: {grooves}");
     }
+    let validities = outcome.validities();
+    let coherent = validities
+        .iter()
+        .filter_map(|(name, one)| Some((name.clone(), one.first_lines_at_most()?)));
+    if let Some(line) = first_warning(coherent, "cells") {
+        let _ = writeln!(out, "{line}");
+    }
     let _ = writeln!(
         out,
         "within tolerance: the 95 % confidence interval of each measure lies within total variation {}, energy of each side {} of the incident flux, direction of each peak {} deg; beyond: that of one measure lies outside; not resolved: neither. Confidence is per measure and cell, not corrected for the number of cells.\nBy angle of incidence: the least s from which a model is within tolerance at that angle and all smaller ones. Then the numbers of cells.",
@@ -183,6 +191,9 @@ pub(super) fn map_table(outcome: &MapOutcome) -> String {
             };
             out.push_str(&table(outcome).text(summaries.iter().filter(here)));
         }
+    }
+    if let Some(note) = note_of_several(&validities, "cells") {
+        let _ = writeln!(out, "\nnote: {note}");
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
@@ -235,6 +246,10 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
             "cells with fewer than {FEWEST_SURFACES} surfaces are never resolved, however many rays they have"
         ));
     }
+    let unit = outcome.plan.cases.first().map(|case| case.at.unit);
+    let wavelength = outcome.config.light.wavelength_nm();
+    warnings.extend(wavelength_warnings(wavelength, unit.unwrap_or_default()));
+    warnings.extend(outcome.config.surface.erosion_notes());
     if results().any(|r| r.lost != 0.0) {
         warnings
             .push("some flux was lost to numerical failure: do not trust these results".to_owned());

@@ -94,32 +94,29 @@ fn interactions(config: &mut ModelConfig) -> Option<[Option<&mut OneOrMany<Numbe
     Some(config.medium.as_mut()?.interactions.lists())
 }
 
-impl ModelConfig {
+/// Configurations of every combination of lists.
+pub(super) struct Combinations {
     /// Names of the lists with several values.
-    pub(super) fn lists(&self) -> Vec<&'static str> {
-        let has_several = |dimension: Dimension<Self>| {
-            dimension(&mut self.clone()).is_some_and(|list| list.as_slice().len() > 1)
-        };
-        let lists = DIMENSIONS
-            .into_iter()
-            .filter(|(_, list)| has_several(*list));
-        lists.map(|(name, _)| name).collect()
-    }
+    pub(super) names: Vec<&'static str>,
+    /// Configurations without lists, each with its values of these.
+    pub(super) singles: Vec<(Vec<f64>, ModelConfig)>,
+}
 
-    /// Configurations of every combination of the lists, without lists, each with its values of the lists of these `names`.
-    pub(super) fn singles(
-        &self,
-        names: &[&'static str],
-    ) -> Result<Vec<(Vec<f64>, Self)>, ConfigError> {
-        let with_values = |single: Self| {
-            let lists = DIMENSIONS.into_iter();
-            let lists = lists.filter(|(name, _)| names.contains(name));
-            let value =
-                |(_, list): (_, Dimension<Self>)| Some(list(&mut single.clone())?.first()?.0);
-            (lists.filter_map(value).collect(), single)
+impl ModelConfig {
+    /// Configurations of every combination of the lists.
+    pub(super) fn combinations(&self) -> Result<Combinations, ConfigError> {
+        let mut config = self.clone();
+        let mut varied = DIMENSIONS.to_vec();
+        varied.retain(|(_, list)| list(&mut config).is_some_and(|list| list.as_slice().len() > 1));
+        let with_values = |mut single: Self| {
+            let value = |(_, list): &(_, Dimension<Self>)| Some(list(&mut single)?.first()?.0);
+            (varied.iter().filter_map(value).collect(), single)
         };
         let singles = expanded(self, &DIMENSIONS)?;
-        Ok(singles.into_iter().map(with_values).collect())
+        Ok(Combinations {
+            singles: singles.into_iter().map(with_values).collect(),
+            names: varied.into_iter().map(|(name, _)| name).collect(),
+        })
     }
 
     /// Returns `true` if the models are to be listed, instead of one evaluated.

@@ -15,6 +15,8 @@ use crate::report::views::Csv;
 /// A model with one value of each list.
 struct Part {
     values: Vec<f64>,
+    /// The values in words.
+    label: String,
     evaluation: Box<dyn Evaluation>,
 }
 
@@ -35,12 +37,7 @@ impl Several {
         names: Vec<&'static str>,
         evaluations: impl Iterator<Item = Result<(Vec<f64>, Box<dyn Evaluation>), EvaluationError>>,
     ) -> Result<Self, EvaluationError> {
-        let mut several = Self {
-            names,
-            parts: Vec::new(),
-            notes: Vec::new(),
-        };
-        let mut rows = 0.0;
+        let (mut parts, mut notes, mut rows) = (Vec::new(), Vec::new(), 0.0);
         for evaluated in evaluations {
             let (values, evaluation) = evaluated?;
             rows += evaluation.rows().0 as f64;
@@ -51,25 +48,24 @@ impl Several {
                 )
                 .into());
             }
-            several.parts.push(Part { values, evaluation });
+            let pairs = names.iter().zip(&values);
+            let words: Vec<String> = pairs
+                .map(|(name, value)| format!("{name} = {}", short(*value)))
+                .collect();
+            let label = words.join(", ");
+            let of_part = evaluation.notes().iter();
+            notes.extend(of_part.map(|note| format!("{label}: {note}")));
+            parts.push(Part {
+                values,
+                label,
+                evaluation,
+            });
         }
-        let parts = several.parts.iter();
-        let notes = parts.flat_map(|part| {
-            let label = several.label(part);
-            let notes = part.evaluation.notes().iter();
-            notes.map(move |note| format!("{label}: {note}"))
-        });
-        several.notes = notes.collect();
-        Ok(several)
-    }
-
-    /// The values of a part in words.
-    fn label(&self, part: &Part) -> String {
-        let pairs = self.names.iter().zip(&part.values);
-        let words: Vec<String> = pairs
-            .map(|(name, value)| format!("{name} = {}", short(*value)))
-            .collect();
-        words.join(", ")
+        Ok(Self {
+            names,
+            parts,
+            notes,
+        })
     }
 }
 
@@ -103,7 +99,7 @@ impl Evaluation for Several {
         let parts = self.parts.iter();
         let texts = parts.map(|part| match part.evaluation.text() {
             text if text.is_empty() => text,
-            text => format!("\n{}\n{text}", self.label(part)),
+            text => format!("\n{}\n{text}", part.label),
         });
         texts.collect()
     }

@@ -528,59 +528,41 @@ impl Document {
                 self.entries.retain(|_, below| !below.is_any(held));
             }
         }
-        let of_layer = |group: &Group| layer.iter().find_map(|entry| group.variant_of(entry));
+        let choice = |group: &Group| {
+            let mut entries = layer.iter();
+            entries.find_map(|entry| Some((entry, group.variant_of(entry)?)))
+        };
         let groups: Vec<_> = GROUPS
             .iter()
-            .map(|group| (group, of_layer(group), self.variant(group)))
+            .map(|group| (group, choice(group), self.variant(group)))
             .collect();
         let keys: BTreeSet<_> = layer.iter().map(Entry::section_and_key).collect();
-        let before_layer = self.entries.clone();
-        let choices: Vec<Entry> = layer.clone();
-        let entries = layer.into_iter();
+        let entries = layer.iter().cloned();
         let entries = entries.map(|entry| (entry.section_and_key(), entry));
         self.entries.extend(entries);
-        for (group, of_layer, before) in &groups {
-            let (group, of_layer) = (*group, *of_layer);
-            let Some(now) = of_layer.or_else(|| self.variant(group)) else {
+        for (group, of_layer, before) in groups {
+            let now = of_layer.map(|(_, variant)| variant);
+            let Some(now) = now.or_else(|| self.variant(group)) else {
                 continue;
             };
-            if of_layer.is_some() || before.is_none_or(|before| before.name != now.name) {
-                self.entries.retain(|key, Entry { setting, value, .. }| {
-                    keys.contains(key) || !group.owns(setting, value) || now.has(setting, value)
-                });
+            if of_layer.is_none() && before.is_some_and(|before| before.name == now.name) {
+                continue;
             }
+            self.entries.retain(|key, entry| {
+                let Entry { setting, value, .. } = entry;
+                let stays =
+                    keys.contains(key) || !group.owns(setting, value) || now.has(setting, value);
+                if let Some((by, _)) = of_layer.filter(|_| !stays)
+                    && entry.is_any(CHOICES_OF_SURFACES)
+                {
+                    let (given, by) = (&entry.given, &by.given);
+                    self.notes
+                        .push(format!("{given} does not hold, since {by} replaces it"));
+                }
+                stays
+            });
         }
-        self.note_replaced(&before_layer, &choices);
         Ok(())
-    }
-
-    /// Notes the choices of surfaces that a layer has cleared.
-    fn note_replaced(
-        &mut self,
-        before: &BTreeMap<(&'static str, &'static str), Entry>,
-        layer: &[Entry],
-    ) {
-        let cleared = before
-            .iter()
-            .filter(|(key, _)| !self.entries.contains_key(*key));
-        for (_, entry) in cleared.filter(|(_, entry)| entry.is_any(CHOICES_OF_SURFACES)) {
-            let clears = |new: &&Entry| {
-                GROUPS.iter().any(|group| {
-                    let chosen = group.variant_of(new);
-                    chosen.is_some_and(|variant| {
-                        group.owns(entry.setting, &entry.value)
-                            && !variant.has(entry.setting, &entry.value)
-                    })
-                })
-            };
-            let by = layer.iter().find(clears);
-            if let Some(by) = by {
-                self.notes.push(format!(
-                    "{} does not hold, since {} replaces it",
-                    entry.given, by.given
-                ));
-            }
-        }
     }
 
     /// Refuses a layer with values that exclude each other, or with one case twice.

@@ -55,6 +55,7 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
                 .to_owned(),
         );
     }
+    warnings.extend(outcome.config.surface.erosion_notes());
     let left_out = outcome.left_out();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
@@ -196,10 +197,21 @@ fn averaging_lines(case: &Judgement<'_>) -> String {
 /// Slopes of the surfaces as their cells have them.
 fn cells_line(outcome: &VerifyOutcome, case: &Judgement<'_>) -> String {
     let source = &case.outcome.case.surface;
+    let recipe = source.recipe();
+    if let (Some(cells), Some(SurfaceRecipe::Eroded(eroded))) = (source.cells(), recipe) {
+        let [after, before] = [
+            eroded.slope_covariance(),
+            eroded.before().slope_covariance(),
+        ]
+        .map(|[xx, _, yy]| xx + yy);
+        return format!(
+            "cells are {cells}: erosion leaves {:.1} % of the slope variance, on two surfaces",
+            100.0 * after / before
+        );
+    }
     if source.cells() == Some(Cells::Smooth) {
         return "cells are smooth, with the slope variance of the continuous surface".to_owned();
     }
-    let recipe = source.recipe();
     if recipe.is_some_and(|recipe| recipe.structured().is_some()) {
         return "cells are flat, cut where edges of the structure pass between samples".to_owned();
     }

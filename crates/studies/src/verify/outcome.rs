@@ -6,7 +6,6 @@ use asperity_simulate::{StoppedBy, Stopping};
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
-use crate::surface_lengths::SurfaceLengths;
 use crate::validity::Validity;
 
 /// Results of a verification, judged.
@@ -48,10 +47,8 @@ impl VerifyOutcome<'_> {
 
     /// Lengths of the surfaces of a case against the wavelength; `None` if their unit is not known.
     pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
-        let simulated = &case.outcome.case;
         let wavelength = self.config.light.wavelength_nm();
-        let lengths = SurfaceLengths::of_recipe(simulated.surface.recipe()?, simulated.at.unit);
-        Validity::new(&lengths, None, simulated, case.spec(), wavelength)
+        Validity::of_random(&case.outcome.case, case.spec(), wavelength)
     }
 
     /// Number of cases that an interrupt came before.

@@ -3,7 +3,7 @@
 use asperity_surface::{HeightFieldError, Length, LengthUnit};
 
 use super::spectrum_mismatch::SpectrumMismatch;
-use crate::StructureError;
+use crate::{ErosionError, StructureError};
 
 /// Fraction of the slope variance that waves may hold that the grid does not resolve.
 pub const UNRESOLVED_SLOPES: f64 = 0.03;
@@ -82,6 +82,9 @@ pub enum SynthesisError {
     /// The structure cannot be made.
     #[error(transparent)]
     Structure(#[from] StructureError),
+    /// The surfaces cannot be eroded as requested.
+    #[error(transparent)]
+    Erosion(#[from] ErosionError),
     /// The grid or the heights drawn make no surface.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),

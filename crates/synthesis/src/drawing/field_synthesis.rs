@@ -16,7 +16,8 @@ use super::error::SynthesisError;
 use super::limits::MIN_SPACINGS_PER_CORRELATION_LENGTH;
 use super::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use super::synthesis::Synthesis;
-use crate::{Provenance, SlopeMixture, SpectrumMismatch, SurfaceRecipe};
+use crate::recipe::DrawnMoments;
+use crate::{ErodedSurface, Erosion, Provenance, SlopeMixture, SpectrumMismatch, SurfaceRecipe};
 use asperity_surface::HeightField;
 
 /// Resolution that a grid must have for the surfaces drawn on it.
@@ -69,6 +70,7 @@ enum Drawer {
     Transformed(Box<TransformedSynthesis>),
     StudentSlopes(Box<StudentSynthesis>),
     Structured(Box<StructuredSynthesis>),
+    Eroded(Box<FieldSynthesis>, Vec<Erosion>),
 }
 
 impl FieldSynthesis {
@@ -78,7 +80,7 @@ impl FieldSynthesis {
     ///
     /// # Errors
     /// Errors of [`Synthesis::new`], for the correlation lengths of the recipe; [`SynthesisError::Unreachable`] if transformed heights cannot
-    /// have the spectrum.
+    /// have the spectrum; [`SynthesisError::Erosion`] if surfaces cannot be eroded on the grid.
     pub fn new(
         recipe: SurfaceRecipe,
         shape: [usize; 2],
@@ -103,6 +105,14 @@ impl FieldSynthesis {
                 let drawer = StructuredSynthesis::new(surface, shape, spacing, fewest)?;
                 Drawer::Structured(Box::new(drawer))
             }
+            SurfaceRecipe::Eroded(surface) => {
+                let erosion = surface.erosion().to_vec();
+                erosion
+                    .iter()
+                    .try_for_each(|process| process.check(spacing))?;
+                let before = Self::new(surface.before().clone(), shape, spacing, resolution)?;
+                Drawer::Eroded(Box::new(before), erosion)
+            }
         };
         Ok(Self { recipe, drawer })
     }
@@ -121,6 +131,7 @@ impl FieldSynthesis {
             Drawer::Transformed(transformed) => transformed.waves().shape(),
             Drawer::StudentSlopes(student) => student.base().shape(),
             Drawer::Structured(structured) => structured.structure().shape(),
+            Drawer::Eroded(before, _) => before.shape(),
         }
     }
 
@@ -132,14 +143,16 @@ impl FieldSynthesis {
             Drawer::Transformed(transformed) => transformed.waves().spacing(),
             Drawer::StudentSlopes(student) => student.base().spacing(),
             Drawer::Structured(structured) => structured.structure().spacing(),
+            Drawer::Eroded(before, _) => before.spacing(),
         }
     }
 
     /// Bytes that a program holds at the peak of [`FieldSynthesis::new`], beyond those that it holds afterwards.
     #[must_use]
-    pub const fn planning_bytes(recipe: &SurfaceRecipe, shape: [usize; 2]) -> usize {
+    pub fn planning_bytes(recipe: &SurfaceRecipe, shape: [usize; 2]) -> usize {
         match recipe {
             SurfaceRecipe::Transformed(_) => TransformedSynthesis::planning_bytes(shape),
+            SurfaceRecipe::Eroded(surface) => Self::planning_bytes(surface.before(), shape),
             SurfaceRecipe::Gaussian(_)
             | SurfaceRecipe::StudentSlopes(_)
             | SurfaceRecipe::Structured(_) => 0,
@@ -154,6 +167,11 @@ impl FieldSynthesis {
             Drawer::Transformed(transformed) => transformed.peak_bytes(),
             Drawer::StudentSlopes(student) => student.peak_bytes(),
             Drawer::Structured(structured) => structured.peak_bytes(),
+            // A process holds the heights twice beside those that were drawn
+            Drawer::Eroded(before, _) => {
+                let [ny, nx] = before.shape();
+                before.peak_bytes() + 2 * ny * nx * size_of::<f64>()
+            }
         }
     }
 
@@ -163,14 +181,15 @@ impl FieldSynthesis {
     pub fn spectrum_mismatch(&self) -> SpectrumMismatch {
         match &self.drawer {
             Drawer::Transformed(transformed) => transformed.spectrum_mismatch(),
+            Drawer::Eroded(before, _) => before.spectrum_mismatch(),
             Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => {
                 SpectrumMismatch::default()
             }
         }
     }
 
-    /// The distribution of the slopes at a point of the continuous surfaces that waves on this grid make; `None` of structured ones,
-    /// of which it is not known.
+    /// The distribution of the slopes at a point of the continuous surfaces that waves on this grid make; `None` of structured and eroded
+    /// ones, of which it is not known.
     ///
     /// For GGX slopes it includes what the amplitude's own slope adds.
     #[must_use]
@@ -181,7 +200,7 @@ impl FieldSynthesis {
             }
             Drawer::Transformed(transformed) => Some(transformed.slope_mixture()),
             Drawer::StudentSlopes(student) => student.slope_mixture(),
-            Drawer::Structured(_) => None,
+            Drawer::Structured(_) | Drawer::Eroded(..) => None,
         }
     }
 
@@ -193,11 +212,20 @@ impl FieldSynthesis {
     pub fn is_exact_structure(&self, seed: u64) -> Result<Option<bool>, SynthesisError> {
         match &self.drawer {
             Drawer::Structured(structured) => structured.is_exact(seed),
-            Drawer::Gaussian(_) | Drawer::Transformed(_) | Drawer::StudentSlopes(_) => Ok(None),
+            _ => Ok(None),
         }
     }
 
-    /// Draws one periodic surface: heights of mean zero, shape `[ny, nx]`, in the unit of the recipe, provenance recorded.
+    /// The recipe of these surfaces after processes of erosion, with height and slopes measured on two of them.
+    ///
+    /// # Errors
+    /// Errors of [`Synthesis::draw`], and [`SynthesisError::Erosion`] if surfaces cannot be eroded on this grid.
+    pub fn eroded(&self, erosion: Vec<Erosion>) -> Result<ErodedSurface, SynthesisError> {
+        let moments = DrawnMoments::of(|seed, number| worn(self.draw(seed, number)?, &erosion))?;
+        Ok(ErodedSurface::new(self.recipe.clone(), erosion, moments))
+    }
+
+    /// Draws one periodic surface: heights of mean zero before any erosion, shape `[ny, nx]`, in the unit of the recipe, provenance recorded.
     ///
     /// # Errors
     /// Errors of [`Synthesis::draw`].
@@ -221,11 +249,69 @@ impl FieldSynthesis {
             Drawer::Transformed(transformed) => transformed.draw_into(seed, realisation, room)?,
             Drawer::StudentSlopes(student) => student.draw_into(seed, realisation, room)?,
             Drawer::Structured(structured) => structured.draw(seed, realisation)?,
+            Drawer::Eroded(before, erosion) => {
+                worn(before.draw_into(seed, realisation, room)?, erosion)?
+            }
         };
         Ok(field.with_provenance(Some(Arc::new(Provenance {
             recipe: self.recipe.clone(),
             seed,
             realisation,
         }))))
+    }
+}
+
+/// The surface after these processes, without provenance.
+fn worn(field: HeightField, erosion: &[Erosion]) -> Result<HeightField, SynthesisError> {
+    let worn = |field: HeightField, process: &Erosion| process.of(&field);
+    Ok(erosion.iter().try_fold(field.with_provenance(None), worn)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Etch, Psd, Slip};
+
+    /// Surfaces with a direction, so that no mean over axes hides one.
+    #[test]
+    fn eroded_surfaces_are_drawn_ones_after_each_process_and_have_measured_statistics() {
+        let psd = Psd::anisotropic_gaussian(2.0, 8.0, 16.0, 0.0).unwrap();
+        let grid = ([128, 128], [1.0, 1.0]);
+        let synthesis =
+            FieldSynthesis::new(psd.clone().into(), grid.0, grid.1, Resolution::Facets).unwrap();
+        let slip = Erosion::Slip(Slip {
+            slope: 0.2,
+            steps: 100,
+        });
+        let erosion = vec![slip, Erosion::Etch(Etch { depth: 2.0 })];
+        let recipe = SurfaceRecipe::from(synthesis.eroded(erosion.clone()).unwrap());
+        assert!(recipe.is_valid() && recipe.is_measured());
+        let eroded =
+            FieldSynthesis::new(recipe.clone(), grid.0, grid.1, Resolution::Facets).unwrap();
+        assert_eq!(eroded.slope_mixture(), None);
+        let field = eroded.draw_into(7, 3, vec![9.0; 5]).unwrap();
+        let steps = erosion.iter();
+        let expected = steps.fold(synthesis.draw(7, 3).unwrap(), |field, process| {
+            process.of(&field).unwrap()
+        });
+        assert_eq!(field.heights(), expected.heights());
+        let provenance = Provenance::of(field.provenance()).unwrap();
+        assert_eq!(provenance.recipe, recipe);
+        // Of 128 areas of correlation: some ten per cent; before the erosion the variances are 0.125 and 0.03125
+        let [xx, _, yy] = recipe.slope_covariance();
+        let [found_x, _, found_y] = field.slope_moments().second;
+        assert!((xx / found_x - 1.0).abs() < 0.2 && (yy / found_y - 1.0).abs() < 0.2);
+        assert!(xx < 0.6 * psd.slope_covariance()[0] && xx > yy);
+        assert!(recipe.sigma() < psd.sigma() && recipe.sigma() > 0.5 * psd.sigma());
+        assert_eq!(recipe.correlation_lengths(), psd.correlation_lengths());
+        // Lengths in another unit
+        let larger = recipe.converted(&|length| 1e3 * length);
+        let SurfaceRecipe::Eroded(larger) = larger else {
+            panic!("{larger:?}");
+        };
+        assert_eq!(larger.erosion()[1], Erosion::Etch(Etch { depth: 2e3 }));
+        // Etching is refused where the grid is too fine for it
+        let fine = FieldSynthesis::new(recipe, grid.0, [1.0 / 64.0; 2], Resolution::Any);
+        assert!(matches!(fine, Err(SynthesisError::Erosion(_))));
     }
 }

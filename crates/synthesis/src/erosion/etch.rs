@@ -24,18 +24,23 @@ pub struct Etch {
 }
 
 impl Etch {
-    /// Heights after etching. The sphere is that of the samples: a flank of slope `m` sinks by
-    /// `depth sqrt(1 + m^2)`, less up to `d^2 (1 + m^2)^(3/2) / (8 depth)` at the spacing `d`.
-    pub(super) fn heights(&self, field: &HeightField) -> Result<Vec<f64>, ErosionError> {
+    pub(super) fn check(&self, [dx, dy]: [f64; 2]) -> Result<(), ErosionError> {
         let depth = self.depth;
         if !(depth.is_finite() && depth > 0.0) {
             return Err(ErosionError::BadDepth(depth));
         }
-        let [dx, dy] = field.spacing();
         let most = MAX_ETCH_SPACINGS * dx.min(dy);
-        if depth > most {
-            return Err(ErosionError::TooDeep { depth, most });
+        match depth > most {
+            true => Err(ErosionError::TooDeep { depth, most }),
+            false => Ok(()),
         }
+    }
+
+    /// Heights after etching. The sphere is that of the samples: a flank of slope `m` sinks by
+    /// `depth sqrt(1 + m^2)`, less up to `d^2 (1 + m^2)^(3/2) / (8 depth)` at the spacing `d`.
+    pub(super) fn heights(&self, field: &HeightField) -> Vec<f64> {
+        let depth = self.depth;
+        let [dx, dy] = field.spacing();
         let ([ny, nx], border) = (field.shape(), field.border());
         let rows_away = (depth / dy).floor() as i64;
         let mut heights = vec![f64::INFINITY; nx * ny];
@@ -56,7 +61,7 @@ impl Etch {
                     }
                 }
             });
-        Ok(heights)
+        heights
     }
 }
 

@@ -39,14 +39,18 @@ pub struct Slip {
 }
 
 impl Slip {
-    /// Heights after slipping.
-    pub(super) fn heights(&self, field: &HeightField) -> Result<Vec<f64>, ErosionError> {
+    pub(super) fn check(&self) -> Result<(), ErosionError> {
         if !(self.slope.is_finite() && self.slope >= 0.0) {
             return Err(ErosionError::BadSlope(self.slope));
         }
         if !(1..=MAX_SLIP_STEPS).contains(&self.steps) {
             return Err(ErosionError::BadSteps { steps: self.steps });
         }
+        Ok(())
+    }
+
+    /// Heights after slipping.
+    pub(super) fn heights(&self, field: &HeightField) -> Vec<f64> {
         let ([ny, nx], [dx, dy], border) = (field.shape(), field.spacing(), field.border());
         let allowed = NEIGHBOURS.map(|[i, j]| self.slope * (i as f64 * dx).hypot(j as f64 * dy));
         let mut heights = field.heights().to_vec();
@@ -85,7 +89,7 @@ impl Slip {
                 break;
             }
         }
-        Ok(heights)
+        heights
     }
 }
 

@@ -2,14 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::drawn_moments::{DrawnMoments, with_density};
 use crate::{Psd, Structure, StructureError, StructureSynthesis};
-
-/// Least slope variance along any direction, as a fraction of both together: grooves have slopes along one direction alone, which
-/// have no density.
-const LEAST_VARIANCE: f64 = 1e-4;
-
-/// Surfaces drawn to measure what is not known in closed form.
-const MEASURED: u64 = 2;
 
 /// A structure, with Gaussian roughness on top or without.
 ///
@@ -29,10 +23,7 @@ pub struct StructuredSurface {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStructure {
     structure: Structure,
-    /// Variance of heights, length units squared.
-    variance: f64,
-    /// Second moments `[xx, xy, yy]` of slopes.
-    slopes: [f64; 3],
+    moments: DrawnMoments,
 }
 
 impl MeasuredStructure {
@@ -41,27 +32,16 @@ impl MeasuredStructure {
     /// # Errors
     /// Errors of [`StructureSynthesis::draw`].
     pub fn of(synthesis: &StructureSynthesis) -> Result<Self, StructureError> {
-        let (mut variance, mut slopes) = (0.0, [0.0; 3]);
-        for realisation in 0..MEASURED {
-            // Of a seed of its own, so that surfaces of the run are as independent of it as of each other
-            let field = synthesis.draw(u64::MAX, realisation)?;
-            let squares: f64 = field.heights().iter().map(|h| h * h).sum();
-            let part = 1.0 / MEASURED as f64;
-            variance += part * squares / field.heights().len() as f64;
-            let moments = field.slope_moments();
-            slopes = [0, 1, 2].map(|i| slopes[i] + part * moments.second[i]);
-        }
         Ok(Self {
             structure: *synthesis.structure(),
-            variance,
-            slopes,
+            moments: DrawnMoments::of(|seed, number| synthesis.draw(seed, number))?,
         })
     }
 
     /// Surfaces with this structure, and with heights of the power spectral density `roughness` added.
     #[must_use]
     pub fn with(&self, roughness: Option<Psd>) -> StructuredSurface {
-        let (mut variance, mut slopes) = (self.variance, self.slopes);
+        let (mut variance, mut slopes) = (self.moments.square, self.moments.slopes);
         if let Some(psd) = &roughness {
             variance += psd.sigma() * psd.sigma();
             let added = psd.slope_covariance();
@@ -136,38 +116,5 @@ impl StructuredSurface {
             sigma: convert(self.sigma),
             slope_covariance: self.slope_covariance,
         }
-    }
-}
-
-/// The covariance, equal along both axes if it is isotropic, else raised along its minor axis to [`LEAST_VARIANCE`] of both.
-fn with_density([xx, xy, yy]: [f64; 3], is_isotropic: bool) -> [f64; 3] {
-    let half = 0.5 * (xx + yy);
-    if is_isotropic {
-        return [half, 0.0, half];
-    }
-    let off = (0.5 * (xx - yy)).hypot(xy);
-    let most = half * (1.0 - 2.0 * LEAST_VARIANCE);
-    let scale = if off > most { most / off } else { 1.0 };
-    [
-        half + 0.5 * (xx - yy) * scale,
-        xy * scale,
-        half - 0.5 * (xx - yy) * scale,
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slopes_along_one_direction_get_a_density() {
-        // Eigenvalues 4 and 0, along an axis at 30 degrees
-        let (sin, cos) = 30_f64.to_radians().sin_cos();
-        let [xx, xy, yy] = with_density([4.0 * cos * cos, 4.0 * cos * sin, 4.0 * sin * sin], false);
-        assert!((xx + yy - 4.0).abs() < 1e-12);
-        let minor = xx * sin * sin - 2.0 * xy * sin * cos + yy * cos * cos;
-        assert!((minor - 4e-4).abs() < 1e-12, "{minor}");
-        assert_eq!(with_density([1.0, 0.25, 2.0], false), [1.0, 0.25, 2.0]);
-        assert_eq!(with_density([1.0, 0.25, 2.0], true), [1.5, 0.0, 1.5]);
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::eroded::ErodedSurface;
 use super::height_distribution::HeightDistribution;
 use super::heights::TransformedHeights;
 use super::structured::StructuredSurface;
@@ -34,6 +35,8 @@ pub enum SurfaceRecipe {
     StudentSlopes(StudentSlopes),
     /// A structure, with Gaussian roughness on top or without.
     Structured(Box<StructuredSurface>),
+    /// Any of these after erosion.
+    Eroded(Box<ErodedSurface>),
 }
 
 impl From<Psd> for SurfaceRecipe {
@@ -60,6 +63,12 @@ impl From<StructuredSurface> for SurfaceRecipe {
     }
 }
 
+impl From<ErodedSurface> for SurfaceRecipe {
+    fn from(surface: ErodedSurface) -> Self {
+        Self::Eroded(Box::new(surface))
+    }
+}
+
 impl SurfaceRecipe {
     /// The power spectral density, if heights and slopes are Gaussian; `None` of all other surfaces.
     ///
@@ -68,7 +77,7 @@ impl SurfaceRecipe {
     pub const fn gaussian(&self) -> Option<&Psd> {
         match self {
             Self::Gaussian(psd) => Some(psd),
-            Self::Transformed(_) | Self::StudentSlopes(_) | Self::Structured(_) => None,
+            _ => None,
         }
     }
 
@@ -77,16 +86,26 @@ impl SurfaceRecipe {
     pub const fn heights(&self) -> Option<&HeightDistribution> {
         match self {
             Self::Transformed(transformed) => Some(transformed.heights()),
-            Self::Gaussian(_) | Self::StudentSlopes(_) | Self::Structured(_) => None,
+            _ => None,
         }
     }
 
-    /// The structured surface; `None` of all other surfaces.
+    /// The structured surface; `None` of all other surfaces, eroded ones included.
     #[must_use]
     pub fn structured(&self) -> Option<&StructuredSurface> {
         match self {
             Self::Structured(surface) => Some(surface),
-            Self::Gaussian(_) | Self::Transformed(_) | Self::StudentSlopes(_) => None,
+            _ => None,
+        }
+    }
+
+    /// Returns `true` if height and slopes are measured on drawn surfaces, since no formula has them: slopes then have no known distribution,
+    /// and finer grids are drawn anew.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        match self {
+            Self::Structured(_) | Self::Eroded(_) => true,
+            Self::Gaussian(_) | Self::Transformed(_) | Self::StudentSlopes(_) => false,
         }
     }
 
@@ -97,6 +116,7 @@ impl SurfaceRecipe {
             Self::Transformed(transformed) => Underlying::Spectrum(transformed.psd()),
             Self::StudentSlopes(student) => Underlying::Spectrum(student.base()),
             Self::Structured(surface) => Underlying::Structure(surface),
+            Self::Eroded(surface) => surface.before().underlying(),
         }
     }
 
@@ -108,10 +128,11 @@ impl SurfaceRecipe {
             Self::Transformed(transformed) => transformed.psd().sigma(),
             Self::StudentSlopes(student) => student.sigma(),
             Self::Structured(surface) => surface.sigma(),
+            Self::Eroded(surface) => surface.sigma(),
         }
     }
 
-    /// 1/e correlation lengths along the two principal axes; of structured surfaces half the width of a feature.
+    /// 1/e correlation lengths along the two principal axes; of structured surfaces half the width of a feature, of eroded ones those before.
     #[must_use]
     pub fn correlation_lengths(&self) -> [f64; 2] {
         match self.underlying() {
@@ -164,6 +185,7 @@ impl SurfaceRecipe {
             Self::Transformed(transformed) => transformed.psd().slope_covariance(),
             Self::StudentSlopes(student) => student.slope_covariance(),
             Self::Structured(surface) => surface.slope_covariance(),
+            Self::Eroded(surface) => surface.slope_covariance(),
         }
     }
 
@@ -193,7 +215,7 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => psd.curvature(),
             Self::Transformed(transformed) => transformed.psd().curvature(),
             Self::StudentSlopes(student) => student.curvature(),
-            Self::Structured(_) => return None,
+            Self::Structured(_) | Self::Eroded(_) => return None,
         };
         curvature.is_finite().then_some(curvature)
     }
@@ -206,6 +228,7 @@ impl SurfaceRecipe {
             Self::Transformed(transformed) => transformed.is_valid(),
             Self::StudentSlopes(student) => student.is_valid(),
             Self::Structured(surface) => surface.is_valid(),
+            Self::Eroded(surface) => surface.is_valid(),
         }
     }
 
@@ -217,6 +240,7 @@ impl SurfaceRecipe {
             Self::Transformed(transformed) => Self::Transformed(transformed.converted(convert)),
             Self::StudentSlopes(student) => Self::StudentSlopes(student.converted(convert)),
             Self::Structured(surface) => surface.converted(convert).into(),
+            Self::Eroded(surface) => surface.converted(convert).into(),
         }
     }
 }

@@ -13,8 +13,8 @@ use crate::input::random_surfaces::RandomSurfaces;
 pub(crate) enum Drawer<'a> {
     /// A recipe; facets are refined or not.
     Random(&'a RandomSurfaces, bool),
-    /// The recipe of smooth cells or of structures that are refined, drawn on grids of other spacings: half the spacing, and twice the
-    /// spacing where that resolves the surface. A spline has no finer mesh than itself, and edges have no spectrum.
+    /// The recipe of smooth cells, of structures or of eroded surfaces that are refined, drawn on grids of other spacings: half the spacing,
+    /// and twice the spacing where that resolves the surface. A spline has no finer mesh than itself, and edges have no spectrum.
     Respaced {
         finer: Box<RandomSurfaces>,
         given: &'a RandomSurfaces,
@@ -29,8 +29,8 @@ pub(crate) enum Drawer<'a> {
 impl<'a> Drawer<'a> {
     /// Returns the drawer of random surfaces, refined or not.
     pub(crate) fn new(given: &'a RandomSurfaces, refine: bool) -> Result<Self, SimulateError> {
-        let is_structured = given.recipe().structured().is_some();
-        if !refine || (given.cells() == Cells::Flat && !is_structured) {
+        let is_measured = given.recipe().is_measured();
+        if !refine || (given.cells() == Cells::Flat && !is_measured) {
             return Ok(Self::Random(given, refine));
         }
         let is_even = given.shape().iter().all(|n| n % 2 == 0);

@@ -1,5 +1,6 @@
 //! Explanations: what is about to be traced, and why so, in one line each.
 
+use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions, Shape};
 
 use super::case_run::CaseRun;
@@ -51,20 +52,17 @@ impl CaseRun {
             None if self.case.light.is_polarised() => {
                 "plain, since no control variate covers polarised light"
             }
-            None if has_structure(&self.case.surface) => {
-                "plain, since the distribution of slopes of structured surfaces is not known"
+            None if is_measured(&self.case.surface) => {
+                "plain, since the distribution of the slopes of these surfaces is not known"
             }
             None => "plain, since there is no control variate for this case that saves time",
         }
     }
 }
 
-/// `true` if surfaces are random and structured.
-fn has_structure(surface: &SurfaceSource) -> bool {
-    match surface {
-        SurfaceSource::Random(surfaces) => surfaces.recipe().structured().is_some(),
-        SurfaceSource::Given(_) | SurfaceSource::Described(_) => false,
-    }
+/// `true` if surfaces are random and their slopes measured.
+fn is_measured(surface: &SurfaceSource) -> bool {
+    surface.recipe().is_some_and(SurfaceRecipe::is_measured)
 }
 
 /// The accelerator, by which instructions it is searched, and by how many threads.

@@ -181,6 +181,13 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
     ),
     group(&[
         variant("an angle of repose")
+            .when(&["surface.repose"])
+            .allows(&["surface.slip_steps"]),
+        variant("surfaces that do not slip").by_default(),
+    ])
+    .keeps_all_defaults(),
+    group(&[
+        variant("an angle of repose")
             .when(&["measured.repose"])
             .allows(&["measured.slip_steps"]),
         variant("surfaces that do not slip").by_default(),

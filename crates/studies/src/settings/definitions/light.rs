@@ -75,7 +75,7 @@ pub(super) const LIGHT: &[Setting] = &table(
             .default("above"),
         setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
             .help("Wavelength against which the lengths of the surface are judged")
-            .commands(TRACE.and(VERIFY).and(GONIO))
+            .commands(TRACING)
             .unit("nm")
             .range(Range::FromTo(1e-3, 1e12))
             .otherwise("550 where the unit of the surface is known"),

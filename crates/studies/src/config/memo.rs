@@ -1,44 +1,50 @@
-//! Structure memo: keeps what was measured of a structure, for all copies of its configuration.
+//! Memo: keeps what was measured of surfaces, for all copies of their configuration.
 //!
-//! Statistics of a structure that models and bins need are measured on surfaces that take as long to draw as those of the run. Every case of
-//! a sweep is a copy of one configuration, and each is planned several times: the copies share what is measured.
+//! Statistics of structures and of eroded surfaces that models and bins need are measured on surfaces that take as long to draw as those of the
+//! run. Every case of a sweep is a copy of one configuration, and each is planned several times: the copies share what is measured.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asperity_synthesis::{MeasuredStructure, StructureError, StructureSynthesis};
+/// The last measurement, shared by all copies, with the description of what was measured.
+#[derive(Clone, Debug)]
+pub(super) struct Memo<K, V>(Arc<Mutex<Option<(K, V)>>>);
 
-/// The last measurement, shared by all copies.
-#[derive(Clone, Debug, Default)]
-pub(super) struct StructureMemo(Arc<Mutex<Option<(StructureSynthesis, MeasuredStructure)>>>);
+impl<K, V> Default for Memo<K, V> {
+    fn default() -> Self {
+        Self(Arc::default())
+    }
+}
 
 /// It decides nothing, so that configurations that differ in it alone are equal.
-impl PartialEq for StructureMemo {
+impl<K, V> PartialEq for Memo<K, V> {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl StructureMemo {
-    /// Returns the surfaces that `synthesis` draws, measured unless they were measured last.
-    pub(super) fn measured(
+impl<K: PartialEq, V: Clone> Memo<K, V> {
+    /// Returns what `measure` finds of `described`, measured unless it was measured last.
+    pub(super) fn measured<E>(
         &self,
-        synthesis: StructureSynthesis,
-    ) -> Result<MeasuredStructure, StructureError> {
+        described: K,
+        measure: impl FnOnce(&K) -> Result<V, E>,
+    ) -> Result<V, E> {
         let mut last = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((same, measured)) = &*last
-            && *same == synthesis
+            && *same == described
         {
             return Ok(measured.clone());
         }
-        let measured = MeasuredStructure::of(&synthesis)?;
-        *last = Some((synthesis, measured.clone()));
+        let measured = measure(&described)?;
+        *last = Some((described, measured.clone()));
         Ok(measured)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use asperity_synthesis::MeasuredStructure;
+
     use crate::config::VerifyConfig;
     use crate::config::values::{Number, OneOrMany};
 
@@ -62,7 +68,10 @@ mod tests {
         other.surface.structure.as_mut().unwrap().depth = Some(OneOrMany::One(Number(2.0)));
         let foreign = MeasuredStructure::of(&synthesis_of(&other)).unwrap();
         *memo.0.lock().unwrap() = Some((synthesis, foreign.clone()));
-        assert_eq!(memo.measured(synthesis).unwrap(), foreign);
+        assert_eq!(
+            memo.measured(synthesis, MeasuredStructure::of).unwrap(),
+            foreign
+        );
         assert_ne!(config.plan().unwrap().cases, cases);
         other.plan().unwrap();
         assert_eq!(config.plan().unwrap().cases, cases);
