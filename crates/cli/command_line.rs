@@ -444,12 +444,18 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
-    if let Some(hint) = roughness_hint(&argument) {
-        return format!("unknown flag {argument}{hint}");
+    if argument[1..].starts_with(|first: char| first.is_ascii_digit()) {
+        return format!(
+            "unknown flag {argument}; a value that begins with a minus is given as --flag={argument}"
+        );
     }
     let settings = settings_of(command.unwrap_or(Command::Trace));
     let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
     let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    let roughness = roughness_hint(&argument).filter(|_| flags.contains(&"smoothness"));
+    if let Some(hint) = roughness {
+        return format!("unknown flag {argument}{hint}");
+    }
     match suggestion(&argument, &flags) {
         Some(similar) => format!("unknown flag {argument}; did you mean --{similar}?"),
         None => format!("unknown flag {argument}; see --help"),

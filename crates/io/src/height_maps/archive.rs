@@ -21,10 +21,8 @@ pub(super) struct Parts<R> {
 impl<R: Read + Seek> Parts<R> {
     /// Opens the archive in a file of `length` bytes.
     pub(super) fn open(reader: R, length: u64) -> Result<Self, ReadProblem> {
-        let archive = ZipArchive::new(reader).map_err(|e| {
-            ReadProblem::malformed(format_args!(
-                "it is not a complete ZIP archive ({e}); it may be cut short"
-            ))
+        let archive = ZipArchive::new(reader).map_err(|_| {
+            ReadProblem::malformed("it is not a complete ZIP archive; it may be cut short")
         })?;
         Ok(Self {
             archive,

@@ -125,6 +125,9 @@ impl From<Error> for ReadProblem {
         match error {
             Error::Io(error) => error.into(),
             Error::NotSupported(what) => Self::unsupported(what),
+            Error::Invalid(what) if what == "reference to missing bytes" => {
+                Self::truncated("bytes that its header promises are missing")
+            }
             Error::Invalid(what) => Self::malformed(what),
             Error::Aborted => Self::malformed("its content is damaged"),
         }

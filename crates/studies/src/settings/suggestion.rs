@@ -22,6 +22,12 @@ const SYNONYMS: &[(&str, &str)] = &[
         "theta",
         "angle incidence angle-of-incidence aoi theta-i incident-angle zenith polar tilt",
     ),
+    (
+        "sun-elevation",
+        "elevation altitude sun-altitude solar-elevation",
+    ),
+    ("sun-azimuth", "azimuth solar-azimuth"),
+    ("samples", "spp"),
     ("phi", "azi phi-i azimuth-angle azimuth"),
     (
         "rays",
@@ -87,8 +93,13 @@ const ROUGHNESS: [&str; 4] = ["alpha", "roughness", "alpha-x", "alpha-y"];
 #[must_use]
 pub fn roughness_hint(given: &str) -> Option<String> {
     let is_roughness = ROUGHNESS.contains(&plain(given).as_str());
-    let dashes = if given.starts_with("--") { "--" } else { "" };
-    is_roughness.then(|| format!("; roughness is given as {dashes}smoothness, s = 2 / alpha"))
+    let (smoothness, ggx) = match given.starts_with("--") {
+        true => ("--smoothness", "--slopes ggx --ggx-alpha"),
+        false => ("smoothness", "ggx_alpha with slopes = \"ggx\""),
+    };
+    is_roughness.then(|| {
+        format!("; roughness is given as {smoothness}, s = 2 / alpha of Beckmann, or as {ggx}")
+    })
 }
 
 /// A name without dashes in front, in small letters.

@@ -26,7 +26,7 @@ pub enum RefinementError {
     /// Cells are split along the edges of a structure.
     #[error(
         "a structure with edges cannot be refined from its samples, since edges have no spectrum; \
-         verify and gonio draw structures again at other spacings"
+         verify draws structures again at other spacings"
     )]
     Edges,
     /// The system gives no more memory.
