@@ -9,7 +9,9 @@ use asperity_analysis::{
     verdicts,
 };
 use asperity_optics::Incidence;
-use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyValues};
+use asperity_tally::{
+    Azimuth, Component, Estimate, Mirror, Side, TallyResult, TallySpec, TallyValues,
+};
 use rayon::prelude::*;
 
 use crate::comparison::ray_counts::RayCounts;
@@ -155,6 +157,15 @@ impl Compared<'_> {
         self.outcome.case.light.incidence
     }
 
+    /// The plane of incidence, where light is the same on both sides of it on average. Facets of a table that are level send light into exactly
+    /// that plane, where bins may meet: the model has it on one side, and surfaces on both.
+    fn mirror(&self) -> Option<Mirror> {
+        let Outcome { case, work, .. } = self.outcome;
+        let is_even = work.folded || case.light.random_azimuth;
+        let mirror = || Mirror::about(self.incidence().phi(), &self.spec().grid());
+        is_even.then(mirror).flatten()
+    }
+
     /// The comparison with one model.
     fn with(&self, model: CaseModel) -> Result<ModelOutcome, StudyError> {
         let surfaces = self.outcome.surfaces.len() as u64;
@@ -173,10 +184,13 @@ impl Compared<'_> {
         };
         let expect =
             |model: &CaseModel| model.expect(self.incidence(), self.spec(), azimuth, effort);
-        let expectation = expect(&model);
         let is_tabulated = model
             .density()
             .is_some_and(|density| density.tabulated().is_some());
+        let expectation = match self.mirror() {
+            Some(mirror) if is_tabulated => expect(&model).folded(&mirror),
+            _ => expect(&model),
+        };
         let tallies = match (self.regions, &model) {
             _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
             // Models of layers between flat faces know of no slopes.
@@ -216,7 +230,12 @@ impl Compared<'_> {
         let Some(tables) = self.tables else {
             return Ok(tallies.clone());
         };
-        let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence());
+        let adjusted = tables.adjusted(
+            tallies,
+            self.surface.material,
+            self.incidence(),
+            self.mirror(),
+        );
         let adjusted = adjusted.map_err(ConfigError::from)?;
         Ok(match self.regions {
             Some(regions) => regions.stretched(adjusted),
