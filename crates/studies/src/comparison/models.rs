@@ -157,13 +157,11 @@ impl Compared<'_> {
         self.outcome.case.light.incidence
     }
 
-    /// The plane of incidence, where light is the same on both sides of it on average. Facets of a table that are level send light into exactly
-    /// that plane, where bins may meet: the model has it on one side, and surfaces on both.
+    /// The plane of incidence, if bins were averaged over it. Level facets send light into exactly that plane, where bins may meet: a table has it on
+    /// one side, as rays do, and averaged bins on both.
     fn mirror(&self) -> Option<Mirror> {
-        let Outcome { case, work, .. } = self.outcome;
-        let is_even = work.folded || case.light.random_azimuth;
         let mirror = || Mirror::about(self.incidence().phi(), &self.spec().grid());
-        is_even.then(mirror).flatten()
+        self.outcome.work.folded.then(mirror).flatten()
     }
 
     /// The comparison with one model.

@@ -56,8 +56,8 @@ fn ggx_surfaces_have_the_light_of_their_slopes() {
 }
 
 /// Pits so shallow that nothing is shadowed, masked or scattered twice, in a plane whose facets are level, and triangles at their rims that are level
-/// along an axis. Their light leaves at the angle and in the plane of that of a mirror, where bins meet. Of 6 seeds of which a model is true, more than
-/// 3 have p below 0.05 with probability 9e-5.
+/// along an axis. Their light leaves at the angle and in the plane of that of a mirror, where bins meet. Of 6 runs of which a model is true, more than
+/// one has p below 0.01 with probability 1.5e-3; each kind has two.
 #[test]
 fn light_of_level_facets_is_that_of_their_slopes() {
     let mut found = Vec::new();
@@ -73,7 +73,7 @@ fn light_of_level_facets_is_that_of_their_slopes() {
                 "[run]\n"
             };
             let text = format!(
-                "[surface]\nstructure = \"pits\"\nwidth = 12\ndepth = 0.15\nsize = 64\nspacing = 1\ninsist = true\n[material]\nkind = \"mirror\"\n[output]\nplots = false\n[compare]\nmodels = \"smith-slopes\"\n[light]\ntheta = 30\n{light}\n{run}bins = \"9x12\"\nrays = 20000\nestimator = \"plain\"\nrealisations = 16\nseed = {seed}"
+                "[surface]\nstructure = \"pits\"\nwidth = 12\ndepth = 0.15\nsize = 64\nspacing = 1\ninsist = true\n[material]\nkind = \"mirror\"\n[output]\nplots = false\n[compare]\nmodels = \"smith-slopes\"\n[light]\ntheta = 30\n{light}\n{run}bins = \"9x12\"\nrays = 8000\nestimator = \"plain\"\nrealisations = 12\nseed = {seed}"
             );
             let config = VerifyConfig::from_toml(&text).unwrap();
             let plan = config.plan().unwrap();
@@ -83,8 +83,8 @@ fn light_of_level_facets_is_that_of_their_slopes() {
             found.push(p);
         }
     }
-    let low = found.iter().filter(|p| **p < 0.05).count();
-    assert!(low <= 3, "{found:?}");
+    let low = found.iter().filter(|p| **p < 0.01).count();
+    assert!(low <= 1, "{found:?}");
 }
 
 /// Slopes of Gaussian surfaces are known, and need no table: the model is that of Smith, to the last digit.

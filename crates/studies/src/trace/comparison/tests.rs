@@ -141,15 +141,12 @@ fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {
 }
 
 /// Level tops and bottoms: a Gaussian surface that is cut off above and below, so gentle that nothing is shadowed. Light of level facets leaves at the angle of
-/// that of a mirror, and of those that are level along an axis in the plane of incidence, where bins meet. Of 8 seeds of which a model is true,
-/// more than 4 have p below 0.05 with probability 2e-5.
+/// that of a mirror, and of those that are level along an axis in the plane of incidence, where bins meet. Of 4 seeds of which a model is true,
+/// more than one has p below 0.01 with probability 6e-4.
 #[test]
 fn level_facets_send_light_to_the_side_of_an_edge_that_rays_take() {
     let mut found = Vec::new();
-    for (phi, seed) in [0, 90, 180, 270]
-        .into_iter()
-        .flat_map(|phi| [(phi, 1), (phi, 2)])
-    {
+    for (phi, seed) in [(0, 1), (90, 2), (180, 3), (270, 4)] {
         let mut surface = isotropic(20.0, seed);
         let GivenShape::Field(field) = &surface.shape else {
             panic!("a height field");
@@ -164,10 +161,8 @@ fn level_facets_send_light_to_the_side_of_an_edge_that_rays_take() {
         println!("{phi} {seed}: {p:?}");
         found.push(p[0]);
     }
-    assert!(
-        found.iter().filter(|p| **p < 0.05).count() <= 4,
-        "{found:?}"
-    );
+    let low = found.iter().filter(|p| **p < 0.01).count();
+    assert!(low <= 1, "{found:?}");
 }
 
 /// Slope variances off by 20 %: light scattered once deviates by some 10 % in the ring of the steepest facets.
