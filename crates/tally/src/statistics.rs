@@ -2,9 +2,9 @@
 
 pub(crate) mod batches;
 pub(crate) mod few_rays;
-pub(crate) mod lit_surfaces;
 pub(crate) mod mirror;
 pub(crate) mod sample_groups;
+pub(crate) mod surface_counts;
 
 use serde::{Deserialize, Serialize};
 

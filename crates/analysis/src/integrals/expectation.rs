@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::{
-    Azimuth, Component, Side, SideFluxes, Tally, TallySpec, TallyStatistics, TallyValues,
+    Azimuth, Component, Mirror, Side, SideFluxes, Tally, TallySpec, TallyStatistics, TallyValues,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -98,6 +98,17 @@ impl Expectation {
             statistics,
             rays,
             exact_single: false,
+        }
+    }
+
+    /// The same with bins averaged with their mirror images, as those of the tallies that it is compared with are.
+    #[must_use]
+    pub fn folded(mut self, mirror: &Mirror) -> Self {
+        let (spec, exact_single) = (*self.spec(), self.exact_single);
+        self.tallies.iter_mut().for_each(|tally| mirror.fold(tally));
+        Self {
+            exact_single,
+            ..Self::of(spec, self.scope, self.tallies, self.rays)
         }
     }
 

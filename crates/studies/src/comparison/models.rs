@@ -9,7 +9,9 @@ use asperity_analysis::{
     verdicts,
 };
 use asperity_optics::Incidence;
-use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyValues};
+use asperity_tally::{
+    Azimuth, Component, Estimate, Mirror, Side, TallyResult, TallySpec, TallyValues,
+};
 use rayon::prelude::*;
 
 use crate::comparison::ray_counts::RayCounts;
@@ -160,6 +162,13 @@ impl Compared<'_> {
         self.outcome.case.light.incidence
     }
 
+    /// The plane of incidence, if bins were averaged over it. Level facets send light into exactly that plane, where bins may meet: a table has it on
+    /// one side, as rays do, and averaged bins on both.
+    fn mirror(&self) -> Option<Mirror> {
+        let mirror = || Mirror::about(self.incidence().phi(), &self.spec().grid());
+        self.outcome.work.folded.then(mirror).flatten()
+    }
+
     /// The comparison with one model.
     fn with(&self, model: CaseModel) -> Result<ModelOutcome, StudyError> {
         let surfaces = self.outcome.surfaces.len() as u64;
@@ -178,10 +187,13 @@ impl Compared<'_> {
         };
         let expect =
             |model: &CaseModel| model.expect(self.incidence(), self.spec(), azimuth, effort);
-        let expectation = expect(&model);
         let is_tabulated = model
             .density()
             .is_some_and(|density| density.tabulated().is_some());
+        let expectation = match self.mirror() {
+            Some(mirror) if is_tabulated => expect(&model).folded(&mirror),
+            _ => expect(&model),
+        };
         let tallies = match (self.regions, &model) {
             _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
             // Models of layers between flat faces know of no slopes.
@@ -221,7 +233,12 @@ impl Compared<'_> {
         let Some(tables) = self.tables else {
             return Ok(tallies.clone());
         };
-        let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence());
+        let adjusted = tables.adjusted(
+            tallies,
+            self.surface.material,
+            self.incidence(),
+            self.mirror(),
+        );
         let adjusted = adjusted.map_err(ConfigError::from)?;
         Ok(match self.regions {
             Some(regions) => regions.stretched(adjusted),

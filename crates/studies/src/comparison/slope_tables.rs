@@ -13,7 +13,7 @@ use asperity_analysis::{
     region_influence,
 };
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{TallySpec, TallyValues};
+use asperity_tally::{Mirror, TallySpec, TallyValues};
 use asperity_tracer::HalfSpace;
 use rayon::prelude::*;
 
@@ -96,19 +96,24 @@ impl SlopeTables {
         self.table.grid().size()
     }
 
-    /// The tallies less what the slopes of each explain.
+    /// The tallies less what the slopes of each explain. `mirror`: between bins that are averaged.
     pub(crate) fn adjusted(
         &self,
         tallies: &[TallyValues],
         material: Material,
         incidence: Incidence,
+        mirror: Option<Mirror>,
     ) -> Result<Vec<TallyValues>, ModelError> {
         // One alone explains nothing of a scatter.
         let ([first, _, ..], [_, _, ..]) = (tallies, self.weights.as_slice()) else {
             return Ok(tallies.to_vec());
         };
         let spec: &TallySpec = first.spec();
-        let explained = region_influence(&self.table, &self.weights, material, incidence, spec)?;
+        let mut explained =
+            region_influence(&self.table, &self.weights, material, incidence, spec)?;
+        if let Some(mirror) = mirror {
+            explained.iter_mut().for_each(|tally| mirror.fold(tally));
+        }
         let pairs = tallies.iter().zip(&explained);
         Ok(pairs
             .map(|(tally, explained)| tally.zip_map(explained, |value, part| value - part))

@@ -7,6 +7,9 @@ use serde::Serialize;
 use super::outcome::Direction;
 use crate::report::disc_bins::disc_bins;
 
+/// Standard deviations of chi-squared within which bins count as equal.
+const STANDARD_DEVIATIONS: f64 = 3.0;
+
 /// The brightest bin of a side. Of bins that are nearly equal the one with the smallest error counts: the largest value of
 /// the mean less two standard errors, so that noise in small bins makes no peak.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -47,8 +50,10 @@ impl Peak {
     }
 }
 
-/// Returns `true` if these differ by no more than their errors: if their chi-squared about their mean exceeds that of bins which are averaged with
-/// their mirror images by less than three deviations.
+/// Returns `true` if these differ by no more than their errors: if their chi-squared about their mean is less than three standard deviations
+/// above its expectation. Chi-squared of `f` degrees of freedom has the mean `f` and the variance `2 f`. Bins that are averaged with their
+/// mirror images are equal in pairs, so that half as many vary and count twice: the mean is `f` and the variance `4 f`, whose root is
+/// `2 sqrt(f)`. Three of these are taken for all bins; of bins that vary apart it is 4.2 standard deviations.
 fn is_even(bins: &[Estimate]) -> bool {
     let freedom = bins.len() as f64 - 1.0;
     let mean = bins.iter().map(|bin| bin.mean).sum::<f64>() / bins.len() as f64;
@@ -61,7 +66,7 @@ fn is_even(bins: &[Estimate]) -> bool {
             None => f64::INFINITY,
         }
     };
-    bins.iter().map(square).sum::<f64>() < freedom + 6.0 * freedom.sqrt()
+    bins.iter().map(square).sum::<f64>() < freedom + STANDARD_DEVIATIONS * 2.0 * freedom.sqrt()
 }
 
 #[cfg(test)]

@@ -69,6 +69,10 @@ pub(super) fn check_matrix(columns: usize, numbers: &[f64]) -> Result<(), ReadPr
     )))
 }
 
+/// Largest difference of two equal steps, over the step. Numbers of single precision, or of seven digits, are rounded by up to 6e-8 of
+/// themselves: steps of the first ten or so agree to 1e-6, and heights that agree as well by chance do so once in a million.
+const EQUAL: f64 = 1e-6;
+
 /// Number of numbers that differ by one step from each to the next; 0 of others. Missing ones may be any number, and the first, that of
 /// the corner, does not count.
 fn steps(numbers: impl Iterator<Item = f64>) -> usize {
@@ -78,7 +82,7 @@ fn steps(numbers: impl Iterator<Item = f64>) -> usize {
     let Some(step) = steps.next() else {
         return 1;
     };
-    let is_equal = step != 0.0 && steps.all(|other| (other - step).abs() <= 1e-6 * step.abs());
+    let is_equal = step != 0.0 && steps.all(|other| (other - step).abs() <= EQUAL * step.abs());
     if is_equal { numbers.len() } else { 0 }
 }
 

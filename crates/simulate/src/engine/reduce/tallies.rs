@@ -1,7 +1,7 @@
 //! The tallies of one case, surface by surface.
 
 use asperity_surface::SlopeMoments;
-use asperity_tally::{LitSurfaces, TallySpec, TallyStatistics, TallyValues};
+use asperity_tally::{SurfaceCounts, TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 
 use crate::engine::prepare::case_run::CaseRun;
@@ -18,7 +18,7 @@ pub(crate) struct CaseTallies {
     /// Flux fractions of each surface.
     pub(crate) surfaces: Vec<TallyValues>,
     /// Surfaces behind each entry.
-    lit: LitSurfaces,
+    lit: SurfaceCounts,
     /// Moments of the slopes of each, of random surfaces.
     pub(crate) slopes: Vec<SlopeMoments>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
@@ -36,7 +36,7 @@ impl CaseTallies {
     fn new(spec: TallySpec, used: Used) -> Self {
         Self {
             surfaces: Vec::new(),
-            lit: LitSurfaces::new(spec),
+            lit: SurfaceCounts::new(spec),
             slopes: Vec::new(),
             ray_squares: TallyValues::zeros(spec),
             blocks_of_one: None,

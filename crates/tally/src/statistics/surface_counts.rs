@@ -1,4 +1,4 @@
-//! Lit surfaces: how many surfaces have sent light into each entry.
+//! Surface counts: how many surfaces have sent light into each entry.
 //!
 //! Twenty rays of one surface are one sample of surfaces: where one surface in fifty lights a ring, most runs of 32 find none that does, and
 //! their rays, which agree, say nothing of it.
@@ -13,12 +13,12 @@ const SCORES: [Score; 3] = [Score::BinFlux, Score::RingFlux, Score::InPlaneFlux]
 
 /// Numbers of surfaces that have sent light into each entry; under a control variate, light of order one that deviates from it.
 #[derive(Clone, Debug)]
-pub struct LitSurfaces {
+pub struct SurfaceCounts {
     surfaces: f64,
     lit: TallyValues,
 }
 
-impl LitSurfaces {
+impl SurfaceCounts {
     /// No surfaces yet.
     #[must_use]
     pub fn new(spec: TallySpec) -> Self {
@@ -107,14 +107,14 @@ impl LitSurfaces {
             raise(&mut least, squares, &entries, &samples, [few; 2]);
         }
         if let Some(features) = features {
-            self.raise_dark(&mut least, means, self.surfaces * features);
+            self.raise_empty(&mut least, means, self.surfaces * features);
         }
         least.map(|square| square.sqrt())
     }
 
     /// Raises squares of errors in entries that no surface has lit, as if one more of `features` might light any of them, and in all others of
     /// the same side by what would be missing there. All light is as uncertain as its components together.
-    fn raise_dark(&self, least: &mut TallyValues, means: &TallyValues, features: f64) {
+    fn raise_empty(&self, least: &mut TallyValues, means: &TallyValues, features: f64) {
         let spec = *means.spec();
         for side in spec.sides() {
             for score in SCORES {
@@ -159,7 +159,7 @@ mod tests {
     fn rays_of_one_surface_are_one_sample() {
         let spec = TallySpec::new(HemisphereGrid::new(6, 4).unwrap(), 0.2).unwrap();
         let component = Component::Multiple;
-        let mut lit = LitSurfaces::new(spec);
+        let mut lit = SurfaceCounts::new(spec);
         let mut statistics = TallyStatistics::new(spec);
         for surface in 0..40 {
             let mut tally = TallyValues::zeros(spec);
