@@ -146,7 +146,7 @@ ROWS = [
     ("OBJ of trimesh: with normals and colours", by_trimesh_written("obj", {}, {"more": {"include_normals": True}}), by_trimesh, TRIMESH, mesh_problem),
     ("OBJ of meshio: triangles and quads", by_meshio_written("obj", {}), by_meshio, MESHIO, mesh_problem),
     ("STL of numpy-stl: text and binary, with names that begin with `solid`", by_numpy_stl_written, by_trimesh, TRIMESH, mesh_problem),
-    ("STL of trimesh and text of it", by_trimesh_written("stl", {}, {"type": "stl_ascii"}), by_trimesh, TRIMESH, mesh_problem),
+    ("STL of trimesh: text and binary", by_trimesh_written("stl", {}, {"type": "stl_ascii"}), by_trimesh, TRIMESH, mesh_problem),
     ("STL of meshio: text and binary", by_meshio_written("stl", *BOTH), by_trimesh, TRIMESH, mesh_problem),
 ]
 

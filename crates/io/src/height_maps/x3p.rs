@@ -47,7 +47,8 @@ pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMa
         for line in String::from_utf8_lossy(&stated).lines() {
             let (stated, part) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             let part = part.trim().trim_start_matches('*');
-            if !stated.is_empty() && (part.is_empty() || part.to_ascii_lowercase().ends_with(MAIN)) {
+            if !stated.is_empty() && (part.is_empty() || part.to_ascii_lowercase().ends_with(MAIN))
+            {
                 verify_checksum(MAIN, Md5::new_with_prefix(&text), stated)?;
             }
         }
