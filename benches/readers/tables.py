@@ -210,7 +210,7 @@ ROWS = [
     ("ESRI grid of GDAL; whole numbers and digits of all kinds; missing points", esri, by_gdal_text, f"GDAL {rasterio.__gdal_version__}", single),
     ("points x, y, z of GDAL; spaces, tabs, commas and semicolons; with and without a heading", points, by_points, f"numpy {np.__version__}", rounded),
     ("X3P of surfalize", by_surfalize_written(".x3p", *FLOATS), by_surface_topography, TOPOGRAPHY, rounded),
-    ("X3P of SurfaceTopography; whole numbers too", by_surface_topography_written(".x3p", *FLOATS, *WHOLE), by_surfalize, SURFALIZE, rounded),
+    ("X3P of SurfaceTopography; whole numbers too", by_surface_topography_written(".x3p", *FLOATS, *WHOLE), by_surface_topography, TOPOGRAPHY, rounded),
     ("`.sur` of surfalize, plain and compressed", by_surfalize_written(".sur", {}, {"compressed": True}), by_surfalize, SURFALIZE, single),
     ("`.sdf` of surfalize, text and binary", by_surfalize_written(".sdf", {}, {"binary": False}), by_surfalize, SURFALIZE, rounded),
     ("`.al3d` of surfalize", by_surfalize_written(".al3d", {}), by_surface_topography, TOPOGRAPHY, rounded),
