@@ -8,18 +8,15 @@ many files of a kind were read, and whether all heights, spacings and missing po
 exactly, but where GDAL converts units or heights have a scale: to 1e-15.
 """
 
-import argparse
 import itertools
-import sys
-import warnings
-from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import rasterio
 import tifffile
-from compare import METRES, Map, by_asperity
+from compare import METRES, Map
 from rasterio.transform import Affine
+from rows import print_rows, scaled
 
 METRE = Affine(2, 0, 3e5, 0, -3, 5e6)
 
@@ -107,6 +104,15 @@ def sparse(folder):
         yield path
 
 
+def in_large_tiles(folder):
+    methods = [(None, 1), ("lzw", 2), ("zlib", 3), ("packbits", 1)]
+    for (method, predictor), tile, shape in itertools.product(methods, [(16, 16), (64, 256)], [(3, 5), (15, 2), (63, 65)]):
+        path = folder / f"{method}-{tile[1]}-{shape[1]}.tif"
+        options = {"predictor": predictor} if predictor > 1 else {}
+        tifffile.imwrite(path, heights(shape, "f4" if predictor == 3 else "u2"), compression=method, tile=tile, **options)
+        yield path
+
+
 def with_units(folder):
     values = heights((8, 9), "f4")
     for code in (2193, 2227, 2256, 2263, 2913, 3857, 6539, 24370, 27700, 30200, 32064, 32633):
@@ -185,62 +191,18 @@ def by_openexr(path):
     return scaled(channel.pixels.astype(float), None)
 
 
-def scaled(values, spacing):
-    return Map(values, spacing, int(np.isnan(values).sum()))
-
-
+TIFFFILE = f"tifffile {tifffile.__version__}"
+GDAL = f"GDAL {rasterio.__gdal_version__}"
+OPENEXR = f"OpenEXR {OpenEXR.__version__}"
 ROWS = [
-    ("TIFF of whole numbers and half, single and double precision; strips and tiles; LZW, deflate, PackBits", by_tifffile_written, by_tifffile),
-    ("GeoTIFF, 1 to 32 bits per sample, tiles that the image leaves half empty", by_gdal_written, by_gdal),
-    ("GeoTIFF with tiles or strips that are not in the file", sparse, by_gdal),
-    ("GeoTIFF in feet, links and yards by EPSG code; units, scale and offset of heights", with_units, by_gdal),
-    ("TIFF with the scale of ImageJ or OME", with_scales, by_tifffile),
-    ("EXR of half and single precision and whole numbers; scan lines and tiles", by_openexr_written, by_openexr),
+    ("TIFF of whole numbers and half, single and double precision; strips and tiles; LZW, deflate, PackBits", by_tifffile_written, by_tifffile, TIFFFILE),
+    ("GeoTIFF, 1 to 32 bits per sample, tiles that the image leaves half empty", by_gdal_written, by_gdal, GDAL),
+    ("GeoTIFF with tiles or strips that are not in the file", sparse, by_gdal, GDAL),
+    ("GeoTIFF in feet, links and yards by EPSG code; units, scale and offset of heights", with_units, by_gdal, GDAL),
+    ("TIFF in tiles larger than the image", in_large_tiles, by_tifffile, TIFFFILE),
+    ("TIFF with the scale of ImageJ or OME", with_scales, by_tifffile, TIFFFILE),
+    ("EXR of half and single precision and whole numbers; scan lines and tiles", by_openexr_written, by_openexr, OPENEXR),
 ]
-NAMES = {
-    by_tifffile: f"tifffile {tifffile.__version__}",
-    by_gdal: f"GDAL {rasterio.__gdal_version__}",
-    by_openexr: f"OpenEXR {OpenEXR.__version__}",
-}
-
-
-def problem(ours, theirs):
-    """What differs, or None."""
-    both = ~np.isnan(theirs.heights)
-    if ours.heights.shape != theirs.heights.shape or ours.missing != theirs.missing:
-        return f"shape {ours.heights.shape}, missing {ours.missing}: {theirs.heights.shape}, {theirs.missing}"
-    off = np.abs(ours.heights - theirs.heights)[both].max() / np.abs(theirs.heights[both]).max()
-    if off > 1e-15:
-        return f"heights differ by {off:.1e}"
-    if theirs.spacing and any(abs(a / b - 1) > 1e-14 for a, b in zip(ours.spacing, theirs.spacing)):
-        return f"spacing {ours.spacing}: {theirs.spacing}"
-    return None
-
-
-def main():
-    warnings.simplefilter("ignore")
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--program", default="target/release/asperity")
-    parser.add_argument("--rows", default=range(len(ROWS)), type=int, nargs="+", help="rows to make, from 0 on")
-    options = parser.parse_args()
-    print("| format | compared with | files | agreement |\n|---|---|---|---|")
-    for number in options.rows:
-        name, write, read = ROWS[number]
-        folder = options.folder / str(number)
-        folder.mkdir(parents=True, exist_ok=True)
-        count, problems = 0, 0
-        for path in write(folder):
-            count += 1
-            try:
-                found = problem(by_asperity(options.program, path), read(path))
-            except Exception as error:
-                found = str(error)
-            if found:
-                problems += 1
-                print(f"{path}: {found}", file=sys.stderr)
-        print(f"| {name} | {NAMES[read]} | {count} | {'all' if not problems else count - problems} |", flush=True)
-
 
 if __name__ == "__main__":
-    main()
+    print_rows(__doc__, ROWS)

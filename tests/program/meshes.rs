@@ -217,7 +217,46 @@ fn concave_faces_reflect_by_their_area() {
     let fan = format!("{vertices}f 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 6\n");
     fs::write(folder.join("folded.obj"), fan).unwrap();
     let error = refused(folder, &words("trace folded.obj --theta 30"), 1);
-    assert!(error.contains("folded onto each other"), "{error}");
+    assert!(error.contains("lie in each other at ["), "{error}");
+}
+
+/// Two squares, the second of triangles that share no edge with those of the first.
+#[test]
+fn sheets_over_one_another_are_refused_or_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let trace = |height: &str, faces: &str| {
+        let corners = ["0 0", "4 0", "4 4", "0 4"].map(|corner| format!("v {corner} 0\n"));
+        let others = ["1 0", "5 0", "5 4", "1 4", "3 2"].map(|at| format!("v {at} {height}\n"));
+        let sheets = [
+            &corners.concat(),
+            "f 1 2 3\nf 1 3 4\n",
+            &others.concat(),
+            faces,
+        ]
+        .concat();
+        fs::write(folder.join("sheets.obj"), sheets).unwrap();
+        words("trace sheets.obj --theta 30 --rays 500")
+    };
+    let up = "f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n";
+    let down = "f 6 5 9\nf 7 6 9\nf 8 7 9\nf 5 8 9\n";
+    // In single precision these lie in one plane
+    for height in ["0", "1e-7"] {
+        for faces in [up, down] {
+            let error = refused(folder, &trace(height, faces), 1);
+            assert!(error.contains("lie in each other at ["), "{error}");
+        }
+    }
+    // Three quarters of each
+    let told = unwrapped(&succeed(folder, &trace("1", up)));
+    let (_, share) = told.split_once("note: ").unwrap();
+    assert!(
+        told.contains("% of the mesh face the back of other parts"),
+        "{told}"
+    );
+    let share = share.split(" % of the mesh").next().unwrap();
+    let share: f64 = share.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((share - 75.0).abs() < 2.0, "{told}");
 }
 
 #[test]

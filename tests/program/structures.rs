@@ -25,7 +25,7 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let run = |line: &str| succeed(folder, &words(line));
-    let lattice = "--structure pyramids --arrangement lattice --size 32 --spacing 1";
+    let lattice = "--structure pyramids --arrangement lattice --width 16 --size 32 --spacing 1";
     run(&format!("generate {lattice} -o p.exr"));
     let told = unwrapped(&run(&format!("generate {lattice} -o p.npy")));
     assert!(told.contains("split along the same one"), "{told}");
@@ -47,6 +47,18 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
     }
     let told = refused(folder, &words(&format!("trace p.exr {light} --refine")), 2);
     assert!(told.contains("edges have no spectrum"), "{told}");
+    // A record of pyramids that do not fit the tile
+    let mut file = std::fs::read(folder.join("p.exr")).unwrap();
+    let width = br#""width":16.0"#;
+    let at = file.windows(width.len()).position(|part| part == width);
+    file[at.unwrap()..][..width.len()].copy_from_slice(br#""width":13.0"#);
+    std::fs::write(folder.join("p.exr"), file).unwrap();
+    let told = refused(folder, &words("inspect p.exr"), 1);
+    assert!(told.contains("p.exr"), "{told}");
+    assert!(
+        told.contains("the surface cannot be what its record says: "),
+        "{told}"
+    );
     let caps = "--structure caps --width 16 --size 32x28 --spacing 1";
     let told = unwrapped(&run(&format!(
         "verify {caps} {light} --realisations 2 --no-plots -o c"

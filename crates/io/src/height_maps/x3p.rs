@@ -43,9 +43,15 @@ pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMa
     let checksum = parts.resolve(CHECKSUM);
     if parts.has(&checksum) {
         let stated = parts.read(&checksum, |size| size <= CHECKSUM_LIMIT)?;
-        let stated = String::from_utf8_lossy(&stated);
-        let stated = stated.split_whitespace().next().unwrap_or_default();
-        verify_checksum(MAIN, Md5::new_with_prefix(&text), stated)?;
+        // A line may name its part, as md5sum writes it; main.xml states the checksums of other parts itself
+        for line in String::from_utf8_lossy(&stated).lines() {
+            let (stated, part) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            let part = part.trim().trim_start_matches('*');
+            if !stated.is_empty() && (part.is_empty() || part.to_ascii_lowercase().ends_with(MAIN))
+            {
+                verify_checksum(MAIN, Md5::new_with_prefix(&text), stated)?;
+            }
+        }
     }
     let text =
         String::from_utf8(text).map_err(|_| ReadProblem::malformed("its main.xml is not UTF-8"))?;

@@ -9,7 +9,8 @@ use earcut::Earcut;
 /// Most corners of a face that is not convex: the search for crossing edges takes their square.
 const MAX_CORNERS: usize = 4096;
 
-/// Twice the area below which a triangle has none, in squares of the size of the face.
+/// Twice the area below which a triangle has none, in squares of the size of the face: some thousand roundings of coordinates, 2^-53 of that
+/// size each. Corners on one line that were rounded to single precision have an area, of either sign, and stay corners.
 const NO_AREA: f64 = 1e-12;
 
 /// Triangles of a face, by the numbers of their corners in `corners`. They run around as the face does.

@@ -209,6 +209,13 @@ fn x3p_checksums_are_verified() {
         &[(DATA, data), ("md5checksum.hex", line)],
     );
     refused(X3p, &bytes, "part `main.xml`");
+    // A checksum of another part than main.xml, as SurfaceTopography writes it
+    let line = format!("{right} *bindata/data.bin\n");
+    let bytes = x3p(
+        &stated(right),
+        &[(DATA, data), ("md5checksum.hex", line.as_bytes())],
+    );
+    assert!(read(X3p, &bytes).is_ok());
     let masked = LINK.replace(
         "</DataLink>",
         "<ValidPointsLink>v</ValidPointsLink>\

@@ -5,7 +5,7 @@
 //! single precision (`bcrf`), little endian unless `intelmode` is 0. `xlength` and `ylength` are the extents of all
 //! pixels. Units are nm where `xunit`, `yunit` or `zunit` are missing. Missing points are 32767, or above 1.7e38.
 
-use super::bytes::{ByteOrder, Bytes, Raster, latin_1};
+use super::bytes::{ByteOrder, Bytes, Raster, decoded};
 use super::fields::{Fields, refuse};
 use super::measured::{Length, Measured, unit_of_length};
 use crate::error::ReadProblem;
@@ -143,7 +143,7 @@ impl Encoding {
     fn fields(self, file: &Bytes<'_>, size: usize) -> Result<Fields, ReadProblem> {
         let bytes = file.part(0, size * self.width())?;
         let text = match self {
-            Self::Latin1 => latin_1(bytes),
+            Self::Latin1 => decoded(bytes),
             Self::Utf16(order) => {
                 let (units, _) = bytes.as_chunks::<2>();
                 let units = units.iter().map(|unit| match order {

@@ -112,7 +112,7 @@ impl<'a> Bytes<'a> {
     pub(super) fn text(&self, at: usize, count: usize) -> Result<String, ReadProblem> {
         let bytes = self.part(at, count)?;
         let bytes = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
-        Ok(latin_1(bytes).trim().to_owned())
+        Ok(decoded(bytes).trim().to_owned())
     }
 
     /// The numbers of a raster, without any scale.
@@ -142,7 +142,10 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// Text in ISO 8859-1, which gives every byte a letter.
-pub(super) fn latin_1(bytes: &[u8]) -> String {
-    bytes.iter().copied().map(char::from).collect()
+/// Text in UTF-8, as newer programs write it, or else in ISO 8859-1, which gives every byte a letter.
+pub(super) fn decoded(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.to_owned(),
+        Err(_) => bytes.iter().copied().map(char::from).collect(),
+    }
 }

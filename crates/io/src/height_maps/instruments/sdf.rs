@@ -5,7 +5,7 @@
 //! `number * Zscale`; all lengths are metres. Missing points of binary files are NaN and the number at the end of the
 //! range of the type: the least of signed and floating-point numbers, the largest of those without sign.
 
-use super::bytes::{Bytes, Raster, latin_1};
+use super::bytes::{Bytes, Raster, decoded};
 use super::fields::Fields;
 use super::measured::{Length, METRE, Measured};
 use crate::error::ReadProblem;
@@ -79,7 +79,7 @@ fn text(file: &Bytes<'_>) -> Result<Content, ReadProblem> {
     let Some(end) = searched.iter().position(|byte| *byte == b'*') else {
         return Err(ReadProblem::truncated("its header does not end in `*`"));
     };
-    let header = Header::of_fields(file, &Fields::of_lines(&latin_1(&searched[..end]), &[]))?;
+    let header = Header::of_fields(file, &Fields::of_lines(&decoded(&searched[..end]), &[]))?;
     let data = &after_mark[end + 1..];
     let end = data.iter().position(|byte| *byte == b'*');
     let heights = numbers(file, header.shape, &data[..end.unwrap_or(data.len())])?;
@@ -129,7 +129,7 @@ fn number(word: &[u8]) -> Result<f64, ReadProblem> {
     if word.eq_ignore_ascii_case(b"bad") {
         return Ok(f64::NAN);
     }
-    let text = latin_1(word);
+    let text = decoded(word);
     text.parse().map_err(|_| {
         ReadProblem::malformed(format_args!(
             "`{}` was found among its heights, but a number or BAD is needed",

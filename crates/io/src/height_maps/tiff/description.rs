@@ -17,12 +17,17 @@ use crate::text_lines::short;
 const MAX_TAG: usize = 1 << 12;
 
 /// Tags in which microscopes and their programs keep a scale that is not read.
-const SCALES: [(u64, &str); 7] = [
+///
+/// # Source
+/// `TIFF.TAGS` of C. Gohlke's `tifffile.py`: `OlympusSIS`, `UIC1tag`, `CZ_SEM`, `MM_Header`, `CZ_LSMINFO`, `FEI_SFEG`, `FEI_HELIOS`,
+/// `MicroManagerMetadata`.
+const SCALES: [(u64, &str); 8] = [
     (33560, "Olympus"),
     (33628, "MetaMorph"),
     (34118, "Zeiss microscopes (SEM)"),
     (34361, "FluoView"),
     (34412, "Zeiss microscopes (LSM)"),
+    (34680, "FEI"),
     (34682, "FEI"),
     (51123, "Micro-Manager"),
 ];

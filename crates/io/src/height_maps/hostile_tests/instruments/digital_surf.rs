@@ -86,6 +86,10 @@ fn plain_and_compressed_surfaces_are_read() {
         assert_eq!(map.notes.len(), 0);
         EXPECTED.assert_read(map);
     }
+    // The unit of x in UTF-8
+    let mut newer = plain();
+    put(&mut newer, 180, "µm".as_bytes());
+    EXPECTED.assert_read(read(DigitalSurf, &newer).unwrap());
     let mut several = plain();
     put(&mut several, 14, &[3, 0]);
     let map = read(DigitalSurf, &several).unwrap();

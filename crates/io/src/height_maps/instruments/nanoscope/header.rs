@@ -1,7 +1,7 @@
 //! The header: sections of fields.
 
 use crate::error::ReadProblem;
-use crate::height_maps::instruments::bytes::{Bytes, latin_1};
+use crate::height_maps::instruments::bytes::{Bytes, decoded};
 use crate::height_maps::instruments::fields::Fields;
 use crate::text_lines::short;
 
@@ -65,7 +65,7 @@ impl Header {
                 "its numbers are text, but a binary file is needed",
             ));
         }
-        let text = latin_1(&file.all[..file.all.len().min(MAX_HEADER)]);
+        let text = decoded(&file.all[..file.all.len().min(MAX_HEADER)]);
         let mut sections: Vec<Section> = Vec::new();
         let mut is_whole = false;
         for line in text.split('\n').map(str::trim) {
