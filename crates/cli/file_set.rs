@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::RESULTS_EPOCH;
+use asperity_io::{RESULTS_EPOCH, ResultFolderError};
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use serde_json::Value;
@@ -37,10 +37,12 @@ pub(crate) fn write_files(
         }
         let file = folder.claim(name).map_err(Failure::failed)?;
         let text = write(number, &file, &path.join(name))?;
-        folder.finish(false).map_err(Failure::failed)?;
         done += 1;
-        let all = names.len();
-        interrupt::note_results(format!("{done} of {all} files are written"));
+        interrupt::put_in_place(|| {
+            folder.finish(false)?;
+            Ok(format!("{done} of {} files are written", names.len()))
+        })
+        .map_err(|error: ResultFolderError| Failure::failed(error))?;
         text.map_or(Ok(()), |text| print(&text))?;
     }
     folder.finish(true).map_err(Failure::failed)
