@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::RESULTS_EPOCH;
+use asperity_io::{RESULTS_EPOCH, ResultFolderError};
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use serde_json::Value;
@@ -11,14 +11,14 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::{print, result_folder, say};
 
-/// Writes the files of these `names` into the folder `path`, each by `write`, which is given its number and its path, and returns text to
-/// print. Those that an earlier run of the same settings and inputs has finished are kept if it `resumes`.
+/// Writes the files of these `names` into the folder `path`, each by `write`, which is given its number, the path to write it to and the one
+/// that it will have, and returns text to print. Those that an earlier run of the same settings and inputs has finished are kept if it `resumes`.
 pub(crate) fn write_files(
     path: &Path,
     names: &[String],
     document: &Document,
     resumes: bool,
-    mut write: impl FnMut(usize, &Path) -> Result<Option<String>, Failure>,
+    mut write: impl FnMut(usize, &Path, &Path) -> Result<Option<String>, Failure>,
 ) -> Result<(), Failure> {
     let folder = result_folder(path, document, names)?;
     let settings = settings(document)?;
@@ -36,11 +36,13 @@ pub(crate) fn write_files(
             continue;
         }
         let file = folder.claim(name).map_err(Failure::failed)?;
-        let text = write(number, &file)?;
-        folder.finish(false).map_err(Failure::failed)?;
+        let text = write(number, &file, &path.join(name))?;
         done += 1;
-        let all = names.len();
-        interrupt::note_results(format!("{done} of {all} files are written"));
+        interrupt::put_in_place(|| {
+            folder.finish(false)?;
+            Ok(format!("{done} of {} files are written", names.len()))
+        })
+        .map_err(|error: ResultFolderError| Failure::failed(error))?;
         text.map_or(Ok(()), |text| print(&text))?;
     }
     folder.finish(true).map_err(Failure::failed)

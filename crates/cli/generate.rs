@@ -20,18 +20,24 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         HeightMapFormat::of_output(&path).map_err(Failure::usage)?;
         check_outputs(&[&path], document)?;
         let surface = plan.write(0, &path, common).map_err(refused)?;
-        results.print_file(common, || &surface.roughness, || surface.text())?;
+        results.print_file(common, || &surface.roughness, || surface.text(&path))?;
         return Ok(End::Complete);
     };
     refuse_file_name(&path, HeightMapFormat::from_path(&path).is_some())?;
     let mut found = Vec::new();
     let prints = !results.json && !common.quiet;
-    write_files(&path, &names, document, !results.json, |after, file| {
-        let surface = plan.write(after as u64, file, common).map_err(refused)?;
-        let text = prints.then(|| surface.text());
-        found.push(surface.roughness);
-        Ok(text)
-    })?;
+    write_files(
+        &path,
+        &names,
+        document,
+        !results.json,
+        |after, file, place| {
+            let surface = plan.write(after as u64, file, common).map_err(refused)?;
+            let text = prints.then(|| surface.text(place));
+            found.push(surface.roughness);
+            Ok(text)
+        },
+    )?;
     if results.json {
         print_json(&found)?;
     }

@@ -3,7 +3,7 @@
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use asperity_io::remove_temporary_files;
@@ -33,9 +33,10 @@ pub(crate) fn handle() {
         if is_first && LISTENS.load(Ordering::Relaxed) {
             return;
         }
+        // Waits for results that are being put in place.
+        let results = RESULTS.lock().unwrap_or_else(PoisonError::into_inner);
         remove_temporary_files();
-        let results = RESULTS.lock().ok().and_then(|results| results.clone());
-        match results {
+        match &*results {
             Some(results) => {
                 say(&format!(
                     "interrupted; {results}, and the same command resumes"
@@ -49,11 +50,11 @@ pub(crate) fn handle() {
     });
 }
 
-/// Notes results that are complete and in place, for an interrupt to say.
-pub(crate) fn note_results(results: String) {
-    if let Ok(mut noted) = RESULTS.lock() {
-        *noted = Some(results);
-    }
+/// Puts results in place by `work`, which no interrupt ends, and keeps its clause on them for an interrupt to say.
+pub(crate) fn put_in_place<E>(work: impl FnOnce() -> Result<String, E>) -> Result<(), E> {
+    let mut results = RESULTS.lock().unwrap_or_else(PoisonError::into_inner);
+    *results = Some(work()?);
+    Ok(())
 }
 
 /// From now on the first interrupt is noted, for a run to end by it.

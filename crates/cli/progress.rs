@@ -36,6 +36,8 @@ pub(crate) struct Progress {
     shown: Arc<Mutex<Shown>>,
     /// `true` with `--verbose`.
     verbose: bool,
+    /// Time at which the command began.
+    created: Instant,
     /// Time at which the run began, once it is planned.
     begun: OnceLock<Instant>,
 }
@@ -56,6 +58,7 @@ impl Progress {
         Self {
             shown,
             verbose: common.verbose,
+            created: Instant::now(),
             begun: OnceLock::new(),
         }
     }
@@ -163,6 +166,10 @@ impl Observer for Progress {
 
     fn expect(&self, total: u64) {
         self.with_bar(|bar| bar.set_length(total), |lines| lines.expect(total));
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.created.elapsed()
     }
 
     fn stop(&self) -> Option<StoppedBy> {

@@ -59,8 +59,6 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
         (LONG, "out"),
         (&other_seed, "out/"),
         (LONG, "link"),
-        (LONG, "out/cells/deep"),
-        (LONG, "."),
         ("gonio --theta 30 --size 32 --insist --tau 4", "out"),
         ("map --theta 30 --size 32 --insist --tau 4", "out"),
         ("converge --theta 30 --size 32 --tau 4", "out"),
@@ -81,6 +79,12 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
         assert!(first.try_wait().unwrap().is_none(), "{line}");
     }
     assert_eq!(files(&folder.join("out")), ["cells"]);
+    // Folders above and inside, of which no results are its own
+    let short = "verify --smoothness 2 --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -q";
+    for other in [".", "out/cells/deep"] {
+        succeed(folder, &words(&format!("{short} -o {other}")));
+    }
+    assert!(first.try_wait().unwrap().is_none());
     first.kill().unwrap();
     first.wait().unwrap();
     succeed(
@@ -277,6 +281,123 @@ fn too_little_memory_is_told_in_one_sentence() {
         assert!(!files(folder).iter().any(|name| name.ends_with(".part")));
     }
     assert!(refused > 0);
+}
+
+#[test]
+fn a_reader_says_in_its_own_words_that_a_limit_leaves_too_little_memory() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let fields = "{'descr': '<f8', 'fortran_order': False, 'shape': (8000, 8000), }";
+    let mut header = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    header.extend(format!("{fields:<117}\n").into_bytes());
+    fs::write(folder.join("big.npy"), header).unwrap();
+    let file = fs::File::options().write(true).open(folder.join("big.npy"));
+    file.unwrap().set_len(128 + 8 * 8000 * 8000).unwrap();
+    let (code, sentence) = limited(folder, "-v 300000", "inspect big.npy --threads 1");
+    assert_eq!(code, Some(1), "{sentence}");
+    let words = "`big.npy` holds 8000 x 8000 samples (columns x rows), for which there is not enough memory";
+    assert!(sentence.contains(words), "{sentence}");
+}
+
+#[test]
+fn finished_files_of_a_set_stay_after_an_interrupt_and_the_same_command_goes_on() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let line = "generate --tau 8 --smoothness 2 --size 256 --realisations 1000 -o set";
+    let interrupted_at = |name: &str| {
+        let program = Command::new(env!("CARGO_BIN_EXE_asperity"))
+            .current_dir(folder)
+            .args(words(line))
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let until = Instant::now() + Duration::from_secs(60);
+        while !folder.join("set").join(name).exists() {
+            assert!(Instant::now() < until, "{name}");
+            sleep(Duration::from_millis(5));
+        }
+        let id = program.id().to_string();
+        Command::new("kill").args(["-INT", &id]).status().unwrap();
+        let output = program.wait_with_output().unwrap();
+        let errors = errors_of(&output);
+        assert_eq!(output.status.code(), Some(3), "{errors}");
+        assert!(errors.contains("of 1000 files are written, and the same command resumes"));
+        let manifest = fs::read_to_string(folder.join("set/manifest.json")).unwrap();
+        let manifest = json(&manifest);
+        assert_eq!(manifest["complete"], false);
+        let listed = manifest["files"].as_object().unwrap().keys().cloned();
+        let listed: Vec<String> = ["manifest.json".to_owned()]
+            .into_iter()
+            .chain(listed)
+            .collect();
+        assert_eq!(files(&folder.join("set")), listed);
+        errors
+    };
+    let written = || {
+        fs::metadata(folder.join("set/surface_000.exr"))
+            .unwrap()
+            .modified()
+            .unwrap()
+    };
+    interrupted_at("surface_001.exr");
+    let first = written();
+    let errors = interrupted_at("surface_005.exr");
+    assert!(
+        errors.contains("files of an earlier run with these settings are kept"),
+        "{errors}"
+    );
+    assert_eq!(written(), first);
+
+    // Meshes go on as well, but not with those of other inputs or settings.
+    let mesh = "mesh set/surface_000.exr set/surface_001.exr -o meshes";
+    let run = |line: &str| errors_of(&asperity(folder, &words(line)));
+    assert_eq!(run(mesh), "");
+    let bytes = || fs::read(folder.join("meshes/surface_001.ply")).unwrap();
+    let whole = bytes();
+    fs::remove_file(folder.join("meshes/surface_001.ply")).unwrap();
+    assert!(run(mesh).contains("1 file of an earlier run"));
+    assert!(bytes() == whole);
+    assert_eq!(run(&format!("{mesh} --cells smooth")), "");
+    fs::copy(
+        folder.join("set/surface_002.exr"),
+        folder.join("set/surface_001.exr"),
+    )
+    .unwrap();
+    assert_eq!(run(mesh), "");
+    assert!(bytes() != whole);
+}
+
+#[test]
+fn a_run_that_fails_leaves_no_folder_behind() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    for line in [
+        "generate --tau 8 --smoothness 2 --size 64 -o new/deep/a.x3p",
+        "generate --tau 8 --smoothness 2 --size 64 --realisations 2 --format x3p -o set/deep",
+    ] {
+        let output = asperity(folder, &words(line));
+        assert!(!output.status.success(), "{line}");
+        assert!(files(folder).is_empty(), "{line}: {:?}", files(folder));
+    }
+}
+
+#[test]
+fn comparisons_with_models_end_with_the_time_of_the_run() {
+    let keep = tempfile::tempdir().unwrap();
+    let line = "verify --size 32 --tau 4 --insist --no-plots --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --max-time 2s";
+    let began = Instant::now();
+    let output = asperity(keep.path(), &words(line));
+    assert!(output.status.success(), "{}", errors_of(&output));
+    assert!(errors_of(&output).contains("the time is over"));
+    assert!(
+        began.elapsed() < Duration::from_secs(9),
+        "{:?}",
+        began.elapsed()
+    );
+    let report = fs::read_to_string(keep.path().join("o/report.txt")).unwrap();
+    let report = report.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(report.contains("ended before the case was compared with models"));
 }
 
 /// Runs whose first direction, cell or group of rays takes far longer than their time.

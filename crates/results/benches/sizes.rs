@@ -42,7 +42,7 @@ fn measure(name: &str, place: &Path, cases: &[Case], effort: Effort, keeps_surfa
     if keeps_surfaces {
         set.run_missing(0, cases, &settings, &Silent).unwrap();
     } else {
-        let derive = |_: &_| Ok::<_, SimulateError>(Value::Null);
+        let derive = |_: &_| Ok::<_, SimulateError>(Some(Value::Null));
         set.run_missing_moments(cases, &settings, &Silent, derive)
             .unwrap();
     }

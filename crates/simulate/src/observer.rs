@@ -20,6 +20,10 @@ pub trait Observer: Sync {
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
     fn surface_drawn(&self, _number: u64) {}
+    /// Time since the command began, which its planning took.
+    fn elapsed(&self) -> Duration {
+        Duration::ZERO
+    }
     /// Returns the reason why the run should end with the results so far, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
@@ -59,11 +63,12 @@ pub struct Deadline<'a> {
 }
 
 impl<'a> Deadline<'a> {
-    /// From now on for `time`, or without end.
+    /// `time` after the command began, or without end.
     #[must_use]
     pub fn new(observer: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
-        let end = time.and_then(|time| Instant::now().checked_add(time));
+        let left = time.map(|time| time.saturating_sub(observer.elapsed()));
+        let end = left.and_then(|left| Instant::now().checked_add(left));
         Self {
             observer,
             begun: Instant::now(),
@@ -98,6 +103,9 @@ impl Observer for Deadline<'_> {
     }
     fn surface_drawn(&self, number: u64) {
         self.observer.surface_drawn(number);
+    }
+    fn elapsed(&self) -> Duration {
+        self.observer.elapsed()
     }
     fn stop(&self) -> Option<StoppedBy> {
         let over = || self.is_over_for(Duration::ZERO).then_some(StoppedBy::Time);

@@ -126,8 +126,7 @@ impl GeneratePlan {
         Ok(GeneratedSurface {
             roughness: DrawnRoughness::of(&field),
             heading: format!(
-                "{}: {} x {} samples, periodic, seed {seed}, realisation {number}",
-                path.display(),
+                "{} x {} samples, periodic, seed {seed}, realisation {number}",
                 field.nx(),
                 field.ny(),
             ),
@@ -137,12 +136,16 @@ impl GeneratePlan {
 }
 
 impl GeneratedSurface {
-    /// Text: file, samples, roughness and notes.
+    /// Text on the surface that was written as `path`: samples, roughness and notes.
     #[must_use]
-    pub fn text(&self) -> String {
+    pub fn text(&self, path: &Path) -> String {
         let table = realisation_table(&self.roughness);
         let notes = note_lines(&self.notes);
-        wrapped(&format!("{}\n{table}{notes}", self.heading))
+        wrapped(&format!(
+            "{}: {}\n{table}{notes}",
+            path.display(),
+            self.heading
+        ))
     }
 }
 

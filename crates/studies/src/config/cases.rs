@@ -201,7 +201,7 @@ mod tests {
             ("[surface]\nsmoothness = []", "one or several"),
             (
                 "[surface]\nsmoothness = -1",
-                "smoothness = -1: must be a number above 0",
+                "smoothness = -1: must be a number from 1e-6 to 1e6",
             ),
             ("[material]\neta = 0", "eta = 0: must be a number from 0.01"),
             ("[material]\neta = 1", "delta"),

@@ -172,7 +172,7 @@ impl Allowed {
         value.is_finite()
             && match self {
                 Self::Finite => true,
-                Self::Positive => value > 0.0,
+                Self::Positive => (1e-50..=1e50).contains(&value),
                 Self::FromTo(least, most) => value >= least && value <= most,
                 Self::FromBelow(least, most) => value >= least && value < most,
                 Self::Up(most) => value > 0.0 && value <= most,
@@ -184,7 +184,7 @@ impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Finite => f.write_str("finite"),
-            Self::Positive => f.write_str("positive and finite"),
+            Self::Positive => f.write_str("from 1e-50 to 1e50"),
             Self::FromTo(least, most) => {
                 write!(f, "from {} to {}", short(*least), short_below(*most))
             }

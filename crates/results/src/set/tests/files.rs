@@ -81,10 +81,10 @@ fn every_field_is_read_back_as_it_was() {
     let mut set = ResultSet::open(&folder, header()).unwrap();
     for (first, (case, settings)) in runs.iter().enumerate() {
         let keep = |outcome: Outcome| {
-            Ok::<_, SimulateError>(CaseResult {
+            Ok::<_, SimulateError>(Some(CaseResult {
                 outcome,
                 findings: json!({ "name": "x", "distance": 0.5, "list": vec![0.25; 40] }),
-            })
+            }))
         };
         let simulation = set.prepare(first, std::slice::from_ref(case), settings);
         let numbers = first..first + 1;

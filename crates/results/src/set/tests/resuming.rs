@@ -158,7 +158,7 @@ fn an_error_of_a_study_ends_the_run_and_leaves_what_is_complete() {
     let moments = |set: &mut ResultSet<'_>, mut left: usize| {
         set.run_missing_moments(&cases(), &settings(), &Silent, |_| {
             left = left.checked_sub(1).ok_or(Failure)?;
-            Ok(Value::Null)
+            Ok(Some(Value::Null))
         })
     };
     let mut whole = ResultSet::in_memory(header());
@@ -201,7 +201,7 @@ fn surfaces_of_all_cases_must_fit_into_memory_but_moments_need_not() {
     );
     let one = set().run_missing(0, &cases[..1], &settings, &at_once);
     assert!(matches!(one, Err(SimulateError::Interrupted)), "{one:?}");
-    let null = |_: &Outcome| Ok::<_, SimulateError>(Value::Null);
+    let null = |_: &Outcome| Ok::<_, SimulateError>(Some(Value::Null));
     let moments = set().run_missing_moments(&cases, &settings, &at_once, null);
     assert!(
         matches!(moments, Err(SimulateError::Interrupted)),
