@@ -469,7 +469,7 @@ fn paths_of_single_rays_are_listed_and_drawn() {
     assert_eq!(columns[2]["unit"], "um");
     let figure = read("out", "paths.svg");
     assert!(
-        figure.contains("Light paths on a.exr") && figure.contains("height (µm)"),
+        figure.contains("Light paths on a.exr") && figure.contains("height (um)"),
         "{figure}"
     );
     // Results do not depend on them, and are kept

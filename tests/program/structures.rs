@@ -365,7 +365,7 @@ fn erosion_of_random_surfaces_is_refused_or_explained_where_it_makes_no_sense() 
     assert!(said.contains("not known for these surfaces"), "{said}");
     // Slopes are no longer GGX, so that neither are the models
     let ggx = "--slopes ggx --ggx-alpha 0.3 --tau 4 --amplitude-ratio 2 --size 64 --spacing 1";
-    let line = format!("verify {ggx} --realisations 8 --rays 800 --etch 0.5 -o g");
+    let line = format!("verify {ggx} --realisations 8 --rays 800 --model-rays 2e3 --etch 0.5 -o g");
     let report = unwrapped(&succeed(folder, &words(&line)));
     assert!(
         report.contains("xu-sun") && !report.contains("heitz-ggx"),

@@ -129,7 +129,7 @@ pub(super) fn paths_figure(outcome: &TraceOutcome<'_>) -> Result<Option<Figure>,
         _ => usize::MAX,
     });
     curves.push(line(found.section.clone(), "surface"));
-    if let Some(bottom) = found.bottom {
+    if let Some(bottom) = found.bottom.filter(|bottom| *bottom > middle - half) {
         let ends = [-0.5 * length, 0.5 * length].map(|x| [x, bottom]);
         curves.push(line(ends.to_vec(), "bottom of the layer"));
     }
@@ -166,12 +166,12 @@ fn curve(path: &LightPath, has_medium: bool) -> Curve {
         false => (order.clamp(1, 4) - 1, &Component::ORDERS[..]),
     };
     let (name, number): (Cow<'static, str>, _) = match path.end {
-        PathEnd::Above | PathEnd::Below if order == 0 => ("past the surface".into(), 5),
+        PathEnd::Above | PathEnd::Below if order == 0 => ("past the surface".into(), 4),
         PathEnd::Above | PathEnd::Below => {
             let class = class as usize;
             (components[class].label(), class)
         }
-        other => (end(other).into(), 6),
+        other => (end(other).into(), 5),
     };
     Curve {
         name: name.into_owned(),

@@ -19,7 +19,7 @@ pub(super) const FIGURES: &[Setting] = &table(
             .help("Draw figures")
             .flag(Flag::Off("no-plots")),
         setting("paths", Kind::Count)
-            .help("Rays whose paths are listed, and drawn over a section of the surface")
+            .help("Rays whose paths are listed, and drawn over a section")
             .commands(TRACE)
             .range(Range::FromTo(1.0, 1000.0))
             .otherwise("none"),
