@@ -255,12 +255,13 @@ fn folders_of_the_models_use_only_what_lies_below_them() {
 }
 
 /// Folders and files of the engine, each with those that it may use.
-const SIMULATE: [(&str, &[&str]); 12] = [
+const SIMULATE: [(&str, &[&str]); 13] = [
     ("text", &[]),
     ("slopes", &[]),
     ("stream", &[]),
     ("error", &[]),
     ("input", &["error", "text"]),
+    ("light_paths", &["error", "input", "stream"]),
     ("bins", &["input"]),
     ("methods", &["error", "input", "slopes"]),
     ("errors", &["input", "methods", "slopes"]),
@@ -358,6 +359,7 @@ const STUDIES: [(&str, &[&str]); 21] = [
             "settings",
             "study",
             "verify",
+            "validity",
         ],
     ),
     (

@@ -448,3 +448,40 @@ fn the_sun_is_given_whole_and_alone() {
         assert!(message.contains(why), "{line}: {message}");
     }
 }
+
+#[test]
+fn paths_of_single_rays_are_listed_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    run("generate --tau 4um --smoothness 1 --size 64 -o a.exr");
+    run("trace a.exr --theta 40 --rays 2e3 --paths 7 -o out");
+    let read =
+        |out: &str, file: &str| std::fs::read_to_string(folder.join(out).join(file)).unwrap();
+    let table = read("out", "paths.csv");
+    let mut lines = table.lines();
+    let header = "path,point,along,across,height,order,scatterings,end";
+    assert_eq!(lines.next().unwrap(), header);
+    let numbers: std::collections::BTreeSet<&str> =
+        lines.map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(numbers.len(), 7);
+    let columns = &json(&read("out", "summary.json"))["columns"]["paths.csv"];
+    assert_eq!(columns[2]["unit"], "um");
+    let figure = read("out", "paths.svg");
+    assert!(
+        figure.contains("Light paths on a.exr") && figure.contains("height (um)"),
+        "{figure}"
+    );
+    // Results do not depend on them, and are kept
+    let bare = run("trace a.exr --theta 40 --rays 2e3 -o bare --no-plots");
+    run("trace a.exr --theta 40 --rays 2e3 --paths 7 --no-plots -o out");
+    assert!(!folder.join("out/paths.svg").exists() && table == read("out", "paths.csv"));
+    assert_eq!(read("out", "theta.csv"), read("bare", "theta.csv"));
+    assert!(!folder.join("bare/paths.csv").exists() && !bare.contains("paths.csv"));
+    let said = refused(
+        folder,
+        &words("trace a.exr --from below --paths 3 -o below"),
+        2,
+    );
+    assert!(said.contains("follows light from above alone"), "{said}");
+}

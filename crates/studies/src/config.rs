@@ -333,6 +333,9 @@ const fn default_level() -> f64 {
 pub struct OutputConfig {
     /// Draw plots.
     pub plots: bool,
+    /// Rays whose paths are listed and drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paths: Option<u64>,
 }
 
 /// A verification: surfaces, material, light, effort and models. Every key has a default.

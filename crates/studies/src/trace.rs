@@ -4,6 +4,7 @@ mod comparison;
 mod comparison_text;
 mod description;
 mod files;
+mod light_paths;
 mod outcome;
 mod plan;
 mod region_plan;
@@ -19,6 +20,7 @@ use self::files::trace_summary;
 pub use self::outcome::TraceOutcome;
 pub use self::plan::TraceStudy;
 use self::text::trace_table;
+use crate::config::OutputConfig;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
@@ -48,12 +50,15 @@ impl Study for TraceStudy {
         self.config.views()
     }
 
-    /// The time that a run is given, its plots and the wavelength, which changes nothing that is traced, do not belong to the header.
+    /// The time that a run is given, its plots and paths, and the wavelength, which changes nothing that is traced, do not belong to the header.
     fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
         settings.light.wavelength = None;
-        settings.output.plots = true;
+        settings.output = OutputConfig {
+            plots: true,
+            paths: None,
+        };
         let mut settings = json!(settings);
         settings["points"] = json!(self.case.surface);
         Ok(Header::new("trace", self.config.run.seed, settings))
@@ -95,6 +100,7 @@ impl Study for TraceStudy {
             study: self,
             outcome: &whole.outcome,
             comparison: comparison.filter(|compared| !compared.judgement.models.is_empty()),
+            paths: self.light_paths()?,
             stopped_by: None,
         };
         outcome.stopped_by = if whole.is_cut_short() {

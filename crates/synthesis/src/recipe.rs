@@ -1,7 +1,6 @@
 //! Recipes: descriptions of random surfaces, and the record of how one was drawn.
 
 mod drawn_moments;
-mod eroded;
 mod height_distribution;
 mod height_table;
 mod heights;
@@ -12,7 +11,6 @@ mod student;
 mod surface_recipe;
 
 pub(crate) use self::drawn_moments::DrawnMoments;
-pub use self::eroded::ErodedSurface;
 pub use self::height_distribution::HeightDistribution;
 pub use self::height_table::{HeightTable, HeightTableError};
 pub use self::heights::TransformedHeights;
@@ -21,4 +19,4 @@ pub use self::provenance::Provenance;
 pub use self::structured::{MeasuredStructure, StructuredSurface};
 pub(crate) use self::student::FLOOR;
 pub use self::student::StudentSlopes;
-pub use self::surface_recipe::SurfaceRecipe;
+pub use self::surface_recipe::{ErodedSurface, SurfaceRecipe};

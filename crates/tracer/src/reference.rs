@@ -91,9 +91,21 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// `origin`: tile coordinates of the upper surface, above it, possibly over another tile; `direction`: a
     /// unit vector in the world.
     pub fn trace<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> PathResult {
+        self.trace_visiting(origin, direction, rng, &mut |_| {})
+    }
+
+    /// Traces the path of [`PathIntegrator::trace`], and tells `visit` of each of its interactions: where it is, in the coordinates of
+    /// [`PathResult::origin`].
+    pub fn trace_visiting<R: Rng>(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        rng: &mut R,
+        visit: &mut impl FnMut(DVec3),
+    ) -> PathResult {
         let is_averaged = self.settings.polarisation == Polarisation::Averaged;
         let fields = (!is_averaged).then(|| Fields::unpolarised(direction));
-        self.trace_fields(PathState::new(origin, direction, fields), rng)
+        self.trace_fields(PathState::new(origin, direction, fields), rng, visit)
     }
 
     /// Traces one path of incident light of any polarisation. `incident` is its Stokes vector in the
@@ -118,23 +130,30 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             "{incident:?} is no light"
         );
         let fields = Fields::from_stokes(direction, incident);
-        self.trace_fields(PathState::new(origin, direction, Some(fields)), rng)
+        let path = PathState::new(origin, direction, Some(fields));
+        self.trace_fields(path, rng, &mut |_| {})
     }
 
-    fn trace_fields<R: Rng>(&self, mut path: PathState, rng: &mut R) -> PathResult {
-        let end = self.follow(&mut path, None, rng, &mut |_| {});
+    fn trace_fields<R: Rng>(
+        &self,
+        mut path: PathState,
+        rng: &mut R,
+        visit: &mut impl FnMut(DVec3),
+    ) -> PathResult {
+        let end = self.follow(&mut path, None, rng, &mut |_| {}, visit);
         path.ended(end)
     }
 
     /// Follows a path to its end.
     ///
-    /// With `beams`, `contribute` is told of the light of the beams that is scattered into the path.
+    /// With `beams`, `contribute` is told of the light of the beams that is scattered into the path; `visit` of the places of all interactions.
     fn follow<R: Rng>(
         &self,
         path: &mut PathState,
         beams: Option<&LightBeams<G>>,
         rng: &mut R,
         contribute: &mut impl FnMut(CameraContribution),
+        visit: &mut impl FnMut(DVec3),
     ) -> PathEnd {
         loop {
             // Find what the path comes to next, and move it there
@@ -145,6 +164,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     if let Some(end) = self.move_to_interface(path, &hit) {
                         return end;
                     }
+                    visit(path.position());
 
                     // End the path at the highest order
                     if path.events.order() >= self.settings.max_order {
@@ -176,6 +196,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     if !self.move_inside(path, t) {
                         return PathEnd::LeftPatch;
                     }
+                    visit(path.position());
 
                     // Absorb by the albedo of the medium
                     let kept = path.flux * layer.albedo();

@@ -14,7 +14,9 @@ use crate::config::cases::{check_light, check_models, check_sides, check_unpolar
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
-use crate::config::{Azimuth, CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig};
+use crate::config::{
+    Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
+};
 use crate::settings::{Command, Document};
 
 /// `[surface]`, of which a given surface has the cells alone.
@@ -119,6 +121,10 @@ impl TraceConfig {
         self.light.stokes(self.run.polarisation)?;
         if layer.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
+        }
+        if self.output.paths.is_some() && self.light.from == Incident::Below {
+            let reason = "follows light from above alone; leave out from below, or paths";
+            return Err(ConfigError::unsuitable("paths", reason));
         }
         check_sides(self.run.side, material, layer.as_ref())?;
         self.check_comparison(material, layer)?;

@@ -188,7 +188,10 @@ impl GonioConfig {
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),
-            output: OutputConfig { plots: true },
+            output: OutputConfig {
+                plots: true,
+                paths: None,
+            },
         })
     }
 

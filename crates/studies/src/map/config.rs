@@ -130,7 +130,10 @@ impl MapConfig {
             light: self.light.clone(),
             run: self.run.clone(),
             compare: self.compare.clone(),
-            output: OutputConfig { plots: true },
+            output: OutputConfig {
+                plots: true,
+                paths: None,
+            },
         })
     }
 }

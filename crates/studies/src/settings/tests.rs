@@ -103,8 +103,9 @@ fn keys_and_flags_are_unique_in_each_command() {
             if let Some(short) = setting.short {
                 assert!(shorts.insert(short), "-{short} in {command}");
             }
-            // Spacing and unit of random surfaces and of a given one are one flag each, of which the surface decides.
-            let shared = ["measured.spacing", "measured.unit"].contains(&setting.path().as_str());
+            // Spacing, unit and erosion of random surfaces and of a given one are one flag each, of which the surface decides.
+            let shared = ["spacing", "unit", "repose", "slip_steps", "etch"].contains(&setting.key)
+                && setting.section == "measured";
             if shared && command == Command::Gonio {
                 continue;
             }

@@ -1,6 +1,7 @@
 //! The files of traced surfaces.
 
 use super::comparison::TraceComparison;
+use super::light_paths::{paths_figure, paths_table};
 use super::outcome::TraceOutcome;
 use super::plan::TraceStudy;
 use crate::config::error::ConfigError;
@@ -32,6 +33,12 @@ impl TraceConfig {
                 Ok(figure.transpose()?)
             });
         }
+        if self.output.paths.is_some() {
+            views.csv("paths.csv", |outcome| paths_table(outcome));
+            if self.output.plots {
+                views.figure("paths", |outcome| Ok(paths_figure(outcome)?));
+            }
+        }
         views.json("summary.json", |outcome| Some(trace_summary(outcome)));
         Ok(views)
     }
@@ -61,6 +68,9 @@ pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let mut summary = Summary::new("trace", config, outcome.outcome, outcome.stopping());
     summary.comparison = outcome.comparison.as_ref().map(TraceComparison::to_json);
     summary.columns = tables.columns(outcome.shown());
+    if let Some(paths) = paths_table(outcome) {
+        summary.columns["paths.csv"] = paths.description;
+    }
     summary.lobes = outcome.lobes();
     summary.warnings = outcome.warnings();
     summary.validity = outcome.study.validity;

@@ -1,6 +1,6 @@
 //! Outcome of traced surfaces: results of the engine, and the comparison with models.
 
-use asperity_simulate::{Outcome, StoppedBy, Stopping};
+use asperity_simulate::{LightPaths, Outcome, StoppedBy, Stopping};
 use asperity_tally::TallySpec;
 
 use super::comparison::TraceComparison;
@@ -16,6 +16,8 @@ pub struct TraceOutcome<'a> {
     pub outcome: &'a Outcome,
     /// The surface against models; `None` without any, or if a stop came before.
     pub comparison: Option<TraceComparison<'a>>,
+    /// Paths of single rays on the first surface, if they were requested.
+    pub paths: Option<LightPaths>,
     /// Reason that ended the run before all that was planned was done.
     pub stopped_by: Option<StoppedBy>,
 }

@@ -1,6 +1,6 @@
 //! Plan: light on given surfaces, checked and ready to be traced.
 
-use asperity_simulate::{Case, Lobe, Settings};
+use asperity_simulate::{Case, LightPaths, Lobe, Settings, SimulateError};
 use serde_json::Value;
 
 use super::comparison::PlannedComparison;
@@ -9,6 +9,9 @@ use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
 use crate::validity::{Validity, wavelength_warnings};
+
+/// Correlation lengths of the section over which single rays are followed.
+const SECTION: f64 = 8.0;
 
 /// Light on given surfaces, checked and ready to be traced.
 pub struct TraceStudy {
@@ -27,6 +30,8 @@ pub struct TraceStudy {
     pub(super) lobes: [Option<Lobe>; 2],
     pub(super) comparison: Option<PlannedComparison>,
     pub(super) warnings: Vec<String>,
+    /// Correlation length of the surfaces, where there is one.
+    tau: Option<f64>,
     /// The configuration as summary.json holds it.
     pub(super) described: Value,
 }
@@ -53,8 +58,10 @@ impl TraceStudy {
         let case = config.case(shapes, tops.first.unit)?;
         let wavelength = config.light.wavelength_nm();
         warnings.extend(wavelength_warnings(wavelength, tops.first.unit));
+        let lengths = tops.lengths();
+        let tau = lengths.tau;
         let validity = Validity::new(
-            &tops.lengths(),
+            &lengths,
             of_bottom.as_ref(),
             &case,
             &settings.tally,
@@ -75,6 +82,16 @@ impl TraceStudy {
             settings,
             comparison,
             warnings,
+            tau,
         })
+    }
+
+    /// Paths of single rays over a section of the first surface, if they are requested.
+    pub(super) fn light_paths(&self) -> Result<Option<LightPaths>, SimulateError> {
+        let Some(count) = self.config.output.paths else {
+            return Ok(None);
+        };
+        let length = self.tau.map_or(f64::INFINITY, |tau| SECTION * tau);
+        LightPaths::of(&self.case, &self.settings, length, count)
     }
 }

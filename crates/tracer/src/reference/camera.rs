@@ -58,7 +58,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
                 path.flux = branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
                 path.leave_interface(Interface::Top, &branch);
-                let end = self.follow(&mut path, beams, rng, &mut contribute);
+                let end = self.follow(&mut path, beams, rng, &mut contribute, &mut |_| {});
 
                 // Say whether the beams stand for where it came from
                 let sampled_by_beams = beams.is_some_and(|beams| path.flight <= beams.farthest())

@@ -102,6 +102,11 @@ impl PathState {
         }
     }
 
+    /// Its position, in the plane continued without end.
+    pub(super) const fn position(&self) -> DVec3 {
+        self.place.extend(self.heading.origin.z)
+    }
+
     /// The result of a path that ends here.
     pub(super) fn ended(&self, end: PathEnd) -> PathResult {
         let direction = self.heading.world_direction();
@@ -117,7 +122,7 @@ impl PathState {
                 .fields
                 .map_or(Stokes::UNPOLARISED, |fields| fields.stokes(direction)),
             direction,
-            origin: self.place.extend(self.heading.origin.z),
+            origin: self.position(),
         }
     }
 }

@@ -18,6 +18,11 @@ pub(super) const FIGURES: &[Setting] = &table(
         setting("plots", Kind::Switch)
             .help("Draw figures")
             .flag(Flag::Off("no-plots")),
+        setting("paths", Kind::Count)
+            .help("Rays whose paths are listed, and drawn over a section")
+            .commands(TRACE)
+            .range(Range::FromTo(1.0, 1000.0))
+            .otherwise("none"),
         setting("scale", SCALE)
             .help("Discs of a figure that share a colour scale")
             .commands(GONIO)
