@@ -2,7 +2,7 @@
 
 use crate::elements::axis::{Axis, extent};
 use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
-use crate::elements::legend::{Entry, Key};
+use crate::elements::legend::{Entry, Key, Legend};
 use crate::elements::numbers::{exponent10, fixed};
 use crate::elements::page::Chart;
 use crate::error::Valid;
@@ -41,7 +41,7 @@ pub struct TimedMethod {
     pub name: String,
     /// Methods of one family share a colour.
     pub family: String,
-    /// Methods of one variant share a marker and a pattern of lines.
+    /// Methods of one variant share a marker and a pattern of lines; those of one family do where there is one variant alone.
     pub variant: String,
     /// Its runs, in any order; may be empty.
     pub runs: Vec<TimedError>,
@@ -113,7 +113,8 @@ impl ErrorOverTime {
         let styles = self.styles();
         let methods = || self.methods.iter().zip(&styles);
         let mut curves = slopes(&x, &y);
-        curves.extend(self.reference_error.map(|error| {
+        let drawn = |error: &f64| (y.lo..=y.hi).contains(error);
+        curves.extend(self.reference_error.filter(drawn).map(|error| {
             let ends = [(x.lo, error), (x.hi, error)];
             Curve::guide("error of the reference itself", Style::Guide, ends)
         }));
@@ -138,7 +139,7 @@ impl ErrorOverTime {
             y,
             log_y: None,
             size: PANEL,
-            legend_width: LEGEND_WIDTH,
+            legend_width: Legend::width(&entries, LEGEND_WIDTH)?,
             curves: &curves,
             entries,
         }
@@ -168,7 +169,8 @@ impl ErrorOverTime {
         })
     }
 
-    /// The styles of the methods: families and variants are numbered in the order in which they first come.
+    /// The styles of the methods: families and variants are numbered in the order in which they first come. Where all are of one
+    /// variant, markers and patterns tell families apart, in greys too.
     fn styles(&self) -> Vec<MethodStyle> {
         fn rank<'a>(known: &mut Vec<&'a str>, name: &'a str) -> usize {
             known.iter().position(|k| *k == name).unwrap_or_else(|| {
@@ -177,11 +179,18 @@ impl ErrorOverTime {
             })
         }
         let (mut families, mut variants) = (Vec::new(), Vec::new());
-        let styles = self.methods.iter().map(|method| MethodStyle {
-            colour: Colour::Nth(rank(&mut families, &method.family)),
-            variant: rank(&mut variants, &method.variant),
+        let ranks = self.methods.iter().map(|method| {
+            (
+                rank(&mut families, &method.family),
+                rank(&mut variants, &method.variant),
+            )
         });
-        styles.collect()
+        let ranks: Vec<_> = ranks.collect();
+        let style = |(family, variant)| MethodStyle {
+            colour: Colour::Nth(family),
+            variant: if variants.len() > 1 { variant } else { family },
+        };
+        ranks.into_iter().map(style).collect()
     }
 
     fn notes(&self) -> Vec<Entry> {
@@ -202,7 +211,7 @@ impl ErrorOverTime {
 struct MethodStyle {
     /// Colour of its family.
     colour: Colour,
-    /// Number of the marker and of the dash pattern: that of its variant.
+    /// Number of the marker and of the dash pattern.
     variant: usize,
 }
 
@@ -306,30 +315,35 @@ fn slopes(x: &Axis, y: &Axis) -> Vec<Curve> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn colour_is_of_the_family_and_marker_of_the_variant() {
-        let method = |family: &str, variant: &str| TimedMethod {
+    fn of_methods(names: &[[&str; 2]]) -> ErrorOverTime {
+        let method = |[family, variant]: &[&str; 2]| TimedMethod {
             name: format!("{family}, {variant}"),
-            family: family.into(),
-            variant: variant.into(),
+            family: (*family).into(),
+            variant: (*variant).into(),
             runs: Vec::new(),
             fit: None,
         };
-        let figure = ErrorOverTime {
+        ErrorOverTime {
             title: String::new(),
             subtitle: String::new(),
-            methods: vec![
-                method("a", "x"),
-                method("a", "y"),
-                method("b", "x"),
-                method("b", "y"),
-            ],
+            methods: names.iter().map(method).collect(),
             reference_error: None,
-        };
-        let styles = figure.styles();
+        }
+    }
+
+    #[test]
+    fn colour_is_of_the_family_and_marker_of_the_variant() {
+        let styles = of_methods(&[["a", "x"], ["a", "y"], ["b", "x"], ["b", "y"]]).styles();
         assert_eq!(styles[0].colour, styles[1].colour);
         assert_ne!(styles[0].colour, styles[2].colour);
         assert_eq!(styles[1].variant, styles[3].variant);
         assert_ne!(styles[2].variant, styles[3].variant);
+    }
+
+    #[test]
+    fn markers_tell_families_of_a_single_variant_apart() {
+        let styles = of_methods(&[["a", "x"], ["b", "x"], ["a", "x"]]).styles();
+        assert_ne!(styles[0].variant, styles[1].variant);
+        assert_eq!(styles[0].variant, styles[2].variant);
     }
 }

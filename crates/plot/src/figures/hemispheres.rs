@@ -423,14 +423,18 @@ impl Hemispheres {
             false => "",
         };
         let mut cells = self.cells.iter().zip(scales);
-        let blank = match cells.any(|(cell, scale)| {
+        let is_blank = cells.any(|(cell, scale)| {
             let values = cell.iter().flat_map(|cell| &cell.values);
             values
                 .into_iter()
                 .any(|value| !disc::is_shown(*value, *scale))
-        }) {
-            true => " Bins without light are left white.",
-            false => "",
+        });
+        let blank = match (is_blank, self.colours) {
+            (false, _) => "",
+            (true, SharedColours::OverFirst { .. }) => {
+                " Bins without light, or with too few rays for a ratio, are left white."
+            }
+            (true, _) => " Bins without light are left white.",
         };
         format!(
             "{seen}, in equal areas, azimuth 0° to the right and 90° up; circles at 30° and 60° from the normal; \
@@ -568,7 +572,9 @@ mod tests {
         let svg = |first, second| ratios(first, second).draw().unwrap().svg().unwrap();
         let dark = svg(Some(0.0), None);
         assert_eq!(dark.matches("no light").count(), 2);
-        assert!(svg(Some(0.3), None).contains("left white"));
+        // A bin whose ratios rest on too few rays has light, but no ratio.
+        let blank = svg(Some(0.3), None);
+        assert!(blank.contains("left white") && blank.contains("few rays"));
     }
 
     /// One bin of 12 x 24 holds 0.04 % of the solid angle or more.

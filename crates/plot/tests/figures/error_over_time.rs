@@ -75,6 +75,9 @@ fn errors_over_time_say_what_they_show() {
             "10⁻¹",
         ],
     );
+    // A reference far below the runs is neither drawn nor in the legend.
+    let texts = render(&over_time(methods, Some(1e-7)).draw().unwrap());
+    assert!(!texts.contains("error of the reference"));
     // Forty methods make the legend longer than the panel; all of them are in the figure.
     let many = (0..40).map(|i| timed(&format!("method {i}, variant {i}"), 1e-2, &[1.0]));
     let texts = render(&over_time(many.collect(), None).draw().unwrap());
