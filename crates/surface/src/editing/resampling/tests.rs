@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::*;
-use crate::LengthUnit;
 use crate::height_field::RecordedLength;
+use crate::{LengthUnit, TurnedCells};
 use asperity_synthesis::{Psd, Synthesis};
 
 const BORDERS: [Border; 2] = [Border::Periodic, Border::Mirrored];
@@ -164,6 +164,10 @@ fn a_refined_surface_is_that_drawn_on_the_finer_grid() {
 fn grids_without_finer_or_coarser_one_are_refused() {
     let open = jumble([4, 4], Border::Open);
     assert_eq!(open.refined(), Err(RefinementError::Open));
+    let turned = TurnedCells::new([4, 4], |ix, _| ix == 1).map(Arc::new);
+    let structure = jumble([4, 4], Border::Periodic).with_turned_cells(turned);
+    assert_eq!(structure.refined(), Err(RefinementError::Edges));
+    assert_eq!(structure.coarsened(), Err(CoarseningError::Edges));
     let refused = |shape, border| jumble(shape, border).coarsened().unwrap_err();
     assert_eq!(
         refused([4, 5], Border::Periodic),
