@@ -78,7 +78,7 @@ fn light_of_level_facets_is_that_of_their_slopes() {
             let config = VerifyConfig::from_toml(&text).unwrap();
             let plan = config.plan().unwrap();
             let outcomes = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-            let p = p_values(&judge_case(&config, &outcomes[0]).unwrap())[0];
+            let p = p_values(&judge_case(&config, &outcomes[0], &Silent).unwrap())[0];
             println!("{light} {seed}: {p}");
             found.push(p);
         }
