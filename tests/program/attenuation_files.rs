@@ -169,7 +169,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("--border mirrored", "periodic or open"),
         ("--border open --size 40,2 --insist", "3 or more a side"),
         ("--length 12.8 --size 256", "--size"),
-        ("--sigma 1e-300", "smoothness"),
+        ("--sigma 1e-300", "sigma"),
         ("--realisations 1e15", "take fewer"),
         ("key.toml", "unknown key `thetas`"),
         ("both.toml", "excludes"),
