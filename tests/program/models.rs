@@ -306,7 +306,7 @@ fn lists_give_a_model_at_every_combination() {
     assert!(message.contains("rows of all combinations"), "{message}");
     for (line, why) in [
         ("model smith --smoothness 2,2", "twice"),
-        ("model smith --smoothness 2,-1", "above 0"),
+        ("model smith --smoothness 2,-1", "from 1e-6"),
     ] {
         let message = refused(folder, &words(line), 2);
         assert!(message.contains(why), "{line}: {message}");

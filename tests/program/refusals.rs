@@ -159,7 +159,7 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         ),
         (
             generate(&["--tau", "16", "--smoothness", "0"]),
-            "--smoothness 0: must be a number above 0",
+            "--smoothness 0: must be a number from 1e-6",
         ),
         (generate(&["--tau", "-4", "--sigma", "1"]), "tau"),
         (

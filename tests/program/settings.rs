@@ -300,9 +300,18 @@ fn one_name_may_stand_for_a_list() {
     assert_eq!(compare["models"], json("[\"smith\"]"));
     assert_eq!(compare["level"], 0.05);
     // Alpha is a roughness, never a level.
-    for line in ["verify --alpha 0.05 -o a", "trace h.exr --alpha 0.05"] {
+    for (line, hint) in [
+        (
+            "verify --alpha 0.05 -o a",
+            "roughness is given as --smoothness",
+        ),
+        ("trace h.exr --alpha 0.05", "see --help"),
+    ] {
         let said = refused(folder, &words(line), 2);
-        assert!(said.contains("unknown flag --alpha; roughness"), "{said}");
+        assert!(
+            said.contains(&format!("unknown flag --alpha; {hint}")),
+            "{said}"
+        );
     }
     let said = refused(folder, &words("verify --smothness 3 -o a"), 2);
     assert_eq!(
