@@ -1,10 +1,11 @@
 //! The figures in docs: drawn as figures are drawn today.
 //!
-//! docs/figures.txt has a line per picture: its file, the kind of figure, a hash of a sample of that kind when the picture was drawn,
+//! docs/figures.txt has a line per picture: its file, the kind of figure, a hash of the pixels of a sample of that kind when the picture was drawn,
 //! and the command that draws it. A kind that is drawn differently has another hash.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::io::Cursor;
 use std::path::Path;
 use std::{env, fs};
 
@@ -110,11 +111,14 @@ fn sample(kind: &str) -> Option<Figure> {
     Some(figure.unwrap())
 }
 
-/// FNV-1a of the SVG of a figure.
+/// FNV-1a of the pixels of a figure: files that are compressed otherwise have the same.
 fn hash(figure: &Figure) -> String {
-    let svg = figure.svg().unwrap();
-    let step = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    let hash = svg.bytes().fold(0xcbf2_9ce4_8422_2325, step);
+    let file = Cursor::new(figure.png().unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = pixels.iter().fold(0xcbf2_9ce4_8422_2325, step);
     format!("{hash:016x}")
 }
 
