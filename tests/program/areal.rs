@@ -4,28 +4,27 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, json, with_surface};
 
 /// A matrix of text, one unit apart: waves of lengths 4 and 32 along x, each of height 1.
 fn waves(folder: &Path) {
     let wave = |x: usize| (TAU * x as f64 / 4.0).cos() + (TAU * x as f64 / 32.0).cos();
     let row: Vec<String> = (0..64).map(|x| wave(x).to_string()).collect();
-    fs::write(folder.join("w.txt"), vec![row.join(" "); 64].join("\n")).unwrap();
+    folder.write("w.txt", vec![row.join(" "); 64].join("\n"));
 }
 
 #[test]
 fn inspect_prints_the_parameters_of_iso_25178() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    waves(folder);
+    let folder = Folder::new();
+    waves(&folder);
     let line = "inspect w.txt --border periodic";
-    let text = succeed(folder, &words(line));
-    let report = json(&succeed(folder, &words(&format!("{line} --json"))));
+    let text = folder.succeed(line);
+    let report = json(&folder.succeed(format!("{line} --json")));
     for symbol in [
         "Sq", "Ssk", "Sku", "Sp", "Sv", "Sz", "Sa", "Sk", "Spk", "Svk", "Smr1", "Smr2", "Vmp",
         "Vmc", "Vvc", "Vvv", "Sdq", "Sdr", "Sal", "Str", "Std",
     ] {
-        assert!(text.contains(&format!("\n{symbol} ")), "{symbol}: {text}");
+        text.must_contain(format!("\n{symbol} "));
         let value = &report[symbol.to_lowercase()];
         assert!(value.is_number() || symbol == "Str", "{symbol}: {value}");
     }
@@ -38,14 +37,11 @@ fn inspect_prints_the_parameters_of_iso_25178() {
 /// numbers are squared and halved for Sq.
 #[test]
 fn filters_part_long_waves_from_short_ones() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    waves(folder);
+    let folder = Folder::new();
+    waves(&folder);
     let sq = |flags: &str| {
         let line = format!("inspect w.txt --border periodic --json {flags}");
-        json(&succeed(folder, &words(&line)))["sq"]
-            .as_f64()
-            .unwrap()
+        json(&folder.succeed(&line))["sq"].as_f64().unwrap()
     };
     let kept = |nesting: f64, wave: f64| 0.5_f64.powf((nesting / wave).powi(2));
     let rms = |short: f64, long: f64| (0.5 * (short * short + long * long)).sqrt();
@@ -67,9 +63,8 @@ fn filters_part_long_waves_from_short_ones() {
 
 #[test]
 fn invalid_nesting_indices_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    waves(folder);
+    let folder = Folder::new();
+    waves(&folder);
     for (flags, sentence) in [
         (
             "--s-filter 1",
@@ -87,20 +82,17 @@ fn invalid_nesting_indices_are_refused() {
         ("--l-filter -3", "--l-filter"),
         ("--l-filter nan", "--l-filter"),
     ] {
-        let error = refused(folder, &words(&format!("inspect w.txt {flags}")), 2);
+        let error = folder.refused(format!("inspect w.txt {flags}"));
         let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(error.contains(sentence), "{flags}: {error}");
+        error.must_contain(sentence);
     }
 }
 
 #[test]
 fn light_falls_on_the_surface_that_filters_leave() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let filters = "--s-filter 4 --remove plane --l-filter 24";
-    succeed(
-        &folder,
-        &words(&format!("inspect h.exr {filters} -o f.npy")),
-    );
+    folder.succeed(format!("inspect h.exr {filters} -o f.npy"));
     let border = "--border periodic";
     let light = "--theta 30 --rays 2e4 --bins 6x8 --no-plots";
     let lines = [
@@ -110,13 +102,12 @@ fn light_falls_on_the_surface_that_filters_leave() {
         format!("gonio --surface h.exr {filters} {light} -o g"),
     ];
     for line in &lines {
-        succeed(&folder, &words(line));
+        folder.succeed(line);
     }
     let [a, b, c] =
         ["a", "b", "c"].map(|out| fs::read(folder.join(out).join("theta.csv")).unwrap());
     assert!(a == b && a != c);
-    let read =
-        |out: &str| json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+    let read = |out: &str| folder.join(out).json("summary.json");
     let (traced, measured) = (read("b"), read("g"));
     let surface = &traced["config"]["surface"];
     assert_eq!([&surface["s_filter"], &surface["l_filter"]], [4.0, 24.0]);
@@ -124,9 +115,9 @@ fn light_falls_on_the_surface_that_filters_leave() {
     assert_eq!(reflected, &traced["energy"]["reflected"]);
     // Measurements of other surfaces are not resumed.
     let other = lines[3].replace("--l-filter 24", "--l-filter 25");
-    let message = refused(&folder, &words(&other), 1);
-    assert!(message.contains("results of another run"), "{message}");
-    fs::write(folder.join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    let message = refused(&folder, &words("trace m.obj --s-filter 1"), 2);
-    assert!(message.contains("--s-filter"), "{message}");
+    let message = folder.failed(&other);
+    message.must_contain("results of another run");
+    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let message = folder.refused("trace m.obj --s-filter 1");
+    message.must_contain("--s-filter");
 }

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, succeed, words};
+use crate::support::{InFolder, Words, json};
 use asperity_analysis::{SlopeCovariance, smith_correlated_g2};
 use asperity_optics::{from_spherical, reflect};
 use serde_json::Value;
@@ -20,10 +20,7 @@ pub(crate) const SMALL: &str =
     "attenuation --tau 4 --spacing 1 --size 32 --sigma 1.5 --realisations 3";
 
 pub(crate) fn outcome(command: &str) -> Value {
-    json(&succeed(
-        Path::new("."),
-        &words(&format!("{command} --json")),
-    ))
+    json(&(Path::new(".")).succeed(format!("{command} --json")))
 }
 
 fn number(row: &Value, key: &str) -> f64 {
@@ -144,7 +141,7 @@ fn smooth_cells_have_the_same_bytes_on_any_number_of_threads_and_under_an_open_b
             "{SMALL} --cells smooth --theta 30,70 --phi 25 --view-theta 40 --heights --border {border} --json --threads"
         );
         let [one, two] = [1, 2].map(|threads| {
-            let text = succeed(Path::new("."), &words(&format!("{command} {threads}")));
+            let text = (Path::new(".")).succeed(format!("{command} {threads}"));
             let found = json(&text);
             (
                 found["rows"].clone(),
@@ -155,11 +152,8 @@ fn smooth_cells_have_the_same_bytes_on_any_number_of_threads_and_under_an_open_b
         assert_eq!(one, two);
         assert_eq!(one.2, 0);
     }
-    let report = succeed(
-        Path::new("."),
-        &words(&format!("{SMALL} --cells smooth --theta 30")),
-    );
-    assert!(report.contains("cells are smooth"), "{report}");
+    let report = (Path::new(".")).succeed(format!("{SMALL} --cells smooth --theta 30"));
+    report.must_contain("cells are smooth");
 }
 
 #[test]

@@ -8,18 +8,14 @@ use asperity_studies::SurveyedSurface;
 use serde_json::Value;
 
 use crate::attenuation::{SMALL, outcome, rows};
-use crate::support::{files, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Words, files, json};
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let command = "attenuation --tau 4 --spacing 1 --size 96 --sigma 1,2 --realisations 3 --theta 10,45,80 --view-theta 30,60 --view-phi 90 --heights --demarcation";
-    let text = succeed(folder, &words(&format!("{command} --threads 1 -o one")));
-    succeed(
-        folder,
-        &words(&format!("{command} --threads 2 --quiet -o two")),
-    );
+    let text = folder.succeed(format!("{command} --threads 1 -o one"));
+    folder.succeed(format!("{command} --threads 2 --quiet -o two"));
     assert_eq!(
         files(&folder.join("one")),
         [
@@ -76,14 +72,14 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             assert!(one == two, "{name} differs");
         }
     }
-    let report = fs::read_to_string(folder.join("one/report.txt")).unwrap();
+    let report = folder.text("one/report.txt");
     assert_eq!(text, format!("{report}results in one\n"));
-    let table = fs::read_to_string(folder.join("one/attenuation.csv")).unwrap();
+    let table = folder.text("one/attenuation.csv");
     let lines: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
     assert_eq!(lines, vec![41; 1 + 2 * 3 * 2]);
     // A run of less leaves nothing of an earlier one behind.
     let less = format!("{SMALL} --theta 45 --no-plots --quiet -o one");
-    assert_eq!(succeed(folder, &words(&less)), "");
+    assert_eq!(folder.succeed(&less), "");
     assert_eq!(
         files(&folder.join("one")),
         [
@@ -104,8 +100,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 
 #[test]
 fn a_file_says_the_same_as_flags_and_flags_override_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let text = "
         [surface]
         sigma = 1.5
@@ -121,33 +116,21 @@ fn a_file_says_the_same_as_flags_and_flags_override_it() {
         realisations = 2
         mirror = false
     ";
-    fs::write(folder.join("a.toml"), text).unwrap();
+    folder.write("a.toml", text);
     let flags = "attenuation --sigma 1.5 --tau 4 --length 32 --spacing 1 --theta 20,60 --view-theta 30 --view-phi 45 --realisations 2 --no-mirror --json";
     let [from_file, from_flags] = ["attenuation a.toml --json", flags]
-        .map(|line| json(&succeed(folder, &words(line)))["rows"].clone());
+        .map(|line| json(&folder.succeed(line))["rows"].clone());
     assert_eq!(from_file, from_flags);
-    let overridden = json(&succeed(
-        folder,
-        &words("attenuation a.toml --theta 10 --json"),
-    ));
+    let overridden = json(&folder.succeed("attenuation a.toml --theta 10 --json"));
     assert_eq!(rows(&overridden).len(), 1);
 }
 
 #[test]
 fn contradicting_settings_are_refused_in_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("key.toml"), "[light]\nthetas = 3\n").unwrap();
-    fs::write(
-        folder.join("both.toml"),
-        "[surface]\nsize = 64\nlength = 3.2\n",
-    )
-    .unwrap();
-    fs::write(
-        folder.join("figure.toml"),
-        "[output]\nmodels_at_sigma = 0.7\n",
-    )
-    .unwrap();
+    let folder = Folder::new();
+    folder.write("key.toml", "[light]\nthetas = 3\n");
+    folder.write("both.toml", "[surface]\nsize = 64\nlength = 3.2\n");
+    folder.write("figure.toml", "[output]\nmodels_at_sigma = 0.7\n");
     for (line, expected) in [
         (
             "--length 12.82",
@@ -177,15 +160,15 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("missing.toml", "missing.toml"),
     ] {
         let code = if line == "missing.toml" { 1 } else { 2 };
-        let sentence = refused(folder, &words(&format!("attenuation {line}")), code);
-        assert!(sentence.contains(expected), "{line}: {sentence}");
+        let sentence = folder.stopped(format!("attenuation {line}"), code);
+        sentence.must_contain(expected);
     }
     // Light that would cross too many tiles, and more points than memory holds.
     let line = "attenuation --theta 89.9999 --sigma 1 --realisations 1";
-    assert!(refused(folder, &words(line), 1).contains("tiles"));
+    folder.failed(line).must_contain("tiles");
     let line = "attenuation --size 40000 --demarcation --theta 45";
-    assert!(refused(folder, &words(line), 1).contains("memory"));
-    assert!(files(folder).iter().all(|name| name.ends_with(".toml")));
+    folder.failed(line).must_contain("memory");
+    assert!(files(&folder).iter().all(|name| name.ends_with(".toml")));
 }
 
 #[test]
@@ -203,12 +186,12 @@ fn the_examples_are_understood() {
 
 #[test]
 fn lengths_of_the_table_have_their_unit() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let run = |more: &str| {
         let line = format!(
             "attenuation --tau 0.5{more} --sigma 0.1{more} --spacing 0.05{more} --size 160 --theta 42 --realisations 2"
         );
-        succeed(folder.path(), &words(&line))
+        folder.succeed(&line)
     };
     assert!(run("um").contains("sigma (um)  theta"), "{}", run("um"));
     assert!(run("").contains("sigma  theta"));

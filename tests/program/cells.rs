@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
 
 const VERIFY: &str = "verify --tau 4 --size 32 --spacing 1 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
 const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";
@@ -13,7 +13,7 @@ fn tables(folder: &Path) -> Vec<(String, String)> {
     let names = files(folder).into_iter();
     let names = names.filter(|name| name.ends_with(".csv"));
     let read = |name: String| {
-        let text = fs::read_to_string(folder.join(&name)).unwrap();
+        let text = folder.text(&name);
         (name, text)
     };
     names.map(read).collect()
@@ -23,16 +23,16 @@ fn tables(folder: &Path) -> Vec<(String, String)> {
 fn run_with_threads(folder: &Path, line: &str) -> serde_json::Value {
     for threads in [1, 2] {
         let out = format!("{line} --threads {threads} -o out{threads}");
-        succeed(folder, &words(&out));
+        folder.succeed(&out);
     }
     let [one, two] = [1, 2].map(|threads| tables(&folder.join(format!("out{threads}"))));
     assert!(!one.is_empty() && one == two, "{line}: other bytes");
-    json(&fs::read_to_string(folder.join("out1/summary.json")).unwrap())
+    folder.json("out1/summary.json")
 }
 
 #[test]
 fn smooth_cells_are_traced_with_all_energy_and_the_same_bytes_on_any_number_of_threads() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (line, config) in [
         (VERIFY, "/config/verify/surface/cells"),
         (TRACE, "/config/cells"),
@@ -64,42 +64,36 @@ fn smooth_cells_are_traced_with_all_energy_and_the_same_bytes_on_any_number_of_t
 
 #[test]
 fn reports_say_that_cells_are_smooth() {
-    let (_keep, folder) = with_surface();
-    let verify = succeed(&folder, &words(&format!("{VERIFY} --cells smooth -o out")));
-    assert!(verify.contains("cells are smooth"), "{verify}");
+    let folder = with_surface();
+    let verify = folder.succeed(format!("{VERIFY} --cells smooth -o out"));
+    verify.must_contain("cells are smooth");
     assert!(!verify.contains("mesh is 3"), "{verify}");
-    let trace = succeed(
-        &folder,
-        &words(&format!("{TRACE} --rays 1e4 --cells smooth")),
-    );
-    assert!(
-        trace.contains("spline through the heights given is the surface"),
-        "{trace}"
-    );
+    let trace = folder.succeed(format!("{TRACE} --rays 1e4 --cells smooth"));
+    trace.must_contain("spline through the heights given is the surface");
 }
 
 #[test]
 fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let long = VERIFY.replace(
         "--realisations 4 --rays 2e4",
         "--realisations 400 --rays 8e5",
     );
     for line in [format!("{TRACE} --rays 4e6"), long] {
         let line = format!("{line} --no-plots --cells smooth");
-        succeed(&folder, &words(&format!("{line} -o whole")));
-        let stopped = asperity(&folder, &words(&format!("{line} --max-time 0.05 -o part")));
+        folder.succeed(format!("{line} -o whole"));
+        let stopped = folder.run(format!("{line} --max-time 0.05 -o part"));
         assert!(stopped.status.success());
         assert!(folder.join("part/results.npz").exists(), "{line}");
         let flat = line.replace("--cells smooth", "--cells flat");
-        let said = refused(&folder, &words(&format!("{flat} -o part")), 1);
+        let said = folder.failed(format!("{flat} -o part"));
         assert!(
             ["another run", "\"smooth\"", "\"flat\""]
                 .iter()
                 .all(|part| said.contains(part)),
             "{said}"
         );
-        let resumed = asperity(&folder, &words(&format!("{line} -o part")));
+        let resumed = folder.run(format!("{line} -o part"));
         let errors = errors_of(&resumed);
         assert!(errors.starts_with("resumed"), "{errors}");
         assert!(
@@ -114,7 +108,7 @@ fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones(
 
 #[test]
 fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let small =
         "--tau 4 --size 32 --spacing 1 --smoothness 1 --realisations 2 --rays 2e3 --theta 20";
     let given = "--surface h.exr --rays 2e3 --theta 20 --phi 0,90";
@@ -124,13 +118,10 @@ fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
         (format!("gonio {given}"), "gonio.csv"),
     ] {
         let reflected = |cells: &str| {
-            succeed(
-                &folder,
-                &words(&format!(
-                    "{line} --bins 6x4 --no-plots --cells {cells} -o {cells}"
-                )),
-            );
-            let text = fs::read_to_string(folder.join(cells).join(table)).unwrap();
+            folder.succeed(format!(
+                "{line} --bins 6x4 --no-plots --cells {cells} -o {cells}"
+            ));
+            let text = folder.join(cells).text(table);
             fs::remove_dir_all(folder.join(cells)).unwrap();
             text
         };
@@ -140,26 +131,22 @@ fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
 
 #[test]
 fn smooth_cells_take_coarser_grids_than_flat_ones() {
-    let keep = tempfile::tempdir().unwrap();
+    let keep = Folder::new();
     let verify = VERIFY.replace("--tau 4", "--tau 2.5");
     let flat = format!("{verify} --cells flat -o out");
-    let said = refused(keep.path(), &words(&flat), 2);
-    assert!(said.contains("2.50 spacings"), "{said}");
+    let said = keep.refused(&flat);
+    said.must_contain("2.50 spacings");
     // Smooth cells are the default.
-    succeed(keep.path(), &words(&format!("{verify} -o out")));
+    keep.succeed(format!("{verify} -o out"));
     let verify = verify.replace("--tau 2.5", "--tau 2.4");
-    let said = refused(
-        keep.path(),
-        &words(&format!("{verify} --cells smooth -o no")),
-        2,
-    );
-    assert!(said.contains("2.40 spacings"), "{said}");
+    let said = keep.refused(format!("{verify} --cells smooth -o no"));
+    said.must_contain("2.40 spacings");
 }
 
 /// Cells and grid of random surfaces follow from the correlation length; those of given surfaces are facets.
 #[test]
 fn cells_are_smooth_where_surfaces_are_drawn_and_flat_where_they_are_given() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let small = "verify --tau 2 --rays 1e3 --realisations 2 --models none --bins 6x4 --no-plots";
     for (flags, size, cells) in [
         ("", 128, "cells are smooth"),
@@ -167,14 +154,14 @@ fn cells_are_smooth_where_surfaces_are_drawn_and_flat_where_they_are_given() {
         (" --cells flat", 512, "cells are flat"),
         (" --size 160 --cells flat", 160, "cells are flat"),
     ] {
-        let text = succeed(&folder, &words(&format!("{small}{flags} -o out")));
+        let text = folder.succeed(format!("{small}{flags} -o out"));
         let said = format!("2 surfaces of {size} x {size}");
-        assert!(text.contains(&said) && text.contains(cells), "{text}");
+        text.must_contain(&said);
+        text.must_contain(cells);
     }
     let energy = |cells: &str| {
         let line = format!("{TRACE} --rays 1e3 --json{cells}");
-        let summary: serde_json::Value =
-            serde_json::from_str(&succeed(&folder, &words(&line))).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&folder.succeed(&line)).unwrap();
         summary["energy"].clone()
     };
     assert_eq!(energy(""), energy(" --cells flat"));
@@ -185,18 +172,13 @@ fn cells_are_smooth_where_surfaces_are_drawn_and_flat_where_they_are_given() {
 /// Facets of tau = 8 spacings lack `d^2 / (2 tau^2)` of the slope variance, 0.8 %; a spline lacks none of it.
 #[test]
 fn inspect_says_that_cells_are_flat_and_compares_smooth_ones() {
-    let (_keep, folder) = with_surface();
-    let text = succeed(&folder, &words("inspect h.exr"));
-    assert!(text.contains("flat cells by default"), "{text}");
-    let text = succeed(&folder, &words("inspect h.exr --cells smooth"));
-    assert!(text.contains("samples, flat cells  smooth cells"), "{text}");
+    let folder = with_surface();
+    let text = folder.succeed("inspect h.exr");
+    text.must_contain("flat cells by default");
+    let text = folder.succeed("inspect h.exr --cells smooth");
+    text.must_contain("samples, flat cells  smooth cells");
 
-    let inspected = |flags: &str| {
-        json(&succeed(
-            &folder,
-            &words(&format!("inspect h.exr --json{flags}")),
-        ))
-    };
+    let inspected = |flags: &str| json(&folder.succeed(format!("inspect h.exr --json{flags}")));
     let (flat, smooth) = (inspected(""), inspected(" --cells smooth"));
     assert_eq!(
         (&flat["cells"], &smooth["cells"]),
@@ -212,10 +194,10 @@ fn inspect_says_that_cells_are_flat_and_compares_smooth_ones() {
 
 #[test]
 fn what_smooth_cells_cannot_do_is_refused() {
-    let (_keep, folder) = with_surface();
-    succeed(&folder, &words("mesh h.exr -o h.ply"));
-    fs::write(folder.join("c.toml"), "[surface]\ncells = \"smooth\"\n").unwrap();
-    fs::write(folder.join("bad.toml"), "[surface]\ncells = \"round\"\n").unwrap();
+    let folder = with_surface();
+    folder.succeed("mesh h.exr -o h.ply");
+    folder.write("c.toml", "[surface]\ncells = \"smooth\"\n");
+    folder.write("bad.toml", "[surface]\ncells = \"round\"\n");
     for (line, expected) in [
         (
             "trace h.exr --refine",
@@ -264,17 +246,15 @@ fn what_smooth_cells_cannot_do_is_refused() {
             "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
         ),
     ] {
-        let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
-        assert!(said.contains(expected), "{line}: {said}");
+        let said = folder.refused(format!("{line} --cells smooth"));
+        said.must_contain(expected);
     }
-    let said = refused(&folder, &words("converge c.toml -o out"), 2);
-    assert!(
-        said.contains(
-            "surface.cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation"
-        ),
-        "{said}"
+    let said = folder.refused("converge c.toml -o out");
+    said.must_contain(
+        "surface.cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
     );
-    let said = refused(&folder, &words("trace bad.toml"), 2);
-    assert!(said.contains("flat") && said.contains("smooth"), "{said}");
+    let said = folder.refused("trace bad.toml");
+    said.must_contain("flat");
+    said.must_contain("smooth");
     assert!(!folder.join("out").exists() && !folder.join("out.ply").exists());
 }

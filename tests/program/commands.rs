@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, errors_of, json, refused, succeed, unwrapped, with_surface, words};
+use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped, with_surface};
 
 #[test]
 fn generate_then_inspect_shows_requested_and_realised_statistics() {
-    let (_keep, folder) = with_surface();
-    let text = succeed(&folder, &["inspect", "h.exr"]);
+    let folder = with_surface();
+    let text = folder.succeed("inspect h.exr");
     for word in [
         "Sq",
         "Sdq",
@@ -20,7 +20,7 @@ fn generate_then_inspect_shows_requested_and_realised_statistics() {
     ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
-    let report = json(&succeed(&folder, &["inspect", "h.exr", "--json"]));
+    let report = json(&folder.succeed("inspect h.exr --json"));
     assert_eq!(report["realised"]["sigma"]["requested"], 4.0);
     let realised = report["realised"]["sigma"]["realised"].as_f64().unwrap();
     let scatter = report["realised"]["sigma"]["expected_deviation"]
@@ -34,35 +34,32 @@ fn generate_then_inspect_shows_requested_and_realised_statistics() {
 
 #[test]
 fn every_format_that_is_written_and_read_holds_the_same_surface() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for name in ["a.npy", "a.gsf", "a.exr"] {
-        succeed(&folder, &["inspect", "h.exr", "-o", name]);
+        folder.succeed(format!("inspect h.exr -o {name}"));
         let sq = |file: &str| {
-            let text = succeed(
-                &folder,
-                &["inspect", file, "--border", "periodic", "--json"],
-            );
+            let text = folder.succeed(format!("inspect {file} --border periodic --json"));
             json(&text)["sq"].as_f64().unwrap()
         };
         assert!((sq(name) / sq("h.exr") - 1.0).abs() < 1e-6, "{name}");
     }
-    let metres = words("--tau 8e-6 --smoothness 2 --size 64 --spacing 1e-6");
-    let rest = ["--unit", "m", "--seed", "7", "-o", "m.x3p"];
-    succeed(&folder, &[&["generate"], &metres[..], &rest[..]].concat());
-    let report = json(&succeed(&folder, &["inspect", "m.x3p", "--json"]));
+    let metres = "--tau 8e-6 --smoothness 2 --size 64 --spacing 1e-6";
+    let rest = "--unit m --seed 7 -o m.x3p";
+    folder.succeed(format!("generate {metres} {rest}"));
+    let report = json(&folder.succeed("inspect m.x3p --json"));
     assert_eq!(report["unit"], "m");
 }
 
 #[test]
 fn the_accelerator_changes_no_byte_and_is_told() {
-    let (_keep, folder) = with_surface();
-    let light = words("--theta 60 --eta 1.5 --rays 5000 --no-plots");
+    let folder = with_surface();
+    let light = "--theta 60 --eta 1.5 --rays 5000 --no-plots";
     for name in ["mesh", "tiles", "pyramid", "auto"] {
-        let rest = ["--accelerator", name, "-o", name];
-        succeed(&folder, &[&["trace", "h.exr"], &light[..], &rest].concat());
+        let rest = format!("--accelerator {name} -o {name}");
+        folder.succeed(format!("trace h.exr {light} {rest}"));
         let read = |name: &str| fs::read(folder.join(name).join("histogram.csv")).unwrap();
         assert!(read(name) == read("mesh"), "{name}");
-        let text = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
+        let text = folder.join(name).text("summary.json");
         let work = &json(&text)["work"];
         // `tiles` is an old name.
         let expected = if name == "mesh" { "mesh" } else { "pyramid" };
@@ -70,44 +67,27 @@ fn the_accelerator_changes_no_byte_and_is_told() {
         assert_eq!(work["instructions"].is_null(), expected != "pyramid");
         assert!(work["segments_skipped"].as_u64() >= work["segments_skipped_nearby"].as_u64());
     }
-    let sentence = refused(
-        &folder,
-        &[&["trace", "h.exr", "--accelerator", "flat"], &light[..]].concat(),
-        2,
-    );
-    assert!(sentence.contains("flat"), "{sentence}");
-    let flat = succeed(
-        &folder,
-        &[&["trace", "--flat", "--json"], &light[..]].concat(),
-    );
+    let sentence = folder.refused(format!("trace h.exr --accelerator flat {light}"));
+    sentence.must_contain("flat");
+    let flat = folder.succeed(format!("trace --flat --json {light}"));
     assert_eq!(json(&flat)["work"]["accelerator"], "flat");
 }
 
 #[test]
 fn same_seed_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let surface = words("--tau 8 --smoothness 2 --size 128,96 --seed 3");
+    let folder = Folder::new();
+    let surface = "--tau 8 --smoothness 2 --size 128,96 --seed 3";
     for threads in ["1", "2", "3"] {
         let name = format!("h{threads}.npy");
-        let rest = ["-o", &name, "--threads", threads];
-        succeed(folder, &[&["generate"], &surface[..], &rest[..]].concat());
+        let rest = format!("-o {name} --threads {threads}");
+        folder.succeed(format!("generate {surface} {rest}"));
         let out = format!("t{threads}");
-        let rest = [
-            "--theta",
-            "40",
-            "--rays",
-            "3e4",
-            "-o",
-            &out,
-            "--threads",
-            threads,
-        ];
-        succeed(folder, &[&["trace", "h1.npy"], &rest[..]].concat());
+        let rest = format!("--theta 40 --rays 3e4 -o {out} --threads {threads}");
+        folder.succeed(format!("trace h1.npy {rest}"));
         let out = format!("v{threads}");
-        let rays = words("--size 128 --tau 8 --realisations 7 --rays 2e4 --model-rays 1e4");
-        let rest = ["-o", &out, "--threads", threads];
-        succeed(folder, &[&["verify"], &rays[..], &rest[..]].concat());
+        let rays = "--size 128 --tau 8 --realisations 7 --rays 2e4 --model-rays 1e4";
+        let rest = format!("-o {out} --threads {threads}");
+        folder.succeed(format!("verify {rays} {rest}"));
     }
     let same = |name: &str| {
         let read = |threads: &str| fs::read(folder.join(name.replace('#', threads))).unwrap();
@@ -133,15 +113,11 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
 
 #[test]
 fn trace_writes_what_it_says() {
-    let (_keep, folder) = with_surface();
-    let arguments = [
-        "trace", "h.exr", "--eta", "1.5", "--theta", "30", "--rays", "2e4", "-o", "out",
-    ];
-    let text = succeed(&folder, &arguments);
-    assert!(
-        text.contains("reflected") && text.contains("ray blocks"),
-        "{text}"
-    );
+    let folder = with_surface();
+    let arguments = "trace h.exr --eta 1.5 --theta 30 --rays 2e4 -o out";
+    let text = folder.succeed(&arguments);
+    text.must_contain("reflected");
+    text.must_contain("ray blocks");
     let out = folder.join("out");
     for name in [
         "summary.json",
@@ -160,13 +136,9 @@ fn trace_writes_what_it_says() {
     ] {
         let png = fs::read(out.join(format!("{name}.png"))).unwrap();
         assert!(png.starts_with(b"\x89PNG"));
-        assert!(
-            fs::read_to_string(out.join(format!("{name}.svg")))
-                .unwrap()
-                .contains("<svg")
-        );
+        out.text(format!("{name}.svg")).must_contain("<svg");
     }
-    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    let summary = out.json("summary.json");
     assert_eq!(summary["schema"], 2);
     assert_eq!(summary["command"], "trace");
     let energy = |name: &str| summary["energy"][name]["mean"].as_f64().unwrap();
@@ -192,7 +164,7 @@ fn trace_writes_what_it_says() {
     assert_eq!(summary["paths"][0]["events"], "T");
 
     // The histogram holds the energies, 18 x 36 bins per side.
-    let table = fs::read_to_string(out.join("histogram.csv")).unwrap();
+    let table = out.text("histogram.csv");
     let header = "side,theta_min_deg,theta_max_deg,phi_min_deg,phi_max_deg,solid_angle_sr,flux,flux_se,intensity,bsdf,bsdf_se";
     assert!(table.starts_with(header));
     let mut sums = [0.0, 0.0];
@@ -218,21 +190,17 @@ fn trace_writes_what_it_says() {
 
 #[test]
 fn a_side_that_is_not_recorded_is_left_out_of_every_file() {
-    let (_keep, folder) = with_surface();
-    let fixed =
-        words("trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1 --estimator plain");
-    succeed(&folder, &[&fixed[..], &["-o", "both"]].concat());
+    let folder = with_surface();
+    let fixed = "trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1 --estimator plain";
+    folder.succeed(format!("{fixed} -o both"));
     for (side, other) in [("reflected", "transmitted"), ("transmitted", "reflected")] {
-        let text = succeed(
-            &folder,
-            &[&fixed[..], &["--side", side, "-o", side]].concat(),
-        );
-        assert!(text.contains("not recorded"), "{text}");
+        let text = folder.succeed(format!("{fixed} --side {side} -o {side}"));
+        text.must_contain("not recorded");
         assert!(!text.contains(&format!("  {other} ")), "{text}");
         let out = folder.join(side);
         // What is requested is the same to the byte as in a run that asks for both sides.
         for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
-            let found = fs::read_to_string(out.join(name)).unwrap();
+            let found = out.text(name);
             let both = fs::read_to_string(folder.join("both").join(name)).unwrap();
             let expected: String = both
                 .lines()
@@ -242,7 +210,7 @@ fn a_side_that_is_not_recorded_is_left_out_of_every_file() {
             assert!(found == expected, "{side} {name}");
         }
         let [one, both] = [&out, &folder.join("both")].map(|folder| {
-            let text = fs::read_to_string(folder.join("summary.json")).unwrap();
+            let text = folder.text("summary.json");
             json(&text)
         });
         assert_eq!(one["energy"][side], both["energy"][side]);
@@ -261,23 +229,20 @@ fn a_side_that_is_not_recorded_is_left_out_of_every_file() {
 
         let in_plane = |side: &str| out.join(format!("in_plane_{side}.svg"));
         assert!(in_plane(side).exists() && !in_plane(other).exists());
-        let lobes = fs::read_to_string(out.join("lobes.svg")).unwrap();
+        let lobes = out.text("lobes.svg");
         assert!(lobes.contains(&format!("{other} light not recorded")));
     }
-    let mirror = words("--material mirror --side reflected -o mirror");
-    succeed(&folder, &[&fixed[..], &mirror[..]].concat());
+    let mirror = "--material mirror --side reflected -o mirror";
+    folder.succeed(format!("{fixed} {mirror}"));
 }
 
 #[test]
 fn under_a_control_a_side_is_the_same_but_for_rounding_whatever_else_is_asked_for() {
-    let (_keep, folder) = with_surface();
-    let fixed = words("trace h.exr --theta 40 --rays 2e4 --estimator controlled --no-plots");
+    let folder = with_surface();
+    let fixed = "trace h.exr --theta 40 --rays 2e4 --estimator controlled --no-plots";
     let fluxes = |side: &str| -> Vec<f64> {
-        succeed(
-            &folder,
-            &[&fixed[..], &["--side", side, "-o", side]].concat(),
-        );
-        let table = fs::read_to_string(folder.join(side).join("histogram.csv")).unwrap();
+        folder.succeed(format!("{fixed} --side {side} -o {side}"));
+        let table = folder.join(side).text("histogram.csv");
         let rows = table.lines().filter(|line| line.starts_with("transmitted"));
         rows.map(|line| line.split(',').nth(6).unwrap().parse().unwrap())
             .collect()
@@ -292,52 +257,41 @@ fn under_a_control_a_side_is_the_same_but_for_rounding_whatever_else_is_asked_fo
 
 #[test]
 fn flat_surface_reflects_by_fresnel() {
-    let folder = tempfile::tempdir().unwrap();
-    let arguments = [
-        "trace", "--flat", "--eta", "1.5", "--theta", "0", "--rays", "100", "--json",
-    ];
-    let summary = json(&succeed(folder.path(), &arguments));
+    let folder = Folder::new();
+    let arguments = "trace --flat --eta 1.5 --theta 0 --rays 100 --json";
+    let summary = json(&folder.succeed(&arguments));
     let reflected = summary["energy"]["reflected"]["mean"].as_f64().unwrap();
     assert!((reflected - 0.04).abs() < 1e-15);
-    let straight = [
-        "trace", "--flat", "--eta", "1", "--theta", "60", "--rays", "100", "--json",
-    ];
-    let summary = json(&succeed(folder.path(), &straight));
+    let straight = "trace --flat --eta 1 --theta 60 --rays 100 --json";
+    let summary = json(&folder.succeed(&straight));
     assert_eq!(summary["energy"]["transmitted"]["mean"], 1.0);
 }
 
 #[test]
 fn mirror_conductor_and_light_from_below_are_traced() {
-    let (_keep, folder) = with_surface();
-    let energy = |flags: &[&str]| {
-        let fixed = ["trace", "h.exr", "--theta", "50", "--rays", "5e3", "--json"];
-        let summary = json(&succeed(&folder, &[&fixed[..], flags].concat()));
+    let folder = with_surface();
+    let energy = |flags: &str| {
+        let fixed = "trace h.exr --theta 50 --rays 5e3 --json";
+        let summary = json(&folder.succeed(format!("{fixed} {flags}")));
         ["reflected", "transmitted", "absorbed"]
             .map(|name| summary["energy"][name]["mean"].as_f64().unwrap())
     };
-    let [r, t, a] = energy(&["--material", "mirror"]);
+    let [r, t, a] = energy("--material mirror");
     assert!((r - 1.0).abs() < 1e-12 && t == 0.0 && a == 0.0);
-    let [r, t, a] = energy(&[
-        "--material",
-        "conductor",
-        "--eta",
-        "0.21",
-        "--kappa",
-        "3.272",
-    ]);
+    let [r, t, a] = energy("--material conductor --eta 0.21 --kappa 3.272");
     assert!(r > 0.8 && t == 0.0 && a > 0.01);
-    let [r, t, _] = energy(&["--eta", "1/1.5", "--from", "below"]);
+    let [r, t, _] = energy("--eta 1/1.5 --from below");
     assert!(r > 0.3 && t > 0.2, "{r} {t}");
-    let [picked, ..] = energy(&["--eta", "1/1.5", "--from", "below", "--branching", "pick"]);
+    let [picked, ..] = energy("--eta 1/1.5 --from below --branching pick");
     assert!((picked - r).abs() < 0.05);
 }
 
 #[test]
 fn mesh_writes_each_format() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (name, start) in [("m.ply", "ply\n"), ("m.obj", ""), ("m.stl", "")] {
-        let text = succeed(&folder, &["mesh", "h.exr", "-o", name]);
-        assert!(text.contains("4225 vertices, 8192 triangles"), "{text}");
+        let text = folder.succeed(format!("mesh h.exr -o {name}"));
+        text.must_contain("4225 vertices, 8192 triangles");
         assert!(
             fs::read(folder.join(name))
                 .unwrap()
@@ -348,56 +302,42 @@ fn mesh_writes_each_format() {
 
 #[test]
 fn model_prints_its_bsdf_in_the_plane_of_incidence_and_over_the_sphere() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let fixed = words("model smith --smoothness 3 --eta 1.4 --theta 30");
-    let text = succeed(folder, &[&fixed[..], &["--step", "10"]].concat());
+    let folder = Folder::new();
+    let fixed = "model smith --smoothness 3 --eta 1.4 --theta 30";
+    let text = folder.succeed(format!("{fixed} --step 10"));
     assert!(text.starts_with("side,theta_deg,phi_deg,bsdf\n"));
     // 17 directions a side, from -80 to 80 deg.
     assert_eq!(text.lines().count(), 1 + 34);
-    succeed(
-        folder,
-        &[&fixed[..], &["--step", "10", "--sphere", "-o", "m.csv"]].concat(),
-    );
-    let table = fs::read_to_string(folder.join("m.csv")).unwrap();
+    folder.succeed(format!("{fixed} --step 10 --sphere -o m.csv"));
+    let table = folder.text("m.csv");
     assert_eq!(table.lines().count(), 1 + 2 * 9 * 36);
-    assert!(
-        refused(
-            folder,
-            &["model", "walter", "--smoothness", "3", "--theta", "0"],
-            2
-        )
-        .contains("xu-sun")
-    );
-    assert!(refused(folder, &[&fixed[..], &["--step", "0"]].concat(), 2).contains("--step"));
-    assert!(refused(folder, &[&fixed[..5], &["1", "--theta", "3"]].concat(), 2).contains("delta"));
+    for (line, expected) in [
+        ("model walter --smoothness 3 --theta 0", "xu-sun"),
+        (&format!("{fixed} --step 0"), "--step"),
+        ("model smith --smoothness 3 --eta 1 --theta 3", "delta"),
+    ] {
+        folder.refused(line).must_contain(expected);
+    }
 }
 
 #[test]
 fn spacing_and_unit_come_from_the_file_or_from_flags() {
-    let (_keep, folder) = with_surface();
-    let half = words("--tau 4 --smoothness 2 --size 64 --spacing 0.5 --unit um");
-    let text = succeed(
-        &folder,
-        &[&["generate", "--seed", "1", "-o", "a.npy"], &half[..]].concat(),
-    );
+    let folder = with_surface();
+    let half = "--tau 4 --smoothness 2 --size 64 --spacing 0.5 --unit um";
+    let text = folder.succeed(format!("generate --seed 1 -o a.npy {half}"));
     assert!(
         unwrapped(&text).contains("--spacing 0.5,0.5 --assume-unit um --border periodic"),
         "{text}"
     );
-    succeed(
-        &folder,
-        &[&["generate", "--seed", "1", "-o", "a.exr"], &half[..]].concat(),
-    );
-    let sdq = |arguments: &[&str]| {
-        let text = succeed(&folder, &[&["inspect", "--json"], arguments].concat());
+    folder.succeed(format!("generate --seed 1 -o a.exr {half}"));
+    let sdq = |arguments: &str| {
+        let text = folder.succeed(format!("inspect --json {arguments}"));
         json(&text)["sdq"].as_f64().unwrap()
     };
-    let told = words("a.npy --spacing 0.5 --assume-unit um --border periodic");
-    let told = sdq(&told);
-    assert!((told / sdq(&["a.exr"]) - 1.0).abs() < 1e-6);
-    assert!(succeed(&folder, &["inspect", "a.npy"]).contains("1 is assumed"));
-    assert!(!succeed(&folder, &["inspect", "a.exr"]).contains("assumed"));
+    let told = sdq("a.npy --spacing 0.5 --assume-unit um --border periodic");
+    assert!((told / sdq("a.exr") - 1.0).abs() < 1e-6);
+    folder.succeed("inspect a.npy").must_contain("1 is assumed");
+    assert!(!folder.succeed("inspect a.exr").contains("assumed"));
 }
 
 #[test]
@@ -407,28 +347,21 @@ fn measured_files_go_through_every_command() {
         println!("skipped: {} is not there", measured.display());
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for (name, sq, border) in [
         ("profilometer-650x650.x3p", 77e-9, "mirrored"),
         ("interferometer-650x650.asc", 0.24e-6, "open"),
     ] {
         let file = measured.join(name).to_str().unwrap().to_owned();
-        let reading = ["--remove", "parabola", "--border", border];
-        let inspect = [
-            &["inspect", &file, "--json", "--plot", "h.png"],
-            &reading[..],
-        ]
-        .concat();
-        let report = json(&succeed(folder, &inspect));
+        let reading = format!("--remove parabola --border {border}");
+        let inspect = format!("inspect {file} --json --plot h.png {reading}");
+        let report = json(&folder.succeed(&inspect));
         let found = report["sq"].as_f64().unwrap();
         assert!((found / sq - 1.0).abs() < 0.02, "{name}: Sq {found}");
-        let mesh = [&["mesh", &file, "-o", "m.stl"], &reading[..]].concat();
-        assert!(succeed(folder, &mesh).contains("842402 triangles"));
-        let trace = [
-            "trace", &file, "--theta", "60", "--rays", "2e4", "-o", "out", "--json",
-        ];
-        let summary = json(&succeed(folder, &[&trace[..], &reading[..]].concat()));
+        let mesh = format!("mesh {file} -o m.stl {reading}");
+        folder.succeed(&mesh).must_contain("842402 triangles");
+        let trace = format!("trace {file} --theta 60 --rays 2e4 -o out --json");
+        let summary = json(&folder.succeed(format!("{trace} {reading}")));
         assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
         assert!(folder.join("out/height_map.png").exists());
     }
@@ -436,17 +369,11 @@ fn measured_files_go_through_every_command() {
 
 #[test]
 fn tall_surface_and_grazing_light_lose_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let surface = words("--tau 8 --smoothness 0.25 --size 96 --seed 1");
-    succeed(
-        folder,
-        &[&["generate"], &surface[..], &["-o", "tall.npy"]].concat(),
-    );
-    let trace = [
-        "trace", "tall.npy", "--border", "periodic", "--theta", "89.9", "--rays", "2e4", "--json",
-    ];
-    let summary = json(&succeed(folder, &trace));
+    let folder = Folder::new();
+    let surface = "--tau 8 --smoothness 0.25 --size 96 --seed 1";
+    folder.succeed(format!("generate {surface} -o tall.npy"));
+    let trace = "trace tall.npy --border periodic --theta 89.9 --rays 2e4 --json";
+    let summary = json(&folder.succeed(&trace));
     assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
     assert!(
         summary["energy"]["truncated"]["mean"]
@@ -459,41 +386,36 @@ fn tall_surface_and_grazing_light_lose_nothing() {
 
 #[test]
 fn quiet_says_nothing_and_help_names_every_command() {
-    let (_keep, folder) = with_surface();
-    let generate = words("generate --tau 8 --smoothness 2 --size 64");
-    let verify = words("verify --tau 8 --size 64 --realisations 2");
+    let folder = with_surface();
     for quiet in [
-        &[&generate[..], &["--seed", "1", "-o", "g.npy"]].concat()[..],
-        &["mesh", "h.exr", "-o", "m.ply"],
-        &["inspect", "h.exr"],
-        &["trace", "h.exr", "--theta", "3", "--rays", "64"],
-        &[&verify[..], &["--rays", "128", "--no-plots", "-o", "v"]].concat(),
+        "generate --tau 8 --smoothness 2 --size 64 --seed 1 -o g.npy",
+        "mesh h.exr -o m.ply",
+        "inspect h.exr",
+        "trace h.exr --theta 3 --rays 64",
+        "verify --tau 8 --size 64 --realisations 2 --rays 128 --no-plots -o v",
     ] {
-        assert!(succeed(&folder, &[quiet, &["--quiet"]].concat()).is_empty());
+        assert!(folder.succeed(format!("{quiet} --quiet")).is_empty());
     }
-    let help = succeed(&folder, &["--help"]);
+    let help = folder.succeed("--help");
     for command in ["generate", "inspect", "mesh", "trace", "verify", "model"] {
         assert!(help.contains(command));
     }
-    let verbose = asperity(
-        &folder,
-        &["trace", "h.exr", "--theta", "3", "--rays", "1e3", "-v"],
-    );
+    let verbose = folder.run("trace h.exr --theta 3 --rays 1e3 -v");
     assert!(errors_of(&verbose).contains("traced in"));
 }
 
 /// Names of other programs and slips of the pen are answered with the name here.
 #[test]
 fn refusals_suggest_the_name_that_is_likely_meant() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     fs::create_dir(folder.join("results")).unwrap();
-    fs::write(folder.join("bare.toml"), "tau = 8\n").unwrap();
-    fs::write(folder.join("key.toml"), "[surface]\nangle = 3\n").unwrap();
-    fs::write(folder.join("section.toml"), "[source]\ntheta = 3\n").unwrap();
+    folder.write("bare.toml", "tau = 8\n");
+    folder.write("key.toml", "[surface]\nangle = 3\n");
+    folder.write("section.toml", "[source]\ntheta = 3\n");
     let slopes = "[surface]\nslopes = \"ggx\"\nggx_alpha = 0.2\n";
-    fs::write(folder.join("ggx.toml"), slopes).unwrap();
+    folder.write("ggx.toml", slopes);
     let models = "[material]\neta = 1\n[compare]\nmodels = [\"smith\"]\n";
-    fs::write(folder.join("models.toml"), models).unwrap();
+    folder.write("models.toml", models);
     for (line, expected) in [
         (
             "trce",
@@ -540,24 +462,24 @@ fn refusals_suggest_the_name_that_is_likely_meant() {
             "did you mean same?",
         ),
     ] {
-        let said = refused(&folder, &words(line), 2);
-        assert!(said.contains(expected), "{line}: {said}");
+        let said = folder.refused(line);
+        said.must_contain(expected);
     }
     // Where flags replace surfaces of a file, a note says so
     let small = "--size 64 --tau 4 --smoothness 3 --models none --realisations 2 --rays 200 --no-plots -o q";
-    let run = asperity(&folder, &words(&format!("verify ggx.toml {small}")));
+    let run = folder.run(format!("verify ggx.toml {small}"));
     assert!(run.status.success(), "{}", errors_of(&run));
     let note = "line 2: slopes = \"ggx\" does not hold, since --smoothness 3 replaces it";
     assert!(errors_of(&run).contains(note), "{}", errors_of(&run));
     // Folders of files are made, as those of results are
-    succeed(&folder, &words("mesh h.exr -o made/below/h.ply"));
-    let list = json(&succeed(&folder, &words("model --list --json")));
+    folder.succeed("mesh h.exr -o made/below/h.ply");
+    let list = json(&folder.succeed("model --list --json"));
     assert!(
         list.as_array()
             .unwrap()
             .iter()
             .any(|one| one["name"] == "heitz-ggx")
     );
-    succeed(&folder, &words("inspect h.exr -o statistics.v1"));
+    folder.succeed("inspect h.exr -o statistics.v1");
     assert!(folder.join("statistics.v1/summary.json").exists());
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Words, files, json};
 
 const CONFIG: &str = "
     [surface]
@@ -47,11 +47,10 @@ fn lasting(row: &BTreeMap<&'static str, String>) -> BTreeMap<&'static str, Strin
 
 #[test]
 fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("c.toml"), CONFIG).unwrap();
-    let text = succeed(folder, &words("converge c.toml --threads 1 -o one"));
-    let report = fs::read_to_string(folder.join("one/report.txt")).unwrap();
+    let folder = Folder::new();
+    folder.write("c.toml", CONFIG);
+    let text = folder.succeed("converge c.toml --threads 1 -o one");
+    let report = folder.text("one/report.txt");
     assert_eq!(text, format!("{report}\nresults in one\n"));
     assert!(report.contains("controlled, stratified, pyramid") && report.contains("s to 1e-3"));
     assert_eq!(
@@ -66,12 +65,12 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
             "summary.json"
         ]
     );
-    let plot = fs::read_to_string(folder.join("one/convergence.svg")).unwrap();
+    let plot = folder.text("one/convergence.svg");
     assert!(plot.contains("Run time against error: s = 3, n = 1.5, θᵢ = 30°"));
     assert!(plot.contains("on 1 thread, seed ") && report.contains("on 1 thread;"));
 
-    let quiet = words("converge c.toml --threads 3 --quiet --no-plots -o three");
-    assert_eq!(succeed(folder, &quiet), "");
+    let quiet = "converge c.toml --threads 3 --quiet --no-plots -o three";
+    assert_eq!(folder.succeed(&quiet), "");
     assert!(!folder.join("three/convergence.svg").exists());
     let [one, three] = ["one", "three"].map(|run| rows(&folder.join(run).join("convergence.csv")));
     assert_eq!(one.len(), 2 * 2 * 2 * 2);
@@ -96,28 +95,24 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
         assert!(number("energy_error").abs() < 0.1);
     }
     // Another seed, other errors.
-    let other = words("converge c.toml --seed 6 --quiet --no-plots -o other");
-    succeed(folder, &other);
+    let other = "converge c.toml --seed 6 --quiet --no-plots -o other";
+    folder.succeed(&other);
     let other = rows(&folder.join("other/convergence.csv"));
     assert!((0..16).all(|i| other[i]["error"] != one[i]["error"]));
     // Errors to be reached are computed from the runs that are there.
     let results = |run: &str| fs::read(folder.join(run).join("results.npz")).unwrap();
     let before = results("one");
-    succeed(
-        folder,
-        &words("converge c.toml --errors 1e-1 --quiet -o one"),
-    );
+    folder.succeed("converge c.toml --errors 1e-1 --quiet -o one");
     assert!(results("one") == before);
 }
 
 #[test]
 fn the_summary_holds_slopes_seconds_and_gains() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("c.toml"), CONFIG).unwrap();
+    let folder = Folder::new();
+    folder.write("c.toml", CONFIG);
     let line = "converge c.toml --accelerators auto --estimators plain --errors 1e-1,1e-2 --no-plots --json -o out";
-    let summary = json(&succeed(folder, &words(line)));
-    let file = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    let summary = json(&folder.succeed(line));
+    let file = folder.json("out/summary.json");
     assert_eq!(summary, file);
     assert_eq!(
         (&summary["schema"], &summary["command"]),
@@ -162,17 +157,13 @@ fn the_summary_holds_slopes_seconds_and_gains() {
 
 #[test]
 fn several_cases_and_spacings_have_their_places() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let line = "converge --smoothness 3,60 --material mirror --tau 4 --size 32 --spacings 1,0.5 \
                 --estimators plain --samplings random --rays 64 --surfaces 2 --repeats 2 \
                 --reference-rays 64 --reference-surfaces 16 --bins 6x12 --side reflected -o out";
-    let line = line.split_whitespace().collect::<Vec<_>>();
-    let text = succeed(folder, &line);
-    assert!(
-        text.contains("spacing 0.5") && text.contains("of 64 x 64"),
-        "{text}"
-    );
+    let text = folder.succeed(line);
+    text.must_contain("spacing 0.5");
+    text.must_contain("of 64 x 64");
     let out = folder.join("out");
     assert_eq!(
         files(&out),
@@ -185,7 +176,7 @@ fn several_cases_and_spacings_have_their_places() {
             "summary.json"
         ]
     );
-    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    let summary = out.json("summary.json");
     assert_eq!(summary["cases"].as_array().unwrap().len(), 2);
     for (case, exact) in [("s3_mirror_theta30", false), ("s60_mirror_theta30", true)] {
         assert!(out.join(case).join("convergence.png").exists());
@@ -199,15 +190,14 @@ fn several_cases_and_spacings_have_their_places() {
         }
     }
     // The folder of a case belongs to the run that made it.
-    let trace = words("trace --flat --theta 9 --rays 64 --no-plots -o out/s3_mirror_theta30");
-    refused(folder, &trace, 1);
+    let trace = "trace --flat --theta 9 --rays 64 --no-plots -o out/s3_mirror_theta30";
+    folder.failed(&trace);
     assert!(out.join("s3_mirror_theta30/convergence.csv").exists());
 }
 
 #[test]
 fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for (line, code, expected) in [
         ("--estimators best", 2, "plain or controlled"),
         ("--samplings random,random", 2, "given twice"),
@@ -228,19 +218,17 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
         ("nowhere.toml", 1, "nowhere.toml"),
     ] {
         let line = format!("converge {line} -o out");
-        let error = refused(folder, &words(&line), code);
-        assert!(error.contains(expected), "{line}: {error}");
+        let error = folder.stopped(&line, code);
+        error.must_contain(expected);
     }
-    fs::write(folder.join("c.toml"), "[converge]\nestimator = \"plain\"\n").unwrap();
-    let error = refused(folder, &words("converge c.toml -o out"), 2);
-    assert!(
-        error.contains("c.toml") && error.contains("line 2"),
-        "{error}"
-    );
-    fs::write(folder.join("m.ply"), "ply\n").unwrap();
-    let error = refused(folder, &words("converge m.ply -o out"), 2);
-    assert!(error.contains("asperity converge"), "{error}");
-    assert_eq!(files(folder), ["c.toml", "m.ply"]);
+    folder.write("c.toml", "[converge]\nestimator = \"plain\"\n");
+    let error = folder.refused("converge c.toml -o out");
+    error.must_contain("c.toml");
+    error.must_contain("line 2");
+    folder.write("m.ply", "ply\n");
+    let error = folder.refused("converge m.ply -o out");
+    error.must_contain("asperity converge");
+    assert_eq!(files(&folder), ["c.toml", "m.ply"]);
 }
 
 #[test]
@@ -254,7 +242,7 @@ fn the_example_is_understood() {
 /// No control variate is known for these slopes or facets, so that the reference is plain as well.
 #[test]
 fn surfaces_without_a_control_variate_converge_with_plain_rays() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let effort = "--rays 64,256 --surfaces 2 --repeats 2 --reference-rays 1024 --reference-surfaces 2 --no-plots";
     for (i, surface) in [
         "--structure pits --depth 4 --width 16",
@@ -265,7 +253,7 @@ fn surfaces_without_a_control_variate_converge_with_plain_rays() {
     .enumerate()
     {
         let line = format!("converge {surface} --estimators plain {effort} --json -o out{i}");
-        let summary = json(&succeed(folder.path(), &words(&line)));
+        let summary = json(&folder.succeed(&line));
         assert_eq!(summary["methods"][0]["estimator"], "plain");
     }
     for flags in [
@@ -273,7 +261,7 @@ fn surfaces_without_a_control_variate_converge_with_plain_rays() {
         "--material lambertian --reflectance 0.5",
     ] {
         let line = format!("converge {flags} {effort} -o other");
-        let said = refused(folder.path(), &words(&line), 2);
-        assert!(said.contains("give --estimators plain"), "{said}");
+        let said = folder.refused(&line);
+        said.must_contain("give --estimators plain");
     }
 }

@@ -1,13 +1,12 @@
 //! What figures of commands say of themselves.
 
-use std::fs;
 use std::path::Path;
 
-use crate::support::{succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, with_surface};
 
 /// The texts of a figure, one per line.
 fn texts(folder: &Path, figure: &str) -> String {
-    let svg = fs::read_to_string(folder.join(format!("{figure}.svg"))).unwrap();
+    let svg = folder.text(format!("{figure}.svg"));
     let pieces = svg.split('<').filter_map(|piece| piece.split_once('>'));
     let texts = pieces.map(|(_, text)| text.trim());
     texts.collect::<Vec<_>>().join("\n")
@@ -15,8 +14,8 @@ fn texts(folder: &Path, figure: &str) -> String {
 
 #[test]
 fn captions_name_surfaces_rays_and_seed() {
-    let (_keep, folder) = with_surface();
-    let run = |line: &str| succeed(&folder, &words(line));
+    let folder = with_surface();
+    let run = |line: &str| folder.succeed(line);
     run("trace h.exr --eta 1.5 --theta 30 --rays 1024 --seed 7 -o t");
     for figure in ["lobes", "in_plane_reflected"] {
         let caption = "h.exr; n = 1.5, θᵢ = 30°, φᵢ = 0°; 1 surface, 1024 rays, seed 7";
@@ -42,16 +41,13 @@ fn captions_name_surfaces_rays_and_seed() {
     );
     run(&format!("map {drawn} --theta 0 --models smith -o m"));
     let map = texts(&folder, "m/map_own").replace('\n', " ");
-    assert!(
-        map.contains("2 surfaces, 1024 rays per cell, seed 7"),
-        "{map}"
-    );
+    map.must_contain("2 surfaces, 1024 rays per cell, seed 7");
 }
 
 #[test]
 fn figures_of_a_generated_surface_show_what_was_requested() {
-    let (_keep, folder) = with_surface();
-    succeed(&folder, &words("inspect h.exr -o i"));
+    let folder = with_surface();
+    folder.succeed("inspect h.exr -o i");
     let decay = texts(&folder, "i/autocorrelation");
     assert!(decay.lines().any(|text| text == "requested"));
     assert!(texts(&folder, "i/slopes").contains("probability density, logarithmic"));
@@ -59,13 +55,13 @@ fn figures_of_a_generated_surface_show_what_was_requested() {
 
 #[test]
 fn angles_that_are_not_drawn_are_named() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let run = |theta: &str, out: &str| {
         let line = format!(
             "attenuation --sigma 1,2 --tau 8 --spacing 1 --length 64 --insist --realisations 1 --theta {theta} -o {out}"
         );
-        succeed(folder.path(), &words(&line));
-        texts(folder.path(), &format!("{out}/attenuation_sigma"))
+        folder.succeed(&line);
+        texts(&folder, &format!("{out}/attenuation_sigma"))
     };
     assert!(run("0,15,30,45,60,75,85", "seven").contains("Not drawn: θᵢ = 30°, 75°."));
     assert!(!run("0,60", "two").contains("Not drawn"));

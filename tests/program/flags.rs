@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Table, asperity, errors_of, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Table, Words, errors_of, json};
 use serde_json::{Value, json as value};
 
 fn summary(folder: &Path, line: &str) -> Value {
     let line = format!("{line} --json --no-plots -o out");
-    let output = asperity(folder, &words(&line));
+    let output = folder.run(&line);
     let errors = errors_of(&output);
     let is_stopped = line.contains("--max-time") && errors.starts_with("the time is over; ");
     assert!(output.status.success(), "{line}: {errors}");
@@ -20,18 +20,17 @@ fn summary(folder: &Path, line: &str) -> Value {
 
 #[test]
 fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let file = "[measured]\nflat = true\n[light]\ndirections = \"2x3\"\n[run]\nrays = 500\n";
-    fs::write(folder.join("c.toml"), file).unwrap();
-    let all = summary(folder, "gonio c.toml --bins 2x2");
+    folder.write("c.toml", file);
+    let all = summary(&folder, "gonio c.toml --bins 2x2");
     assert_eq!(all["directions"].as_array().unwrap().len(), 6);
     assert_eq!(all["sample"]["name"], "flat surface");
 
     // Each in a folder of its own: they are other measurements.
     let afresh = || fs::remove_dir_all(folder.join("out")).unwrap();
     afresh();
-    let one = summary(folder, "gonio c.toml --bins 2x2 --theta 40");
+    let one = summary(&folder, "gonio c.toml --bins 2x2 --theta 40");
     assert_eq!(
         (&one["thetas_deg"], &one["phis_deg"]),
         (&value!([40.0]), &value!([0.0]))
@@ -45,32 +44,31 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
         let line = format!("gonio c.toml --bins 2x2 --theta 40 --realisations 2 --insist {flags}");
         let line = line.replacen(" --insist", "", usize::from(flags.contains("--insist")));
         afresh();
-        let random = summary(folder, &line);
+        let random = summary(&folder, &line);
         assert!(random["sample"].is_null(), "{flags}");
         assert_eq!(random["settings"][0]["smoothness"], s, "{flags}");
     }
     // A given surface in the place of random ones of a file.
     let file = "[surface]\ntau = 4\n[run]\nrays = 500\n";
-    fs::write(folder.join("r.toml"), file).unwrap();
+    folder.write("r.toml", file);
     afresh();
-    let flat = summary(folder, "gonio r.toml --bins 2x2 --theta 40 --flat");
+    let flat = summary(&folder, "gonio r.toml --bins 2x2 --theta 40 --flat");
     assert_eq!(flat["sample"]["name"], "flat surface");
-    let said = refused(folder, &words("gonio c.toml --flat --tau 4 -o out"), 2);
-    assert!(said.contains("excludes"), "{said}");
+    let said = folder.refused("gonio c.toml --flat --tau 4 -o out");
+    said.must_contain("excludes");
 }
 
 /// Ridges of a surface that is flat between them are troughs from below: `trace` with the same request finds the same.
 #[test]
 fn light_comes_from_the_requested_side() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("h.csv"), "0,0,0,2\n".repeat(4)).unwrap();
+    let folder = Folder::new();
+    folder.write("h.csv", "0,0,0,2\n".repeat(4));
     let flags = "--border periodic --theta 30 --rays 1e3 --bins 2x2 --no-plots";
     let reflected = ["above", "below"].map(|side| {
         let line = format!("gonio --surface h.csv {flags} --from {side} -o {side}");
-        succeed(folder, &words(&line));
+        folder.succeed(&line);
         let line = format!("trace h.csv {flags} --from {side} -o t{side}");
-        succeed(folder, &words(&line));
+        folder.succeed(&line);
         let ours = Table::read(&folder.join(format!("{side}/bsdf.csv")));
         let theirs = Table::read(&folder.join(format!("t{side}/histogram.csv")));
         for row in 0..ours.rows.len() {
@@ -86,14 +84,13 @@ fn light_comes_from_the_requested_side() {
 
 #[test]
 fn coefficients_take_the_place_of_path_and_albedo_and_efforts_that_of_a_target() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let surface = "[surface]\ntau = 4\nsize = 32\nsmoothness = 3\n[compare]\nmodels = []\n";
     let medium = format!(
         "{surface}[medium]\nmean_free_path = 4\nalbedo = 0.9\n[run]\nrealisations = 2\nrays = 500\n"
     );
-    fs::write(folder.join("m.toml"), medium).unwrap();
-    let found = summary(folder, "verify m.toml --bins 2x2 --absorption 0.5");
+    folder.write("m.toml", medium);
+    let found = summary(&folder, "verify m.toml --bins 2x2 --absorption 0.5");
     let medium = &found["config"]["verify"]["medium"];
     println!("{medium}");
     assert_eq!(medium["absorption"], 0.5);
@@ -108,13 +105,13 @@ fn coefficients_take_the_place_of_path_and_albedo_and_efforts_that_of_a_target()
     assert!(sum("flux") > 0.0 && sum("flux") < 0.1, "{}", sum("flux"));
 
     let target = format!("{surface}[run]\ntarget_error = 0.2\nof = \"reflected\"\n");
-    fs::write(folder.join("t.toml"), target).unwrap();
-    let aimed = summary(folder, "verify t.toml --bins 2x2");
+    folder.write("t.toml", target);
+    let aimed = summary(&folder, "verify t.toml --bins 2x2");
     assert_eq!(aimed["config"]["verify"]["run"]["target_error"], 0.2);
     // Each clears the target alone.
     for flag in ["--rays 600", "--realisations 3"] {
         let asked = summary(
-            folder,
+            &folder,
             &format!("verify t.toml --bins 2x2 --max-time 1e-9 {flag}"),
         );
         let run = &asked["config"]["verify"]["run"];
@@ -131,14 +128,13 @@ fn coefficients_take_the_place_of_path_and_albedo_and_efforts_that_of_a_target()
 /// it.
 #[test]
 fn light_of_random_azimuth_leaves_the_plane_of_grooves() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("h.csv"), "0,0.4,0,0.4\n".repeat(4)).unwrap();
+    let folder = Folder::new();
+    folder.write("h.csv", "0,0.4,0,0.4\n".repeat(4));
     let in_plane = |azimuth: &str| {
         let line = format!(
             "trace h.csv --border periodic --material mirror --theta 40 --rays 2e3 --bins 6x8 --light-azimuth {azimuth}"
         );
-        summary(folder, &line);
+        summary(&folder, &line);
         let table = Table::read(&folder.join("out/in_plane.csv"));
         let bytes = fs::read(folder.join("out/histogram.csv")).unwrap();
         let flux = (0..table.rows.len()).map(|row| table.number(row, "flux"));
@@ -152,17 +148,16 @@ fn light_of_random_azimuth_leaves_the_plane_of_grooves() {
     // The control variate of one surface knows light of one azimuth: by default it is left out.
     assert!(random < 0.2);
     let line = "trace h.csv --border periodic --material mirror --theta 40 --light-azimuth random --estimator controlled";
-    assert!(refused(folder, &words(line), 2).contains("one azimuth"));
+    folder.refused(line).must_contain("one azimuth");
 }
 
 /// Nothing absorbs: all light returns but what roulette leaves open, which is even on average.
 #[test]
 fn a_lambertian_bottom_reflects_all_unless_told_otherwise() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let file = "[measured]\nflat = true\n[light]\ntheta = 30\n[medium]\nabsorption = 0\nthickness = 1\nbottom = \"lambertian\"\n[run]\nrays = 4000\n";
-    fs::write(folder.join("c.toml"), file).unwrap();
-    let found = summary(folder, "gonio c.toml --bins 2x2");
+    folder.write("c.toml", file);
+    let found = summary(&folder, "gonio c.toml --bins 2x2");
     let results = &found["directions"][0]["results"];
     let of = |value: &Value, what: &str| value[what].as_f64().unwrap();
     let reflected = &results["flux"]["all"]["reflected"];
@@ -175,14 +170,8 @@ fn a_lambertian_bottom_reflects_all_unless_told_otherwise() {
 /// Light from azimuth 20 deg travels towards 200 deg, where its mirror image and its unscattered beam lie.
 #[test]
 fn bins_of_a_flat_layer_lie_across_the_normal_and_hold_projected_densities() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words(
-            "model flat-layer --eta 1.5 --theta 45 --phi 20 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1 --bins 3x12 -q -o b.csv",
-        ),
-    );
+    let folder = Folder::new();
+    folder.succeed("model flat-layer --eta 1.5 --theta 45 --phi 20 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1 --bins 3x12 -q -o b.csv");
     let table = Table::read(&folder.join("b.csv"));
     assert_eq!(table.rows.len(), 2 * 3 * 12);
     let mut beams = Vec::new();

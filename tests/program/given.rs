@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{errors_of, json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped};
 
 /// A matrix of text: waves along x on a ramp along y.
 fn ramp(folder: &Path, name: &str) {
@@ -12,45 +12,40 @@ fn ramp(folder: &Path, name: &str) {
         heights.map(|h| h.to_string()).collect::<Vec<_>>().join(" ")
     };
     let rows: Vec<String> = (0..32).map(row).collect();
-    fs::write(folder.join(name), rows.join("\n")).unwrap();
+    folder.write(name, rows.join("\n"));
 }
 
 fn inspected(folder: &Path, arguments: &str) -> serde_json::Value {
-    let text = succeed(folder, &words(&format!("inspect {arguments} --json")));
+    let text = folder.succeed(format!("inspect {arguments} --json"));
     json(&text)
 }
 
 #[test]
 fn one_border_is_assumed_for_every_format_and_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    ramp(folder, "a.txt");
-    succeed(folder, &words("inspect a.txt -o a.npy"));
+    let folder = Folder::new();
+    ramp(&folder, "a.txt");
+    folder.succeed("inspect a.txt -o a.npy");
     for name in ["a.txt", "a.npy"] {
-        let text = succeed(folder, &words(&format!("inspect {name}")));
-        assert!(
-            text.contains("mirrored border, as for every file"),
-            "{text}"
-        );
-        assert!(text.contains("mean slope along y is 0.5"), "{text}");
+        let text = folder.succeed(format!("inspect {name}"));
+        text.must_contain("mirrored border, as for every file");
+        text.must_contain("mean slope along y is 0.5");
     }
-    let sdq = |name: &str| inspected(folder, name)["sdq"].as_f64().unwrap();
+    let sdq = |name: &str| inspected(&folder, name)["sdq"].as_f64().unwrap();
     assert!((sdq("a.txt") / sdq("a.npy") - 1.0).abs() < 1e-12);
-    let text = succeed(folder, &words("trace a.npy --border periodic --rays 100"));
-    assert!(text.contains("borders along y do not fit"), "{text}");
+    let text = folder.succeed("trace a.npy --border periodic --rays 100");
+    text.must_contain("borders along y do not fit");
     assert!(!text.contains("borders along x"), "{text}");
 }
 
 #[test]
 fn units_convert_from_the_file_to_what_is_printed() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    ramp(folder, "a.txt");
+    let folder = Folder::new();
+    ramp(&folder, "a.txt");
     let um = "a.txt --assume-unit nm --spacing 0.1um";
-    let report = inspected(folder, &format!("{um} --unit um"));
+    let report = inspected(&folder, &format!("{um} --unit um"));
     assert_eq!(report["unit"], "um");
     assert!((report["spacing"][0].as_f64().unwrap() - 0.1).abs() < 1e-12);
-    let nm = inspected(folder, um);
+    let nm = inspected(&folder, um);
     let ratio = report["sq"].as_f64().unwrap() / nm["sq"].as_f64().unwrap();
     assert!((ratio - 1e-3).abs() < 1e-12);
     let slopes = report["sdq"].as_f64().unwrap() / nm["sdq"].as_f64().unwrap();
@@ -58,13 +53,13 @@ fn units_convert_from_the_file_to_what_is_printed() {
 
     // A length is the same in every unit, and printed with that of the surface.
     let medium = "--albedo 0.9 --rays 200 --seed 3";
-    let trace = |flags: &str| succeed(folder, &words(&format!("trace {um} {flags} {medium}")));
+    let trace = |flags: &str| folder.succeed(format!("trace {um} {flags} {medium}"));
     let plain = trace("--mean-free-path 400");
     let suffixed = trace("--mean-free-path 0.4um");
-    assert!(plain.contains("mean free path = 400 nm"), "{plain}");
-    assert!(suffixed.contains("mean free path = 400 nm"), "{suffixed}");
+    plain.must_contain("mean free path = 400 nm");
+    suffixed.must_contain("mean free path = 400 nm");
     let converted = trace("--unit um --mean-free-path 400nm");
-    assert!(converted.contains("mean free path = 0.4 um"), "{converted}");
+    converted.must_contain("mean free path = 0.4 um");
 
     for (arguments, expected) in [
         ("a.txt --unit um", "the file states no unit"),
@@ -75,53 +70,38 @@ fn units_convert_from_the_file_to_what_is_printed() {
             "a number above 0, for both axes or two as X,Y, such as 1.4, 2e-3 or 5um",
         ),
     ] {
-        let text = refused(folder, &words(&format!("inspect {arguments}")), 2);
-        assert!(text.contains(expected), "{arguments}: {text}");
+        let text = folder.refused(format!("inspect {arguments}"));
+        text.must_contain(expected);
     }
-    let free = words("trace a.txt --mean-free-path 5um --albedo 1");
-    let text = refused(folder, &free, 2);
-    assert!(text.contains("--assume-unit"), "{text}");
+    let free = "trace a.txt --mean-free-path 5um --albedo 1";
+    let text = folder.refused(&free);
+    text.must_contain("--assume-unit");
 }
 
 #[test]
 fn random_surfaces_take_lengths_with_units() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let size = "--size 64 --insist --seed 1";
     for (name, lengths) in [
         ("a.exr", "--tau 4um --sigma 2000nm --spacing 1"),
         ("b.exr", "--tau 4 --sigma 2 --spacing 1 --unit um"),
     ] {
-        succeed(
-            folder,
-            &words(&format!("generate {lengths} {size} -o {name}")),
-        );
+        folder.succeed(format!("generate {lengths} {size} -o {name}"));
     }
     let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
     assert!(bytes("a.exr") == bytes("b.exr"));
-    assert_eq!(inspected(folder, "a.exr")["unit"], "um");
-    let text = refused(
-        folder,
-        &words(&format!("generate --tau 4um --unit 1 {size} -o c.exr")),
-        2,
-    );
-    assert!(text.contains("--unit"), "{text}");
+    assert_eq!(inspected(&folder, "a.exr")["unit"], "um");
+    let text = folder.refused(format!("generate --tau 4um --unit 1 {size} -o c.exr"));
+    text.must_contain("--unit");
 }
 
 /// With a control variate few rays are counted in a bin whose flux is known well.
 #[test]
 fn bins_of_small_relative_error_do_not_rest_on_few_rays() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words("generate --tau 8 --smoothness 2 --size 128 -o h.exr"),
-    );
-    succeed(
-        folder,
-        &words("trace h.exr --border periodic --rays 1e4 --no-plots -o t"),
-    );
-    let table = fs::read_to_string(folder.join("t/histogram.csv")).unwrap();
+    let folder = Folder::new();
+    folder.succeed("generate --tau 8 --smoothness 2 --size 128 -o h.exr");
+    folder.succeed("trace h.exr --border periodic --rays 1e4 --no-plots -o t");
+    let table = folder.text("t/histogram.csv");
     let mut lines = table
         .lines()
         .map(|line| line.split(',').collect::<Vec<_>>());
@@ -140,28 +120,21 @@ fn bins_of_small_relative_error_do_not_rest_on_few_rays() {
 
 #[test]
 fn lengths_are_judged_against_the_wavelength() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    ramp(folder, "a.txt");
+    let folder = Folder::new();
+    ramp(&folder, "a.txt");
     let trace = |flags: &str| {
         let line = format!("trace a.txt --remove plane --rays 100 {flags}");
-        succeed(folder, &words(line.trim()))
+        folder.succeed(line.trim())
     };
     let doubtful = trace("--assume-unit nm");
-    assert!(
-        doubtful.contains("note: geometric optics is doubtful"),
-        "{doubtful}"
-    );
-    assert!(doubtful.contains("550 nm, assumed"), "{doubtful}");
+    doubtful.must_contain("note: geometric optics is doubtful");
+    doubtful.must_contain("550 nm, assumed");
     for wavelength in ["633nm", "0.633um"] {
         let with_unit = trace(&format!("--assume-unit mm --wavelength {wavelength}"));
-        assert!(with_unit.contains("(633 nm)"), "{wavelength}: {with_unit}");
+        with_unit.must_contain("(633 nm)");
     }
     let large = trace("--assume-unit mm --wavelength 633");
-    assert!(
-        large.contains("note: lengths are large against the wavelength (633 nm)"),
-        "{large}"
-    );
+    large.must_contain("note: lengths are large against the wavelength (633 nm)");
     assert!(!trace("").contains("wavelength"));
     let summary = json(&trace("--assume-unit nm --json"));
     assert_eq!(summary["validity"]["holds"], false);
@@ -171,15 +144,14 @@ fn lengths_are_judged_against_the_wavelength() {
 
 #[test]
 fn lengths_of_random_surfaces_and_directions_are_judged() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     let size = "--smoothness 2 --eta 1.5 --size 32 --realisations 2 --rays 200 --no-plots";
     let verify = run(&format!(
         "verify --tau 2um --theta 0 {size} --models none -o v"
     ));
-    assert!(verify.contains("tau / lambda = 3.636"), "{verify}");
-    let read = |path: &str| json(&std::fs::read_to_string(folder.join(path)).unwrap());
+    verify.must_contain("tau / lambda = 3.636");
+    let read = |path: &str| folder.json(path);
     let validity = &read("v/summary.json")["validity"];
     // R = tau^2 / (sqrt(12) sigma) = 1.155 um at vertical light
     let radius = validity["curvature_radius_over_wavelength"]
@@ -216,17 +188,15 @@ fn lengths_of_random_surfaces_and_directions_are_judged() {
         "verify --tau 8 {size} --wavelength 633um --models none -o x"
     ));
     let text = report.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        text.contains("has no effect") && text.contains("far from visible"),
-        "{text}"
-    );
+    text.must_contain("has no effect");
+    text.must_contain("far from visible");
 
     let gonio = run(&format!(
         "gonio --tau 2um --theta 0,80 {size} --wavelength 300 -o g"
     ));
-    assert!(gonio.contains("theta80"), "{gonio}");
+    gonio.must_contain("theta80");
     let text = gonio.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(text.contains("geometric optics is doubtful"), "{text}");
+    text.must_contain("geometric optics is doubtful");
     let directions = &read("g/summary.json")["directions"];
     let holds = [0, 1].map(|i| directions[i]["validity"]["holds"].as_bool().unwrap());
     assert_eq!(holds, [true, false]);
@@ -234,11 +204,10 @@ fn lengths_of_random_surfaces_and_directions_are_judged() {
 
 #[test]
 fn rows_are_reversed_on_request() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    ramp(folder, "a.txt");
+    let folder = Folder::new();
+    ramp(&folder, "a.txt");
     let slope = |flags: &str| {
-        let report = inspected(folder, format!("a.txt {flags}").trim());
+        let report = inspected(&folder, format!("a.txt {flags}").trim());
         report["slope_mean"][1].as_f64().unwrap()
     };
     assert!((slope("") - 0.5).abs() < 1e-12 && (slope("--flip") + 0.5).abs() < 1e-12);
@@ -246,7 +215,7 @@ fn rows_are_reversed_on_request() {
 
 #[test]
 fn surfaces_too_smooth_for_quadrature_are_refused_at_once() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for arguments in [
         "verify --smoothness 1e9 -o o",
         "verify --tau 1e9 --sigma 1 -o o",
@@ -254,7 +223,7 @@ fn surfaces_too_smooth_for_quadrature_are_refused_at_once() {
         "gonio --smoothness 1e8 -o o",
         "model heitz --smoothness 1e8 --theta 30",
     ] {
-        let text = refused(folder.path(), &words(arguments), 2);
+        let text = folder.refused(arguments);
         assert!(
             text.contains("1e6") || text.contains("1000000"),
             "{arguments}: {text}"
@@ -278,18 +247,15 @@ fn names_that_are_not_text_are_refused_by_name() {
         errors_of(&output)
     };
     let file = run(&[b"trace", b"surface\xff.npy"]);
-    assert!(
-        file.contains("surface\u{fffd}.npy") && file.contains("UTF-8"),
-        "{file}"
-    );
+    file.must_contain("surface\u{fffd}.npy");
+    file.must_contain("UTF-8");
     let output = run(&[b"gonio", b"-o", b"out\xff"]);
-    assert!(output.contains("out\u{fffd}"), "{output}");
+    output.must_contain("out\u{fffd}");
 }
 
 #[test]
 fn shadow_of_a_terrain_is_measured_in_both_formats() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     // A wall of height 30 along y in a plane of 10 x 10 cells of 10 m, one corner of which is missing
     let row = |y: usize| {
         let heights = (0..11).map(|x| match (x, y) {
@@ -301,14 +267,10 @@ fn shadow_of_a_terrain_is_measured_in_both_formats() {
     };
     let rows: Vec<String> = (0..11).map(row).collect();
     let header = "ncols 11\nnrows 11\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n";
-    std::fs::write(
-        folder.join("wall.asc"),
-        header.to_owned() + &rows.join("\n"),
-    )
-    .unwrap();
+    folder.write("wall.asc", header.to_owned() + &rows.join("\n"));
     let inspect = |file: &str| {
         let line = format!("inspect {file} --missing fill --border open --theta 0,60 --json");
-        json(&succeed(folder, &words(&line)))["shadows"].clone()
+        json(&folder.succeed(&line))["shadows"].clone()
     };
     let found = inspect("wall.asc");
     assert_eq!(found[0]["lit"]["mean"], 1.0);
@@ -318,18 +280,12 @@ fn shadow_of_a_terrain_is_measured_in_both_formats() {
     let hidden = found[1]["hidden"]["mean"].as_f64().unwrap();
     assert!((away - 0.1).abs() < 1e-9, "{found}");
     assert!((hidden - 0.4).abs() < 0.01, "{found}");
-    succeed(
-        folder,
-        &words("inspect wall.asc --missing fill --border open -o wall.exr"),
-    );
+    folder.succeed("inspect wall.asc --missing fill --border open -o wall.exr");
     assert_eq!(inspect("wall.exr"), found);
-    let text = succeed(folder, &words("inspect wall.exr --theta 60"));
-    assert!(
-        text.contains("light from theta 60 deg, phi 0 deg: lit"),
-        "{text}"
-    );
-    let error = refused(folder, &words("inspect wall.exr --theta 95"), 2);
-    assert!(error.contains("--theta"), "{error}");
+    let text = folder.succeed("inspect wall.exr --theta 60");
+    text.must_contain("light from theta 60 deg, phi 0 deg: lit");
+    let error = folder.refused("inspect wall.exr --theta 95");
+    error.must_contain("--theta");
 }
 
 /// A terrain of 12 x 9 cells of 10 m, a ridge that falls towards the south-east, as an ESRI grid and as a list of points.
@@ -347,18 +303,17 @@ fn terrain(folder: &Path) {
         }
         grid += "\n";
     }
-    fs::write(folder.join("t.asc"), grid).unwrap();
-    fs::write(folder.join("t.xyz"), points).unwrap();
+    folder.write("t.asc", grid);
+    folder.write("t.xyz", points);
 }
 
 #[test]
 fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    terrain(folder);
+    let folder = Folder::new();
+    terrain(&folder);
     let lit = |line: &str| -> Vec<[f64; 2]> {
         let line = format!("inspect {line} --border open --json");
-        let shadows = json(&succeed(folder, &words(&line)))["shadows"].clone();
+        let shadows = json(&folder.succeed(&line))["shadows"].clone();
         let shadows = shadows.as_array().unwrap().iter();
         let lit = shadows.map(|one| ["mean", "se"].map(|key| one["lit"][key].as_f64().unwrap()));
         lit.collect()
@@ -383,7 +338,7 @@ fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
     }
 
     let light = "--border open --material lambertian --reflectance 0.3 --rays 1e4 --bins 6x8";
-    let run = |line: String| succeed(folder, &words(&line));
+    let run = |line: String| folder.succeed(&line);
     run(format!(
         "trace t.asc {light} --sun-elevation 40 --sun-azimuth 300 -o a"
     ));
@@ -393,7 +348,7 @@ fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
     assert!(table("a") == table("b"));
     let gonio = "--sun-elevation 40,20 --sun-azimuth 300 --no-plots -o g";
     run(format!("gonio --surface t.asc {light} {gonio}"));
-    let found = json(&fs::read_to_string(folder.join("g/summary.json")).unwrap());
+    let found = folder.json("g/summary.json");
     assert_eq!(found["thetas_deg"], serde_json::json!([50.0, 70.0]));
     assert_eq!(found["phis_deg"], serde_json::json!([210.0]));
     let picture = "--size 16x12 --samples 4 --view-theta 30";
@@ -410,9 +365,8 @@ fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
 
 #[test]
 fn the_sun_is_given_whole_and_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    terrain(folder);
+    let folder = Folder::new();
+    terrain(&folder);
     for (line, why) in [
         ("trace t.asc --sun-elevation 40", "sun-azimuth"),
         ("inspect t.asc --sun-azimuth 40", "sun-elevation"),
@@ -444,20 +398,18 @@ fn the_sun_is_given_whole_and_alone() {
             "not for verify",
         ),
     ] {
-        let message = refused(folder, &words(line), 2);
-        assert!(message.contains(why), "{line}: {message}");
+        let message = folder.refused(line);
+        message.must_contain(why);
     }
 }
 
 #[test]
 fn paths_of_single_rays_are_listed_and_drawn() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     run("generate --tau 4um --smoothness 1 --size 64 -o a.exr");
     run("trace a.exr --theta 40 --rays 2e3 --paths 7 -o out");
-    let read =
-        |out: &str, file: &str| std::fs::read_to_string(folder.join(out).join(file)).unwrap();
+    let read = |out: &str, file: &str| folder.join(out).text(file);
     let table = read("out", "paths.csv");
     let mut lines = table.lines();
     let header = "path,point,along,across,height,order,scatterings,end";
@@ -468,20 +420,14 @@ fn paths_of_single_rays_are_listed_and_drawn() {
     let columns = &json(&read("out", "summary.json"))["columns"]["paths.csv"];
     assert_eq!(columns[2]["unit"], "um");
     let figure = read("out", "paths.svg");
-    assert!(
-        figure.contains("Light paths on a.exr") && figure.contains("height (um)"),
-        "{figure}"
-    );
+    figure.must_contain("Light paths on a.exr");
+    figure.must_contain("height (um)");
     // Results do not depend on them, and are kept
     let bare = run("trace a.exr --theta 40 --rays 2e3 -o bare --no-plots");
     run("trace a.exr --theta 40 --rays 2e3 --paths 7 --no-plots -o out");
     assert!(!folder.join("out/paths.svg").exists() && table == read("out", "paths.csv"));
     assert_eq!(read("out", "theta.csv"), read("bare", "theta.csv"));
     assert!(!folder.join("bare/paths.csv").exists() && !bare.contains("paths.csv"));
-    let said = refused(
-        folder,
-        &words("trace a.exr --from below --paths 3 -o below"),
-        2,
-    );
-    assert!(said.contains("follows light from above alone"), "{said}");
+    let said = folder.refused("trace a.exr --from below --paths 3 -o below");
+    said.must_contain("follows light from above alone");
 }

@@ -5,17 +5,17 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Table, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Table, Words, json};
 
 const MAPS: [&str; 3] = ["a.exr", "b.exr", "c.exr"];
 
 /// Surfaces that differ in roughness by much more than rays scatter.
-fn with_maps() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
+fn with_maps() -> Folder {
+    let folder = Folder::new();
     for (name, smoothness) in MAPS.iter().zip([1.5, 2.0, 3.0]) {
         let line =
             format!("generate --tau 6 --smoothness {smoothness} --size 64 --unit um -o {name}");
-        succeed(folder.path(), &words(&line));
+        folder.succeed(&line);
     }
     folder
 }
@@ -29,10 +29,10 @@ fn reflected(summary: &Value) -> [f64; 2] {
 #[test]
 fn the_mean_is_that_of_runs_on_each_and_the_error_that_of_their_scatter() {
     let folder = with_maps();
-    let folder = folder.path();
+    let folder = folder;
     let run = |surfaces: &str, rays: u64| {
         let line = format!("trace {surfaces} --theta 40 --estimator plain --rays {rays} --json");
-        json(&succeed(folder, &words(&line)))
+        json(&folder.succeed(&line))
     };
     let all = run(&MAPS.join(" "), 60_000);
     let alone = MAPS.map(|name| reflected(&run(name, 20_000)));
@@ -63,9 +63,9 @@ fn the_mean_is_that_of_runs_on_each_and_the_error_that_of_their_scatter() {
 #[test]
 fn a_list_in_a_configuration_is_that_of_the_command_line() {
     let folder = with_maps();
-    let folder = folder.path();
+    let folder = folder;
     let config = "[measured]\nfile = [\"a.exr\", \"b.exr\", \"c.exr\"]\n[run]\nrays = 3000\n";
-    fs::write(folder.join("scans.toml"), config).unwrap();
+    folder.write("scans.toml", config);
     let positional = format!(
         "trace {} --rays 3000 --no-plots -o positional",
         MAPS.join(" ")
@@ -76,7 +76,7 @@ fn a_list_in_a_configuration_is_that_of_the_command_line() {
         "trace scans.toml --no-plots -o listed",
         &format!("trace{repeated} --rays 3e3 --no-plots -o repeated"),
     ] {
-        succeed(folder, &words(line));
+        folder.succeed(line);
     }
     for other in ["listed", "repeated"] {
         for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
@@ -89,7 +89,7 @@ fn a_list_in_a_configuration_is_that_of_the_command_line() {
 #[test]
 fn all_directions_of_gonio_are_measured_on_all_surfaces() {
     let folder = with_maps();
-    let folder = folder.path();
+    let folder = folder;
     let gonio = |maps: &[&str], out: &str| {
         let surfaces: String = maps
             .iter()
@@ -97,8 +97,8 @@ fn all_directions_of_gonio_are_measured_on_all_surfaces() {
             .collect();
         format!("gonio{surfaces} --theta 0,40 --rays 6e3 --bins 3x4 --no-plots -o {out}")
     };
-    succeed(folder, &words(&gonio(&MAPS, "out")));
-    let summary = fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    folder.succeed(&gonio(&MAPS, "out"));
+    let summary = folder.text("out/summary.json");
     let summary = json(&summary);
     assert_eq!(summary["sample"].as_array().unwrap().len(), 3);
     let results = &summary["directions"][1]["results"];
@@ -106,34 +106,34 @@ fn all_directions_of_gonio_are_measured_on_all_surfaces() {
     assert_eq!(results["surfaces"], 3);
     let table = Table::read(&folder.join("out/gonio.csv"));
     // The same rays meet the same surfaces as in `trace`.
-    let traced = words("trace a.exr b.exr c.exr --theta 40 --rays 6e3 --bins 3x4 --json");
-    let [mean, se] = reflected(&json(&succeed(folder, &traced)));
+    let traced = "trace a.exr b.exr c.exr --theta 40 --rays 6e3 --bins 3x4 --json";
+    let [mean, se] = reflected(&json(&folder.succeed(&traced)));
     let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-12;
     assert!(near(table.number(1, "reflected"), mean));
     assert!(near(table.number(1, "reflected_se"), se));
 
     // Other surfaces are another measurement.
     let other = "generate --tau 6 --smoothness 3 --size 64 --seed 9 --unit um -o d.exr";
-    succeed(folder, &words(other));
+    folder.succeed(other);
     for (maps, what) in [
         (&["a.exr", "b.exr"][..], "measured 3 elements in place of 2"),
         (&["a.exr", "b.exr", "d.exr"], "measured.3.heights"),
     ] {
-        let said = refused(folder, &words(&gonio(maps, "out")), 1);
-        assert!(said.contains(what), "{said}");
+        let said = folder.failed(&gonio(maps, "out"));
+        said.must_contain(what);
     }
 }
 
 #[test]
 fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     let folder = with_maps();
-    let folder = folder.path();
-    fs::write(folder.join("bare.txt"), "1 2 1 2\n2 1 2 1\n1 2 1 2\n").unwrap();
-    fs::write(folder.join("one.toml"), "[run]\nrays = 100\n").unwrap();
+    let folder = folder;
+    folder.write("bare.txt", "1 2 1 2\n2 1 2 1\n1 2 1 2\n");
+    folder.write("one.toml", "[run]\nrays = 100\n");
     for (file, copy) in [("one.toml", "two.toml"), ("a.exr", "copy.exr")] {
         fs::copy(folder.join(file), folder.join(copy)).unwrap();
     }
-    succeed(folder, &words("mesh a.exr -o a.ply"));
+    folder.succeed("mesh a.exr -o a.ply");
     let before = MAPS.map(|name| fs::read(folder.join(name)).unwrap());
     for (line, code, what) in [
         ("trace a.exr no.exr", 1, "`no.exr` does not exist"),
@@ -182,8 +182,8 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
         ("inspect a.exr b.exr", 2, "unexpected argument"),
         ("render a.exr b.exr -o x.png", 2, "unexpected argument"),
     ] {
-        let said = refused(folder, &words(line), code);
-        assert!(said.contains(what), "{line}: {said}");
+        let said = folder.stopped(line, code);
+        said.must_contain(what);
     }
     assert_eq!(
         MAPS.map(|name| fs::read(folder.join(name)).unwrap()),
@@ -191,12 +191,12 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     );
     assert!(!Path::new(&folder.join("x")).exists());
     // Files in other units are converted, and a bottom may lie below each.
-    succeed(folder, &words("inspect b.exr --unit nm -o b_nm.exr"));
+    folder.succeed("inspect b.exr --unit nm -o b_nm.exr");
     let below = "--mean-free-path 5um --albedo 0.9 --thickness 40um --rays 1e3";
     for bottom in ["same", "flat", "c.exr"] {
         let run = |second: &str| {
             let line = format!("trace a.exr {second} {below} --bottom-surface {bottom} --json");
-            reflected(&json(&succeed(folder, &words(&line))))
+            reflected(&json(&folder.succeed(&line)))
         };
         let [[first, _], [converted, _]] = ["b.exr", "b_nm.exr"].map(run);
         assert!(

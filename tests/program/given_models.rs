@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, errors_of, files, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json};
 
 const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
 
@@ -12,22 +12,21 @@ fn rough(folder: &Path, smoothness: &str) {
     let command = format!(
         "generate --tau 4 --smoothness {smoothness} --size 128 --spacing 1 --seed 3 -o rough.npy"
     );
-    succeed(folder, &words(&command));
+    folder.succeed(&command);
 }
 
 fn trace(folder: &Path, more: &str) -> String {
     let command = format!("trace rough.npy --border periodic {LIGHT} {more}");
-    succeed(folder, &words(&command))
+    folder.succeed(&command)
 }
 
 #[test]
 fn a_surface_is_compared_with_models_of_its_own_slopes() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    rough(folder, "2");
-    let alone = trace(folder, "-o alone");
+    let folder = Folder::new();
+    rough(&folder, "2");
+    let alone = trace(&folder, "-o alone");
     let with = trace(
-        folder,
+        &folder,
         "--models smith,heitz,v-cavity --model-rays 20000 -o with",
     );
     for words in [
@@ -46,7 +45,7 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
         assert!(read("alone") == read("with"), "{name}");
     }
-    let in_plane = fs::read_to_string(folder.join("with/in_plane.csv")).unwrap();
+    let in_plane = folder.text("with/in_plane.csv");
     assert!(
         in_plane
             .lines()
@@ -54,7 +53,7 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
             .unwrap()
             .contains("intensity_v_cavity")
     );
-    let comparison = fs::read_to_string(folder.join("with/comparison.csv")).unwrap();
+    let comparison = folder.text("with/comparison.csv");
     let header = comparison.lines().next().unwrap();
     for column in [
         "flux_single",
@@ -70,7 +69,7 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
     assert_eq!(comparison.lines().count(), 1 + 2 * 9 * 12);
     assert!(!files(&folder.join("alone")).contains(&"comparison.csv".to_owned()));
 
-    let summary = fs::read_to_string(folder.join("with/summary.json")).unwrap();
+    let summary = folder.text("with/summary.json");
     let summary = json(&summary);
     let comparison = &summary["comparison"];
     assert_eq!(comparison["models"][0]["model"], "smith");
@@ -84,34 +83,30 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
     }
     let columns = summary["columns"]["comparison.csv"].as_array().unwrap();
     assert_eq!(columns.len(), header.split(',').count());
-    let alone = fs::read_to_string(folder.join("alone/summary.json")).unwrap();
+    let alone = folder.text("alone/summary.json");
     assert!(!alone.contains("\"comparison\"") && !alone.contains("\"compare\""));
 }
 
 /// A repeated command goes on after a stop, whichever of both passes it came in.
 #[test]
 fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    rough(folder, "3");
+    let folder = Folder::new();
+    rough(&folder, "3");
     let models = "--models smith";
     let line = format!("trace rough.npy --border periodic {LIGHT} {models} -o out");
-    let stopped = asperity(folder, &words(&format!("{line} --max-time 1e-6")));
+    let stopped = folder.run(format!("{line} --max-time 1e-6"));
     let errors = errors_of(&stopped);
     assert!(errors.starts_with("the time is over; "), "{errors}");
     let text = String::from_utf8(stopped.stdout).unwrap();
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        text.contains("ended before the surface was compared"),
-        "{text}"
-    );
+    text.must_contain("ended before the surface was compared");
     assert!(!folder.join("out/comparison.csv").exists());
     assert!(folder.join("out/results.npz").exists());
-    let resumed = asperity(folder, &words(&line));
+    let resumed = folder.run(&line);
     assert!(resumed.status.success());
     let notes = errors_of(&resumed);
-    assert!(notes.contains("resumed from the rays"), "{notes}");
-    trace(folder, &format!("{models} -o once"));
+    notes.must_contain("resumed from the rays");
+    trace(&folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
         assert!(read("out") == read("once"), "{name}");
@@ -121,11 +116,10 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
 /// Cells that are smooth have other slopes than facets; with a medium, models of layers are compared.
 #[test]
 fn smooth_cells_and_media_are_compared() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    rough(folder, "8");
+    let folder = Folder::new();
+    rough(&folder, "8");
     let slopes = |more: &str| {
-        let text = trace(folder, &format!("--models smith --json {more}"));
+        let text = trace(&folder, &format!("--models smith --json {more}"));
         json(&text)["comparison"]["slopes"]["variance_x"]["mean"]
             .as_f64()
             .unwrap()
@@ -134,30 +128,23 @@ fn smooth_cells_and_media_are_compared() {
     let ratio = slopes("--cells flat") / slopes("--cells smooth");
     assert!((ratio - 31.0 / 32.0).abs() < 0.01, "{ratio}");
     let text = trace(
-        folder,
+        &folder,
         "--models flat-layer --albedo 0.5 --mean-free-path 20 --thickness 20",
     );
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(
-        text.contains("Light scattered inside once, tested at level"),
-        "{text}"
-    );
-    assert!(text.contains("models of layers average s and p"), "{text}");
+    text.must_contain("Light scattered inside once, tested at level");
+    text.must_contain("models of layers average s and p");
 }
 
 #[test]
 fn what_cannot_be_compared_is_refused_in_a_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    rough(folder, "2");
-    succeed(folder, &words("mesh rough.npy --border open -o mesh.ply"));
-    succeed(
-        folder,
-        &words("generate --tau 8 --smoothness 3 --size 40 --spacing 1 --insist -o small.npy"),
-    );
+    let folder = Folder::new();
+    rough(&folder, "2");
+    folder.succeed("mesh rough.npy --border open -o mesh.ply");
+    folder.succeed("generate --tau 8 --smoothness 3 --size 40 --spacing 1 --insist -o small.npy");
     let brushed =
         "generate --tau 4 --tau-y 12 --smoothness 3 --size 512 --spacing 1 -o brushed.npy";
-    succeed(folder, &words(brushed));
+    folder.succeed(brushed);
     for (surface, more, expected) in [
         (
             "mesh.ply",
@@ -201,35 +188,31 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
         ),
     ] {
         let command = format!("trace {surface} {more}");
-        let error = refused(folder, &words(&command), 2);
-        assert!(error.contains(expected), "{more}: {error}");
+        let error = folder.refused(&command);
+        error.must_contain(expected);
     }
 }
 
 /// Slope variances of one surface are never equal; within their errors they are those of an isotropic one.
 #[test]
 fn isotropic_models_take_surfaces_that_are_isotropic_within_errors() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    rough(folder, "3");
+    let folder = Folder::new();
+    rough(&folder, "3");
     for flags in [
         "--models xu-sun",
         "--material lambertian --reflectance 0.8 --models oren-nayar",
     ] {
         let light = "--theta 40 --rays 20000 --bins 9x12 --model-rays 20000 --no-plots";
         let line = format!("trace rough.npy --border periodic {light} {flags} --json -o out");
-        let summary = json(&succeed(folder, &words(&line)));
+        let summary = json(&folder.succeed(&line));
         let said = summary["warnings"].to_string();
         let name = flags.split_whitespace().last().unwrap();
-        assert!(
-            said.contains(&format!("isotropic models ({name})")),
-            "{said}"
-        );
+        said.must_contain(format!("isotropic models ({name})"));
         assert!(
             summary["comparison"].to_string().contains(name),
             "{summary}"
         );
     }
-    let both = trace(folder, "--models smith -o smith");
+    let both = trace(&folder, "--models smith -o smith");
     assert!(!both.contains("isotropic models"), "{both}");
 }

@@ -3,9 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{
-    asperity, assert_same_bytes, errors_of, files, json, refused, succeed, words,
-};
+use crate::support::{Folder, InFolder, Words, assert_same_bytes, errors_of, files, json};
 use serde_json::Value;
 
 /// Two media and two angles, in a fraction of a second.
@@ -35,9 +33,9 @@ const NAMES: [&str; 4] = [
 ];
 
 /// A folder with the configuration.
-fn with_config() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("g.toml"), CONFIG).unwrap();
+fn with_config() -> Folder {
+    let folder = Folder::new();
+    folder.write("g.toml", CONFIG);
     folder
 }
 
@@ -83,8 +81,8 @@ const ROUNDING: f64 = 1e-12;
 #[test]
 fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(folder, &words("gonio g.toml -o out"));
+    let folder = folder;
+    folder.succeed("gonio g.toml -o out");
     let out = folder.join("out");
     let all = Table::read(&out.join("gonio.csv"));
     let bsdf = Table::read(&out.join("bsdf.csv"));
@@ -132,7 +130,7 @@ fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
     for name in ["bsdf.npy", "bsdf_se.npy"] {
         let array = fs::read(out.join(name)).unwrap();
         let header = String::from_utf8_lossy(&array[..128]).into_owned();
-        assert!(header.contains("(2, 2, 1, 2, 6, 8"), "{header}");
+        header.must_contain("(2, 2, 1, 2, 6, 8");
         assert_eq!(array.len(), 128 + 8 * 2 * 2 * 2 * 6 * 8);
     }
     let array = fs::read(out.join("bsdf.npy")).unwrap();
@@ -146,12 +144,12 @@ fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
 #[test]
 fn a_direction_has_the_results_of_verify() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(folder, &words("gonio g.toml -o out"));
+    let folder = folder;
+    folder.succeed("gonio g.toml -o out");
     let case =
         CONFIG.replace("[4, 0.01]", "4").replace("[20, 70]", "70") + "[compare]\nmodels = []\n";
-    fs::write(folder.join("v.toml"), case).unwrap();
-    succeed(folder, &words("verify v.toml -o verified"));
+    folder.write("v.toml", case);
+    folder.succeed("verify v.toml -o verified");
     let ours = Table::read(&folder.join(format!("out/directions/{}.csv", NAMES[1])));
     let theirs = Table::read(&folder.join("verified/histogram.csv"));
     for (a, b) in ours.rows.iter().zip(&theirs.rows) {
@@ -171,15 +169,15 @@ fn a_direction_has_the_results_of_verify() {
 #[test]
 fn a_measurement_resumes_and_threads_change_no_byte() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(folder, &words("gonio g.toml --threads 1 -o whole"));
+    let folder = folder;
+    folder.succeed("gonio g.toml --threads 1 -o whole");
     let whole = folder.join("whole");
     assert_eq!(files(&whole.join("directions")).len(), NAMES.len());
 
     // The time of an instant is enough for one of four surfaces per run, which all directions share.
     for left in (0..4).rev() {
-        let arguments = words("gonio g.toml --threads 3 --max-time 1e-9 -o pieces");
-        let output = asperity(folder, &arguments);
+        let arguments = "gonio g.toml --threads 3 --max-time 1e-9 -o pieces";
+        let output = folder.run(&arguments);
         assert!(output.status.success());
         let said = errors_of(&output);
         assert_eq!(
@@ -187,7 +185,7 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
             left > 0,
             "{said}"
         );
-        let report = fs::read_to_string(folder.join("pieces/report.txt")).unwrap();
+        let report = folder.text("pieces/report.txt");
         assert_eq!(
             report.contains("4 of 4 directions were cut short"),
             left > 0,
@@ -204,26 +202,23 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
     changed[middle] ^= 1;
     for damage in [&bytes[..middle], &changed] {
         fs::write(&path, damage).unwrap();
-        let output = asperity(folder, &words("gonio g.toml -o pieces"));
+        let output = folder.run("gonio g.toml -o pieces");
         let said = errors_of(&output);
-        assert!(said.contains("is damaged and is computed again"), "{said}");
+        said.must_contain("is damaged and is computed again");
         assert_same_bytes(&whole, &folder.join("pieces"));
     }
     // Plots too depend on the directions alone.
     let with_plots = CONFIG.replace("plots = false", "scale = \"common\"");
-    fs::write(folder.join("g.toml"), with_plots).unwrap();
+    folder.write("g.toml", with_plots);
     for (threads, out) in [("1", "whole"), ("3", "pieces")] {
         let line = format!("gonio g.toml --threads {threads} -o {out}");
-        succeed(folder, &words(&line));
+        folder.succeed(&line);
     }
     // A matrix, and for each angle parts, profiles and lobe, of reflected light alone: none is transmitted.
     assert_eq!(files(&whole.join("plots")).len(), 2 * (1 + 3 * 2));
     assert_same_bytes(&whole, &folder.join("pieces"));
     // More directions join those that are there; plots that are not requested go.
-    succeed(
-        folder,
-        &words("gonio g.toml --theta 20,50,70 --no-plots -o pieces"),
-    );
+    folder.succeed("gonio g.toml --theta 20,50,70 --no-plots -o pieces");
     assert_eq!(files(&folder.join("pieces/directions")).len(), 6);
     assert!(!folder.join("pieces/plots").exists());
 }
@@ -231,11 +226,8 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
 #[test]
 fn directions_of_another_measurement_are_refused() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words("gonio g.toml --theta 20 --mean-free-path 4 -o out"),
-    );
+    let folder = folder;
+    folder.succeed("gonio g.toml --theta 20 --mean-free-path 4 -o out");
     let report = fs::read(folder.join("out/report.txt")).unwrap();
     for (flag, key) in [
         ("--seed 2", "run.seed 1 in place of 2"),
@@ -247,8 +239,9 @@ fn directions_of_another_measurement_are_refused() {
         ("--max-scatterings 7", "medium.max_scatterings"),
     ] {
         let line = format!("gonio g.toml --theta 20 --mean-free-path 4 {flag} -o out");
-        let said = refused(folder, &words(&line), 1);
-        assert!(said.contains("another run") && said.contains(key), "{said}");
+        let said = folder.failed(&line);
+        said.must_contain("another run");
+        said.must_contain(key);
     }
     assert_eq!(fs::read(folder.join("out/report.txt")).unwrap(), report);
 }
@@ -257,11 +250,8 @@ fn directions_of_another_measurement_are_refused() {
 #[test]
 fn a_folder_with_directions_that_are_not_planned_is_refused() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words("gonio g.toml --theta 20 --mean-free-path 4 -o out"),
-    );
+    let folder = folder;
+    folder.succeed("gonio g.toml --theta 20 --mean-free-path 4 -o out");
     let out = folder.join("out");
     let before = fs::read(out.join("gonio.csv")).unwrap();
     let name = NAMES[0];
@@ -273,33 +263,25 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
         "--theta 20 --mean-free-path 1",
         "--theta 20,50 --mean-free-path 4 --smoothness 3",
     ] {
-        let said = refused(folder, &words(&format!("gonio g.toml {flags} -o out")), 1);
-        assert!(said.contains(&expected), "{said}");
+        let said = folder.failed(format!("gonio g.toml {flags} -o out"));
+        said.must_contain(&expected);
         assert_eq!(files(&out.join("directions")).len(), 1);
         assert_eq!(fs::read(out.join("gonio.csv")).unwrap(), before);
     }
     // The same with more directions is the same measurement.
-    succeed(
-        folder,
-        &words("gonio g.toml --theta 20,50 --mean-free-path 4 -o out"),
-    );
+    folder.succeed("gonio g.toml --theta 20,50 --mean-free-path 4 -o out");
     assert_eq!(files(&out.join("directions")).len(), 2);
 }
 
 #[test]
 fn given_surfaces_are_measured_and_told_apart() {
-    let (_keep, folder) = crate::support::with_surface();
+    let folder = crate::support::with_surface();
     let surface = "gonio --surface h.exr --theta 30 --phi 0,90 --rays 2e4 --no-plots";
-    let text = succeed(&folder, &words(&format!("{surface} -o out")));
-    assert!(
-        text.contains("h.exr, n = 1.5") && text.contains("one surface"),
-        "{text}"
-    );
+    let text = folder.succeed(format!("{surface} -o out"));
+    text.must_contain("h.exr, n = 1.5");
+    text.must_contain("one surface");
     // The same as by trace, to the byte.
-    succeed(
-        &folder,
-        &words("trace h.exr --theta 30 --phi 90 --rays 2e4 --no-plots -o traced"),
-    );
+    folder.succeed("trace h.exr --theta 30 --phi 90 --rays 2e4 --no-plots -o traced");
     let ours = Table::read(&folder.join("out/directions/n1.5_theta30_phi90.csv"));
     let theirs = Table::read(&folder.join("traced/histogram.csv"));
     for (a, b) in ours.rows.iter().zip(&theirs.rows) {
@@ -307,25 +289,25 @@ fn given_surfaces_are_measured_and_told_apart() {
         assert_eq!(ours.text(a, "bsdf"), theirs.text(b, "bsdf"));
     }
     // Another surface of the same name is another measurement.
-    let other = words("generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr");
-    succeed(&folder, &other);
-    let said = refused(&folder, &words(&format!("{surface} -o out")), 1);
-    assert!(said.contains("measured.heights"), "{said}");
+    let other = "generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr";
+    folder.succeed(&other);
+    let said = folder.failed(format!("{surface} -o out"));
+    said.must_contain("measured.heights");
     // A mesh as well.
-    succeed(&folder, &words("mesh h.exr -o h.ply"));
+    folder.succeed("mesh h.exr -o h.ply");
     let mesh = "gonio --surface h.ply --border periodic --theta 30 --rays 1e4 --no-plots -o mesh";
-    succeed(&folder, &words(mesh));
+    folder.succeed(mesh);
     assert_eq!(files(&folder.join("mesh/directions")).len(), 1);
 }
 
 /// Light that never enters: a flat mirror sends all of it into the bin of the mirror direction, at every azimuth.
 #[test]
 fn a_flat_mirror_reflects_into_the_bin_across_the_normal() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line =
         "gonio --flat --material mirror --directions 3x4 --bins 3x4 --rays 1e3 --no-plots -o out";
-    succeed(folder.path(), &words(line));
-    let bsdf = Table::read(&folder.path().join("out/bsdf.csv"));
+    folder.succeed(line);
+    let bsdf = Table::read(&folder.join("out/bsdf.csv"));
     assert_eq!(bsdf.rows.len(), 12 * 24);
     for row in &bsdf.rows {
         let number = |name| bsdf.number(row, name);
@@ -341,12 +323,11 @@ fn a_flat_mirror_reflects_into_the_bin_across_the_normal() {
 /// light, evenly to both sides of the plane of incidence (z score of the difference below 4 in each ring).
 #[test]
 fn a_bare_medium_is_even_across_the_plane_of_incidence() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "gonio --flat --eta 1.000001 --mean-free-path 1 --albedo 1 --thickness 1 --bottom mirror \
                 --theta 60 --rays 4e4 --bins 6x2 --no-plots -o out";
-    let line = line.split_whitespace().collect::<Vec<_>>();
-    succeed(folder.path(), &line);
-    let all = Table::read(&folder.path().join("out/gonio.csv"));
+    folder.succeed(line);
+    let all = Table::read(&folder.join("out/gonio.csv"));
     let reflected = all.number(&all.rows[0], "reflected");
     let absorbed = all.number(&all.rows[0], "absorbed");
     // Roulette is even on average: what it removes lies within errors.
@@ -354,11 +335,7 @@ fn a_bare_medium_is_even_across_the_plane_of_incidence() {
     println!("reflected {reflected}, absorbed {absorbed}, truncated +- {error}");
     assert!((reflected - 1.0).abs() <= 5.0 * error + 1e-12);
     assert_eq!(absorbed, 0.0);
-    let bins = Table::read(
-        &folder
-            .path()
-            .join("out/directions/n1_mfp1_albedo1_d1_theta60_phi0.csv"),
-    );
+    let bins = Table::read(&folder.join("out/directions/n1_mfp1_albedo1_d1_theta60_phi0.csv"));
     for pair in bins.rows[..12].chunks(2) {
         let [a, b] = [0, 1].map(|i| bins.number(&pair[i], "flux_more"));
         let se = [0, 1].map(|i| bins.number(&pair[i], "flux_more_se"));
@@ -406,7 +383,7 @@ fn bumps_are_as_many_and_as_high_as_the_example_says() {
 #[test]
 fn bad_input_gets_a_sentence() {
     let folder = with_config();
-    let folder = folder.path();
+    let folder = folder;
     for (line, code, expected) in [
         ("gonio no.toml -o out", 1, "no.toml"),
         ("gonio g.toml --theta 90 -o out", 2, "below 90"),
@@ -442,10 +419,10 @@ fn bad_input_gets_a_sentence() {
         ),
         ("gonio g.toml --size 16 -o out", 2, "--insist"),
     ] {
-        let said = refused(folder, &words(line), code);
-        assert!(said.contains(expected), "{line}: {said}");
+        let said = folder.stopped(line, code);
+        said.must_contain(expected);
     }
-    assert_eq!(files(folder), ["g.toml"]);
+    assert_eq!(files(&folder), ["g.toml"]);
     // Keys of verify and trace, even where a flag replaces them.
     for (key, flags) in [
         ("target_error = 0.01", ""),
@@ -454,32 +431,28 @@ fn bad_input_gets_a_sentence() {
         ("refine = true", ""),
     ] {
         let of_file = CONFIG.replace("    rays = 8000\n", &format!("    {key}\n"));
-        fs::write(folder.join("v.toml"), of_file).unwrap();
-        let said = refused(folder, &words(&format!("gonio v.toml {flags}-o out")), 2);
+        folder.write("v.toml", of_file);
+        let said = folder.refused(format!("gonio v.toml {flags}-o out"));
         let key = key.split(' ').next().unwrap();
         let expected = format!("run.{key} is for trace, verify and map, not for gonio");
-        assert!(said.contains(&expected), "{said}");
-        assert_eq!(files(folder), ["g.toml", "v.toml"]);
+        said.must_contain(&expected);
+        assert_eq!(files(&folder), ["g.toml", "v.toml"]);
     }
     // Checkpoints of earlier versions are refused, and so is a folder in the place of the results.
     fs::create_dir_all(folder.join("old/directions")).unwrap();
-    fs::write(
-        folder.join(format!("old/directions/{}.json", NAMES[0])),
-        "{}",
-    )
-    .unwrap();
-    let said = refused(folder, &words("gonio g.toml -o old"), 1);
-    assert!(said.contains("earlier version"), "{said}");
+    folder.write(format!("old/directions/{}.json", NAMES[0]), "{}");
+    let said = folder.failed("gonio g.toml -o old");
+    said.must_contain("earlier version");
     fs::create_dir_all(folder.join("out/results.npz")).unwrap();
-    refused(folder, &words("gonio g.toml -o out"), 1);
+    folder.failed("gonio g.toml -o out");
 }
 
 #[test]
 fn summary_tells_all_and_examples_are_understood() {
     let folder = with_config();
-    let folder = folder.path();
-    let text = succeed(folder, &words("gonio g.toml --json -o out"));
-    let file = fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    let folder = folder;
+    let text = folder.succeed("gonio g.toml --json -o out");
+    let file = folder.text("out/summary.json");
     assert_eq!(json(&text), json(&file));
     let summary = json(&file);
     assert_eq!(summary["command"], "gonio");
@@ -493,12 +466,9 @@ fn summary_tells_all_and_examples_are_understood() {
     assert_eq!(directions.len(), 4);
     let flux = &directions[0]["results"]["flux"]["once"]["reflected"];
     assert!(flux["mean"].as_f64().unwrap() > 0.0 && flux["se"].is_f64());
-    let report = fs::read_to_string(folder.join("out/report.txt")).unwrap();
-    assert!(
-        report.contains("4 of 4 directions; s = 2, n = 1.5, albedo = 0.9"),
-        "{report}"
-    );
-    assert!(report.contains("mean free path = 0.01"), "{report}");
+    let report = folder.text("out/report.txt");
+    report.must_contain("4 of 4 directions; s = 2, n = 1.5, albedo = 0.9");
+    report.must_contain("mean free path = 0.01");
 
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let mut seen = 0;

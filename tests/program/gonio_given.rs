@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Table, refused, succeed, words};
+use crate::support::{Folder, InFolder, Table, Words};
 
 /// Twelve bins per side, a thousand rays.
 const SHORT: &str = "--theta 30 --bins 3x4 --no-plots";
@@ -15,26 +15,23 @@ fn grooves(path: &Path, height: f64) {
 }
 
 fn run(folder: &Path, line: &str) -> String {
-    succeed(folder, &words(line))
+    folder.succeed(line)
 }
 
 fn mismatched(folder: &Path, line: &str, what: &str) {
-    let said = refused(folder, &words(line), 1);
-    assert!(
-        said.contains("another run") && said.contains(what),
-        "{line}: {said}"
-    );
+    let said = folder.failed(line);
+    said.must_contain("another run");
+    said.must_contain(what);
 }
 
 #[test]
 fn results_on_a_file_are_refused_by_what_differs() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     grooves(&folder.join("h.csv"), 0.25);
     let line = |border: &str, rays: &str, more: &str| {
         format!("gonio --surface h.csv --border {border} --rays {rays} {SHORT}{more} -o out")
     };
-    run(folder, &line("periodic", "1e3", ""));
+    run(&folder, &line("periodic", "1e3", ""));
     let before = fs::read(folder.join("out/summary.json")).unwrap();
     for (line, what) in [
         (
@@ -58,21 +55,20 @@ fn results_on_a_file_are_refused_by_what_differs() {
             "light.azimuth \"fixed\" in place of \"random\"",
         ),
     ] {
-        mismatched(folder, &line, what);
+        mismatched(&folder, &line, what);
     }
     // Nothing but heights is another.
     grooves(&folder.join("h.csv"), 0.26);
-    mismatched(folder, &line("periodic", "1e3", ""), "measured.heights");
+    mismatched(&folder, &line("periodic", "1e3", ""), "measured.heights");
     assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
     grooves(&folder.join("h.csv"), 0.25);
-    run(folder, &line("periodic", "1e3", ""));
+    run(&folder, &line("periodic", "1e3", ""));
     assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
 }
 
 #[test]
 fn results_above_a_medium_are_refused_by_what_differs_below() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     grooves(&folder.join("h.csv"), 0.25);
     for surface in ["--surface h.csv --border periodic", "--flat"] {
         let line = |more: &str| {
@@ -80,7 +76,7 @@ fn results_above_a_medium_are_refused_by_what_differs_below() {
                 "gonio {surface} --rays 1e3 --mean-free-path 4 --albedo 0.5 --thickness 4 {SHORT}{more} -o out"
             )
         };
-        run(folder, &line(""));
+        run(&folder, &line(""));
         for (more, what) in [
             (
                 " --bottom-surface same",
@@ -93,7 +89,7 @@ fn results_above_a_medium_are_refused_by_what_differs_below() {
             (" --bottom mirror", "medium.bottom"),
             (" --seed 2", "run.seed 1 in place of 2"),
         ] {
-            mismatched(folder, &line(more), what);
+            mismatched(&folder, &line(more), what);
         }
         fs::remove_dir_all(folder.join("out")).unwrap();
     }
@@ -103,13 +99,12 @@ fn results_above_a_medium_are_refused_by_what_differs_below() {
 /// mean cosine, that of an in-plane bin between two polar angles being half the sum of their cosines.
 #[test]
 fn profiles_are_fluxes_over_projected_solid_angle_and_multiple_is_all_above_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     // Glass of facets of 63 deg: light meets up to four and more.
     grooves(&folder.join("h.csv"), 2.0);
     let flags = format!("--border periodic --rays 4e3 {SHORT}");
-    run(folder, &format!("gonio --surface h.csv {flags} -o out"));
-    run(folder, &format!("trace h.csv {flags} -o traced"));
+    run(&folder, &format!("gonio --surface h.csv {flags} -o out"));
+    run(&folder, &format!("trace h.csv {flags} -o traced"));
     let ours = Table::read(&folder.join("out/in_plane.csv"));
     let theirs = Table::read(&folder.join("traced/in_plane.csv"));
     assert_eq!(ours.rows.len(), theirs.rows.len());
@@ -149,10 +144,9 @@ fn profiles_are_fluxes_over_projected_solid_angle_and_multiple_is_all_above_one(
 /// scores none lies above 4 but for one in 2600.
 #[test]
 fn profile_of_a_diffuse_medium_is_the_mean_of_its_rings() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     run(
-        folder,
+        &folder,
         "gonio --flat --eta 1.000001 --mean-free-path 1 --albedo 0.9 --theta 0 --bins 3x4 --rays 3e4 --no-plots -o out",
     );
     let bins = Table::read(&folder.join("out/bsdf.csv"));
@@ -187,11 +181,10 @@ fn profile_of_a_diffuse_medium_is_the_mean_of_its_rings() {
 
 #[test]
 fn arrays_are_the_columns_of_the_table_by_theta_then_phi() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     grooves(&folder.join("h.csv"), 0.5);
     run(
-        folder,
+        &folder,
         "gonio --surface h.csv --border periodic --theta 20,50 --phi 0,90,130 --rays 1e3 --bins 3x4 --no-plots -o out",
     );
     let table = Table::read(&folder.join("out/bsdf.csv"));

@@ -1,8 +1,6 @@
 //! Files of instruments: from the file to the light, and what is said of files that are not what their names say.
 
-use std::fs;
-
-use crate::support::{json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Words, json, unwrapped};
 
 /// A surface data file of 24 x 16 points, 2 um x 3 um apart, with one missing.
 fn sdf() -> String {
@@ -25,50 +23,40 @@ fn sdf() -> String {
 
 #[test]
 fn a_measured_file_becomes_light_in_one_command() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("scan.sdf"), sdf()).unwrap();
-    let error = refused(folder, &["inspect", "scan.sdf"], 1);
-    assert!(
-        error.contains("1 of 384 points are missing (the first at column 5, row 3)"),
-        "{error}"
-    );
+    let folder = Folder::new();
+    folder.write("scan.sdf", sdf());
+    let error = folder.failed("inspect scan.sdf");
+    error.must_contain("1 of 384 points are missing (the first at column 5, row 3)");
 
-    let fill = words("scan.sdf --missing fill --unit um");
-    let report = json(&succeed(
-        folder,
-        &[&["inspect", "--json"], &fill[..]].concat(),
-    ));
+    let fill = "scan.sdf --missing fill --unit um";
+    let report = json(&folder.succeed(format!("inspect --json {fill}")));
     assert_eq!(report["unit"], "um");
     assert_eq!(report["spacing"][1], 3.0);
-    let text = succeed(folder, &[&["inspect"], &fill[..]].concat());
+    let text = folder.succeed(format!("inspect {fill}"));
     assert!(
         unwrapped(&text).contains("1 missing point was filled"),
         "{text}"
     );
 
-    let light = words("--theta 30 --rays 2e3 --no-plots --json -o light");
-    let summary = json(&succeed(folder, &[&["trace"], &fill[..], &light].concat()));
+    let light = "--theta 30 --rays 2e3 --no-plots --json -o light";
+    let summary = json(&folder.succeed(format!("trace {fill} {light}")));
     assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
-    let gonio = words("--directions 2x2 --bins 4x4 --rays 500 --no-plots -o directions --surface");
-    succeed(folder, &[&["gonio"], &gonio[..], &fill[..]].concat());
+    let gonio = "--directions 2x2 --bins 4x4 --rays 500 --no-plots -o directions --surface";
+    folder.succeed(format!("gonio {gonio} {fill}"));
     assert!(folder.join("directions/summary.json").exists());
 }
 
 #[test]
 fn the_content_of_a_file_decides() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("matrix.dat"), "0 1 2\n3 4 6\n").unwrap();
-    assert!(succeed(folder, &["inspect", "matrix.dat"]).contains("3 x 2 samples"));
-    fs::write(folder.join("cut.dat"), b"\x88\x1b\x03\x6f\0\x01").unwrap();
-    fs::write(folder.join("picture.sur"), b"\x89PNG\r\n\x1a\nand more").unwrap();
-    fs::write(folder.join("text.plu"), "0 1 2\n3 4 6\n").unwrap();
-    fs::write(
-        folder.join("scan.042"),
-        "\\*File list\r\n\\Version: 0x05120000\r\n",
-    )
-    .unwrap();
+    let folder = Folder::new();
+    folder.write("matrix.dat", "0 1 2\n3 4 6\n");
+    folder
+        .succeed("inspect matrix.dat")
+        .must_contain("3 x 2 samples");
+    folder.write("cut.dat", b"\x88\x1b\x03\x6f\0\x01");
+    folder.write("picture.sur", b"\x89PNG\r\n\x1a\nand more");
+    folder.write("text.plu", "0 1 2\n3 4 6\n");
+    folder.write("scan.042", "\\*File list\r\n\\Version: 0x05120000\r\n");
     for (file, words) in [
         ("cut.dat", "its header takes 834 bytes, but it has 6"),
         (
@@ -78,7 +66,7 @@ fn the_content_of_a_file_decides() {
         ("text.plu", "its header takes 508 bytes, but it has 12"),
         ("scan.042", "its header does not end in `\\*File list end`"),
     ] {
-        let error = refused(folder, &["trace", file, "--theta", "30", "-o", "out"], 1);
-        assert!(error.contains(words), "{error}");
+        let error = folder.failed(format!("trace {file} --theta 30 -o out"));
+        error.must_contain(words);
     }
 }

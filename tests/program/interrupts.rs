@@ -5,13 +5,13 @@
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use asperity_results::ResultSet;
 
-use crate::support::{Table, files, json, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Table, Words, files, json, with_surface};
 
 /// Runs that take long, without their output; with what they say of the same command run again.
 const LONG: [(&str, &str); 7] = [
@@ -39,17 +39,6 @@ const LONG: [(&str, &str); 7] = [
     ("render h.exr --size 24x18 --samples 1e9", "starts again"),
 ];
 
-/// Begins `arguments` with no one to read what it prints.
-fn begun(folder: &Path, arguments: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .current_dir(folder)
-        .args(arguments)
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap()
-}
-
 fn send(signal: &str, program: &Child) {
     let id = program.id().to_string();
     let sent = Command::new("kill").args([signal, &id]).status();
@@ -64,13 +53,8 @@ fn ended(program: Child) -> (Option<i32>, String) {
 }
 
 /// Sends interrupts to a run after a while, as Ctrl-C does, and returns its exit code and what it said.
-fn interrupted(
-    folder: &Path,
-    arguments: &[&str],
-    after: Duration,
-    times: u32,
-) -> (Option<i32>, String) {
-    let program = begun(folder, arguments);
+fn interrupted(folder: &Path, line: &str, after: Duration, times: u32) -> (Option<i32>, String) {
+    let program = folder.begin(line);
     sleep(after);
     for _ in 0..times {
         send("-INT", &program);
@@ -81,7 +65,7 @@ fn interrupted(
 
 #[test]
 fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (command, again) in LONG {
         let out = if command.starts_with("render") {
             "out.exr"
@@ -91,21 +75,20 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
         let line = format!("{command} -o {out}");
         // A slow machine has nothing to write yet.
         let patience = [500, 1000, 2500, 6000].map(Duration::from_millis);
-        let runs = patience.map(|after| (&line, after));
-        let mut runs = runs
+        let mut runs = patience
             .into_iter()
-            .map(|(line, after)| interrupted(&folder, &words(line), after, 1));
+            .map(|after| interrupted(&folder, &line, after, 1));
         let (code, errors) = runs.find(|(code, _)| *code != Some(1)).unwrap();
         assert_eq!(code, Some(3), "{line}: {errors}");
         assert_eq!(errors.lines().count(), 1, "{errors}");
         assert!(errors.starts_with("interrupted"), "{errors}");
-        assert!(errors.contains(again), "{line}: {errors}");
+        errors.must_contain(again);
         let out = folder.join(out);
         if out.is_file() {
             fs::remove_file(out).unwrap();
             continue;
         }
-        let written = |name: &str| json(&fs::read_to_string(out.join(name)).unwrap());
+        let written = |name: &str| out.json(name);
         assert_eq!(written("manifest.json")["complete"], false, "{line}");
         let summary = written("summary.json");
         if let Some(stopping) = summary.get("stopping") {
@@ -120,21 +103,20 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
 /// Each run of the command gets further, and the last one completes the measurement.
 #[test]
 fn an_interrupted_convergence_run_resumes_to_the_same_errors() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let command = "converge --tau 4 --size 32 --theta 0,40 --samplings random --rays 2e4 --surfaces 4 --repeats 12 --reference-rays 4096 --reference-surfaces 64 --no-plots";
-    succeed(folder, &words(&format!("{command} -o whole")));
+    folder.succeed(format!("{command} -o whole"));
     let line = format!("{command} -o parts");
     let mut codes = Vec::new();
     while codes.last() != Some(&Some(0)) {
         let after = Duration::from_millis(250 * (codes.len() as u64 + 1));
-        let (code, errors) = interrupted(folder, &words(&line), after, 1);
+        let (code, errors) = interrupted(&folder, &line, after, 1);
         let words = match code {
             Some(3) => " of 2 cases ",
             Some(1) => "interrupted: stopped before the first surface was finished",
             _ => "",
         };
-        assert!(errors.contains(words), "{errors}");
+        errors.must_contain(words);
         codes.push(code);
     }
     assert!(codes.contains(&Some(3)), "{codes:?}");
@@ -160,31 +142,30 @@ fn an_interrupted_convergence_run_resumes_to_the_same_errors() {
 
 #[test]
 fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let line = |out: &str| {
         format!(
             "attenuation --tau 4 --spacing 1 --size 64 --sigma 2,1 --theta 30,70 --heights --demarcation --realisations 80 --no-plots --quiet -o {out}"
         )
     };
     let began = Instant::now();
-    succeed(folder, &words(&line("whole")));
+    folder.succeed(&line("whole"));
     let whole = began.elapsed();
     // A run that is sooner done than the first one is interrupted earlier.
     let is_cut_short = [2, 4, 8, 3].into_iter().any(|part| {
-        let (code, errors) = interrupted(folder, &words(&line("out")), whole / part, 1);
+        let (code, errors) = interrupted(&folder, &line("out"), whole / part, 1);
         if code == Some(3) {
-            assert!(errors.contains("the same command resumes"), "{errors}");
+            errors.must_contain("the same command resumes");
             return true;
         }
         let _ = fs::remove_dir_all(folder.join("out"));
         false
     });
     assert!(is_cut_short);
-    let read = |out: &str, name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+    let read = |out: &str, name: &str| folder.join(out).text(name);
     let so_far = json(&read("out", "summary.json"))["work"]["realisations"].clone();
     assert!((1..80).contains(&so_far.as_u64().unwrap()), "{so_far}");
-    succeed(folder, &words(&line("out")));
+    folder.succeed(&line("out"));
     for name in [
         "attenuation.csv",
         "demarcation.csv",
@@ -201,15 +182,15 @@ fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
     assert_eq!(resumed, whole);
     assert_eq!(json(&read("out", "manifest.json"))["complete"], true);
     // Other settings are other results; a complete folder may be written again.
-    succeed(folder, &words(&format!("{} --seed 2", line("out"))));
+    folder.succeed(format!("{} --seed 2", line("out")));
     assert!(read("out", "attenuation.csv") != read("whole", "attenuation.csv"));
 }
 
 #[test]
 fn other_signals_that_end_a_program_are_interrupts_too() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for signal in ["-TERM", "-HUP"] {
-        let program = begun(&folder, &words("trace h.exr --theta 30 --rays 1e10 --json"));
+        let program = folder.begin("trace h.exr --theta 30 --rays 1e10 --json");
         sleep(Duration::from_millis(300));
         send(signal, &program);
         let (code, errors) = ended(program);
@@ -223,9 +204,9 @@ fn other_signals_that_end_a_program_are_interrupts_too() {
 /// A run that its own time limit ended is no interrupted run, even if an interrupt comes while it writes its results.
 #[test]
 fn an_interrupt_after_the_time_limit_changes_nothing() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let line = "gonio --tau 4 --size 64 --theta 0,30,60 --smoothness 2 --rays 1e9 --realisations 1000 --max-time 3 --no-plots -o g";
-    let program = begun(&folder, &words(line));
+    let program = folder.begin(line);
     let began = Instant::now();
     // The folder in which tables wait until all are written
     let is_part = |name: &String| name.ends_with(".part");
@@ -241,10 +222,9 @@ fn an_interrupt_after_the_time_limit_changes_nothing() {
 
 #[test]
 fn a_second_interrupt_ends_the_program_at_once() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     // A block of rays that try every facet does not end soon.
-    let endless =
-        words("trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none");
+    let endless = "trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none";
     let (code, errors) = interrupted(&folder, &endless, Duration::from_millis(700), 2);
     assert_eq!(code, Some(130), "{errors}");
     assert!(
@@ -255,11 +235,11 @@ fn a_second_interrupt_ends_the_program_at_once() {
 
 #[test]
 fn an_interrupt_in_the_middle_of_a_file_leaves_the_old_one_and_nothing_else() {
-    let (_keep, folder) = with_surface();
-    fs::write(folder.join("h.obj"), "old").unwrap();
+    let folder = with_surface();
+    folder.write("h.obj", "old");
     let line = "mesh h.exr --cells smooth --subdivide 16 -o h.obj";
     for signal in ["-INT", "-TERM"] {
-        let program = begun(&folder, &words(line));
+        let program = folder.begin(line);
         let began = Instant::now();
         let is_large = |name: &String| {
             let size = fs::metadata(folder.join(name)).map_or(0, |found| found.len());
@@ -273,7 +253,7 @@ fn an_interrupt_in_the_middle_of_a_file_leaves_the_old_one_and_nothing_else() {
         assert_eq!(code, Some(130), "{errors}");
         assert_eq!(errors, "interrupted; no incomplete file is left\n");
         assert_eq!(files(&folder), ["h.exr", "h.obj"]);
-        let old = fs::read_to_string(folder.join("h.obj")).unwrap();
+        let old = folder.text("h.obj");
         assert_eq!(old, "old");
     }
 }
@@ -281,14 +261,14 @@ fn an_interrupt_in_the_middle_of_a_file_leaves_the_old_one_and_nothing_else() {
 /// Interrupts at any time, of runs that write many files: nothing temporary is left.
 #[test]
 fn no_interrupt_leaves_temporary_files() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let line = "trace h.exr --theta 30 --rays 1e3 -o out --quiet";
     let began = Instant::now();
-    succeed(&folder, &words(line));
+    folder.succeed(line);
     let whole = began.elapsed();
     let mut interrupted = 0;
     for step in 0..8 {
-        let program = begun(&folder, &words(line));
+        let program = folder.begin(line);
         sleep(whole * step / 8);
         for _ in 0..2 {
             send("-INT", &program);
@@ -307,7 +287,7 @@ fn no_interrupt_leaves_temporary_files() {
         };
         assert!(is_said, "{}: {errors}", output.status);
         interrupted += u32::from(output.status.code().is_some_and(|code| code > 0));
-        for place in [folder.clone(), folder.join("out")] {
+        for place in [folder.join("."), folder.join("out")] {
             let names = files(&place);
             assert!(!names.iter().any(|n| n.ends_with(".part")), "{names:?}");
         }
@@ -317,11 +297,11 @@ fn no_interrupt_leaves_temporary_files() {
 
 #[test]
 fn a_model_that_takes_long_ends_at_the_first_interrupt() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "model xu-sun-mc --smoothness 0.3 --rays 1e10 --json";
     let began = Instant::now();
     let after = Duration::from_millis(500);
-    let (code, errors) = interrupted(folder.path(), &words(line), after, 1);
+    let (code, errors) = interrupted(&folder, &line, after, 1);
     assert_eq!(code, Some(130), "{errors}");
     assert!(began.elapsed() < Duration::from_secs(10));
 }
@@ -330,7 +310,7 @@ fn a_model_that_takes_long_ends_at_the_first_interrupt() {
 /// narrowest, it takes a second or two.
 #[test]
 fn quadrature_of_the_narrowest_lobes_takes_seconds() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for line in [
         "verify --smoothness 1e6 --theta 60 --rays 1e3 --realisations 2 --models smith,heitz --no-plots --quiet -o v",
         "gonio --smoothness 1e6 --theta 0,89 --rays 1e3 --realisations 2 --no-plots --quiet -o g",
@@ -339,7 +319,7 @@ fn quadrature_of_the_narrowest_lobes_takes_seconds() {
         "model v-cavity --smoothness 1e6 --theta 60 --json",
     ] {
         let began = Instant::now();
-        succeed(folder.path(), &words(line));
+        folder.succeed(line);
         let seconds = began.elapsed().as_secs_f64();
         assert!(seconds < 30.0, "{line}: {seconds} s");
     }

@@ -1,15 +1,13 @@
 //! Models of a flat layer by name: at single directions, by bins, and what they refuse.
 
-use std::fs;
-
-use crate::support::{json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Words, json};
 use serde_json::Value;
 
 const LAYER: &str = "--eta 1.5 --theta 30 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1";
 
 fn model(flags: &str) -> String {
-    let folder = tempfile::tempdir().unwrap();
-    succeed(folder.path(), &words(&format!("model {flags}")))
+    let folder = Folder::new();
+    folder.succeed(format!("model {flags}"))
 }
 
 fn number(value: &Value) -> f64 {
@@ -40,14 +38,14 @@ fn a_layer_is_told_at_single_directions_with_its_deltas_apart() {
 
 #[test]
 fn bins_of_a_layer_add_up_to_its_energies() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let flags = format!("model flat-layer {LAYER} --bins 9x12 --json -o bins.csv");
-    let result = json(&succeed(folder.path(), &words(&flags)));
+    let result = json(&folder.succeed(&flags));
     let energy = |component: &str| {
         let of = &result["energy"][component];
         number(&of["reflected"]) + number(&of["transmitted"])
     };
-    let table = fs::read_to_string(folder.path().join("bins.csv")).unwrap();
+    let table = folder.text("bins.csv");
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     for (component, name) in [("unscattered", "flux_unscattered"), ("once", "flux_once")] {
         let column = header.iter().position(|title| *title == name).unwrap();
@@ -82,13 +80,13 @@ fn layers_have_short_descriptions() {
         "reflected",
         "transmitted",
     ] {
-        assert!(text.contains(words), "{words}: {text}");
+        text.must_contain(words);
     }
 }
 
 #[test]
 fn layers_are_refused_what_their_models_cannot_do() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (arguments, expected) in [
         ("flat-layer --theta 30", "needs a medium"),
         (
@@ -129,8 +127,8 @@ fn layers_are_refused_what_their_models_cannot_do() {
         ),
         ("smith --theta 30", "give --smoothness"),
     ] {
-        let error = refused(folder.path(), &words(&format!("model {arguments}")), 2);
-        assert!(error.contains(expected), "{arguments}: {error}");
+        let error = folder.refused(format!("model {arguments}"));
+        error.must_contain(expected);
     }
 }
 
@@ -144,14 +142,14 @@ fn verdict(comparison: &Value, model: &str, part: &str) -> String {
 }
 
 fn verified(flags: &str) -> Value {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     // The plane of incidence in the middle of a sector, not between two.
     let all = format!(
         "verify --tau 8 --size 64 --realisations 12 --eta 1.5 --theta 35 --phi 30 --bins 3x6 \
          --mean-free-path 20 --albedo 0.9 --g 0.3 --polarisation averaged --no-plots -o out {flags}"
     );
-    succeed(folder.path(), &words(&all));
-    let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+    folder.succeed(&all);
+    let summary = folder.text("out/summary.json");
     json(&summary)["comparison"].clone()
 }
 
@@ -191,7 +189,7 @@ fn rough_surfaces_are_no_flat_layers() {
 
 #[test]
 fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (arguments, expected) in [
         (
             "--scattering 0.1 --models smith",
@@ -207,18 +205,14 @@ fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
             "Lambertian",
         ),
     ] {
-        let error = refused(
-            folder.path(),
-            &words(&format!("verify {arguments} -o out")),
-            2,
-        );
-        assert!(error.contains(expected), "{arguments}: {error}");
+        let error = folder.refused(format!("verify {arguments} -o out"));
+        error.must_contain(expected);
     }
 }
 
 /// Columns of a table of bins.
 fn columns(folder: &std::path::Path, file: &str, names: &[&str]) -> Vec<Vec<f64>> {
-    let table = fs::read_to_string(folder.join(file)).unwrap();
+    let table = folder.text(file);
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let places: Vec<usize> = names
         .iter()
@@ -236,7 +230,7 @@ fn columns(folder: &std::path::Path, file: &str, names: &[&str]) -> Vec<Vec<f64>
 
 #[test]
 fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut squares = Vec::new();
     for (i, bottom) in [
         "--thickness 2",
@@ -255,18 +249,18 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
         // The models of layers average s and p.
         let trace =
             format!("trace --flat {layer} --rays 6.4e4 --polarisation averaged --no-plots -o {i}");
-        succeed(folder.path(), &words(&trace));
+        folder.succeed(&trace);
         let model = format!("model flat-layer {layer} -o {i}.csv");
-        succeed(folder.path(), &words(&model));
+        folder.succeed(&model);
         let names = ["flux_unscattered", "flux_once"];
-        let model = columns(folder.path(), &format!("{i}.csv"), &names);
+        let model = columns(&folder, &format!("{i}.csv"), &names);
         let with_errors = [
             "flux_unscattered",
             "flux_unscattered_se",
             "flux_once",
             "flux_once_se",
         ];
-        let found = columns(folder.path(), &format!("{i}/histogram.csv"), &with_errors);
+        let found = columns(&folder, &format!("{i}/histogram.csv"), &with_errors);
         for (model, found) in model.iter().zip(&found) {
             for k in [0, 1] {
                 let (mean, se, expected) = (found[2 * k], found[2 * k + 1], model[k]);
@@ -288,7 +282,7 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
 
 #[test]
 fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     // On each side, by how much of light scattered once all scattered light is more, with its error. Through
     // an open bottom nothing is caught, and what is scattered again is some tau / mu of it; where that turns
     // back, it adds to reflected light that is seven times weaker, say ten tau.
@@ -297,9 +291,9 @@ fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
             "--eta 1.5 --theta 35 --mean-free-path 1 --albedo 1 --thickness {tau} --bottom open"
         );
         let trace = format!("trace --flat {layer} --rays {rays} --json");
-        let traced = json(&succeed(folder.path(), &words(&trace)));
+        let traced = json(&folder.succeed(&trace));
         let model = format!("model flat-layer {layer} --json");
-        let model = json(&succeed(folder.path(), &words(&model)));
+        let model = json(&folder.succeed(&model));
         ["reflected", "transmitted"].map(|side| {
             let once = number(&model["energy"]["once"][side]);
             let components = traced["components"].as_array().unwrap();

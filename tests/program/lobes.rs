@@ -3,18 +3,18 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Table, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Table, Words};
 
 /// A smooth surface in a folder of its own: s = 40.
-fn with_smooth_surface() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
+fn with_smooth_surface() -> Folder {
+    let folder = Folder::new();
     let generate = "generate --tau 8 --smoothness 40 --size 64 --seed 3 -o h.exr";
-    succeed(folder.path(), &words(generate));
+    folder.succeed(generate);
     folder
 }
 
 fn summary(path: &Path) -> serde_json::Value {
-    json(&fs::read_to_string(path.join("summary.json")).unwrap())
+    path.json("summary.json")
 }
 
 /// Peak of a column over the rows of a side.
@@ -28,11 +28,8 @@ fn peak(table: &Table, side: &str, column: &str) -> f64 {
 #[test]
 fn tables_hold_the_edges_of_bins_that_follow_the_light() {
     let folder = with_smooth_surface();
-    let folder = folder.path();
-    let text = succeed(
-        folder,
-        &words("trace h.exr --theta 30 --rays 2e5 --no-plots -o t"),
-    );
+    let folder = folder;
+    let text = folder.succeed("trace h.exr --theta 30 --rays 2e5 --no-plots -o t");
     assert!(
         !text.contains("narrower") && !text.contains("below the peak"),
         "{text}"
@@ -68,37 +65,34 @@ fn tables_hold_the_edges_of_bins_that_follow_the_light() {
 #[test]
 fn named_bins_stay_and_a_warning_gives_both_widths() {
     let folder = with_smooth_surface();
-    let folder = folder.path();
+    let folder = folder;
     let trace = "trace h.exr --theta 30 --rays 1e4 --no-plots --bins 18x36 -o t";
-    let text = succeed(folder, &words(trace));
+    let text = folder.succeed(trace);
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(text.contains("its bin is 5 x"), "{text}");
-    assert!(
-        text.contains("the lobe of transmitted light at theta 161 deg falls to half within"),
-        "{text}"
-    );
+    text.must_contain("its bin is 5 x");
+    text.must_contain("the lobe of transmitted light at theta 161 deg falls to half within");
     let table = Table::read(&folder.join("t/histogram.csv"));
     assert_eq!(table.rows.len(), 2 * 18 * 36);
     let warnings = summary(&folder.join("t"))["warnings"].to_string();
-    assert!(warnings.contains("--bins auto"), "{warnings}");
+    warnings.must_contain("--bins auto");
     // Wide lobes: nothing to say, and bins of equal angles by default.
     let wide = "verify --smoothness 2 --size 32 --tau 8 --rays 4000 --realisations 3 --models none --no-plots -o v";
-    let text = succeed(folder, &words(wide));
+    let text = folder.succeed(wide);
     assert!(!text.contains("below the peak"), "{text}");
     let table = Table::read(&folder.join("v/histogram.csv"));
     assert_eq!(table.rows.len(), 2 * 18 * 36);
-    let said = refused(folder, &words("trace h.exr --theta 30 --bins fine"), 2);
-    assert!(said.contains("18x36") && said.contains("auto"), "{said}");
+    let said = folder.refused("trace h.exr --theta 30 --bins fine");
+    said.must_contain("18x36");
+    said.must_contain("auto");
 }
 
 /// Models are integrated over the same bins, and a true one is not rejected; each angle has bins of its own.
 #[test]
 fn models_are_compared_over_bins_that_follow_the_light() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let verify = "verify --smoothness 40 --tau 8 --size 48 --theta 0,40 --rays 2e5 --realisations 12 --models smith --estimator plain --no-plots -o v";
-    let text = succeed(folder, &words(verify));
-    assert!(text.contains("smith is not rejected"), "{text}");
+    let text = folder.succeed(verify);
+    text.must_contain("smith is not rejected");
     let sizes = ["s40_n1.5_theta0", "s40_n1.5_theta40"].map(|case| {
         let found = summary(&folder.join("v").join(case));
         assert!(found["lobes"][0]["resolved"].as_bool().unwrap());
@@ -120,9 +114,9 @@ fn models_are_compared_over_bins_that_follow_the_light() {
 #[test]
 fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
     let folder = with_smooth_surface();
-    let folder = folder.path();
+    let folder = folder;
     let gonio = "gonio --surface h.exr --theta 0,40 --rays 2e4 -o out";
-    succeed(folder, &words(gonio));
+    folder.succeed(gonio);
     let out = folder.join("out");
     let names = [
         "bsdf.npy",
@@ -149,10 +143,7 @@ fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
     assert_ne!(directions[0]["bins"], directions[1]["bins"]);
     assert!(out.join("plots/lobe_theta40_transmitted.svg").exists());
     // The same table by trace.
-    succeed(
-        folder,
-        &words("trace h.exr --theta 40 --rays 2e4 --no-plots -o t"),
-    );
+    folder.succeed("trace h.exr --theta 40 --rays 2e4 --no-plots -o t");
     let [ours, theirs] = ["out/directions/n1.5_theta40_phi0.csv", "t/histogram.csv"]
         .map(|name| Table::read(&folder.join(name)));
     assert_eq!(ours.rows.len(), theirs.rows.len());
@@ -162,7 +153,7 @@ fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
         }
     }
     fs::remove_file(out.join("results.npz")).unwrap();
-    succeed(folder, &words(gonio));
+    folder.succeed(gonio);
     let after = names.map(|name| fs::read(out.join(name)).unwrap());
     assert!(before == after);
 }
@@ -170,12 +161,10 @@ fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
 #[test]
 fn gonio_names_the_peak_of_each_side() {
     let folder = with_smooth_surface();
-    let folder = folder.path();
-    let text = succeed(
-        folder,
-        &words("gonio --surface h.exr --eta 1.5 --theta 30 --rays 2e5 --no-plots -o g"),
-    );
-    assert!(text.contains("BTDF peak (1/sr)"), "{text}");
+    let folder = folder;
+    let text =
+        folder.succeed("gonio --surface h.exr --eta 1.5 --theta 30 --rays 2e5 --no-plots -o g");
+    text.must_contain("BTDF peak (1/sr)");
     let peak_of = &summary(&folder.join("g"))["directions"][0]["peak"];
     let table = Table::read(&folder.join("g/bsdf.csv"));
     // Mirrored at 30 degrees, refracted at 180 less 19.5

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support::{
-    asperity, assert_same_bytes, errors_of, files, json, refused, succeed, unwrapped, words,
+    Folder, InFolder, Words, assert_same_bytes, errors_of, files, json, unwrapped,
 };
 
 /// Four cells in which a model is within tolerance, beyond it and not resolved; in a fraction of a second.
@@ -36,9 +36,9 @@ const FILES: [&str; 9] = [
 ];
 
 /// A folder with the configuration.
-fn with_config() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("m.toml"), CONFIG).unwrap();
+fn with_config() -> Folder {
+    let folder = Folder::new();
+    folder.write("m.toml", CONFIG);
     folder
 }
 
@@ -50,7 +50,7 @@ struct Table {
 
 impl Table {
     fn read(folder: &Path) -> Self {
-        let text = fs::read_to_string(folder.join("map.csv")).unwrap();
+        let text = folder.text("map.csv");
         let split = |line: &str| line.split(',').map(str::to_owned).collect();
         let mut lines = text.lines();
         Self {
@@ -89,11 +89,11 @@ impl Table {
 #[test]
 fn a_map_gives_every_verdict_and_writes_its_files() {
     let folder = with_config();
-    let folder = folder.path();
-    let text = succeed(folder, &words("map m.toml -o out"));
+    let folder = folder;
+    let text = folder.succeed("map m.toml -o out");
     let out = folder.join("out");
     assert_eq!(files(&out), FILES);
-    let report = fs::read_to_string(out.join("report.txt")).unwrap();
+    let report = out.text("report.txt");
     assert_eq!(text, format!("{report}\nresults in out\n"));
     assert!(report.contains("validity map: 4 of 4 cells; s = 1, 100; theta = 0, 60 deg"));
 
@@ -155,14 +155,14 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
         assert!(difference.abs() <= moved);
     }
 
-    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    let summary = out.json("summary.json");
     assert_eq!(
         (&summary["schema"], &summary["command"]),
         (&2.into(), &"map".into())
     );
     assert_eq!(summary["complete"], true);
     assert_eq!(summary["cells"].as_array().unwrap().len(), 4);
-    let text = fs::read_to_string(out.join("summary.json")).unwrap();
+    let text = out.text("summary.json");
     assert!(!text.contains("seconds") && !text.contains("threads"));
     let smith = summary["summary"]
         .as_array()
@@ -179,24 +179,21 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
 #[test]
 fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words("map m.toml --realisations 6 --threads 1 -o whole"),
-    );
+    let folder = folder;
+    folder.succeed("map m.toml --realisations 6 --threads 1 -o whole");
     let mut calls = 0;
     loop {
         calls += 1;
         let threads = ["2", "1", "3"][calls % 3];
-        let line = words("map m.toml --realisations 6 --max-time 1e-9 -o parts --threads");
-        let output = asperity(folder, &[&line[..], &[threads]].concat());
+        let line = "map m.toml --realisations 6 --max-time 1e-9 -o parts --threads";
+        let output = folder.run(format!("{line} {threads}"));
         assert!(output.status.success());
         let told = errors_of(&output);
         if !told.contains("the time is over; ") {
             break;
         }
-        assert!(told.contains("and the same command resumes"), "{told}");
-        let report = fs::read_to_string(folder.join("parts/report.txt")).unwrap();
+        told.must_contain("and the same command resumes");
+        let report = folder.text("parts/report.txt");
         assert!(report.contains("cells were cut short") || report.contains("are missing"));
     }
     // Six surfaces of each smoothness, one per call.
@@ -204,21 +201,21 @@ fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads(
     // What a time was given for is the only thing that may differ, and it is not written.
     assert_same_bytes(&folder.join("whole"), &folder.join("parts"));
     // Once more, with nothing to do.
-    succeed(folder, &words("map m.toml --realisations 6 -o parts"));
+    folder.succeed("map m.toml --realisations 6 -o parts");
     assert_same_bytes(&folder.join("whole"), &folder.join("parts"));
 }
 
 #[test]
 fn other_tolerances_need_no_tracing_and_change_verdicts() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(folder, &words("map m.toml --quiet --no-plots -o out"));
+    let folder = folder;
+    folder.succeed("map m.toml --quiet --no-plots -o out");
     let cell = folder.join("out/results.npz");
     let before = fs::metadata(&cell).unwrap().modified().unwrap();
     let verdict = || Table::read(&folder.join("out")).verdict("1", "0", "xu-sun", "own");
     assert_eq!(verdict(), "beyond");
     let wide = "map m.toml --quiet --no-plots --tolerance-total-variation 0.9 --tolerance-energy 0.9 --tolerance-peak 180 -o out";
-    succeed(folder, &words(wide));
+    folder.succeed(wide);
     assert_eq!(verdict(), "within");
     let after = fs::metadata(&cell).unwrap().modified().unwrap();
     assert_eq!(before, after);
@@ -227,12 +224,11 @@ fn other_tolerances_need_no_tracing_and_change_verdicts() {
 /// 60 rays cannot tell 1 % from nothing: even where no ray deviates, three of them may have been missed.
 #[test]
 fn too_small_a_budget_is_not_resolved() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let surfaces = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6";
     let run = |rest: &str, out: &str| {
         let line = format!("{surfaces} {rest} -o {out}");
-        succeed(folder, &words(&line));
+        folder.succeed(&line);
         let table = Table::read(&folder.join(out));
         (table.get(&table.rows[0], "verdict"), table)
     };
@@ -254,7 +250,7 @@ fn too_small_a_budget_is_not_resolved() {
     }
     // Where a bound says that nothing can deviate, nothing needs to be traced.
     let target = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6 --smoothness 100 --target-error 1e-3 -o bound";
-    succeed(folder, &words(target));
+    folder.succeed(target);
     let table = Table::read(&folder.join("bound"));
     assert_eq!(table.verdict("100", "0", "smith", "own"), "within");
     assert_eq!(table.get(&table.rows[0], "rays"), "0");
@@ -263,10 +259,10 @@ fn too_small_a_budget_is_not_resolved() {
 /// A model of all orders has one and the same claim on its own light and on all.
 #[test]
 fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "map --tau 4 --size 64 --smoothness 1 --theta 40 --models smith,heitz --realisations 10 --rays 20000 --model-rays 20000 --bins 18x6 --no-plots --quiet -o out";
-    succeed(folder.path(), &words(line));
-    let table = Table::read(&folder.path().join("out"));
+    folder.succeed(line);
+    let table = Table::read(&folder.join("out"));
     let both = ["own", "all"].map(|light| {
         let row = table.row("1", "40", "heitz", light);
         assert_eq!(table.get(row, "model_rays"), "20000");
@@ -288,17 +284,17 @@ fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
 #[test]
 fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
     let folder = with_config();
-    let folder = folder.path();
-    succeed(folder, &words("map m.toml --quiet --no-plots -o out"));
+    let folder = folder;
+    folder.succeed("map m.toml --quiet --no-plots -o out");
     let results = folder.join("out/results.npz");
     let whole = fs::read(&results).unwrap();
     let table = fs::read(folder.join("out/map.csv")).unwrap();
     for damaged in [&b""[..], b"PK", &whole[..whole.len() / 2]] {
         fs::write(&results, damaged).unwrap();
-        let output = asperity(folder, &words("map m.toml --quiet --no-plots -o out"));
+        let output = folder.run("map m.toml --quiet --no-plots -o out");
         let told = errors_of(&output);
         assert!(output.status.success(), "{told}");
-        assert!(told.contains("is damaged and is computed again"), "{told}");
+        told.must_contain("is damaged and is computed again");
         assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
     }
     for (flag, what) in [
@@ -307,11 +303,9 @@ fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
         ("--rays 77", "run.rays"),
     ] {
         let line = format!("map m.toml --no-plots {flag} -o out");
-        let told = refused(folder, &words(&line), 1);
-        assert!(
-            told.contains("another run") && told.contains(what),
-            "{told}"
-        );
+        let told = folder.failed(&line);
+        told.must_contain("another run");
+        told.must_contain(what);
         assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
     }
 }
@@ -319,7 +313,7 @@ fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
 #[test]
 fn invalid_map_settings_are_refused() {
     let folder = with_config();
-    let folder = folder.path();
+    let folder = folder;
     for (line, what) in [
         ("map m.toml --models none -o out", "needs models"),
         ("map m.toml --models walter -o out", "ggx-separable"),
@@ -342,23 +336,19 @@ fn invalid_map_settings_are_refused() {
             "reflect",
         ),
     ] {
-        let told = refused(folder, &words(line), 2);
-        assert!(told.contains(what), "{line}: {told}");
+        let told = folder.refused(line);
+        told.must_contain(what);
     }
     assert!(!folder.join("out").exists());
-    fs::write(folder.join("bad.toml"), "[map]\nenergie = 1\n").unwrap();
-    let told = refused(folder, &words("map bad.toml -o out"), 2);
-    assert!(
-        told.contains("energie") && told.contains("line 2"),
-        "{told}"
-    );
+    folder.write("bad.toml", "[map]\nenergie = 1\n");
+    let told = folder.refused("map bad.toml -o out");
+    told.must_contain("energie");
+    told.must_contain("line 2");
     fs::create_dir_all(folder.join("dir/cells")).unwrap();
-    fs::write(folder.join("dir/cells/s1_n1.5_theta0.json"), "{}").unwrap();
-    let told = refused(folder, &words("map m.toml -o dir"), 1);
-    assert!(
-        told.contains("s1_n1.5_theta0.json") && told.contains("earlier version"),
-        "{told}"
-    );
+    folder.write("dir/cells/s1_n1.5_theta0.json", "{}");
+    let told = folder.failed("map m.toml -o dir");
+    told.must_contain("s1_n1.5_theta0.json");
+    told.must_contain("earlier version");
 }
 
 #[test]
@@ -375,17 +365,13 @@ fn the_examples_are_maps() {
 /// ones mix both.
 #[test]
 fn cells_are_judged_by_the_wavelength_one_by_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let line = "map --tau 5um --sigma 0.135um,0.54um --theta 0,60 --size 32 --realisations 8 --rays 800 --models smith --no-plots";
-    let report = succeed(folder, &words(&format!("{line} -o m")));
+    let report = folder.succeed(format!("{line} -o m"));
     let text = unwrapped(&report);
-    assert!(
-        text.contains("warning: s37.037_n1.5_theta0: up to 55.2 % of the transmitted light is coherent at 550 nm, assumed"),
-        "{text}"
-    );
-    assert!(text.contains("in 1 other cells"), "{text}");
-    assert!(text.contains("geometric optics is doubtful"), "{text}");
+    text.must_contain("warning: s37.037_n1.5_theta0: up to 55.2 % of the transmitted light is coherent at 550 nm, assumed");
+    text.must_contain("in 1 other cells");
+    text.must_contain("geometric optics is doubtful");
     let summary = |out: &str| {
         let text = fs::read_to_string(folder.join(out).join("summary.json"));
         json(&text.unwrap())
@@ -394,14 +380,11 @@ fn cells_are_judged_by_the_wavelength_one_by_one() {
     let holds = |i: usize| cells[i]["validity"]["holds"].clone();
     assert_eq!([holds(0), holds(2)], [false, true]);
     // The same results under another wavelength
-    let long = succeed(folder, &words(&format!("{line} --wavelength 5um -o m")));
+    let long = folder.succeed(format!("{line} --wavelength 5um -o m"));
     assert!(unwrapped(&long).contains("at 5000 nm:"), "{long}");
     assert_eq!(summary("m")["cells"][2]["validity"]["holds"], false);
     let unknown = line.replace("um", "");
-    let text = unwrapped(&succeed(
-        folder,
-        &words(&format!("{unknown} --wavelength 500 -o u")),
-    ));
+    let text = unwrapped(&folder.succeed(format!("{unknown} --wavelength 500 -o u")));
     assert!(
         text.contains("has no effect") && !text.contains("geometric optics"),
         "{text}"

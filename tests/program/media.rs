@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, json, with_surface};
 use serde_json::Value;
 
 /// `(mean, se)` of one of the energies of a summary.
@@ -16,13 +16,13 @@ fn energy(summary: &Value, name: &str) -> (f64, f64) {
 }
 
 fn traced(folder: &Path, flags: &str) -> Value {
-    let arguments = [&words("trace")[..], &words(flags), &["--json"]].concat();
-    json(&succeed(folder, &arguments))
+    let arguments = format!("trace {flags} --json");
+    json(&folder.succeed(&arguments))
 }
 
 /// Flux into the bins of 5 deg of polar angle, and its errors, of light that was scattered inside.
 fn diffuse_by_angle(folder: &Path) -> Vec<(f64, f64)> {
-    let table = fs::read_to_string(folder.join("theta.csv")).unwrap();
+    let table = folder.text("theta.csv");
     let mut lines = table.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
@@ -47,7 +47,7 @@ fn diffuse_by_angle(folder: &Path) -> Vec<(f64, f64)> {
 #[test]
 fn a_flat_interface_over_a_half_space_agrees_with_the_equation_of_transfer() {
     // From an independent quadrature; the same numbers by angle stand in ../shared, where it is there.
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let path = "../shared/reference/flat_interface_over_medium.json";
     let reference = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).ok();
     if reference.is_none() {
@@ -61,7 +61,7 @@ fn a_flat_interface_over_a_half_space_agrees_with_the_equation_of_transfer() {
             let flags = format!(
                 "--flat --eta {eta} --theta 0 --mean-free-path {path} --albedo 0.9 --rays 2e5 --no-plots --seed {seed} -o out"
             );
-            let summary = traced(folder.path(), &flags);
+            let summary = traced(&folder, &flags);
             let (reflected, se) = energy(&summary, "reflected");
             let z = (reflected - diffuse - fresnel) / se;
             println!("n {eta}, mean free path {path}: {reflected:.5} +- {se:.5}, z {z:.2}");
@@ -77,7 +77,7 @@ fn a_flat_interface_over_a_half_space_agrees_with_the_equation_of_transfer() {
                 continue;
             };
             let exact = &json(reference)["configs"][case]["exit_theta_hist_5deg_exact"];
-            let found = diffuse_by_angle(&folder.path().join("out"));
+            let found = diffuse_by_angle(&folder.join("out"));
             let chi_squared: f64 = found
                 .iter()
                 .zip(exact.as_array().unwrap())
@@ -92,7 +92,7 @@ fn a_flat_interface_over_a_half_space_agrees_with_the_equation_of_transfer() {
 
 #[test]
 fn light_of_any_azimuth_has_the_same_energy() {
-    let (_guard, folder) = with_surface();
+    let folder = with_surface();
     let flags = "h.exr --theta 50 --mean-free-path 5 --albedo 0.8 --rays 4e4 --light-azimuth";
     let fixed = traced(&folder, &format!("{flags} fixed"));
     let random = traced(&folder, &format!("{flags} random --seed 2"));
@@ -106,11 +106,10 @@ fn light_of_any_azimuth_has_the_same_energy() {
 
 #[test]
 fn the_same_bytes_on_any_number_of_threads_and_components_that_add_up() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for threads in ["1", "2"] {
         let flags = "verify --tau 8 --size 64 --smoothness 3 --models none --no-plots --realisations 3 --rays 6000 --theta 40 --mean-free-path 4,40 --albedo 0.9 --g 0.4 --thickness 40 --bottom-surface independent --threads";
-        succeed(folder, &words(&format!("{flags} {threads} -o {threads}")));
+        folder.succeed(format!("{flags} {threads} -o {threads}"));
     }
     for case in ["mfp4", "mfp40"] {
         let case = format!("s3_n1.5_theta40_{case}_albedo0.9_g0.4_d40");
@@ -140,7 +139,7 @@ fn the_same_bytes_on_any_number_of_threads_and_components_that_add_up() {
 
 #[test]
 fn what_makes_no_medium_is_refused_in_one_sentence() {
-    let (_guard, folder) = with_surface();
+    let folder = with_surface();
     let medium = "--mean-free-path 1 --albedo 0.9";
     for (flags, reason) in [
         ("--absorption -1".to_owned(), "--absorption -1: must be"),
@@ -193,26 +192,26 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");
-        let error = refused(&folder, &words(&line), 2);
-        assert!(error.contains(reason), "{flags}: {error}");
+        let error = folder.refused(&line);
+        error.must_contain(reason);
     }
     let line = format!("trace h.exr --theta 30 {medium} --thickness 50 --bottom-surface no.exr");
-    refused(&folder, &words(&line), 1);
+    folder.failed(&line);
     let line = format!("map --theta 30 {medium} -o map");
-    assert!(refused(&folder, &words(&line), 2).contains("not for map"));
+    folder.refused(&line).must_contain("not for map");
 }
 
 #[test]
 fn a_bottom_may_come_from_a_file() {
-    let (_guard, folder) = with_surface();
+    let folder = with_surface();
     let flags = "h.exr --theta 30 --mean-free-path 20 --albedo 0.9 --thickness 40 --rays 2e4";
     let file = traced(&folder, &format!("{flags} --bottom-surface h.exr"));
     let same = traced(&folder, &format!("{flags} --bottom-surface same"));
     assert_eq!(file["energy"], same["energy"]);
     assert!(file["config"]["below"]["bottom"]["shape"].is_array());
     let other = "generate --tau 8 --smoothness 2 --size 80 --seed 7 -o other.exr";
-    succeed(&folder, &words(other));
+    folder.succeed(other);
     let line = format!("trace {flags} --bottom-surface other.exr");
-    let error = refused(&folder, &words(&line), 2);
-    assert!(error.contains("does not lie under"), "{error}");
+    let error = folder.refused(&line);
+    error.must_contain("does not lie under");
 }

@@ -1,8 +1,6 @@
 //! Models by name: alone, and against explicit surfaces with single and multiple scattering separate.
 
-use std::fs;
-
-use crate::support::{Table, json, refused, succeed, words};
+use crate::support::{Folder, InFolder, Table, Words, json};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -11,8 +9,8 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn every_model_says_where_it_holds() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = succeed(folder.path(), &["model", "--list"]);
+    let folder = Folder::new();
+    let text = folder.succeed("model --list");
     let names = [
         "xu-sun",
         "xu-sun-mc",
@@ -40,10 +38,10 @@ fn every_model_says_where_it_holds() {
 
 #[test]
 fn a_model_that_follows_rays_gives_energies_by_order_with_errors_and_bins() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let flags =
         "model heitz --smoothness 1 --eta 1.5 --theta 30 --rays 2e4 --bins 9x12 --json -o bins.csv";
-    let result = json(&succeed(folder.path(), &words(flags)));
+    let result = json(&folder.succeed(flags));
     let energy = |name: &str| number(&result["energy"][name]["mean"]);
     // Glass loses nothing but what roulette leaves open.
     let sum = energy("reflected") + energy("transmitted") + energy("truncated");
@@ -58,7 +56,7 @@ fn a_model_that_follows_rays_gives_energies_by_order_with_errors_and_bins() {
     assert_eq!(number(&orders[0]["se"]), 0.0, "single scattering is exact");
     assert!(number(&orders[1]["se"]) > 0.0);
     assert_eq!(result["rays"], 20_032, "64 batches of 313 rays");
-    let table = fs::read_to_string(folder.path().join("bins.csv")).unwrap();
+    let table = folder.text("bins.csv");
     assert_eq!(table.lines().count(), 1 + 2 * 9 * 12);
     let total: f64 = table
         .lines()
@@ -70,10 +68,10 @@ fn a_model_that_follows_rays_gives_energies_by_order_with_errors_and_bins() {
 
 #[test]
 fn a_closed_form_can_be_had_by_bins_and_turns_with_its_grooves() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let of = |flags: &str| {
         let flags = format!("model smith --smoothness 2 --eta 1.5 --theta 50 --json {flags}");
-        let result = json(&succeed(folder.path(), &words(flags.trim_end())));
+        let result = json(&folder.succeed(flags.trim_end()));
         number(&result["energy"]["reflected"]["mean"])
     };
     let round = of("");
@@ -89,17 +87,17 @@ fn a_closed_form_can_be_had_by_bins_and_turns_with_its_grooves() {
 
 #[test]
 fn single_and_multiple_scattering_are_judged_apart() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let flags = "verify --tau 8 --size 128 --smoothness 1 --realisations 12 --rays 6e4 --models \
                  smith,heitz --model-rays 6e4 --bins 9x12 -o out";
-    let text = succeed(folder.path(), &words(flags));
+    let text = folder.succeed(flags);
     for heading in ["single scattering", "multiple scattering", "all orders"] {
-        assert!(text.contains(&format!("\n{heading} ")), "{heading}: {text}");
+        text.must_contain(format!("\n{heading} "));
     }
     for sentence in ["Single", "Multiple", "All orders together"] {
         assert!(text.contains(&format!("\n{sentence}")), "{sentence}");
     }
-    let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+    let summary = folder.text("out/summary.json");
     let models = &json(&summary)["comparison"]["models"];
     let [smith, heitz] = [&models[0], &models[1]];
     assert_eq!(smith["scope"], "single-scattering");
@@ -123,7 +121,7 @@ fn single_and_multiple_scattering_are_judged_apart() {
         number(&smith["total"]["total_variation"])
             > 1.5 * number(&heitz["total"]["total_variation"])
     );
-    let comparison = fs::read_to_string(folder.path().join("out/comparison.csv")).unwrap();
+    let comparison = folder.text("out/comparison.csv");
     let header = comparison.lines().next().unwrap();
     for column in ["flux_smith", "flux_multiple_heitz", "z_total_heitz"] {
         assert!(header.split(',').any(|name| name == column), "{column}");
@@ -133,7 +131,7 @@ fn single_and_multiple_scattering_are_judged_apart() {
 
 #[test]
 fn models_are_refused_what_they_cannot_do_by_name() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (arguments, expected) in [
         (
             "verify --models cook-torrance-neumann -o out",
@@ -163,24 +161,23 @@ fn models_are_refused_what_they_cannot_do_by_name() {
             "smoothness-y",
         ),
     ] {
-        let error = refused(folder.path(), &words(arguments), 2);
-        assert!(error.contains(expected), "{arguments}: {error}");
+        let error = folder.refused(arguments);
+        error.must_contain(expected);
     }
     // Reflection alone is what it describes.
     let reflection = "verify --tau 8 --size 64 --realisations 3 --rays 3e3 --side reflected \
                       --models cook-torrance-neumann,v-cavity --no-plots -o out";
-    succeed(folder.path(), &words(reflection));
+    folder.succeed(reflection);
 }
 
 /// Slopes of a Gaussian surface, once as its height map and once as a table of their exact density: both give the model of Gaussian slopes,
 /// the map within the scatter of some 700 correlation areas.
 #[test]
 fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     // Facets of 16 per correlation length have 0.2 % less slope variance than the surface
     let map = "generate --tau 16 --smoothness 4 --size 768 --spacing 1 -o gaussian.exr";
-    succeed(folder, &words(map));
+    folder.succeed(map);
     let variance: f64 = 2.0 / 16.0;
     let mut text = String::from("x,y,density\n");
     for y in -60..=60 {
@@ -190,11 +187,11 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
             text += &format!("{x},{y},{density}\n");
         }
     }
-    fs::write(folder.join("slopes.csv"), text).unwrap();
+    folder.write("slopes.csv", text);
     let reflected = |roughness: &str| {
         let flags =
             format!("model smith-slopes {roughness} --eta 1.5 --theta 50 --bins 9x12 --json");
-        let found = json(&succeed(folder, &words(&flags)));
+        let found = json(&folder.succeed(&flags));
         number(&found["energy"]["reflected"]["mean"])
     };
     let gaussian = reflected("--smoothness 4");
@@ -206,43 +203,28 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
     assert!((of_map / gaussian - 1.0).abs() < 0.02 && of_map != gaussian);
     // Models of Gaussian slopes take the root mean square
     let flags = "model smith --slopes-of slopes.csv --eta 1.5 --theta 50 --bins 9x12 --json";
-    let smith = number(&json(&succeed(folder, &words(flags)))["energy"]["reflected"]["mean"]);
+    let smith = number(&json(&folder.succeed(flags))["energy"]["reflected"]["mean"]);
     assert!((smith / gaussian - 1.0).abs() < 2e-3);
 
     // Isotropic models take slopes that are nearly so, and a histogram has no single directions
     for model in ["xu-sun", "smith"] {
         let flags =
             format!("model {model} --slopes-of gaussian.exr --eta 1.5 --theta 50 --bins 9x12");
-        let text = succeed(folder, &words(&flags));
-        assert!(
-            text.contains("taken off") && text.contains("taken as isotropic"),
-            "{text}"
-        );
+        let text = folder.succeed(&flags);
+        text.must_contain("taken off");
+        text.must_contain("taken as isotropic");
     }
     let flags = "model smith-slopes --slopes-of gaussian.exr --eta 1.5 --theta 50 --step 5";
-    assert!(refused(folder, &words(flags), 2).contains("take --bins"));
-    let table = succeed(
-        folder,
-        &words("model smith-slopes --slopes-of gaussian.exr --eta 1.5"),
-    );
-    assert!(table.contains("reflected by order"), "{table}");
+    folder.refused(flags).must_contain("take --bins");
+    let table = folder.succeed("model smith-slopes --slopes-of gaussian.exr --eta 1.5");
+    table.must_contain("reflected by order");
 
-    succeed(
-        folder,
-        &words("generate --structure v-grooves --size 64 --spacing 1 -o grooves.exr"),
-    );
-    fs::write(folder.join("bad.csv"), "x,y,density\n0,0,1\n1,0,1\n0,1,1\n").unwrap();
-    fs::write(
-        folder.join("flat.csv"),
-        "x,y,density\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n",
-    )
-    .unwrap();
+    folder.succeed("generate --structure v-grooves --size 64 --spacing 1 -o grooves.exr");
+    folder.write("bad.csv", "x,y,density\n0,0,1\n1,0,1\n0,1,1\n");
+    folder.write("flat.csv", "x,y,density\n0,0,0\n1,0,0\n0,1,0\n1,1,0\n");
     let flags = "model smith --slopes-of grooves.exr --eta 1.5 --theta 50";
-    assert!(refused(folder, &words(flags), 1).contains("lie along one direction"));
-    succeed(
-        folder,
-        &words("model smith-slopes --slopes-of grooves.exr --eta 1.5"),
-    );
+    folder.failed(flags).must_contain("lie along one direction");
+    folder.succeed("model smith-slopes --slopes-of grooves.exr --eta 1.5");
     for (flags, code, expected) in [
         ("--slopes-of bad.csv", 1, "not those of a grid"),
         ("--slopes-of flat.csv", 1, "flat.csv"),
@@ -250,8 +232,8 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
         ("--slopes-of slopes.csv --smoothness 3", 2, "smoothness"),
     ] {
         let flags = format!("model smith-slopes {flags} --eta 1.5 --theta 50");
-        let message = refused(folder, &words(&flags), code);
-        assert!(message.contains(expected), "{message}");
+        let message = folder.stopped(&flags, code);
+        message.must_contain(expected);
     }
 }
 
@@ -263,9 +245,8 @@ fn prefixed(text: &str, prefix: &str) -> Vec<String> {
 
 #[test]
 fn lists_give_a_model_at_every_combination() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     let layer = "model hanrahan-krueger --mean-free-path 2 --albedo 0.9 --step 30";
     let all = run(&format!("{layer} --thickness 1,4 --theta 0,50"));
     let rows: Vec<&str> = all.lines().filter(|line| !line.starts_with('#')).collect();
@@ -277,23 +258,21 @@ fn lists_give_a_model_at_every_combination() {
             expected.extend(prefixed(&single, &format!("{thickness},{theta},")));
             let note = single.lines().next().unwrap().strip_prefix("# ").unwrap();
             let labelled = format!("# thickness = {thickness}, theta_i_deg = {theta}: {note}");
-            assert!(all.contains(&labelled), "{all}");
+            all.must_contain(&labelled);
         }
     }
     assert_eq!(rows[1..], expected);
 
     let rough = "model heitz --eta 1.5 --bins 3x4 --rays 1e4";
     let text = run(&format!("{rough} --smoothness 2,3 -o all.csv"));
-    assert!(
-        text.contains("smoothness = 3") && text.contains("48 bins"),
-        "{text}"
-    );
-    let all = fs::read_to_string(folder.join("all.csv")).unwrap();
+    text.must_contain("smoothness = 3");
+    text.must_contain("48 bins");
+    let all = folder.text("all.csv");
     let mut expected = Vec::new();
     let cases = json(&run(&format!("{rough} --smoothness 2,3 --json")))["cases"].clone();
     for (number, smoothness) in [2, 3].into_iter().enumerate() {
         run(&format!("{rough} --smoothness {smoothness} -o one.csv"));
-        let one = fs::read_to_string(folder.join("one.csv")).unwrap();
+        let one = folder.text("one.csv");
         expected.extend(prefixed(&one, &format!("{smoothness},")));
         let single = json(&run(&format!("{rough} --smoothness {smoothness} --json")));
         assert_eq!(cases[number]["energy"], single["energy"]);
@@ -302,28 +281,27 @@ fn lists_give_a_model_at_every_combination() {
     assert_eq!(all.lines().skip(1).collect::<Vec<_>>(), expected);
 
     let many = "model smith --smoothness 3 --sphere --step 0.1 --theta 0,10";
-    let message = refused(folder, &words(many), 2);
-    assert!(message.contains("rows of all combinations"), "{message}");
+    let message = folder.refused(many);
+    message.must_contain("rows of all combinations");
     for (line, why) in [
         ("model smith --smoothness 2,2", "twice"),
         ("model smith --smoothness 2,-1", "from 1e-6"),
     ] {
-        let message = refused(folder, &words(line), 2);
-        assert!(message.contains(why), "{line}: {message}");
+        let message = folder.refused(line);
+        message.must_contain(why);
     }
 }
 
 #[test]
 fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let count = "attenuation --tau 0.5 --sigma 0.25 --size 128 --spacing 0.05 --realisations 2";
     let angles = "--theta 0,40 --view-theta 0,20,60 --view-phi 180 --no-mirror --no-plots";
-    succeed(folder, &words(&format!("{count} {angles} -o a")));
+    folder.succeed(format!("{count} {angles} -o a"));
     let table = Table::read(&folder.join("a/attenuation.csv"));
     let step = "--smoothness 2 --material mirror --step 20 --attenuation-of a/attenuation.csv";
     for name in ["v-cavity", "cook-torrance-neumann"] {
-        let text = succeed(folder, &words(&format!("model {name} {step} --theta 40")));
+        let text = folder.succeed(format!("model {name} {step} --theta 40"));
         let rows: Vec<&str> = text.lines().skip(1).collect();
         assert_eq!(rows.len(), 4, "{text}");
         for (row, theta) in rows.iter().zip([0.0, 20.0, 40.0, 60.0]) {
@@ -365,24 +343,17 @@ fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
             1,
         ),
     ] {
-        let message = refused(folder, &words(&format!("{line} {step}")), code);
-        assert!(message.contains(why), "{line}: {message}");
+        let message = folder.stopped(format!("{line} {step}"), code);
+        message.must_contain(why);
     }
     for other in ["--smoothness 3", "--smoothness 2 --smoothness-y 5"] {
         let other = step.replace("--smoothness 2", other);
         let line = format!("model v-cavity {other} --theta 40");
-        let message = refused(folder, &words(&line), 1);
-        assert!(message.contains("other slopes"), "{message}");
+        let message = folder.failed(&line);
+        message.must_contain("other slopes");
     }
     let wrong = step.replace("a/attenuation.csv", "wrong.csv");
-    fs::write(folder.join("wrong.csv"), "theta,g2\n0,1\n").unwrap();
-    let message = refused(
-        folder,
-        &words(&format!("model v-cavity {wrong} --theta 40")),
-        1,
-    );
-    assert!(
-        message.contains("attenuation.csv of one sigma"),
-        "{message}"
-    );
+    folder.write("wrong.csv", "theta,g2\n0,1\n");
+    let message = folder.failed(format!("model v-cavity {wrong} --theta 40"));
+    message.must_contain("attenuation.csv of one sigma");
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Table, json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Table, Words, json, with_surface};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -11,11 +11,11 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn light_of_any_state_leaves_as_the_matrix_says() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let run = |more: &str| {
         let line =
             format!("trace h.exr --eta 1.5 --theta 50 --rays 4e4 --estimator plain --json {more}");
-        json(&succeed(&folder, &words(&line)))
+        json(&folder.succeed(&line))
     };
     let matrix = &run("--polarisation mueller")["mueller"];
     for (stokes, [q, u, v]) in [
@@ -38,7 +38,7 @@ fn light_of_any_state_leaves_as_the_matrix_says() {
 
 #[test]
 fn impossible_light_is_refused() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (more, why) in [
         (
             "--stokes 1,0,0",
@@ -57,31 +57,31 @@ fn impossible_light_is_refused() {
         ("--stokes 1,1,0,0 --estimator controlled", "auto or plain"),
     ] {
         let line = format!("trace h.exr --eta 1.5 --rays 1e5 {more}");
-        let message = refused(&folder, &words(&line), 2);
-        assert!(message.contains(why), "{more}: {message}");
+        let message = folder.refused(&line);
+        message.must_contain(why);
     }
 }
 
 #[test]
 fn a_map_refuses_matrices() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "map --smoothness 3 --eta 1.5 --polarisation mueller -o m";
-    let message = refused(folder.path(), &words(line), 2);
-    assert!(message.contains("fluxes alone"), "{message}");
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let message = folder.refused(line);
+    message.must_contain("fluxes alone");
+    assert_eq!(std::fs::read_dir(&*folder).unwrap().count(), 0);
 }
 
 #[test]
 fn matrices_of_each_direction_are_those_of_a_trace() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let light = "--eta 1.5 --rays 2e4 --bins 6x8 --estimator plain --polarisation mueller";
     let line = format!("gonio --surface h.exr --theta 20,60 --no-plots {light} -o g");
-    succeed(&folder, &words(&line));
-    let summary = json(&fs::read_to_string(folder.join("g/summary.json")).unwrap());
+    folder.succeed(&line);
+    let summary = folder.json("g/summary.json");
     for (number, theta) in [20, 60].into_iter().enumerate() {
         let out = format!("t{theta}");
         let line = format!("trace h.exr --theta {theta} --no-plots {light} -o {out}");
-        succeed(&folder, &words(&line));
+        folder.succeed(&line);
         let direction = &summary["directions"][number];
         let name = direction["direction"].as_str().unwrap();
         for file in ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"] {
@@ -101,14 +101,11 @@ fn matrices_of_each_direction_are_those_of_a_trace() {
 
 #[test]
 fn gonio_tells_what_averaging_changes() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let light = "--eta 1.5 --rays 2e4 --bins 6x8 --theta 50 --polarisation both --no-plots";
-    succeed(
-        &folder,
-        &words(&format!("gonio --surface h.exr {light} -o g")),
-    );
-    succeed(&folder, &words(&format!("trace h.exr {light} -o t")));
-    let read = |path: &str| json(&fs::read_to_string(folder.join(path)).unwrap());
+    folder.succeed(format!("gonio --surface h.exr {light} -o g"));
+    folder.succeed(format!("trace h.exr {light} -o t"));
+    let read = |path: &str| folder.json(path);
     let (gonio, trace) = (read("g/summary.json"), read("t/summary.json"));
     let direction = &gonio["directions"][0];
     let found = &direction["results"]["tracked_less_averaged"];
@@ -128,15 +125,14 @@ fn gonio_tells_what_averaging_changes() {
 
 #[test]
 fn polarised_light_on_ensembles_leaves_as_their_matrix_says() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let surfaces = "--smoothness 2 --tau 4 --size 32 --realisations 16 --rays 1.6e5 --bins 6x8";
     // The axes of vertical light have an azimuth, though each ray comes from another.
     for theta in [0, 50] {
         let run = |command: &str, more: &str, name: &str| {
             let line =
                 format!("{command} {surfaces} --theta {theta} --no-plots {more} -o {name}{theta}");
-            succeed(folder, &words(&line));
+            folder.succeed(&line);
             folder.join(format!("{name}{theta}"))
         };
         let matrix = run(
@@ -166,24 +162,24 @@ fn polarised_light_on_ensembles_leaves_as_their_matrix_says() {
         assert!(chi_square < 2.0 * count, "{theta}: {chi_square} of {count}");
         // A measurement of the same surfaces gives the same fluxes.
         let line = format!("gonio {surfaces} --theta {theta} --no-plots {light} -o g{theta}");
-        succeed(folder, &words(&line));
-        let gonio = fs::read_to_string(folder.join(format!("g{theta}/summary.json"))).unwrap();
-        let verify = json(&fs::read_to_string(found.join("summary.json")).unwrap());
+        folder.succeed(&line);
+        let gonio = folder.text(format!("g{theta}/summary.json"));
+        let verify = found.json("summary.json");
         let reflected = &json(&gonio)["directions"][0]["results"]["flux"]["all"]["reflected"];
         assert_eq!(reflected, &verify["energy"]["reflected"]);
     }
     let line = format!("verify {surfaces} --theta 30 --stokes 1,1,0,0 --models smith -o r");
-    let message = refused(folder, &words(&line), 2);
-    assert!(message.contains("unpolarised light"), "{message}");
+    let message = folder.refused(&line);
+    message.must_contain("unpolarised light");
 }
 
 #[test]
 fn verify_says_what_averaging_explains() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "verify --smoothness 2 --eta 1.5 --theta 30 --realisations 8 --rays 8e4 --models heitz --model-rays 1e4 --polarisation both --no-plots -o v";
-    let text = succeed(folder.path(), &words(line));
-    assert!(text.contains("reflected flux less that of heitz"), "{text}");
-    let summary = std::fs::read_to_string(folder.path().join("v/summary.json")).unwrap();
+    let text = folder.succeed(line);
+    text.must_contain("reflected flux less that of heitz");
+    let summary = folder.text("v/summary.json");
     let difference = &json(&summary)["tracked_less_averaged"]["reflected"];
     // 87e-5 by an example with 16 surfaces.
     let [mean, se] = ["mean", "se"].map(|key| number(&difference[key]));

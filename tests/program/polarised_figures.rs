@@ -1,8 +1,6 @@
 //! Figures of Mueller matrices.
 
-use std::fs;
-
-use crate::support::{files, succeed, with_surface, words};
+use crate::support::{InFolder, files, with_surface};
 
 /// The texts of an SVG.
 fn texts(svg: &str) -> Vec<&str> {
@@ -12,10 +10,10 @@ fn texts(svg: &str) -> Vec<&str> {
 
 #[test]
 fn mueller_matrices_are_drawn_for_each_side_that_light_leaves_to() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let run = |more: &str, out: &str| {
         let line = format!("trace h.exr --theta 30 --rays 2e4 -o {out} {more}");
-        succeed(&folder, &words(&line));
+        folder.succeed(&line);
         let mut names = files(&folder.join(out));
         names.retain(|name| name.starts_with("mueller") && !name.ends_with(".csv"));
         names
@@ -44,7 +42,7 @@ fn mueller_matrices_are_drawn_for_each_side_that_light_leaves_to() {
         of(&[])
     );
     for kind in ["mueller_in_plane", "mueller"] {
-        let svg = fs::read_to_string(folder.join(format!("glass/{kind}_reflected.svg"))).unwrap();
+        let svg = folder.text(format!("glass/{kind}_reflected.svg"));
         let texts = texts(&svg);
         for i in 1..16 {
             let name = format!("m{}{}", i / 4, i % 4);

@@ -4,13 +4,13 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Table, files, json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Table, Words, files, json, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
     let line = format!("generate {flags} --size 128 --json -o a.exr");
-    let written = json(&succeed(folder, &words(&line)));
-    let read = json(&succeed(folder, &words("inspect a.exr --json")));
+    let written = json(&folder.succeed(&line));
+    let read = json(&folder.succeed("inspect a.exr --json"));
     assert_eq!(
         written["realised"]["sigma"]["requested"], read["realised"]["sigma"]["requested"],
         "{flags}"
@@ -20,16 +20,15 @@ fn generated(folder: &std::path::Path, flags: &str) -> Value {
 
 #[test]
 fn spectra_heights_and_slopes_are_drawn_and_read_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let requested = |realised: &Value, name: &str| realised[name]["requested"].as_f64().unwrap();
-    let gaussian = generated(folder, "--tau 12 --sigma 2");
+    let gaussian = generated(&folder, "--tau 12 --sigma 2");
     let slopes = requested(&gaussian, "slope_variance_x");
     for flags in [
         "--tau 12 --sigma 2 --psd exponential --cut-off 9",
         "--tau 12 --sigma 2 --psd matern --nu 1.5 --cut-off 9",
     ] {
-        let found = generated(folder, flags);
+        let found = generated(&folder, flags);
         assert!((requested(&found, "sigma") - 2.0).abs() < 1e-12, "{flags}");
         assert!((requested(&found, "tau_x") - 12.0).abs() < 1e-9, "{flags}");
         assert!(
@@ -38,14 +37,14 @@ fn spectra_heights_and_slopes_are_drawn_and_read_back() {
         );
     }
     let power = "--psd power-law --hurst 0.8 --roll-off 40 --cut-off 9 --sigma 2";
-    assert!(requested(&generated(folder, power), "tau_x") > 5.0);
+    assert!(requested(&generated(&folder, power), "tau_x") > 5.0);
     let two = "--tau 12 --sigma 2 --second-sigma 1.5 --second-tau 4";
-    assert!((requested(&generated(folder, two), "sigma") - 2.5).abs() < 1e-12);
-    let skewed = generated(folder, "--tau 12 --sigma 2 --skewness -1 --kurtosis 5");
+    assert!((requested(&generated(&folder, two), "sigma") - 2.5).abs() < 1e-12);
+    let skewed = generated(&folder, "--tau 12 --sigma 2 --skewness -1 --kurtosis 5");
     assert_eq!(requested(&skewed, "skewness"), -1.0);
     assert_eq!(requested(&skewed, "kurtosis"), 5.0);
     let ggx = generated(
-        folder,
+        &folder,
         "--tau 4 --slopes ggx --ggx-alpha 0.25 --amplitude-ratio 4",
     );
     assert!((ggx["gradients"]["alpha"][0].as_f64().unwrap() - 0.25).abs() < 1e-12);
@@ -54,7 +53,7 @@ fn spectra_heights_and_slopes_are_drawn_and_read_back() {
 
 #[test]
 fn combinations_that_make_no_sense_get_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (flags, expected) in [
         ("--psd exponential", "--psd exponential needs --cut-off"),
         ("--psd matern --nu 0.8", "slopes have no finite variance"),
@@ -71,55 +70,48 @@ fn combinations_that_make_no_sense_get_one_sentence() {
         ("--slopes ggx --ggx-alpha 0.3 --smoothness 3", "excludes"),
     ] {
         let line = format!("generate {flags} -o a.exr");
-        let said = refused(folder.path(), &words(&line), 2);
-        assert!(said.contains(expected), "{flags}: {said}");
+        let said = folder.refused(&line);
+        said.must_contain(expected);
     }
 }
 
 /// GGX slopes have a control variate, and structures, whose slopes are not known, have none.
 #[test]
 fn slopes_that_are_known_have_a_control_variate() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let effort = "--realisations 2 --rays 2e3 --no-plots --json";
     let ggx = "verify --tau 4 --slopes ggx --ggx-alpha 0.1 --size 256 --models smith,smith-slopes";
-    let summary = json(&succeed(
-        folder.path(),
-        &words(&format!("{ggx} {effort} -o ggx")),
-    ));
+    let summary = json(&folder.succeed(format!("{ggx} {effort} -o ggx")));
     let text = summary.to_string();
-    assert!(
-        text.contains("\"control_variate\":\"slope-mixture\""),
-        "{text}"
-    );
+    text.must_contain("\"control_variate\":\"slope-mixture\"");
     let pits = "verify --structure pits --depth 2 --width 16 --size 256 --models none";
     let line = format!("{pits} {effort} -o pits");
-    let summary = json(&succeed(folder.path(), &words(&line)));
+    let summary = json(&folder.succeed(&line));
     assert!(summary.to_string().contains("\"estimator\":\"plain\""));
     let line = format!("{pits} {effort} --estimator controlled -o other");
-    let said = refused(folder.path(), &words(&line), 2);
-    assert!(said.contains("needs the distribution of slopes"), "{said}");
+    let said = folder.refused(&line);
+    said.must_contain("needs the distribution of slopes");
 }
 
 #[test]
 fn tiles_that_hold_few_amplitudes_of_ggx_slopes_are_told() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let said = |size: &str| {
         let line = format!(
             "generate --slopes ggx --ggx-alpha 0.3 --tau 4 --amplitude-ratio 4 --size {size} -o a.exr"
         );
-        unwrapped(&succeed(folder.path(), &words(&line)))
+        unwrapped(&folder.succeed(&line))
     };
     let few = said("128");
-    assert!(few.contains("holds 8 amplitude lengths along x"), "{few}");
-    assert!(few.contains("--size 256,256 holds 16"), "{few}");
+    few.must_contain("holds 8 amplitude lengths along x");
+    few.must_contain("--size 256,256 holds 16");
     assert!(!said("256").contains("amplitude lengths"));
 }
 
 #[test]
 fn surfaces_in_a_folder_are_those_that_a_verification_draws() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     let surface = "--smoothness 2 --tau 4 --size 32 --seed 5";
     run(&format!(
         "generate {surface} --realisation 8 --realisations 3 -o set"
@@ -171,23 +163,22 @@ fn surfaces_in_a_folder_are_those_that_a_verification_draws() {
         ),
         ("generate --smoothness 2 --realisations 0 -o a", "1"),
     ] {
-        let message = refused(folder, &words(line), 2);
-        assert!(message.contains(why), "{line}: {message}");
+        let message = folder.refused(line);
+        message.must_contain(why);
     }
 }
 
 #[test]
 fn height_maps_become_meshes_in_a_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     run("generate --smoothness 2 --tau 4 --size 32 --realisations 2 -o set");
     let text = run("mesh set/surface_0.exr set/surface_1.exr --format obj -o meshes");
     assert_eq!(
         files(&folder.join("meshes")),
         ["manifest.json", "surface_0.obj", "surface_1.obj"]
     );
-    assert!(text.contains("surface_1.obj"), "{text}");
+    text.must_contain("surface_1.obj");
     for number in [0, 1] {
         run(&format!("mesh set/surface_{number}.exr -o one.obj"));
         let [one, same] = ["one.obj".to_owned(), format!("meshes/surface_{number}.obj")]
@@ -210,7 +201,7 @@ fn height_maps_become_meshes_in_a_folder() {
             "both would be surface_0.ply",
         ),
     ] {
-        let message = refused(folder, &words(line), 2);
-        assert!(message.contains(why), "{line}: {message}");
+        let message = folder.refused(line);
+        message.must_contain(why);
     }
 }

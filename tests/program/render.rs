@@ -2,23 +2,20 @@
 
 use std::fs;
 
-use crate::support::{asperity, errors_of, files, refused, succeed, with_surface, words};
+use crate::support::{InFolder, Words, errors_of, files, with_surface};
 
 const SMALL: &str = "render h.exr --size 24x18 --samples 4";
 
 #[test]
 fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_of_threads() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for threads in ["1", "3"] {
         let [exr, png] = ["exr", "png"].map(|ending| format!("p{threads}.{ending}"));
-        let medium = words("--mean-free-path 2 --albedo 0.9 --g 0.5");
-        let rest = ["-o", &exr, "-o", &png, "--threads", threads];
-        let text = succeed(&folder, &[&words(SMALL)[..], &medium, &rest].concat());
-        assert!(
-            text.contains("24 x 18 pixels of 4 camera rays, 1728 rays in"),
-            "{text}"
-        );
-        assert!(text.contains("standard error"), "{text}");
+        let medium = "--mean-free-path 2 --albedo 0.9 --g 0.5";
+        let rest = format!("-o {exr} -o {png} --threads {threads}");
+        let text = folder.succeed(format!("{SMALL} {medium} {rest}"));
+        text.must_contain("24 x 18 pixels of 4 camera rays, 1728 rays in");
+        text.must_contain("standard error");
     }
     for ending in ["exr", "png"] {
         let [one, three] =
@@ -29,7 +26,7 @@ fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_
 
 #[test]
 fn smooth_cells_have_pictures_of_their_own_and_say_that_sunlight_below_is_left_to_chance() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let medium = " --mean-free-path 2 --albedo 0.9";
     for (medium, is_noted) in [
         (String::new(), false),
@@ -42,7 +39,7 @@ fn smooth_cells_have_pictures_of_their_own_and_say_that_sunlight_below_is_left_t
     ] {
         let [flat, one, two] = ["auto", "smooth --threads 1", "smooth --threads 2"].map(|cells| {
             let line = format!("{SMALL}{medium} --cells {cells} -o p.exr");
-            let text = succeed(&folder, &words(&line));
+            let text = folder.succeed(&line);
             let noted = text.contains("by random paths alone");
             assert_eq!(noted, is_noted && cells != "auto", "{line}: {text}");
             fs::read(folder.join("p.exr")).unwrap()
@@ -53,21 +50,19 @@ fn smooth_cells_have_pictures_of_their_own_and_say_that_sunlight_below_is_left_t
 
 #[test]
 fn meshes_and_flat_surfaces_have_pictures_too() {
-    let (_keep, folder) = with_surface();
-    succeed(&folder, &words("mesh h.exr -o h.ply"));
-    let rest = words("--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png");
-    succeed(&folder, &[&["render", "h.ply"], &rest[..]].concat());
-    let flat = words(
-        "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --below 0 --view-theta 0 -o f.exr",
-    );
-    let text = succeed(&folder, &flat);
+    let folder = with_surface();
+    folder.succeed("mesh h.exr -o h.ply");
+    let rest = "--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png";
+    folder.succeed(format!("render h.ply {rest}"));
+    let flat = "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --below 0 --view-theta 0 -o f.exr";
+    let text = folder.succeed(&flat);
     // Fresnel at normal incidence, (n - 1)^2 / (n + 1)^2, but for the slant of a pinhole's lines.
-    assert!(text.contains("mean radiance 0.040"), "{text}");
+    text.must_contain("mean radiance 0.040");
 }
 
 #[test]
 fn what_makes_no_sense_gets_a_sentence_and_no_file() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (flags, expected) in [
         ("-o p.jpg", ".exr and .png"),
         ("-o p.png --size 640", "640x480"),
@@ -118,15 +113,15 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
             true => format!("render h.exr {flags}"),
             false => command,
         };
-        let sentence = refused(&folder, &words(&command), 2);
-        assert!(sentence.contains(expected), "{flags}: {sentence}");
+        let sentence = folder.refused(&command);
+        sentence.must_contain(expected);
     }
     assert_eq!(files(&folder), ["h.exr"]);
 }
 
 #[test]
 fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let before = fs::read(folder.join("h.exr")).unwrap();
     for (outputs, expected) in [
         (["p.png", "p.png"], "given as two outputs"),
@@ -134,9 +129,9 @@ fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
         (["p.png", "h.exr"], "h.exr is the input"),
     ] {
         let [a, b] = outputs;
-        let rest = ["-o", a, "-o", b];
-        let sentence = refused(&folder, &[&words(SMALL)[..], &rest].concat(), 2);
-        assert!(sentence.contains(expected), "{sentence}");
+        let rest = format!("-o {a} -o {b}");
+        let sentence = folder.refused(format!("{SMALL} {rest}"));
+        sentence.must_contain(expected);
     }
     assert_eq!(files(&folder), ["h.exr"]);
     assert!(fs::read(folder.join("h.exr")).unwrap() == before);
@@ -144,23 +139,23 @@ fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
 
 #[test]
 fn a_folder_that_cannot_be_made_is_told_before_light_is_followed_and_nothing_is_written() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let command = "render h.exr --samples 1e8 -o q1.exr -o h.exr/q.png";
-    let sentence = refused(&folder, &words(command), 1);
-    assert!(sentence.contains("`h.exr` is a file"), "{sentence}");
+    let sentence = folder.failed(command);
+    sentence.must_contain("`h.exr` is a file");
     assert_eq!(files(&folder), ["h.exr"]);
 }
 
 /// Flights far longer than the tile end at once, and so do passes of many lines when time is over.
 #[test]
 fn long_flights_and_many_lines_come_to_an_end() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for flags in [
         "--mean-free-path 1e5 --albedo 0.9 --samples 2",
         "--samples 1e8 --max-time 0.05",
     ] {
         let command = format!("render --flat --size 8x6 {flags} -o f.exr");
-        let output = asperity(&folder, &words(&command));
+        let output = folder.run(&command);
         let errors = errors_of(&output);
         assert!(output.status.success(), "{errors}");
         let is_stopped = errors.starts_with("the time is over; the picture of ");
@@ -170,14 +165,14 @@ fn long_flights_and_many_lines_come_to_an_end() {
 
 #[test]
 fn exposure_and_the_radius_of_the_sun_reach_the_picture() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let png = |flags: &str| {
         let command = format!("{SMALL} {flags} -o e.png");
-        let text = succeed(&folder, &words(&command));
+        let text = folder.succeed(&command);
         (text, fs::read(folder.join("e.png")).unwrap())
     };
     let (text, bright) = png("--exposure 2");
-    assert!(text.contains("exposure 2.0000"), "{text}");
+    text.must_contain("exposure 2.0000");
     let (_, dim) = png("--exposure 0.5");
     assert!(bright != dim);
     let (_, wide) = png("--exposure 2 --sun-radius 20");

@@ -4,26 +4,16 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use asperity_studies::settings::{Command as Name, settings_of};
 
-use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
 
 /// A run that takes long, of the kind that keeps all for its end.
 const LONG: &str = "verify --smoothness 2 --tau 4 --size 32 --insist --models none --no-plots --rays 1e12 --realisations 4";
-
-fn begun(folder: &Path, line: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .current_dir(folder)
-        .args(words(line))
-        .stderr(Stdio::null())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap()
-}
 
 /// Runs a command with the limits of `ulimit`.
 fn limited(folder: &Path, limit: &str, line: &str) -> (Option<i32>, String) {
@@ -39,9 +29,8 @@ fn limited(folder: &Path, limit: &str, line: &str) -> (Option<i32>, String) {
 
 #[test]
 fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
-    let mut first = begun(folder, &format!("{LONG} -o out"));
+    let folder = Folder::new();
+    let mut first = folder.begin(&format!("{LONG} -o out"));
     let until = Instant::now() + Duration::from_secs(30);
     while !folder.join("out").exists() {
         assert!(Instant::now() < until, "never begun");
@@ -50,10 +39,7 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
     sleep(Duration::from_millis(300));
     fs::create_dir(folder.join("out/cells")).unwrap();
     std::os::unix::fs::symlink("out", folder.join("link")).unwrap();
-    succeed(
-        folder,
-        &words("generate --size 32 --insist --tau 4 -o h.npy -q"),
-    );
+    folder.succeed("generate --size 32 --insist --tau 4 -o h.npy -q");
     let other_seed = format!("{LONG} --seed 2");
     for (line, out) in [
         (LONG, "out"),
@@ -71,54 +57,46 @@ fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone(
             "man" => format!("man {out}"),
             line => format!("{line} -o {out}"),
         };
-        let sentence = refused(folder, &words(&line), 1);
-        assert!(
-            sentence.contains("is being written by another run"),
-            "{line}: {sentence}"
-        );
+        let sentence = folder.failed(&line);
+        sentence.must_contain("is being written by another run");
         assert!(first.try_wait().unwrap().is_none(), "{line}");
     }
     assert_eq!(files(&folder.join("out")), ["cells"]);
     // Folders above and inside, of which no results are its own
     let short = "verify --smoothness 2 --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -q";
     for other in [".", "out/cells/deep"] {
-        succeed(folder, &words(&format!("{short} -o {other}")));
+        folder.succeed(format!("{short} -o {other}"));
     }
     assert!(first.try_wait().unwrap().is_none());
     first.kill().unwrap();
     first.wait().unwrap();
-    succeed(
-        folder,
-        &words(
-            "verify --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -o out",
-        ),
-    );
+    folder.succeed("verify --tau 4 --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 -o out");
 }
 
 #[test]
 fn a_run_without_a_folder_prints_its_results_and_writes_nothing() {
-    let keep = tempfile::tempdir().unwrap();
+    let keep = Folder::new();
     let surface = "--tau 4 --size 32 --insist --rays 1000 --realisations 2 --theta 30";
     for (command, word) in [
         ("verify --models none", "reflected"),
         ("gonio", "theta"),
         ("map --models smith", "smith"),
     ] {
-        let text = succeed(keep.path(), &words(&format!("{command} {surface}")));
+        let text = keep.succeed(format!("{command} {surface}"));
         assert!(
             text.contains(word) && !text.contains("results in"),
             "{text}"
         );
-        let summary = succeed(keep.path(), &words(&format!("{command} {surface} --json")));
+        let summary = keep.succeed(format!("{command} {surface} --json"));
         assert!(json(&summary).is_object());
     }
-    assert!(files(keep.path()).is_empty());
+    assert!(files(&keep).is_empty());
 }
 
 /// Every setting that names a file, with a file of each command's that it must not replace.
 #[test]
 fn no_command_replaces_a_file_that_it_reads() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     fs::copy(folder.join("h.exr"), folder.join("in.exr")).unwrap();
     fs::hard_link(folder.join("in.exr"), folder.join("hard.exr")).unwrap();
     std::os::unix::fs::symlink("in.exr", folder.join("soft.exr")).unwrap();
@@ -154,7 +132,7 @@ fn no_command_replaces_a_file_that_it_reads() {
                 "sub/../in.exr",
             ] {
                 let line = format!("{run} -o {out}");
-                let output = asperity(&folder, &words(&line));
+                let output = folder.run(&line);
                 let errors = errors_of(&output);
                 assert!(!output.status.success(), "{line}");
                 // Folders have no such names, and other formats other endings.
@@ -173,13 +151,12 @@ fn no_command_replaces_a_file_that_it_reads() {
 /// Names of results that are inputs too, in the folder of an earlier run.
 #[test]
 fn results_that_a_run_reads_are_not_replaced_by_it() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let folder = Folder::new();
     let run = "verify --size 32 --insist --models none --no-plots --rays 1000 --realisations 2 --bins 6x6";
-    succeed(folder, &words(&format!("{run} --tau 4 -o q")));
+    folder.succeed(format!("{run} --tau 4 -o q"));
     let table = "wavevector,psd\n0.1,10\n1,1\n";
     for listed in ["null", "its fingerprint"] {
-        fs::write(folder.join("q/theta.csv"), table).unwrap();
+        folder.write("q/theta.csv", table);
         let manifest = folder.join("q/manifest.json");
         let mut found = json(&fs::read_to_string(&manifest).unwrap());
         if listed == "null" {
@@ -188,49 +165,45 @@ fn results_that_a_run_reads_are_not_replaced_by_it() {
             found["files"]["theta.csv"] = serde_json::json!({"bytes": 27, "md5": "0"});
         }
         fs::write(&manifest, found.to_string()).unwrap();
-        let output = asperity(folder, &words(&format!("{run} --psd q/theta.csv -o q")));
+        let output = folder.run(format!("{run} --psd q/theta.csv -o q"));
         assert!(!output.status.success(), "{listed}");
-        assert_eq!(
-            fs::read_to_string(folder.join("q/theta.csv")).unwrap(),
-            table
-        );
+        assert_eq!(folder.text("q/theta.csv"), table);
     }
 }
 
 #[test]
 fn after_a_kill_at_any_time_a_file_that_a_user_changed_is_refused() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let folder = Folder::new();
     let line = "gonio --smoothness 2 --size 32 --tau 4 --insist --theta 0,20 --realisations 2 --rays 4000 --bins 6x12 --no-plots -q -o g";
     let began = Instant::now();
-    succeed(folder, &words(line));
+    folder.succeed(line);
     let whole = began.elapsed();
     for step in 2..5 {
         fs::remove_dir_all(folder.join("g")).unwrap();
-        let mut program = begun(folder, line);
+        let mut program = folder.begin(line);
         sleep(whole * step / 5);
         let _ = program.kill();
         program.wait().unwrap();
         let out = folder.join("g");
         let is_there = out.join("manifest.json").exists();
         if is_there {
-            let manifest = json(&fs::read_to_string(out.join("manifest.json")).unwrap());
+            let manifest = out.json("manifest.json");
             for (name, content) in manifest["files"].as_object().unwrap() {
                 assert!(!content.is_null() || name.starts_with("results."), "{name}");
             }
         }
-        succeed(folder, &words(line));
+        folder.succeed(line);
         let table = out.join("directions/s2_n1.5_theta0_phi0.csv");
         fs::write(&table, "note").unwrap();
-        let sentence = refused(folder, &words(line), 1);
-        assert!(sentence.contains("was changed after"), "{sentence}");
+        let sentence = folder.failed(line);
+        sentence.must_contain("was changed after");
         assert_eq!(fs::read_to_string(&table).unwrap(), "note");
     }
 }
 
 #[test]
 fn files_beyond_the_largest_size_are_refused_and_leave_nothing() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (limit, line, word) in [
         (
             "-f 20",
@@ -259,16 +232,12 @@ fn files_beyond_the_largest_size_are_refused_and_leave_nothing() {
 
 #[test]
 fn too_little_memory_is_told_in_one_sentence() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
-    succeed(
-        folder,
-        &words("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q"),
-    );
+    let folder = Folder::new();
+    folder.succeed("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q");
     let mut refused = 0;
     for kibibytes in [100_000, 130_000, 160_000, 200_000] {
         let line = "trace k.exr --theta 30 --rays 20000 --threads 2 -q -o o";
-        let (code, sentence) = limited(folder, &format!("-v {kibibytes}"), line);
+        let (code, sentence) = limited(&folder, &format!("-v {kibibytes}"), line);
         if code == Some(0) {
             continue;
         }
@@ -278,40 +247,32 @@ fn too_little_memory_is_told_in_one_sentence() {
             sentence.starts_with("asperity: ") && sentence.lines().count() == 1,
             "{sentence}"
         );
-        assert!(!files(folder).iter().any(|name| name.ends_with(".part")));
+        assert!(!files(&folder).iter().any(|name| name.ends_with(".part")));
     }
     assert!(refused > 0);
 }
 
 #[test]
 fn a_reader_says_in_its_own_words_that_a_limit_leaves_too_little_memory() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let folder = Folder::new();
     let fields = "{'descr': '<f8', 'fortran_order': False, 'shape': (8000, 8000), }";
     let mut header = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     header.extend(format!("{fields:<117}\n").into_bytes());
-    fs::write(folder.join("big.npy"), header).unwrap();
+    folder.write("big.npy", header);
     let file = fs::File::options().write(true).open(folder.join("big.npy"));
     file.unwrap().set_len(128 + 8 * 8000 * 8000).unwrap();
-    let (code, sentence) = limited(folder, "-v 300000", "inspect big.npy --threads 1");
+    let (code, sentence) = limited(&folder, "-v 300000", "inspect big.npy --threads 1");
     assert_eq!(code, Some(1), "{sentence}");
     let words = "`big.npy` holds 8000 x 8000 samples (columns x rows), for which there is not enough memory";
-    assert!(sentence.contains(words), "{sentence}");
+    sentence.must_contain(words);
 }
 
 #[test]
 fn finished_files_of_a_set_stay_after_an_interrupt_and_the_same_command_goes_on() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let folder = Folder::new();
     let line = "generate --tau 8 --smoothness 2 --size 256 --realisations 1000 -o set";
     let interrupted_at = |name: &str| {
-        let program = Command::new(env!("CARGO_BIN_EXE_asperity"))
-            .current_dir(folder)
-            .args(words(line))
-            .stderr(Stdio::piped())
-            .stdout(Stdio::null())
-            .spawn()
-            .unwrap();
+        let program = folder.begin(line);
         let until = Instant::now() + Duration::from_secs(60);
         while !folder.join("set").join(name).exists() {
             assert!(Instant::now() < until, "{name}");
@@ -323,7 +284,7 @@ fn finished_files_of_a_set_stay_after_an_interrupt_and_the_same_command_goes_on(
         let errors = errors_of(&output);
         assert_eq!(output.status.code(), Some(3), "{errors}");
         assert!(errors.contains("of 1000 files are written, and the same command resumes"));
-        let manifest = fs::read_to_string(folder.join("set/manifest.json")).unwrap();
+        let manifest = folder.text("set/manifest.json");
         let manifest = json(&manifest);
         assert_eq!(manifest["complete"], false);
         let listed = manifest["files"].as_object().unwrap().keys().cloned();
@@ -343,15 +304,12 @@ fn finished_files_of_a_set_stay_after_an_interrupt_and_the_same_command_goes_on(
     interrupted_at("surface_001.exr");
     let first = written();
     let errors = interrupted_at("surface_005.exr");
-    assert!(
-        errors.contains("files of an earlier run with these settings are kept"),
-        "{errors}"
-    );
+    errors.must_contain("files of an earlier run with these settings are kept");
     assert_eq!(written(), first);
 
     // Meshes go on as well, but not with those of other inputs or settings.
     let mesh = "mesh set/surface_000.exr set/surface_001.exr -o meshes";
-    let run = |line: &str| errors_of(&asperity(folder, &words(line)));
+    let run = |line: &str| errors_of(&folder.run(line));
     assert_eq!(run(mesh), "");
     let bytes = || fs::read(folder.join("meshes/surface_001.ply")).unwrap();
     let whole = bytes();
@@ -370,24 +328,23 @@ fn finished_files_of_a_set_stay_after_an_interrupt_and_the_same_command_goes_on(
 
 #[test]
 fn a_run_that_fails_leaves_no_folder_behind() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let folder = Folder::new();
     for line in [
         "generate --tau 8 --smoothness 2 --size 64 -o new/deep/a.x3p",
         "generate --tau 8 --smoothness 2 --size 64 --realisations 2 --format x3p -o set/deep",
     ] {
-        let output = asperity(folder, &words(line));
+        let output = folder.run(line);
         assert!(!output.status.success(), "{line}");
-        assert!(files(folder).is_empty(), "{line}: {:?}", files(folder));
+        assert!(files(&folder).is_empty(), "{line}: {:?}", files(&folder));
     }
 }
 
 #[test]
 fn comparisons_with_models_end_with_the_time_of_the_run() {
-    let keep = tempfile::tempdir().unwrap();
+    let keep = Folder::new();
     let line = "verify --size 32 --tau 4 --insist --no-plots --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --max-time 2s";
     let began = Instant::now();
-    let output = asperity(keep.path(), &words(line));
+    let output = keep.run(line);
     assert!(output.status.success(), "{}", errors_of(&output));
     assert!(errors_of(&output).contains("the time is over"));
     assert!(
@@ -395,7 +352,7 @@ fn comparisons_with_models_end_with_the_time_of_the_run() {
         "{:?}",
         began.elapsed()
     );
-    let report = fs::read_to_string(keep.path().join("o/report.txt")).unwrap();
+    let report = keep.text("o/report.txt");
     let report = report.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(report.contains("ended before the case was compared with models"));
 }
@@ -403,7 +360,7 @@ fn comparisons_with_models_end_with_the_time_of_the_run() {
 /// Runs whose first direction, cell or group of rays takes far longer than their time.
 #[test]
 fn every_command_ends_soon_after_its_time_limit() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let random =
         "--rays 1e12 --theta 0,30,60 --size 64 --tau 4 --insist --realisations 2 --no-plots";
     let steep = "--smoothness 0.001 --insist --tau 8 --size 128 --no-plots --rays 1e8";
@@ -416,12 +373,12 @@ fn every_command_ends_soon_after_its_time_limit() {
         "render h.exr --size 64x48 --samples 1e9 -o r.exr".to_owned(),
     ] {
         let began = Instant::now();
-        let output = asperity(&folder, &words(&format!("{line} --max-time 1s")));
+        let output = folder.run(format!("{line} --max-time 1s"));
         let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));
         println!("{seconds:.2} s: {line}: {errors}");
         // Half a second to finish what is under way, and what a busy machine takes to write files
         assert!(seconds < 6.0, "{line}: {seconds} s");
-        assert!(errors.contains("the time is over"), "{line}: {errors}");
+        errors.must_contain("the time is over");
         let has_results = !errors.contains("stopped before");
         assert_eq!(
             output.status.code(),
@@ -434,9 +391,9 @@ fn every_command_ends_soon_after_its_time_limit() {
 /// Rays among the peaks of very steep surfaces take long.
 #[test]
 fn the_first_interrupt_ends_rays_under_way() {
-    let keep = tempfile::tempdir().unwrap();
+    let keep = Folder::new();
     let line = "verify --smoothness 0.001 --insist --tau 8 --size 128 --no-plots --rays 1e8 --models none -o s";
-    let program = begun(keep.path(), line);
+    let program = keep.begin(line);
     sleep(Duration::from_millis(1500));
     let began = Instant::now();
     let id = program.id().to_string();
@@ -456,18 +413,16 @@ fn the_first_interrupt_ends_rays_under_way() {
 
 #[test]
 fn lists_and_widths_beyond_what_ends_are_refused_at_once() {
-    let keep = tempfile::tempdir().unwrap();
+    let keep = Folder::new();
     let numbers = |from: f64| {
         let values = (0..200).map(|i| (from + 0.01 * f64::from(i)).to_string());
         values.collect::<Vec<_>>().join(",")
     };
     let (smoothness, theta) = (numbers(1.0), numbers(0.0));
     let line = format!("map --smoothness {smoothness} --theta {theta} -o o");
-    let sentence = refused(keep.path(), &words(&line), 2);
-    assert!(
-        sentence.contains("40000 cases") && sentence.contains("20000"),
-        "{sentence}"
-    );
+    let sentence = keep.refused(&line);
+    sentence.must_contain("40000 cases");
+    sentence.must_contain("20000");
     for structure in [
         "pits",
         "cracks",
@@ -477,11 +432,11 @@ fn lists_and_widths_beyond_what_ends_are_refused_at_once() {
         let line = format!(
             "generate --structure {structure} --size 48 --tau 4 --sigma 0.1 --insist --width 1e12 -o s.npy"
         );
-        let sentence = refused(keep.path(), &words(&line), 2);
-        assert!(sentence.contains("take a width of at most"), "{sentence}");
+        let sentence = keep.refused(&line);
+        sentence.must_contain("take a width of at most");
     }
     for eta in ["1e-3", "1e-5"] {
         let line = format!("verify --size 32 --tau 4 --insist --eta {eta} -o o");
-        assert!(refused(keep.path(), &words(&line), 2).contains("from 0.01"));
+        keep.refused(&line).must_contain("from 0.01");
     }
 }

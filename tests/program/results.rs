@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, files, with_surface};
 
 /// A run of each command that writes a folder, without its output.
 const RUNS: [&str; 6] = [
@@ -33,7 +33,7 @@ const NAMES: [&str; 12] = [
 
 /// Names of the files of a run, sub-folders aside.
 fn written(folder: &Path, run: &str) -> Vec<String> {
-    succeed(folder, &words(&format!("{run} --quiet -o empty")));
+    folder.succeed(format!("{run} --quiet -o empty"));
     let written = files(&folder.join("empty"));
     fs::remove_dir_all(folder.join("empty")).unwrap();
     written
@@ -41,7 +41,7 @@ fn written(folder: &Path, run: &str) -> Vec<String> {
 
 #[test]
 fn files_of_the_user_survive_every_command() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for run in RUNS {
         let written = written(&folder, run);
         let out = folder.join("out");
@@ -51,13 +51,13 @@ fn files_of_the_user_survive_every_command() {
             .filter(|name| !written.contains(&(*name).to_owned()));
         let mine: Vec<&str> = free.collect();
         for name in &mine {
-            fs::write(out.join(name), name).unwrap();
+            out.write(name, name);
         }
         // What is in no one's way is left alone, by the first run and by the next.
         for _ in 0..2 {
-            succeed(&folder, &words(&format!("{run} --quiet -o out")));
+            folder.succeed(format!("{run} --quiet -o out"));
             for name in &mine {
-                assert_eq!(fs::read_to_string(out.join(name)).unwrap(), *name, "{run}");
+                assert_eq!(out.text(name), *name, "{run}");
             }
         }
         fs::remove_dir_all(&out).unwrap();
@@ -65,16 +65,16 @@ fn files_of_the_user_survive_every_command() {
         fs::create_dir(&out).unwrap();
         let in_the_way = written.iter().find(|name| name.ends_with(".csv"));
         let in_the_way = in_the_way.unwrap_or(&written[0]);
-        fs::write(out.join(in_the_way), "mine").unwrap();
-        let said = refused(&folder, &words(&format!("{run} -o out")), 1);
-        assert!(said.contains(in_the_way.as_str()), "{run}: {said}");
+        out.write(in_the_way, "mine");
+        let said = folder.failed(format!("{run} -o out"));
+        said.must_contain(in_the_way.as_str());
         assert_eq!(files(&out), [in_the_way.as_str()], "{run}");
-        assert_eq!(fs::read_to_string(out.join(in_the_way)).unwrap(), "mine");
+        assert_eq!(out.text(in_the_way), "mine");
         fs::remove_dir_all(&out).unwrap();
         // So is a folder of the name of a result.
         fs::create_dir_all(out.join("summary.json")).unwrap();
-        let said = refused(&folder, &words(&format!("{run} -o out")), 1);
-        assert!(said.contains("the folder `out/summary.json`"), "{said}");
+        let said = folder.failed(format!("{run} -o out"));
+        said.must_contain("the folder `out/summary.json`");
         assert_eq!(files(&out), ["summary.json"], "{run}");
         fs::remove_dir_all(&out).unwrap();
     }
@@ -84,12 +84,11 @@ fn files_of_the_user_survive_every_command() {
 /// refused.
 #[test]
 fn outputs_that_cannot_be_written_are_refused_before_the_work() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for ending in ["exr", "ply", "csv", "svg"] {
         fs::create_dir(folder.join(format!("folder.{ending}"))).unwrap();
     }
-    fs::write(folder.join("file"), "").unwrap();
+    folder.write("file", "");
     for (command, ending) in [
         ("generate --tau 8 --size 64 -o", "exr"),
         ("mesh no.exr -o", "ply"),
@@ -103,28 +102,25 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
             (format!("file/out.{ending}"), "`file` is a file"),
         ] {
             let line = format!("{command} {name}");
-            let said = refused(folder, &words(&line), 1);
+            let said = folder.failed(&line);
             let names_it = said.contains(&format!("`{name}`")) || said.contains("`file`");
             assert!(names_it && said.contains(expected), "{line}: {said}");
         }
         if cfg!(target_os = "linux") {
             let name = format!("/proc/self/out.{ending}");
             let line = format!("{command} {name}");
-            let said = refused(folder, &words(&line), 1);
-            assert!(said.contains(&format!("cannot write `{name}`")), "{said}");
+            let said = folder.failed(&line);
+            said.must_contain(format!("cannot write `{name}`"));
         }
     }
     #[cfg(unix)]
     {
-        succeed(
-            folder,
-            &words("generate --tau 8 --size 64 --quiet -o h.exr"),
-        );
+        folder.succeed("generate --tau 8 --size 64 --quiet -o h.exr");
         let before = fs::read(folder.join("h.exr")).unwrap();
         for (command, name) in [("mesh", "link.ply"), ("inspect", "link.npy")] {
             std::os::unix::fs::symlink("h.exr", folder.join(name)).unwrap();
-            let said = refused(folder, &words(&format!("{command} h.exr -o {name}")), 2);
-            assert!(said.contains("is the input of this command"), "{said}");
+            let said = folder.refused(format!("{command} h.exr -o {name}"));
+            said.must_contain("is the input of this command");
         }
         assert!(fs::read(folder.join("h.exr")).unwrap() == before);
     }
@@ -132,60 +128,45 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
 
 #[test]
 fn an_input_is_never_replaced_or_removed() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let matrix = "0 0.1 0 0.2\n0.3 0 0.1 0\n0 0.2 0 0.1\n0.1 0 0.3 0\n";
     // A height map under the name of a table of the run that reads it.
-    fs::write(folder.join("histogram.txt"), matrix).unwrap();
-    fs::write(folder.join("histogram.csv"), matrix).unwrap();
+    folder.write("histogram.txt", matrix);
+    folder.write("histogram.csv", matrix);
     let trace = |file: &str, out: &str| {
-        let line = format!(
-            "trace {file} --spacing 1 --border periodic --rays 1e3 --quiet --no-plots -o {out}"
-        );
-        line.split(' ').map(str::to_owned).collect::<Vec<_>>()
+        format!("trace {file} --spacing 1 --border periodic --rays 1e3 --quiet --no-plots -o {out}")
     };
     let refuse = |file: &str, out: &str| {
-        let line = trace(file, out);
-        let said = refused(
-            &folder,
-            &line.iter().map(String::as_str).collect::<Vec<_>>(),
-            1,
-        );
-        assert_eq!(fs::read_to_string(folder.join(file)).unwrap(), matrix);
+        let said = folder.failed(trace(file, out));
+        assert_eq!(folder.text(file), matrix);
         said
     };
     let said = refuse("histogram.csv", ".");
-    assert!(said.contains("histogram.csv"), "{said}");
+    said.must_contain("histogram.csv");
     // An input that an earlier manifest lists is still an input.
-    let line = trace("histogram.csv", "out");
-    succeed(
-        &folder,
-        &line.iter().map(String::as_str).collect::<Vec<_>>(),
-    );
-    fs::write(folder.join("out/histogram.csv"), matrix).unwrap();
+    folder.succeed(trace("histogram.csv", "out"));
+    folder.write("out/histogram.csv", matrix);
     let said = refuse("out/histogram.csv", "out");
-    assert!(said.contains("is an input of this run"), "{said}");
+    said.must_contain("is an input of this run");
     fs::remove_file(folder.join("histogram.csv")).unwrap();
     let trace = "trace histogram.txt --spacing 1 --border periodic --theta 30 --rays 1e3 --quiet --no-plots -o .";
-    succeed(&folder, &words(trace));
-    assert_eq!(
-        fs::read_to_string(folder.join("histogram.txt")).unwrap(),
-        matrix
-    );
+    folder.succeed(trace);
+    assert_eq!(folder.text("histogram.txt"), matrix);
 }
 
 #[test]
 fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
-    let (_keep, folder) = with_surface();
-    succeed(&folder, &words(&format!("{} --quiet -o out", RUNS[1])));
+    let folder = with_surface();
+    folder.succeed(format!("{} --quiet -o out", RUNS[1]));
     let before = files(&folder.join("out"));
-    let said = refused(&folder, &words(&format!("{} -o out", RUNS[0])), 1);
-    assert!(said.contains("holds results of `verify`"), "{said}");
+    let said = folder.failed(format!("{} -o out", RUNS[0]));
+    said.must_contain("holds results of `verify`");
     assert_eq!(files(&folder.join("out")), before);
-    let manifest = json(&fs::read_to_string(folder.join("out/manifest.json")).unwrap());
+    let manifest = folder.json("out/manifest.json");
     assert_eq!(manifest["command"], "verify");
     assert_eq!(manifest["complete"], true);
     assert!(manifest["commit"].is_string() && manifest["results_epoch"].is_u64());
-    let summary = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    let summary = folder.json("out/summary.json");
     for key in ["version", "results_epoch", "commit"] {
         assert_eq!(summary[key], manifest[key], "{key}");
     }
@@ -194,31 +175,28 @@ fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
     assert!(listed.iter().copied().eq(others), "{listed:?} {before:?}");
     // Results of a build without manifests are told apart from files of the user.
     fs::remove_file(folder.join("out/manifest.json")).unwrap();
-    let said = refused(&folder, &words(&format!("{} -o out", RUNS[1])), 1);
-    assert!(said.contains("manifest.json"), "{said}");
+    let said = folder.failed(format!("{} -o out", RUNS[1]));
+    said.must_contain("manifest.json");
 }
 
 /// A file of the user in the place of a result is neither replaced nor removed.
 #[test]
 fn a_result_that_was_changed_is_refused_by_name() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let run = "trace h.exr --theta 30 --rays 1e3 --quiet -o out";
-    succeed(&folder, &words(run));
+    folder.succeed(run);
     for (name, line) in [
         ("lobes.png", format!("{run} --no-plots")),
         ("in_plane.csv", run.to_owned()),
     ] {
         let path = folder.join("out").join(name);
         fs::write(&path, "mine").unwrap();
-        let said = refused(&folder, &words(&line), 1);
-        assert!(said.contains(name), "{said}");
-        assert!(
-            said.contains("was changed after the `trace` run that wrote it; move it, or delete it"),
-            "{said}"
-        );
+        let said = folder.failed(&line);
+        said.must_contain(name);
+        said.must_contain("was changed after the `trace` run that wrote it; move it, or delete it");
         assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
         fs::remove_file(&path).unwrap();
-        succeed(&folder, &words(run));
+        folder.succeed(run);
         assert!(path.exists());
     }
 }
@@ -239,15 +217,15 @@ fn tables(folder: &Path) -> Vec<String> {
 
 #[test]
 fn every_column_of_every_table_has_a_name_a_unit_and_a_description() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for run in RUNS {
         let run = run.replace(
             "--realisations 2 --theta 45",
             "--realisations 2 --theta 45 --heights --demarcation",
         );
-        succeed(&folder, &words(&format!("{run} --quiet -o out")));
+        folder.succeed(format!("{run} --quiet -o out"));
         let out = folder.join("out");
-        let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+        let summary = out.json("summary.json");
         let tables = tables(&out);
         assert!(!tables.is_empty(), "{run}");
         for table in tables {
@@ -261,7 +239,7 @@ fn every_column_of_every_table_has_a_name_a_unit_and_a_description() {
                 .iter()
                 .map(|c| c["name"].as_str().unwrap())
                 .collect();
-            let text = fs::read_to_string(out.join(&table)).unwrap();
+            let text = out.text(&table);
             assert_eq!(
                 text.lines().next().unwrap(),
                 names.join(","),

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use asperity_studies::settings::{Command, reference_page, settings_of};
 
-use crate::support::{json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, json, with_surface};
 
 /// The flags that a help text names, without those of clap.
 fn flags(help: &str) -> BTreeSet<String> {
@@ -26,10 +26,10 @@ fn flags(help: &str) -> BTreeSet<String> {
 
 #[test]
 fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let page = reference_page();
     for command in Command::ALL {
-        let help = succeed(folder.path(), &[command.name(), "--help-all"]);
+        let help = folder.succeed(format!("{command} --help-all"));
         assert!(
             help.lines().all(|line| line.chars().count() <= 80),
             "{help}"
@@ -48,10 +48,10 @@ fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
 
 #[test]
 fn short_help_holds_few_flags_and_names_the_rest() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for command in Command::ALL {
         let [short, full] =
-            ["--help", "--help-all"].map(|flag| succeed(folder.path(), &[command.name(), flag]));
+            ["--help", "--help-all"].map(|flag| folder.succeed(format!("{command} {flag}")));
         let [few, all] = [&short, &full].map(|help| flags(help));
         println!("{command}: {} of {} flags", few.len(), all.len());
         assert!(
@@ -69,55 +69,46 @@ fn short_help_holds_few_flags_and_names_the_rest() {
 
 #[test]
 fn trace_reads_a_configuration_and_flags_override_it() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let text =
         "[measured]\nfile = \"h.exr\"\n[light]\ntheta = 40\n[run]\nrays = 2e3\nbins = \"4x6\"\n";
-    fs::write(folder.join("t.toml"), text).unwrap();
-    let by_file = succeed(&folder, &words("trace t.toml --json"));
+    folder.write("t.toml", text);
+    let by_file = folder.succeed("trace t.toml --json");
     let flags = "trace h.exr --theta 40 --rays 2e3 --bins 4x6 --json";
-    let by_flags = succeed(&folder, &words(flags));
-    let named = succeed(&folder, &words(&flags.replace("h.exr", "--surface h.exr")));
+    let by_flags = folder.succeed(flags);
+    let named = folder.succeed(&flags.replace("h.exr", "--surface h.exr"));
     for other in [by_flags, named] {
         for part in ["energy", "config"] {
             assert_eq!(json(&by_file)[part], json(&other)[part], "{part}");
         }
     }
-    let overridden = json(&succeed(&folder, &words("trace t.toml --theta 20 --json")));
+    let overridden = json(&folder.succeed("trace t.toml --theta 20 --json"));
     assert_eq!(overridden["config"]["light"]["theta_deg"], 20.0);
-    fs::write(folder.join("bad.toml"), "[surface]\ntau = 3\n").unwrap();
-    let said = refused(&folder, &words("trace bad.toml"), 2);
-    assert!(
-        said.contains("bad.toml: line 2: surface.tau is for"),
-        "{said}"
-    );
+    folder.write("bad.toml", "[surface]\ntau = 3\n");
+    let said = folder.refused("trace bad.toml");
+    said.must_contain("bad.toml: line 2: surface.tau is for");
     // The example is for another command, which is named.
-    fs::write(
-        folder.join("first.toml"),
-        include_str!("../../examples/first_look.toml"),
-    )
-    .unwrap();
-    let said = refused(&folder, &words("trace first.toml"), 2);
-    assert!(said.contains("is for verify"), "{said}");
+    folder.write("first.toml", include_str!("../../examples/first_look.toml"));
+    let said = folder.refused("trace first.toml");
+    said.must_contain("is for verify");
 }
 
 #[test]
 fn the_example_of_a_traced_surface_runs_from_the_root() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let found = json(&succeed(
-        root,
-        &words("trace examples/trace_ripples.toml --json"),
-    ));
+    let found = json(&root.succeed("trace examples/trace_ripples.toml --json"));
     assert_eq!(found["config"]["light"]["theta_deg"], 30.0);
     assert_eq!(found["config"]["surface"]["file"], "examples/ripples.txt");
 }
 
 #[test]
 fn sizes_are_written_either_way_and_seeds_have_one_default() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for (name, size) in [("a.npy", "64x32"), ("b.npy", "64,32")] {
         let line = format!("generate --tau 4 --size {size} -o {name}");
-        assert!(succeed(folder, &words(&line)).contains("64 x 32 samples, periodic, seed 1,"));
+        folder
+            .succeed(&line)
+            .must_contain("64 x 32 samples, periodic, seed 1,");
     }
     let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
     assert!(bytes("a.npy") == bytes("b.npy"));
@@ -125,10 +116,9 @@ fn sizes_are_written_either_way_and_seeds_have_one_default() {
 
 #[test]
 fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("unit.toml"), "[light]\ntheta = 30deg\n").unwrap();
-    fs::write(folder.join("range.toml"), "[light]\ntheta = [30, 95]\n").unwrap();
+    let folder = Folder::new();
+    folder.write("unit.toml", "[light]\ntheta = 30deg\n");
+    folder.write("range.toml", "[light]\ntheta = [30, 95]\n");
     for (line, expected) in [
         (
             "generate --size 64x32x3 -o a.npy",
@@ -155,16 +145,15 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
             "--level 1: must be a number above 0 and below 1",
         ),
     ] {
-        let said = refused(folder, &words(line), 2);
-        assert!(said.contains(expected), "{line}: {said}");
+        let said = folder.refused(line);
+        said.must_contain(expected);
     }
 }
 
 #[test]
 fn a_surface_in_the_place_of_a_configuration_is_refused_with_the_right_command() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    succeed(folder, &words("generate --tau 4 --size 32 -o h.exr -q"));
+    let folder = Folder::new();
+    folder.succeed("generate --tau 4 --size 32 -o h.exr -q");
     for (line, expected) in [
         ("gonio h.exr -o out", "use `asperity gonio --surface h.exr`"),
         ("verify h.exr -o out", "`asperity trace h.exr --models"),
@@ -173,79 +162,56 @@ fn a_surface_in_the_place_of_a_configuration_is_refused_with_the_right_command()
         ("map missing.npy -o out", "`missing.npy` is a height map"),
         ("converge h.PLY -o out", "`h.PLY` is a triangle mesh"),
     ] {
-        let said = refused(folder, &words(line), 2);
-        assert!(said.contains(expected), "{line}: {said}");
-        assert!(said.contains("reads a configuration"), "{line}: {said}");
+        let said = folder.refused(line);
+        said.must_contain(expected);
+        said.must_contain("reads a configuration");
     }
 }
 
 #[test]
 fn configurations_are_files_that_end_in_toml() {
-    let folder = tempfile::tempdir().unwrap();
-    let said = refused(folder.path(), &words("verify v.cfg -o out"), 2);
-    assert!(
-        said.contains("`v.cfg`: the name of a configuration ends in .toml"),
-        "{said}"
-    );
+    let folder = Folder::new();
+    let said = folder.refused("verify v.cfg -o out");
+    said.must_contain("`v.cfg`: the name of a configuration ends in .toml");
 }
 
 #[test]
 fn examples_fit_their_setting() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let said = refused(folder, &words("verify --tau 8 --threads 0 -o out"), 2);
+    let folder = Folder::new();
+    let said = folder.refused("verify --tau 8 --threads 0 -o out");
     assert!(
         said.contains("such as 4") && !said.contains("1000"),
         "{said}"
     );
-    let said = refused(folder, &words("trace --flat --theta 95"), 2);
-    assert!(said.contains("such as 30 or 42.5"), "{said}");
+    let said = folder.refused("trace --flat --theta 95");
+    said.must_contain("such as 30 or 42.5");
 }
 
 #[test]
 fn lengths_in_messages_have_their_unit() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let said = refused(
-        folder,
-        &words("generate --tau 3um --spacing 1um -o h.exr"),
-        2,
-    );
-    assert!(
-        said.contains("is 3 um, only 3.00 spacings of 1 um: take a spacing of at most 0.75 um"),
-        "{said}"
-    );
+    let folder = Folder::new();
+    let said = folder.refused("generate --tau 3um --spacing 1um -o h.exr");
+    said.must_contain("is 3 um, only 3.00 spacings of 1 um: take a spacing of at most 0.75 um");
     let generate = "generate --tau 3um --spacing 0.5um --size 16 -o h.exr";
-    let said = refused(folder, &words(generate), 2);
-    assert!(said.contains("the tile is 8 um long along x"), "{said}");
-    succeed(
-        folder,
-        &words("generate --tau 4um --spacing 1um --size 32 -o h.exr"),
-    );
-    let said = refused(
-        folder,
-        &words("mesh h.exr --cells smooth --deviation 1e-30um -o h.ply"),
-        2,
-    );
-    assert!(
-        said.contains("--deviation 1e-30 um: must be above"),
-        "{said}"
-    );
+    let said = folder.refused(generate);
+    said.must_contain("the tile is 8 um long along x");
+    folder.succeed("generate --tau 4um --spacing 1um --size 32 -o h.exr");
+    let said = folder.refused("mesh h.exr --cells smooth --deviation 1e-30um -o h.ply");
+    said.must_contain("--deviation 1e-30 um: must be above");
     let render = "render h.exr --size 8x6 --samples 1 --view-theta 89 --width 1um -o h.png";
-    let said = refused(folder, &words(render), 2);
-    assert!(said.contains(" um above the mean plane"), "{said}");
+    let said = folder.refused(render);
+    said.must_contain(" um above the mean plane");
 }
 
 #[test]
 fn help_is_a_command_too_and_missing_values_are_named_by_what_they_are() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for (command, flag) in [
         ("help", "--help"),
         ("help gonio", "gonio --help"),
         ("help gonio --help-all", "gonio --help-all"),
     ] {
-        let [by_command, by_flag] = [command, flag].map(|line| succeed(folder, &words(line)));
+        let [by_command, by_flag] = [command, flag].map(|line| folder.succeed(line));
         assert_eq!(by_command, by_flag);
     }
     for (line, expected) in [
@@ -254,15 +220,14 @@ fn help_is_a_command_too_and_missing_values_are_named_by_what_they_are() {
         ("verify --theta", "'--theta <DEGREES,..>'"),
         ("generate --realisation", "'--realisation <NUMBER>'"),
     ] {
-        let said = refused(folder, &words(line), 2);
-        assert!(said.contains(expected), "{line}: {said}");
+        let said = folder.refused(line);
+        said.must_contain(expected);
     }
 }
 
 #[test]
 fn a_size_in_a_file_is_written_as_on_the_command_line_or_as_a_list() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for (name, size) in [
         ("text", "\"64x32\""),
         ("list", "[64, 32]"),
@@ -270,32 +235,25 @@ fn a_size_in_a_file_is_written_as_on_the_command_line_or_as_a_list() {
     ] {
         let text =
             format!("[surface]\ntau = 4\nsize = {size}\n[run]\nrealisations = 1\nrays = 100\n");
-        fs::write(folder.join(format!("{name}.toml")), text).unwrap();
+        folder.write(format!("{name}.toml"), text);
     }
     let [text, list] = ["text", "list"].map(|name| {
         let line = format!("verify {name}.toml --models none --no-plots --json -o {name}");
-        json(&succeed(folder, &words(&line)))["config"]["verify"]["surface"]["size"].clone()
+        json(&folder.succeed(&line))["config"]["verify"]["surface"]["size"].clone()
     });
     assert_eq!(text, json("[64, 32]"));
     assert_eq!(list, text);
-    let said = refused(folder, &words("verify bad.toml -o out"), 2);
-    assert!(
-        said.contains("two as COLUMNSxROWS, such as 512 or 512x256"),
-        "{said}"
-    );
+    let said = folder.refused("verify bad.toml -o out");
+    said.must_contain("two as COLUMNSxROWS, such as 512 or 512x256");
 }
 
 /// `models = "smith"` is the same as a list of one.
 #[test]
 fn one_name_may_stand_for_a_list() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let text = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 500\nbins = \"2x2\"\n[compare]\nmodels = \"smith\"\nlevel = 0.05\n";
-    fs::write(folder.join("v.toml"), text).unwrap();
-    let summary = json(&succeed(
-        folder,
-        &words("verify v.toml --json --no-plots -o out"),
-    ));
+    folder.write("v.toml", text);
+    let summary = json(&folder.succeed("verify v.toml --json --no-plots -o out"));
     let compare = &summary["config"]["verify"]["compare"];
     assert_eq!(compare["models"], json("[\"smith\"]"));
     assert_eq!(compare["level"], 0.05);
@@ -307,17 +265,14 @@ fn one_name_may_stand_for_a_list() {
         ),
         ("trace h.exr --alpha 0.05", "see --help"),
     ] {
-        let said = refused(folder, &words(line), 2);
-        assert!(
-            said.contains(&format!("unknown flag --alpha; {hint}")),
-            "{said}"
-        );
+        let said = folder.refused(line);
+        said.must_contain(format!("unknown flag --alpha; {hint}"));
     }
-    let said = refused(folder, &words("verify --smothness 3 -o a"), 2);
+    let said = folder.refused("verify --smothness 3 -o a");
     assert_eq!(
         said,
         "asperity: unknown flag --smothness; did you mean --smoothness?\n"
     );
-    let said = refused(folder, &words("inspect a.npy b.npy"), 2);
-    assert!(said.contains("unexpected argument `b.npy`"), "{said}");
+    let said = folder.refused("inspect a.npy b.npy");
+    said.must_contain("unexpected argument `b.npy`");
 }

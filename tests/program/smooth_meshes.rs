@@ -6,7 +6,7 @@ use std::path::Path;
 use asperity_io::{read_height_map, read_mesh};
 use asperity_surface::{Border, MissingPolicy, SplineSurface};
 
-use crate::support::{refused, succeed, with_surface, words};
+use crate::support::{InFolder, Words, with_surface};
 
 /// The deviation that the output of `mesh` states, with the line that does.
 fn stated(text: &str) -> (f64, &str) {
@@ -40,7 +40,7 @@ fn largest_distance(surface: &SplineSurface, path: &Path) -> f64 {
 
 #[test]
 fn triangles_of_smooth_cells_are_as_near_as_the_output_says() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let surface = spline(&folder.join("h.exr"));
     let mut before = f64::INFINITY;
     for (flags, cells) in [
@@ -49,13 +49,13 @@ fn triangles_of_smooth_cells_are_as_near_as_the_output_says() {
         ("--subdivide 7", 7 * 64),
     ] {
         let line = format!("mesh h.exr --cells smooth -o m.obj {flags}");
-        let text = succeed(&folder, &words(line.trim_end()));
+        let text = folder.succeed(line.trim_end());
         let counts = format!(
             "{} vertices, {} triangles",
             (cells + 1_u32).pow(2),
             2 * cells * cells
         );
-        assert!(text.contains(&counts), "{text}");
+        text.must_contain(&counts);
         let (bound, _) = stated(&text);
         let found = largest_distance(&surface, &folder.join("m.obj"));
         assert!(
@@ -69,21 +69,21 @@ fn triangles_of_smooth_cells_are_as_near_as_the_output_says() {
 
 #[test]
 fn a_deviation_takes_as_many_parts_as_needed_and_stands_in_the_file() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let smooth = "mesh h.exr --assume-unit um --cells smooth";
     for name in ["m.ply", "m.obj", "m.stl"] {
         let line = format!("{smooth} --deviation 0.01 -o {name}");
-        let text = succeed(&folder, &words(&line));
+        let text = folder.succeed(&line);
         let (bound, comment) = stated(&text);
         assert!(bound < 0.010_02 && comment.ends_with(" um off"), "{text}");
         let file = fs::read(folder.join(name)).unwrap();
         let head = String::from_utf8_lossy(&file[..200]);
-        assert!(head.contains(comment), "{head}");
+        head.must_contain(comment);
         // One part less is farther off.
         let parts = comment.split(' ').nth(2).expect("parts");
         let fewer = parts.parse::<u32>().unwrap() - 1;
         let line = format!("{smooth} --subdivide {fewer} -o {name}");
-        let text = succeed(&folder, &words(&line));
+        let text = folder.succeed(&line);
         let (bound, _) = stated(&text);
         assert!(bound > 0.01, "{fewer}");
     }
@@ -91,10 +91,10 @@ fn a_deviation_takes_as_many_parts_as_needed_and_stands_in_the_file() {
 
 #[test]
 fn flat_cells_are_written_as_two_triangles_and_without_a_comment() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for name in ["m.ply", "m.obj", "m.stl"] {
         let written = |flags: &str| {
-            let text = succeed(&folder, &words(&format!("mesh h.exr -o {name}{flags}")));
+            let text = folder.succeed(format!("mesh h.exr -o {name}{flags}"));
             assert_eq!(text.lines().count(), 1, "{text}");
             fs::read(folder.join(name)).unwrap()
         };
@@ -107,7 +107,7 @@ fn flat_cells_are_written_as_two_triangles_and_without_a_comment() {
 
 #[test]
 fn wrong_fineness_is_refused() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let files = crate::support::files(&folder);
     for (flags, expected) in [
         ("--subdivide 2", "--subdivide 2 needs --cells smooth"),
@@ -120,11 +120,11 @@ fn wrong_fineness_is_refused() {
         ),
         ("--cells smooth --deviation 1 --subdivide 2", "--deviation"),
     ] {
-        let said = refused(&folder, &words(&format!("mesh h.exr -o m.ply {flags}")), 2);
-        assert!(said.contains(expected), "{flags}: {said}");
+        let said = folder.refused(format!("mesh h.exr -o m.ply {flags}"));
+        said.must_contain(expected);
     }
     let large = "mesh h.exr -o m.ply --cells smooth --subdivide 1e9";
-    let said = refused(&folder, &words(large), 1);
-    assert!(said.contains("this mesh"), "{said}");
+    let said = folder.failed(large);
+    said.must_contain("this mesh");
     assert_eq!(crate::support::files(&folder), files);
 }

@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Words, unwrapped};
 
-fn drawn() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().unwrap();
+fn drawn() -> Folder {
+    let folder = Folder::new();
     let line = "generate --tau 6um --smoothness 3 --size 128 --seed 4 -o h.exr";
-    succeed(folder.path(), &words(line));
+    folder.succeed(line);
     folder
 }
 
@@ -27,10 +27,10 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn a_folder_takes_tables_and_figures_whatever_the_number_of_threads() {
     let folder = drawn();
-    let folder = folder.path();
-    let text = succeed(folder, &words("inspect h.exr -o out"));
+    let folder = folder;
+    let text = folder.succeed("inspect h.exr -o out");
     assert!(text.ends_with("results in out\n"), "{text}");
-    succeed(folder, &words("inspect h.exr -o one --threads 1 --quiet"));
+    folder.succeed("inspect h.exr -o one --threads 1 --quiet");
     for name in ["psd", "autocorrelation", "heights", "slopes"] {
         for ending in ["csv", "svg", "png"] {
             let read = |out: &str| fs::read(folder.join(format!("{out}/{name}.{ending}"))).unwrap();
@@ -38,7 +38,7 @@ fn a_folder_takes_tables_and_figures_whatever_the_number_of_threads() {
         }
     }
 
-    let summary = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    let summary = folder.json("out/summary.json");
     let sq = summary["surface"]["sq"].as_f64().unwrap();
     let wave_area = summary["wave_area"].as_f64().unwrap();
     let rings = rows(&folder.join("out/psd.csv"));
@@ -57,36 +57,44 @@ fn a_folder_takes_tables_and_figures_whatever_the_number_of_threads() {
     assert!((lags[0][1] / (sq * sq) - 1.0).abs() < 1e-10);
 
     // An earlier result is replaced; what the user put in the way is not
-    succeed(folder, &words("inspect h.exr -o out --border open"));
+    folder.succeed("inspect h.exr -o out --border open");
     assert!(rows(&folder.join("out/psd.csv"))[3] != rings[3]);
     fs::create_dir(folder.join("mine")).unwrap();
-    fs::write(folder.join("mine/psd.csv"), "mine").unwrap();
-    assert!(refused(folder, &words("inspect h.exr -o mine"), 1).contains("psd.csv"));
+    folder.write("mine/psd.csv", "mine");
+    folder
+        .failed("inspect h.exr -o mine")
+        .must_contain("psd.csv");
 }
 
 #[test]
 fn an_ending_tells_a_height_map_from_a_folder() {
     let folder = drawn();
-    let folder = folder.path();
-    assert!(!succeed(folder, &words("inspect h.exr -o h.npy")).contains("results in"));
+    let folder = folder;
+    assert!(
+        !folder
+            .succeed("inspect h.exr -o h.npy")
+            .contains("results in")
+    );
     assert!(folder.join("h.npy").is_file());
-    assert!(refused(folder, &words("inspect h.exr -o h.csv"), 2).contains("h.csv"));
+    folder
+        .refused("inspect h.exr -o h.csv")
+        .must_contain("h.csv");
     fs::create_dir(folder.join("run.1")).unwrap();
-    succeed(folder, &words("inspect h.exr -o run.1"));
+    folder.succeed("inspect h.exr -o run.1");
     assert!(folder.join("run.1/psd.csv").is_file());
 }
 
 #[test]
 fn a_flat_surface_has_no_spectrum() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("flat.txt"), "1 1 1\n1 1 1\n").unwrap();
-    let error = refused(folder.path(), &words("inspect flat.txt -o out"), 1);
+    let folder = Folder::new();
+    folder.write("flat.txt", "1 1 1\n1 1 1\n");
+    let error = folder.failed("inspect flat.txt -o out");
     assert!(
         unwrapped(&error).contains("all heights are equal"),
         "{error}"
     );
-    assert!(!folder.path().join("out").exists());
+    assert!(!folder.join("out").exists());
     // A ramp has slopes, but no power once its plane is removed, or rounding
-    fs::write(folder.path().join("ramp.txt"), "1 2 3\n1 2 3\n").unwrap();
-    succeed(folder.path(), &words("inspect ramp.txt -o ramp"));
+    folder.write("ramp.txt", "1 2 3\n1 2 3\n");
+    folder.succeed("inspect ramp.txt -o ramp");
 }

@@ -3,22 +3,20 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 
-fn verify<'a>(flags: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
-    [&["verify"], &words(SURFACES)[..], &words(flags), rest].concat()
+fn verify(flags: &str) -> String {
+    format!("verify {SURFACES} {flags}")
 }
 
 #[test]
 fn a_target_is_reached_with_the_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for threads in ["1", "2"] {
-        let run = words("--target-error 1e-2 --of rings --theta 0,40");
-        let rest = ["-o", threads, "--threads", threads];
-        succeed(folder, &[&verify("--seed 3", &rest)[..], &run].concat());
+        let run = "--seed 3 --target-error 1e-2 --of rings --theta 0,40";
+        folder.succeed(verify(&format!("{run} -o {threads} --threads {threads}")));
     }
     let summary = |threads: &str, case: &str| {
         let file = folder.join(threads).join(case).join("summary.json");
@@ -39,17 +37,17 @@ fn a_target_is_reached_with_the_same_bytes_on_any_number_of_threads() {
         // Numbers that were not requested do not stand there as if they had been.
         assert!(one["config"]["verify"]["run"]["rays"].is_null());
         let report = fs::read_to_string(folder.join("1").join(case).join("report.txt")).unwrap();
-        assert!(report.contains("error of rings"), "{report}");
+        report.must_contain("error of rings");
     }
 }
 
 #[test]
 fn what_is_known_is_not_traced() {
-    let folder = tempfile::tempdir().unwrap();
-    let flags = words("verify --smoothness 100 --target-error 1e-4 --models smith -o out");
-    let text = succeed(folder.path(), &flags);
-    assert!(text.contains("nothing was traced"), "{text}");
-    let summary = json(&fs::read_to_string(folder.path().join("out/summary.json")).unwrap());
+    let folder = Folder::new();
+    let flags = "verify --smoothness 100 --target-error 1e-4 --models smith -o out";
+    let text = folder.succeed(&flags);
+    text.must_contain("nothing was traced");
+    let summary = folder.json("out/summary.json");
     assert_eq!(summary["work"]["rays"], 0);
     assert_eq!(summary["stopping"]["stopped_by"], "bound");
     assert!(summary["deviation_bound"].as_f64().unwrap() < 1e-8);
@@ -60,26 +58,15 @@ fn what_is_known_is_not_traced() {
 
 #[test]
 fn when_the_time_is_over_results_are_valid_and_marked() {
-    let (_keep, folder) = with_surface();
-    let text = ended_by_time(
-        &folder,
-        &verify(
-            "--rays 1e9 --realisations 10000",
-            &["-o", "v", "--max-time", "0.2s"],
-        ),
-    );
-    assert!(
-        text.contains("warning: the time limit ended the run"),
-        "{text}"
-    );
-    let trace = words("trace h.exr --theta 30 --rays 4e6 --max-time 0.1 --no-plots -o t");
+    let folder = with_surface();
+    let line = verify("--rays 1e9 --realisations 10000 -o v --max-time 0.2s");
+    let text = ended_by_time(&folder, &line);
+    text.must_contain("warning: the time limit ended the run");
+    let trace = "trace h.exr --theta 30 --rays 4e6 --max-time 0.1 --no-plots -o t";
     let text = ended_by_time(&folder, &trace);
-    assert!(
-        text.contains("note: the time limit ended the run"),
-        "{text}"
-    );
+    text.must_contain("note: the time limit ended the run");
     for out in ["v", "t"] {
-        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+        let summary = folder.join(out).json("summary.json");
         assert_eq!(summary["stopping"]["stopped_by"], "time");
         assert!(summary["warnings"].to_string().contains("time"));
         let energy = &summary["energy"];
@@ -95,10 +82,10 @@ fn when_the_time_is_over_results_are_valid_and_marked() {
 
 #[test]
 fn rays_on_one_surface_are_as_many_as_the_target_takes() {
-    let (_keep, folder) = with_surface();
-    let trace = words("trace h.exr --theta 30 --target-error 3e-3 --of rings --json");
+    let folder = with_surface();
+    let trace = "trace h.exr --theta 30 --target-error 3e-3 --of rings --json";
     let run = |threads: &'static str| {
-        let text = succeed(&folder, &[&trace[..], &["--threads", threads]].concat());
+        let text = folder.succeed(format!("{trace} --threads {threads}"));
         json(&text)
     };
     let [one, two] = [run("1"), run("2")];
@@ -111,8 +98,8 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
     // The same rays, requested by their number.
     let rays = one["work"]["rays"].to_string();
     if stopping["rounds"] == 0 {
-        let plain = [&words("trace h.exr --theta 30 --json --rays")[..], &[&rays]].concat();
-        assert_eq!(json(&succeed(&folder, &plain))["energy"], one["energy"]);
+        let plain = format!("trace h.exr --theta 30 --json --rays {rays}");
+        assert_eq!(json(&folder.succeed(&plain))["energy"], one["energy"]);
     }
 }
 
@@ -120,13 +107,13 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
 #[test]
 #[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn a_long_run_chooses_its_branches_and_says_so() {
-    let keep = tempfile::tempdir().unwrap();
-    let folder = keep.path();
+    let keep = Folder::new();
+    let folder = keep;
     let rough = "verify --smoothness 1 --tau 4 --spacing 1 --size 32 --theta 60 --models none --no-plots --estimator plain";
     let run = |out: &str, paths: &str| {
         let line = format!("{rough} --target-error 4.8e-3 -o {out}{paths}");
-        let text = succeed(folder, &words(&line));
-        let read = |name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+        let text = folder.succeed(&line);
+        let read = |name: &str| folder.join(out).text(name);
         (text, json(&read("summary.json")), read("histogram.csv"))
     };
     let (text, summary, bins) = run("free", "");
@@ -149,10 +136,10 @@ fn a_long_run_chooses_its_branches_and_says_so() {
 
 #[test]
 fn without_a_target_both_branches_are_followed() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let energy = |paths: &str| {
         let line = format!("trace h.exr --theta 60 --rays 1000 --json{paths}");
-        json(&succeed(&folder, &words(&line)))["energy"].clone()
+        json(&folder.succeed(&line))["energy"].clone()
     };
     let auto = energy("");
     assert_eq!(auto, energy(" --branching split --roulette 0.01"));
@@ -164,9 +151,7 @@ fn without_a_target_both_branches_are_followed() {
 
 #[test]
 fn bad_targets_and_times_get_a_sentence() {
-    let (_keep, folder) = with_surface();
-    let trace =
-        |flags: &'static str| [&words("trace h.exr --theta 30")[..], &words(flags)].concat();
+    let folder = with_surface();
     for (flags, expected) in [
         ("--target-error 0", "--target-error 0: must be"),
         ("--target-error -1", "--target-error -1: must be"),
@@ -187,56 +172,48 @@ fn bad_targets_and_times_get_a_sentence() {
         ("--max-time -5", "a time above 0"),
         ("--max-time soon", "a time above 0"),
     ] {
-        for arguments in [trace(flags), verify(flags, &["-o", "out"])] {
-            let sentence = refused(&folder, &arguments, 2);
-            assert!(sentence.contains(expected), "{flags}: {sentence}");
+        for command in ["trace h.exr", &verify("-o out")] {
+            let sentence = folder.refused(format!("{command} {flags}"));
+            sentence.must_contain(expected);
         }
     }
-    let both = verify("--target-error 1e-3 --realisations 9", &["-o", "out"]);
-    assert!(refused(&folder, &both, 2).contains("--realisations"));
+    let both = verify("--target-error 1e-3 --realisations 9 -o out");
+    folder.refused(&both).must_contain("--realisations");
     assert!(!folder.join("out").exists());
 }
 
 #[test]
 fn flags_say_whether_the_target_of_a_file_holds() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let text = "[surface]\ntau = 8\nsize = 128\n[run]\ntarget_error = 0.05\n[compare]\nmodels = []";
-    fs::write(folder.join("v.toml"), text).unwrap();
+    folder.write("v.toml", text);
     let work = |flags: &str| {
-        let fixed = words("verify v.toml --no-plots --json -o out");
-        let flags = flags.split_whitespace().collect::<Vec<_>>();
-        json(&succeed(folder, &[&fixed[..], &flags].concat()))
+        let fixed = "verify v.toml --no-plots --json -o out";
+        json(&folder.succeed(format!("{fixed} {flags}")))
     };
     assert_eq!(work("")["stopping"]["target_error"], 0.05);
     let counted = work("--realisations 3 --rays 3000");
     assert_eq!(counted["work"]["realisations"], 3);
     assert!(counted["stopping"].is_null());
-    fs::write(
-        folder.join("v.toml"),
-        format!("{text}\n[output]\nplots = true"),
-    )
-    .unwrap();
+    folder.write("v.toml", format!("{text}\n[output]\nplots = true"));
     let text = text.replace("[run]", "[run]\nrays = 1e4");
-    fs::write(folder.join("v.toml"), text).unwrap();
-    let error = refused(folder, &words("verify v.toml -o out"), 2);
-    assert!(
-        error.contains("v.toml") && error.contains("excludes"),
-        "{error}"
-    );
+    folder.write("v.toml", text);
+    let error = folder.refused("verify v.toml -o out");
+    error.must_contain("v.toml");
+    error.must_contain("excludes");
 }
 
 /// Rays beyond any number that could be traced, on one surface and on each of several: what is there when the
 /// time is over is written, and blocks and surfaces are small enough to end soon.
 #[test]
 fn endless_runs_end_when_their_time_is_over() {
-    let (_keep, folder) = with_surface();
-    let trace = words("trace h.exr --theta 30 --rays 1e13 --max-time 4 --no-plots -o t");
-    let target = words("trace h.exr --theta 30 --target-error 1e-9 --max-time 4 --no-plots -o e");
-    let several = verify("--rays 1e13 --realisations 4 --max-time 4", &["-o", "v"]);
-    for (out, arguments) in [("t", &trace), ("e", &target), ("v", &several)] {
-        ended_by_time(&folder, arguments);
-        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+    let folder = with_surface();
+    let trace = "trace h.exr --theta 30 --rays 1e13 --max-time 4 --no-plots -o t";
+    let target = "trace h.exr --theta 30 --target-error 1e-9 --max-time 4 --no-plots -o e";
+    let several = &verify("--rays 1e13 --realisations 4 --max-time 4 -o v");
+    for (out, line) in [("t", trace), ("e", target), ("v", several)] {
+        ended_by_time(&folder, line);
+        let summary = folder.join(out).json("summary.json");
         assert_eq!(summary["stopping"]["stopped_by"], "time");
         let rays = summary["work"]["rays"].as_u64().unwrap();
         assert!(rays > 0 && rays < 1_000_000_000, "{rays}");
@@ -249,19 +226,19 @@ const TIME_IS_OVER: &str =
     "the time is over; the results so far are written, and the same command resumes";
 
 /// Runs a command that its time limit must end, and returns its standard output.
-fn ended_by_time(folder: &Path, arguments: &[&str]) -> String {
-    let output = asperity(folder, arguments);
+fn ended_by_time(folder: &Path, line: &str) -> String {
+    let output = folder.run(line);
     let errors = errors_of(&output);
-    assert!(output.status.success(), "{arguments:?}: {errors}");
+    assert!(output.status.success(), "{line}: {errors}");
     assert_eq!(errors.trim_end(), TIME_IS_OVER);
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Runs `arguments`, which must succeed, and returns whether it said that it resumed.
-fn resumes(folder: &Path, arguments: &[&str]) -> bool {
-    let output = asperity(folder, arguments);
+/// Runs a command, which must succeed, and returns whether it said that it resumed.
+fn resumes(folder: &Path, line: &str) -> bool {
+    let output = folder.run(line);
     let errors = errors_of(&output);
-    assert!(output.status.success(), "{arguments:?}: {errors}");
+    assert!(output.status.success(), "{line}: {errors}");
     let resumed = errors.starts_with("resumed");
     let others = errors.lines().filter(|line| *line != TIME_IS_OVER);
     assert!(others.count() == usize::from(resumed), "{errors}");
@@ -270,7 +247,7 @@ fn resumes(folder: &Path, arguments: &[&str]) -> bool {
 
 #[test]
 fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for (effort, time) in [
         ("--rays 4e6", 0.02),
         ("--target-error 5e-6 --of reflected --refine", 1.0),
@@ -278,7 +255,7 @@ fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
         let flags = format!("trace h.exr --theta 30 --bins 9x4 {effort}");
         let run = |more: &str| {
             let line = format!("{flags} {more}");
-            resumes(&folder, &words(&line))
+            resumes(&folder, &line)
         };
         assert!(!run("-o whole"));
         assert!(!run(&format!("--max-time {time} --no-plots -o t")));
@@ -292,7 +269,7 @@ fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
             assert!(read("t") == read("whole"), "{name}");
         }
         let summary = |out: &str| {
-            let text = fs::read_to_string(folder.join(out).join("summary.json")).unwrap();
+            let text = folder.join(out).text("summary.json");
             let mut summary = json(&text);
             let work = summary["work"].as_object_mut().unwrap();
             work.retain(|key, _| !key.ends_with("seconds"));
@@ -307,16 +284,16 @@ fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
 
 #[test]
 fn a_trace_is_not_resumed_with_other_settings_or_on_another_surface() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let trace = "trace h.exr --theta 30 --rays 4e6 --max-time 0.02 --no-plots -o t";
-    assert!(!resumes(&folder, &words(trace)));
+    assert!(!resumes(&folder, trace));
     let left = fs::read(folder.join("t/results.npz")).unwrap();
     let other = trace.replace("--theta 30", "--theta 40");
-    let error = refused(&folder, &words(&other), 1);
-    assert!(error.contains("light.theta 30"), "{error}");
+    let error = folder.failed(&other);
+    error.must_contain("light.theta 30");
     let surface = "generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr";
-    succeed(&folder, &words(surface));
-    let error = refused(&folder, &words(trace), 1);
-    assert!(error.contains("points.given"), "{error}");
+    folder.succeed(surface);
+    let error = folder.failed(trace);
+    error.must_contain("points.given");
     assert!(fs::read(folder.join("t/results.npz")).unwrap() == left);
 }

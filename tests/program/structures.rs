@@ -2,13 +2,13 @@
 
 use serde_json::Value;
 
-use crate::support::{json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Words, json, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
     let line = format!("generate {flags} --size 128 --json -o a.exr");
-    let written = json(&succeed(folder, &words(&line)));
-    let read = json(&succeed(folder, &words("inspect a.exr --json")));
+    let written = json(&folder.succeed(&line));
+    let read = json(&folder.succeed("inspect a.exr --json"));
     let of = |value: &Value| value["realised_structure"].clone();
     assert_eq!(
         of(&written)["mean_square_slope"]["expected"],
@@ -22,13 +22,12 @@ fn generated(folder: &std::path::Path, flags: &str) -> Value {
 /// the meshes of a refinement. Without the file's record of how it was drawn, cells are split across ridges.
 #[test]
 fn pyramids_are_split_along_their_ridges_and_read_back_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     let lattice = "--structure pyramids --arrangement lattice --width 16 --size 32 --spacing 1";
     run(&format!("generate {lattice} -o p.exr"));
     let told = unwrapped(&run(&format!("generate {lattice} -o p.npy")));
-    assert!(told.contains("split along the same one"), "{told}");
+    told.must_contain("split along the same one");
     let angle = |file: &str| {
         json(&run(&format!("inspect {file} --json")))["steepest"]["angle_degrees"].clone()
     };
@@ -36,43 +35,39 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
     assert!(angle("p.npy").as_f64().unwrap() > 60.0);
     let light = "--theta 0 --models none --rays 2e3";
     let on_ridges = unwrapped(&run(&format!("trace p.exr {light}")));
-    assert!(on_ridges.contains("reflected by order 2:"), "{on_ridges}");
+    on_ridges.must_contain("reflected by order 2:");
     let across = unwrapped(&run(&format!("trace p.npy --border periodic {light}")));
-    assert!(across.contains("reflected by order 1:"), "{across}");
+    across.must_contain("reflected by order 1:");
     for output in ["v", "refined --refine"] {
         let line = format!("verify {lattice} {light} --realisations 2 --no-plots -o {output}");
         let told = unwrapped(&run(&line));
-        assert!(told.contains("reflected single 0 "), "{told}");
+        told.must_contain("reflected single 0 ");
         assert!(!told.contains("cut across"), "{told}");
     }
-    let told = refused(folder, &words(&format!("trace p.exr {light} --refine")), 2);
-    assert!(told.contains("edges have no spectrum"), "{told}");
+    let told = folder.refused(format!("trace p.exr {light} --refine"));
+    told.must_contain("edges have no spectrum");
     // A record of pyramids that do not fit the tile
     let mut file = std::fs::read(folder.join("p.exr")).unwrap();
     let width = br#""width":16.0"#;
     let at = file.windows(width.len()).position(|part| part == width);
     file[at.unwrap()..][..width.len()].copy_from_slice(br#""width":13.0"#);
-    std::fs::write(folder.join("p.exr"), file).unwrap();
-    let told = refused(folder, &words("inspect p.exr"), 1);
-    assert!(told.contains("p.exr"), "{told}");
-    assert!(
-        told.contains("the surface cannot be what its record says: "),
-        "{told}"
-    );
+    folder.write("p.exr", file);
+    let told = folder.failed("inspect p.exr");
+    told.must_contain("p.exr");
+    told.must_contain("the surface cannot be what its record says: ");
     let caps = "--structure caps --width 16 --size 32x28 --spacing 1";
     let told = unwrapped(&run(&format!(
         "verify {caps} {light} --realisations 2 --no-plots -o c"
     )));
-    assert!(told.contains("facets cut across edges or curves"), "{told}");
+    told.must_contain("facets cut across edges or curves");
 }
 
 /// Each setting changes what is drawn; statistics expected of the structure come back from the file.
 #[test]
 fn settings_of_structures_are_drawn_and_read_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let of = |flags: &str, name: &str| {
-        let found = generated(folder, flags);
+        let found = generated(&folder, flags);
         ["expected", "realised"].map(|part| found[name][part].as_f64())
     };
     // 2 depth / width = 3/4
@@ -99,7 +94,7 @@ fn settings_of_structures_are_drawn_and_read_back() {
     let [less, _] = of(&format!("{scratches} --density 0.1"), "coverage").map(Option::unwrap);
     assert!(less < 0.3 * along);
     let heights = |flags: &str| {
-        generated(folder, flags);
+        generated(&folder, flags);
         std::fs::read(folder.join("a.exr")).unwrap()
     };
     let spread = heights(&format!("{scratches} --spread 40"));
@@ -111,31 +106,30 @@ fn settings_of_structures_are_drawn_and_read_back() {
 /// Statistics without a number are left out or said, and never infinite.
 #[test]
 fn statistics_without_a_number_are_left_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let hemispheres = "--structure pits --width 16 --depth 8 --arrangement separate";
-    let found = generated(folder, hemispheres);
+    let found = generated(&folder, hemispheres);
     assert_eq!(found["has_vertical_edges"], true);
     assert!(found["mean_square_slope"]["expected"].is_null());
-    let text = succeed(folder, &words("inspect a.exr"));
+    let text = folder.succeed("inspect a.exr");
     assert!(
         text.contains("edges are vertical") && !text.contains("inf "),
         "{text}"
     );
     let shallow = generated(
-        folder,
+        &folder,
         "--structure pits --width 16 --depth 6 --arrangement separate",
     );
     assert!(shallow["has_vertical_edges"].is_null());
     // Of touching pyramids the samples on shared edges lie in the plane
     let pyramids = "--structure inverted-pyramids --density";
-    assert!(generated(folder, &format!("{pyramids} 1"))["coverage"].is_null());
-    assert!(generated(folder, &format!("{pyramids} 0.5"))["coverage"].is_object());
+    assert!(generated(&folder, &format!("{pyramids} 1"))["coverage"].is_null());
+    assert!(generated(&folder, &format!("{pyramids} 0.5"))["coverage"].is_object());
 }
 
 #[test]
 fn structures_that_cannot_be_drawn_get_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for (flags, expected) in [
         ("--structure sponge", "must be pits, caps,"),
         ("--depth 3", "--depth 3 needs --structure"),
@@ -183,53 +177,44 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
         ("--structure caps --width 3", "with --insist"),
     ] {
         let line = format!("generate {flags} --size 256 -o a.exr");
-        let said = refused(folder.path(), &words(&line), 2);
-        assert!(said.contains(expected), "{flags}: {said}");
+        let said = folder.refused(&line);
+        said.must_contain(expected);
     }
 }
 
 /// Roughness on top has a correlation length by default, and with a direction it gives one to the surface.
 #[test]
 fn roughness_on_top_of_a_structure_needs_its_height_alone() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for flags in ["--sigma 0.1", "--sigma 0.1 --tau 4 --tau-y 8 --azimuth 60"] {
         let line = format!("generate --structure pits --size 256 {flags} -o a.exr");
-        succeed(folder.path(), &words(&line));
+        folder.succeed(&line);
     }
 }
 
 /// V grooves of mirrors at 45 degrees send vertical light back after two reflections, in every surface of the run.
 #[test]
 fn structures_are_traced_in_verify_and_gonio() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let grooves =
         "--structure v-grooves --depth 8 --material mirror --realisations 2 --rays 2e3 --no-plots";
     let line = format!("verify {grooves} --theta 0 --models none --json -o out");
-    let summary = json(&succeed(folder.path(), &words(&line)));
+    let summary = json(&folder.succeed(&line));
     assert_eq!(summary["work"]["estimator"], "plain");
     assert_eq!(summary["paths"][0]["events"], "RR");
     assert!((summary["paths"][0]["mean"].as_f64().unwrap() - 1.0).abs() < 1e-12);
     let line = "gonio --structure sine-grooves --width 16 --spacing 0.5 --realisations 2 --rays 2e3 --directions 2x2 --no-plots --json -o bsdf";
-    let summary = json(&succeed(folder.path(), &words(line))).to_string();
-    assert!(
-        summary.contains("\"structure\":\"sine-grooves\""),
-        "{summary}"
-    );
+    let summary = json(&folder.succeed(line)).to_string();
+    summary.must_contain("\"structure\":\"sine-grooves\"");
 }
 
 /// A plane of pits: slipping flattens their walls, and etching lowers all and widens the pits.
 #[test]
 fn height_maps_are_eroded_by_inspect() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let pits = "generate --structure pits --depth 7 --size 128 --unit um -o a.exr";
-    succeed(folder, &words(pits));
-    let of = |flags: &str| {
-        json(&succeed(
-            folder,
-            &words(&format!("inspect a.exr --json{flags}")),
-        ))
-    };
+    folder.succeed(pits);
+    let of = |flags: &str| json(&folder.succeed(format!("inspect a.exr --json{flags}")));
     let number = |value: &Value, name: &str| value[name].as_f64().unwrap();
     let before = of("");
     let slipped = of(" --repose 20 --slip-steps 3000");
@@ -241,12 +226,7 @@ fn height_maps_are_eroded_by_inspect() {
     let sinks = number(&before, "mean") - number(&etched, "mean");
     assert!(sinks > 2.0 && sinks < 4.0, "{sinks}");
     assert!(folder.join("b.exr").is_file());
-    let said = |depth: &str| {
-        unwrapped(&succeed(
-            folder,
-            &words(&format!("inspect a.exr --etch {depth}")),
-        ))
-    };
+    let said = |depth: &str| unwrapped(&folder.succeed(format!("inspect a.exr --etch {depth}")));
     assert!(said("0.5").contains("less than the spacing of 1 um"));
     assert!(!said("1").contains("less than the spacing"));
     for (flags, expected) in [
@@ -254,16 +234,15 @@ fn height_maps_are_eroded_by_inspect() {
         ("--slip-steps 5", "--slip-steps 5 needs --repose"),
         ("--repose 90", "from 0 to below 90"),
     ] {
-        let said = refused(folder, &words(&format!("inspect a.exr {flags}")), 2);
-        assert!(said.contains(expected), "{flags}: {said}");
+        let said = folder.refused(format!("inspect a.exr {flags}"));
+        said.must_contain(expected);
     }
 }
 
 #[test]
 fn ensembles_of_worn_surfaces_are_those_that_inspect_writes() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     run("generate --smoothness 1 --tau 4 --size 32 --realisations 2 --format gsf -o set");
     let worn = "--repose 30 --slip-steps 200 --etch 1.5";
     for number in [0, 1] {
@@ -296,9 +275,8 @@ fn ensembles_of_worn_surfaces_are_those_that_inspect_writes() {
 /// Erosion is a step of the recipe: every drawn surface is worn as if it was written, and read with the same flags.
 #[test]
 fn eroded_random_surfaces_have_the_results_of_files_that_are_eroded_when_they_are_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let run = |line: &str| succeed(folder, &words(line));
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
     let recipe = "--smoothness 1 --tau 4 --size 32 --spacing 1 --realisations 2";
     let worn = "--repose 30 --slip-steps 200 --etch 1.5";
     let light = "--theta 50 --rays 2e4 --bins 6x8 --no-plots";
@@ -311,11 +289,8 @@ fn eroded_random_surfaces_have_the_results_of_files_that_are_eroded_when_they_ar
     ));
     let random = format!("{recipe} {worn} {light} --light-azimuth fixed --no-fold");
     let report = unwrapped(&run(&format!("verify {random} --models smith -o drawn")));
-    assert!(
-        report.contains("cells are flat: erosion leaves"),
-        "{report}"
-    );
-    assert!(report.contains("are those before"), "{report}");
+    report.must_contain("cells are flat: erosion leaves");
+    report.must_contain("are those before");
     run(&format!("gonio {random} -o measured"));
     let read = |out: &str| {
         let text = std::fs::read_to_string(folder.join(out).join("summary.json"));
@@ -347,8 +322,7 @@ fn eroded_random_surfaces_have_the_results_of_files_that_are_eroded_when_they_ar
 
 #[test]
 fn erosion_of_random_surfaces_is_refused_or_explained_where_it_makes_no_sense() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let few = "--tau 4 --size 32 --spacing 1 --realisations 2 --rays 200 --no-plots";
     for (flags, expected) in [
         ("--etch 65", "more than 64 spacings"),
@@ -365,26 +339,23 @@ fn erosion_of_random_surfaces_is_refused_or_explained_where_it_makes_no_sense() 
         };
         for command in ["verify", "gonio", "map"] {
             let line = format!("{command} {few} {flags} -o {command}");
-            let said = refused(folder, &words(&line), 2);
-            assert!(said.contains(expected), "{line}: {said}");
+            let said = folder.refused(&line);
+            said.must_contain(expected);
         }
     }
     let converge = format!("converge {few} --repose 30 --estimators controlled -o c");
     let line = converge
         .replace(" --rays 200 --no-plots", "")
         .replace(" --realisations 2", "");
-    let said = refused(folder, &words(&line), 2);
-    assert!(said.contains("not known for these surfaces"), "{said}");
+    let said = folder.refused(&line);
+    said.must_contain("not known for these surfaces");
     // Slopes are no longer GGX, so that neither are the models
     let ggx = "--slopes ggx --ggx-alpha 0.3 --tau 4 --amplitude-ratio 2 --size 64 --spacing 1";
     let line = format!("verify {ggx} --realisations 8 --rays 800 --model-rays 2e3 --etch 0.5 -o g");
-    let report = unwrapped(&succeed(folder, &words(&line)));
+    let report = unwrapped(&folder.succeed(&line));
     assert!(
         report.contains("xu-sun") && !report.contains("heitz-ggx"),
         "{report}"
     );
-    assert!(
-        report.contains("--etch 0.5 is less than the spacing of 1"),
-        "{report}"
-    );
+    report.must_contain("--etch 0.5 is less than the spacing of 1");
 }

@@ -1,64 +1,139 @@
 //! Running the program in a folder of its own.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::ops::Deref;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
 
 use asperity_results::ResultSet;
 use serde_json::Value;
 use tempfile::TempDir;
 
-pub(crate) fn asperity(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap()
+/// A folder of its own, removed at the end of a test.
+pub(crate) struct Folder(TempDir);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
 }
 
-/// The arguments of a command line, none of which holds a blank.
-pub(crate) fn words(line: &str) -> Vec<&str> {
-    line.split(' ').collect()
+impl Deref for Folder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        self.0.path()
+    }
 }
 
-/// Runs a command that must succeed, and returns its standard output.
-pub(crate) fn succeed(folder: &Path, arguments: &[&str]) -> String {
-    let output = asperity(folder, arguments);
-    let errors = errors_of(&output);
-    assert!(output.status.success(), "{arguments:?}: {errors}");
-    assert!(errors.is_empty(), "{arguments:?} on a pipe: {errors}");
-    String::from_utf8(output.stdout).unwrap()
+/// Commands run in a folder, and its files.
+pub(crate) trait InFolder {
+    /// The program with the arguments of a line, none of which holds a blank.
+    fn command(&self, line: impl AsRef<str>) -> Command;
+
+    /// Runs the program to its end.
+    fn run(&self, line: impl AsRef<str>) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    /// Starts the program, with no one to read its standard output.
+    fn begin(&self, line: impl AsRef<str>) -> Child {
+        let mut command = self.command(line);
+        let command = command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    }
+
+    /// Runs a command that must succeed, and returns its standard output.
+    fn succeed(&self, line: impl AsRef<str>) -> String;
+
+    /// Runs a command that must end with `code` and one sentence, and returns that.
+    fn stopped(&self, line: impl AsRef<str>, code: i32) -> String;
+
+    /// Runs a command of wrong usage, and returns its sentence.
+    fn refused(&self, line: impl AsRef<str>) -> String {
+        self.stopped(line, 2)
+    }
+
+    /// Runs a command that must fail, and returns its sentence.
+    fn failed(&self, line: impl AsRef<str>) -> String {
+        self.stopped(line, 1)
+    }
+
+    /// The text of a file.
+    fn text(&self, name: impl AsRef<Path>) -> String;
+
+    /// The JSON of a file.
+    fn json(&self, name: impl AsRef<Path>) -> Value {
+        json(&self.text(name))
+    }
+
+    /// Writes a file.
+    fn write(&self, name: impl AsRef<Path>, contents: impl AsRef<[u8]>);
 }
 
-/// Runs a command that must be refused with `code` and one sentence, and returns that.
-pub(crate) fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
-    let output = asperity(folder, arguments);
-    let errors = errors_of(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
-    assert!(!errors.contains("panicked"), "{arguments:?}: {errors}");
-    assert!(errors.starts_with("asperity: "), "{errors}");
-    assert_eq!(
-        errors.trim_end().lines().count(),
-        1,
-        "one sentence: {errors}"
-    );
-    errors
+impl InFolder for Path {
+    fn command(&self, line: impl AsRef<str>) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_asperity"));
+        let words = line.as_ref().split_whitespace();
+        command.current_dir(self).args(words);
+        command
+    }
+
+    fn succeed(&self, line: impl AsRef<str>) -> String {
+        let line = line.as_ref();
+        let output = self.run(line);
+        let errors = errors_of(&output);
+        assert!(output.status.success(), "{line}: {errors}");
+        assert!(errors.is_empty(), "{line} on a pipe: {errors}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn stopped(&self, line: impl AsRef<str>, code: i32) -> String {
+        let line = line.as_ref();
+        let output = self.run(line);
+        let errors = errors_of(&output);
+        assert_eq!(output.status.code(), Some(code), "{line}: {errors}");
+        assert!(!errors.contains("panicked"), "{line}: {errors}");
+        assert!(errors.starts_with("asperity: "), "{errors}");
+        let lines = errors.trim_end().lines();
+        assert_eq!(lines.count(), 1, "one sentence: {errors}");
+        errors
+    }
+
+    fn text(&self, name: impl AsRef<Path>) -> String {
+        fs::read_to_string(self.join(name)).unwrap()
+    }
+
+    fn write(&self, name: impl AsRef<Path>, contents: impl AsRef<[u8]>) {
+        fs::write(self.join(name), contents).unwrap();
+    }
+}
+
+/// Words of a text.
+pub(crate) trait Words {
+    /// Asserts that the text contains a part.
+    fn must_contain(&self, part: impl AsRef<str>);
+}
+
+impl Words for str {
+    #[track_caller]
+    fn must_contain(&self, part: impl AsRef<str>) {
+        let part = part.as_ref();
+        assert!(self.contains(part), "`{part}` is missing in {self}");
+    }
 }
 
 /// Standard error without lines of progress, for which a slow machine takes long enough.
 pub(crate) fn errors_of(output: &Output) -> String {
-    without_progress(&String::from_utf8_lossy(&output.stderr))
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let lines = errors.lines();
+    let others = lines.filter(|line| !line.starts_with("progress: "));
+    others.map(|line| format!("{line}\n")).collect()
 }
 
 /// Text without its line breaks, which depend on how long names are.
 pub(crate) fn unwrapped(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn without_progress(errors: &str) -> String {
-    let lines = errors.lines();
-    let others = lines.filter(|line| !line.starts_with("progress: "));
-    others.map(|line| format!("{line}\n")).collect()
 }
 
 pub(crate) fn json(text: &str) -> Value {
@@ -75,12 +150,10 @@ pub(crate) fn files(folder: &Path) -> Vec<String> {
 }
 
 /// A folder with one small generated surface.
-pub(crate) fn with_surface() -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let arguments = words("generate --tau 8 --smoothness 2 --size 64 --seed 7");
-    succeed(folder.path(), &[&arguments[..], &["-o", "h.exr"]].concat());
-    let path = folder.path().to_owned();
-    (folder, path)
+pub(crate) fn with_surface() -> Folder {
+    let folder = Folder::new();
+    folder.succeed("generate --tau 8 --smoothness 2 --size 64 --seed 7 -o h.exr");
+    folder
 }
 
 /// A table by the names of its columns.

@@ -1,18 +1,17 @@
 //! Random surfaces with the spectrum and the heights of files.
 
-use crate::support::{asperity, errors_of, json, refused, succeed, unwrapped, words};
+use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped};
 
 /// A surface of a known spectrum; others like it have its roughness, on a tile of another size, and the heights too.
 #[test]
 fn surfaces_like_a_map_have_its_spectrum_and_its_heights() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let measured =
         "generate --tau 8 --sigma 2nm --skewness -1 --kurtosis 4.5 --size 256 -o measured.exr";
-    succeed(folder, &words(measured));
+    folder.succeed(measured);
     let like = "generate --psd like:measured.exr --heights like:measured.exr --size 384,320 --json -o like.exr";
-    let like = json(&succeed(folder, &words(like)));
-    let measured = json(&succeed(folder, &words("inspect measured.exr --json")));
+    let like = json(&folder.succeed(like));
+    let measured = json(&folder.succeed("inspect measured.exr --json"));
     let realised = |of: &str| like["realised"][of]["requested"].as_f64().unwrap();
     let sq = measured["sq"].as_f64().unwrap();
     assert!((realised("sigma") / sq - 1.0).abs() < 1e-6);
@@ -24,7 +23,7 @@ fn surfaces_like_a_map_have_its_spectrum_and_its_heights() {
         (realised("tau_x") / along_x - 1.0).abs() < 0.05,
         "{along_x}"
     );
-    let read = json(&succeed(folder, &words("inspect like.exr --json")));
+    let read = json(&folder.succeed("inspect like.exr --json"));
     assert_eq!(read["unit"], "nm");
 }
 
@@ -32,14 +31,10 @@ fn surfaces_like_a_map_have_its_spectrum_and_its_heights() {
 /// surfaces do, by `sqrt(pi tau^2 / 2) / side`, 0.04, and not by 0.97 as with the same random numbers.
 #[test]
 fn surfaces_like_a_drawn_one_are_independent_of_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    succeed(
-        folder,
-        &words("generate --tau 8 --sigma 1 --size 256 --spacing 1 -o first.npy"),
-    );
+    let folder = Folder::new();
+    folder.succeed("generate --tau 8 --sigma 1 --size 256 --spacing 1 -o first.npy");
     let like = "generate --psd like:first.npy --size 256 --spacing 1 --insist -o second.npy";
-    let output = crate::support::asperity(folder, &words(like));
+    let output = folder.run(like);
     assert!(output.status.success());
     let heights = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).unwrap();
@@ -61,29 +56,24 @@ fn surfaces_like_a_drawn_one_are_independent_of_it() {
 /// A spectrum over the plane has directions: unless told otherwise, light comes from the azimuths given, and random ones are refused.
 #[test]
 fn spectra_over_the_plane_are_lit_from_fixed_azimuths() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let grooves = "generate --tau 24 --tau-y 8 --sigma 1 --size 256 --spacing 2 -o grooves.exr";
-    succeed(folder, &words(grooves));
+    folder.succeed(grooves);
     let verify = "verify --psd like:grooves.exr --size 192 --theta 50 --models smith --rays 3e4 --realisations 6 --insist --no-plots";
     let random = format!("{verify} --light-azimuth random -o random");
-    let output = crate::support::asperity(folder, &words(&random));
+    let output = folder.run(&random);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(
-        message.contains("matters on anisotropic surfaces"),
-        "{message}"
-    );
-    let output = crate::support::asperity(folder, &words(&format!("{verify} -o fixed")));
+    message.must_contain("matters on anisotropic surfaces");
+    let output = folder.run(format!("{verify} -o fixed"));
     assert!(output.status.success());
-    let summary = std::fs::read_to_string(folder.join("fixed/summary.json")).unwrap();
+    let summary = folder.text("fixed/summary.json");
     assert!(!summary.contains("\"verdict\": \"rejected\""), "{summary}");
 }
 
 #[test]
 fn a_table_of_a_spectrum_is_drawn_and_traced() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     // A Gaussian spectrum of sigma 1.5 and tau 10, in steps of 2 %
     let (sigma, tau) = (1.5_f64, 10.0_f64);
     let mut text = String::from("# rad per length unit\nk,density\n");
@@ -94,22 +84,22 @@ fn a_table_of_a_spectrum_is_drawn_and_traced() {
         text += &format!("{k},{density}\n");
         k *= 1.02;
     }
-    std::fs::write(folder.join("psd.csv"), text).unwrap();
+    folder.write("psd.csv", text);
     let drawn = "generate --psd psd.csv --size 256 --spacing 1 --json -o drawn.exr";
-    let drawn = json(&succeed(folder, &words(drawn)));
+    let drawn = json(&folder.succeed(drawn));
     let requested = |name: &str| drawn["realised"][name]["requested"].as_f64().unwrap();
     assert!((requested("sigma") / sigma - 1.0).abs() < 1e-3);
     assert!((requested("tau_x") / tau - 1.0).abs() < 1e-3);
     let verified = "verify --psd psd.csv --sigma 1 --models none --rays 2e3 --realisations 4 --no-plots -o verified";
-    succeed(folder, &words(verified));
-    let summary = std::fs::read_to_string(folder.join("verified/summary.json")).unwrap();
+    folder.succeed(verified);
+    let summary = folder.text("verified/summary.json");
     assert!(summary.contains("psd.csv"));
 }
 
 #[test]
 fn files_that_give_no_spectrum_get_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let folder = Folder::new();
+    let write = |name: &str, text: &str| folder.write(name, text);
     write("other.csv", "k,W\n1,2\n2,1\n");
     write("back.csv", "k,density\n2,1\n1,1\n");
     write("below.csv", "k,density\n1,1\n2,-1\n");
@@ -129,14 +119,14 @@ fn files_that_give_no_spectrum_get_one_sentence() {
         ),
     ] {
         let line = format!("generate {flags} --size 64 -o a.exr");
-        let said = refused(folder.path(), &words(&line), 1);
-        assert!(said.contains(expected), "{flags}: {said}");
-        assert!(!folder.path().join("a.exr").exists());
+        let said = folder.failed(&line);
+        said.must_contain(expected);
+        assert!(!folder.join("a.exr").exists());
     }
     // A name that is misspelt is wrong usage, as that of any other choice
     let line = "generate --psd gausian --size 64 -o a.exr";
-    let said = refused(folder.path(), &words(line), 2);
-    assert!(said.contains("or a file; did you mean gaussian?"), "{said}");
+    let said = folder.refused(line);
+    said.must_contain("or a file; did you mean gaussian?");
 }
 
 /// Rows of a text matrix.
@@ -151,11 +141,10 @@ fn matrix(n: i32, height: impl Fn(f64, f64) -> f64) -> String {
 /// Notes on the map that surfaces are to be like: unit assumed, points filled, form removed, and its limits.
 #[test]
 fn what_is_made_of_a_source_is_said() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let rough = |x: f64, y: f64| (1.7 * x + 0.3 * y * y).sin() + (2.3 * y - 0.2 * x * x).cos();
     let text = matrix(48, rough).replacen("1.000000", "nan", 1);
-    std::fs::write(folder.join("a.txt"), text).unwrap();
+    folder.write("a.txt", text);
     let notes = [
         "a.txt: the file has no spacing: 1 is assumed",
         "a.txt: 1 missing point was filled",
@@ -163,23 +152,23 @@ fn what_is_made_of_a_source_is_said() {
         "correlation areas, which tell sigma within about",
     ];
     let line = "generate --psd like:a.txt --heights like:a.txt --size 256 -o b.exr";
-    let said = unwrapped(&succeed(folder, &words(line)));
+    let said = unwrapped(&folder.succeed(line));
     for note in notes {
         assert_eq!(said.matches(note).count(), 1, "{note}: {said}");
     }
     let line = "verify --psd like:a.txt --size 64 --models none --rays 100 --realisations 1 --no-plots -o c";
-    let said = unwrapped(&errors_of(&asperity(folder, &words(line))));
-    assert!(said.contains(notes[1]), "{said}");
+    let said = unwrapped(&errors_of(&folder.run(line)));
+    said.must_contain(notes[1]);
 }
 
 #[test]
 fn a_source_of_few_samples_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let rough = |x: f64, y: f64| (1.7 * x + y * y).sin();
-    std::fs::write(folder.path().join("small.txt"), matrix(7, rough)).unwrap();
+    folder.write("small.txt", matrix(7, rough));
     for flag in ["--psd", "--heights"] {
         let line = format!("generate {flag} like:small.txt --size 64 --insist -o a.exr");
-        let said = refused(folder.path(), &words(&line), 1);
-        assert!(said.contains("but the file has 7 x 7"), "{flag}: {said}");
+        let said = folder.failed(&line);
+        said.must_contain("but the file has 7 x 7");
     }
 }

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use asperity_studies::settings::{Command as Named, settings_of};
 
-use crate::support::{errors_of, files, refused, succeed};
+use crate::support::{Folder, InFolder, Words, errors_of, files};
 
 /// The flags of a command, without hyphens.
 fn flags(command: Named) -> Vec<String> {
@@ -61,9 +61,9 @@ fn offered(shell: &str, script: &str, command: Named) -> BTreeSet<String> {
 
 #[test]
 fn completion_scripts_offer_every_command_its_own_flags() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for shell in ["bash", "zsh", "fish"] {
-        let script = succeed(folder.path(), &["completions", shell]);
+        let script = folder.succeed(format!("completions {shell}"));
         for command in Named::ALL {
             let mut expected: BTreeSet<String> = flags(command).into_iter().collect();
             expected.insert("help".to_owned());
@@ -78,15 +78,15 @@ fn completion_scripts_offer_every_command_its_own_flags() {
             assert!(script.contains(name), "{shell}: {name}");
         }
     }
-    let said = refused(folder.path(), &["completions", "tcsh"], 2);
-    assert!(said.contains("`tcsh`: must be bash, zsh or fish"), "{said}");
-    refused(folder.path(), &["completions"], 2);
+    let said = folder.refused("completions tcsh");
+    said.must_contain("`tcsh`: must be bash, zsh or fish");
+    folder.refused("completions");
 }
 
 #[test]
 fn bash_accepts_its_script() {
-    let folder = tempfile::tempdir().unwrap();
-    let script = succeed(folder.path(), &["completions", "bash"]);
+    let folder = Folder::new();
+    let script = folder.succeed("completions bash");
     let started = Command::new("bash")
         .arg("-n")
         .stdin(Stdio::piped())
@@ -106,9 +106,8 @@ fn bash_accepts_its_script() {
 
 #[test]
 fn man_writes_a_page_for_every_command() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    assert_eq!(succeed(folder, &["man", "pages/man1"]), "");
+    let folder = Folder::new();
+    assert_eq!(folder.succeed("man pages/man1"), "");
     let pages = folder.join("pages/man1");
     let names = Named::ALL.map(Named::name);
     let tools = ["completions", "man"];
@@ -116,10 +115,10 @@ fn man_writes_a_page_for_every_command() {
     expected.push("asperity.1".to_owned());
     expected.sort();
     assert_eq!(files(&pages), expected);
-    let main = fs::read_to_string(pages.join("asperity.1")).unwrap();
+    let main = pages.text("asperity.1");
     for command in Named::ALL {
         assert!(main.contains(&escaped(command.about())), "{command}");
-        let page = fs::read_to_string(pages.join(page(command.name()))).unwrap();
+        let page = pages.text(page(command.name()));
         assert!(
             page.contains("Print help\n") && !page.contains("see a summary"),
             "{page}"
@@ -137,7 +136,7 @@ fn man_writes_a_page_for_every_command() {
             );
         }
         let example = escaped(&format!("asperity {command}"));
-        assert!(page.contains(&format!("\n{example} ")), "{page}");
+        page.must_contain(format!("\n{example} "));
         for flag in flags(command) {
             assert!(page.contains(&escaped(&flag)), "{command} {flag}");
         }
@@ -153,17 +152,16 @@ fn man_writes_a_page_for_every_command() {
         }
     }
     // Pages of an earlier run are written anew.
-    succeed(folder, &["man", "pages/man1"]);
-    fs::write(folder.join("file"), "").unwrap();
-    let said = refused(folder, &["man", "file"], 1);
-    assert!(said.contains("file"), "{said}");
+    folder.succeed("man pages/man1");
+    folder.write("file", "");
+    let said = folder.failed("man file");
+    said.must_contain("file");
 }
 
 /// Nothing is written if one of the pages would replace a file of the user.
 #[test]
 fn man_replaces_no_file_but_its_own_pages() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     fs::create_dir(folder.join("mine")).unwrap();
     let own = folder.join("mine/asperity-trace.1");
     for content in [
@@ -173,16 +171,13 @@ fn man_replaces_no_file_but_its_own_pages() {
         b".TH other 1\n.SH asperity\n",
     ] {
         fs::write(&own, content).unwrap();
-        let said = refused(folder, &["man", "mine"], 1);
-        assert!(
-            said.contains("asperity-trace.1` is not a man page of this program"),
-            "{said}"
-        );
+        let said = folder.failed("man mine");
+        said.must_contain("asperity-trace.1` is not a man page of this program");
         assert_eq!(fs::read(&own).unwrap(), content);
         assert_eq!(files(&folder.join("mine")), ["asperity-trace.1"]);
     }
     fs::remove_file(&own).unwrap();
-    succeed(folder, &["man", "mine"]);
+    folder.succeed("man mine");
     for name in files(&folder.join("mine")) {
         let page = fs::read_to_string(folder.join("mine").join(&name)).unwrap();
         assert!(

@@ -1,10 +1,10 @@
 //! Messages of `--verbose` on standard error.
 
-use crate::support::{asperity, errors_of, with_surface, words};
+use crate::support::{InFolder, errors_of, with_surface};
 
 #[test]
 fn verbose_tells_what_is_done_and_why() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     let random = "--tau 4 --size 32 --smoothness 3 --realisations 4 --rays 2e3 --seed 5 --no-plots --threads 2 -v";
     let surfaces = "4 random surfaces (as given) of 32 x 32 smooth cells, spacing 0.25 x 0.25 correlation lengths, seed 5";
     for (line, expected) in [
@@ -46,7 +46,7 @@ fn verbose_tells_what_is_done_and_why() {
             vec!["theta = 0 deg: ", "theta = 30 deg: ", surfaces],
         ),
     ] {
-        let output = asperity(&folder, &words(&line));
+        let output = folder.run(&line);
         let said = errors_of(&output);
         assert!(output.status.success(), "{line}: {said}");
         for line in said.lines() {
@@ -58,7 +58,7 @@ fn verbose_tells_what_is_done_and_why() {
             assert!(said.contains(part), "{line}: {part} is missing in\n{said}");
         }
         let quiet = line.replace(" -v", " -q").replace(" -o ", " -o q");
-        let output = asperity(&folder, &words(&quiet));
+        let output = folder.run(&quiet);
         assert!(output.stderr.is_empty() && output.stdout.is_empty(), "{quiet}");
     }
 }

@@ -3,13 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, unwrapped, with_surface, words};
+use crate::support::{Folder, InFolder, Words, files, json, unwrapped, with_surface};
 use serde_json::Value;
 
 #[test]
 fn verify_judges_every_case_and_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let config = "
         [surface]
         smoothness = [1, 3]
@@ -21,15 +20,9 @@ fn verify_judges_every_case_and_says_so() {
         realisations = 12
         rays = 3e4
     ";
-    fs::write(folder.join("v.toml"), config).unwrap();
-    let text = succeed(
-        folder,
-        &["verify", "v.toml", "--models", "xu-sun,smith", "-o", "out"],
-    );
-    assert!(
-        text.contains("Single scattering, tested at level"),
-        "{text}"
-    );
+    folder.write("v.toml", config);
+    let text = folder.succeed("verify v.toml --models xu-sun,smith -o out");
+    text.must_contain("Single scattering, tested at level");
     let out = folder.join("out");
     let cases = [
         "s1_n0.714286_theta30",
@@ -48,7 +41,7 @@ fn verify_judges_every_case_and_says_so() {
             assert!(out.join(case).join(name).exists(), "{case}/{name}");
         }
     }
-    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    let summary = out.json("summary.json");
     assert_eq!(summary["cases"].as_array().unwrap().len(), 4);
     // A rough surface transmits far more than Xu and Sun's visibility lets through.
     let rough = &summary["cases"][0]["summary"]["comparison"]["models"][0];
@@ -59,19 +52,18 @@ fn verify_judges_every_case_and_says_so() {
 
 #[test]
 fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let surface = words("--smoothness 1 --tau 8 --size 128 --eta 1/1.4");
-    let run = words("--realisations 8 --rays 2e4 --models smith --no-plots");
-    let above = [&["verify", "-o", "above", "--json"], &surface[..], &run[..]].concat();
-    let summary = json(&succeed(folder, &above));
-    let file = json(&fs::read_to_string(folder.join("above/summary.json")).unwrap());
+    let folder = Folder::new();
+    let surface = "--smoothness 1 --tau 8 --size 128 --eta 1/1.4";
+    let run = "--realisations 8 --rays 2e4 --models smith --no-plots";
+    let above = format!("verify -o above --json {surface} {run}");
+    let summary = json(&folder.succeed(&above));
+    let file = folder.json("above/summary.json");
     assert_eq!(summary["comparison"], file["comparison"]);
     let model = &summary["comparison"]["models"][0];
     let distance = |of: &str| model[of]["total_variation"].as_f64().unwrap();
     // Half of this light is scattered more than once: far from all light, near to the single part.
     assert!(distance("total") > 3.0 * distance("single"));
-    let table = fs::read_to_string(folder.join("above/comparison.csv")).unwrap();
+    let table = folder.text("above/comparison.csv");
     let recomputed: f64 = table
         .lines()
         .skip(1)
@@ -83,12 +75,8 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
     assert!((recomputed - distance("single")).abs() < 1e-12);
 
     // From below, statistics are the same but the rays are others.
-    let below = [
-        &["verify", "-o", "below", "--json", "--from", "below"],
-        &surface[..],
-        &run[..],
-    ];
-    let below = json(&succeed(folder, &below.concat()));
+    let below = format!("verify -o below --json --from below {surface} {run}");
+    let below = json(&folder.succeed(below));
     let reflected = |summary: &Value| {
         ["mean", "se"].map(|key| summary["energy"]["reflected"][key].as_f64().unwrap())
     };
@@ -99,16 +87,10 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
 
 #[test]
 fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let fixed = words(
-        "verify --tau 8 --size 128 --smoothness 2 --eta 1.4 --theta 0 --realisations 12 --rays 1e5 -o out",
-    );
-    let text = succeed(folder, &fixed);
-    assert!(
-        text.contains("bins in rings of 20 deviating rays"),
-        "{text}"
-    );
+    let folder = Folder::new();
+    let fixed = "verify --tau 8 --size 128 --smoothness 2 --eta 1.4 --theta 0 --realisations 12 --rays 1e5 -o out";
+    let text = folder.succeed(&fixed);
+    text.must_contain("bins in rings of 20 deviating rays");
     assert!(!text.contains(" phi "), "no azimuth is named: {text}");
     let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
     // Bins of a ring are copies of each other, in what was found and in what is expected.
@@ -160,8 +142,7 @@ fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
 
 #[test]
 fn a_verification_of_one_side_judges_that_side() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let config = "
         [surface]
         smoothness = 1
@@ -176,13 +157,13 @@ fn a_verification_of_one_side_judges_that_side() {
         [compare]
         model_rays = 1e4
     ";
-    fs::write(folder.join("v.toml"), config).unwrap();
-    let text = succeed(folder, &["verify", "v.toml", "-o", "one"]);
-    let of_both = ["verify", "v.toml", "--side", "both", "-o", "both"];
-    succeed(folder, &of_both);
+    folder.write("v.toml", config);
+    let text = folder.succeed("verify v.toml -o one");
+    let of_both = "verify v.toml --side both -o both";
+    folder.succeed(&of_both);
     assert!(text.contains("transmitted single") && text.contains("not recorded"));
     assert!(!text.contains("reflected"), "{text}");
-    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    let read = |name: &str| folder.text(name);
     // The control variate closes the budget with what was not recorded, which is summed in another order.
     let rows = |name: &str| -> Vec<Vec<String>> {
         let text = read(name);
@@ -204,7 +185,7 @@ fn a_verification_of_one_side_judges_that_side() {
     for side in ["transmitted", "both"] {
         let run =
             format!("verify v.toml --estimator plain --no-plots --side {side} -o plain_{side}");
-        succeed(folder, &words(&run));
+        folder.succeed(&run);
     }
     for name in [
         "comparison.csv",
@@ -229,28 +210,28 @@ fn a_verification_of_one_side_judges_that_side() {
         assert!(scales[2]["name"] == "sides" && scales[2]["member"] == 0);
     }
     assert!(!folder.join("one/in_plane_reflected.svg").exists());
-    let many = words("verify v.toml --theta 0,60 --side reflected -o many");
-    assert!(!succeed(folder, &many).contains("transmitted"));
+    let many = "verify v.toml --theta 0,60 --side reflected -o many";
+    assert!(!folder.succeed(&many).contains("transmitted"));
 }
 
 #[test]
 fn the_overview_of_several_cases_names_case_and_model_in_every_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let run = "verify --tau 8 --size 64 --smoothness 1 --realisations 6 --rays 6e3 --no-plots --theta 0,30";
     let overview = |models: &str| {
         let line = format!("{run} --models {models} -o {models}");
-        let text = succeed(folder, &words(&line));
+        let text = folder.succeed(&line);
         let from = text.find("\ncase ").map(|start| text[start..].to_owned());
         from.unwrap_or_default()
     };
     let text = overview("smith,heitz");
-    assert!(text.contains("multiple flux"), "{text}");
+    text.must_contain("multiple flux");
     let lines = || text.lines().filter(|line| !line.is_empty());
     let heads = lines().filter(|line| line.starts_with("case "));
     assert!(heads.clone().count() > 1, "{text}");
     for head in heads {
-        assert!(head.contains("model") && head.contains("light"), "{head}");
+        head.must_contain("model");
+        head.must_contain("light");
     }
     for row in lines().filter(|line| line.starts_with("s = 1, ")) {
         assert!(row.contains("smith") || row.contains("heitz"), "{row}");
@@ -261,19 +242,16 @@ fn the_overview_of_several_cases_names_case_and_model_in_every_row() {
 
 #[test]
 fn a_run_that_ends_paths_says_which_orders_it_shows() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let fixed = words(
-        "verify --tau 8 --size 64 --smoothness 1 --realisations 6 --rays 6e3 --models smith -o out --max-order",
-    );
+    let folder = Folder::new();
+    let fixed = "verify --tau 8 --size 64 --smoothness 1 --realisations 6 --rays 6e3 --models smith -o out --max-order";
     for (max_order, orders) in [
         ("1", "single scattering"),
         ("2", "orders up to 2"),
         ("1000", "all orders"),
     ] {
-        let text = succeed(folder, &[&fixed[..], &[max_order]].concat());
+        let text = folder.succeed(format!("{fixed} {max_order}"));
         let distance = format!("total variation from {orders} ");
-        assert!(text.contains(&distance), "{text}");
+        text.must_contain(&distance);
         let ended = text.contains(&format!("{orders} only; further paths are truncated"));
         assert_eq!(ended, max_order != "1000", "{text}");
         for plot in ["lobes.svg", "in_plane_reflected.svg"] {
@@ -286,15 +264,11 @@ fn a_run_that_ends_paths_says_which_orders_it_shows() {
 
 #[test]
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let fixed = words("verify --tau 8 --size 64 --realisations 6 --rays 6e3 -o out");
-    succeed(folder, &fixed);
-    fs::write(folder.join("out/notes.txt"), "mine").unwrap();
-    succeed(
-        folder,
-        &[&fixed[..], &["--models", "none", "--no-plots"]].concat(),
-    );
+    let folder = Folder::new();
+    let fixed = "verify --tau 8 --size 64 --realisations 6 --rays 6e3 -o out";
+    folder.succeed(&fixed);
+    folder.write("out/notes.txt", "mine");
+    folder.succeed(format!("{fixed} --models none --no-plots"));
     let expected = [
         "histogram.csv",
         "in_plane.csv",
@@ -310,16 +284,11 @@ fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
 
 #[test]
 fn verify_with_one_surface_takes_its_errors_from_ray_blocks() {
-    let folder = tempfile::tempdir().unwrap();
-    let fixed = words("verify --tau 8 --size 64 --realisations 1 --rays 1e4");
-    let text = succeed(
-        folder.path(),
-        &[&fixed[..], &["--no-plots", "-o", "out"]].concat(),
-    );
-    assert!(
-        text.contains("ray blocks") && text.contains("not resolved"),
-        "{text}"
-    );
+    let folder = Folder::new();
+    let fixed = "verify --tau 8 --size 64 --realisations 1 --rays 1e4";
+    let text = folder.succeed(format!("{fixed} --no-plots -o out"));
+    text.must_contain("ray blocks");
+    text.must_contain("not resolved");
 }
 
 /// Columns of a table by name, as numbers; `None` where a field is empty.
@@ -332,21 +301,15 @@ fn column(table: &str, name: &str) -> Vec<Option<f64>> {
 
 #[test]
 fn every_result_says_where_its_error_comes_from() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let fixed = words(
-        "verify --cells flat --tau 8 --spacing 1 --size 64 --smoothness 3 --realisations 6 --rays 2e4 --models none --no-plots --json -o out --estimator",
-    );
+    let folder = Folder::new();
+    let fixed = "verify --cells flat --tau 8 --spacing 1 --size 64 --smoothness 3 --realisations 6 --rays 2e4 --models none --no-plots --json -o out --estimator";
     for (estimator, refine) in [
         ("plain", false),
         ("controlled", false),
         ("controlled", true),
     ] {
-        let flags = if refine { vec!["--refine"] } else { vec![] };
-        let summary = json(&succeed(
-            folder,
-            &[&fixed[..], &[estimator], &flags].concat(),
-        ));
+        let flags = if refine { "--refine" } else { "" };
+        let summary = json(&folder.succeed(format!("{fixed} {estimator} {flags}")));
         let budget = &summary["error_budget"];
         let of = |part: &str| budget["reflected"][part].as_f64();
         assert!(of("rays").unwrap() > 0.0 && of("total") >= of("rays"));
@@ -379,7 +342,7 @@ fn every_result_says_where_its_error_comes_from() {
             assert_eq!(mesh.iter().any(Option::is_some), of("mesh").is_some());
         }
         let report = read("report.txt");
-        assert!(report.contains("between surfaces"), "{report}");
+        report.must_contain("between surfaces");
         assert_eq!(report.contains("removed)"), estimator == "controlled");
         if refine {
             let refinement = &budget["refinement"];
@@ -389,38 +352,30 @@ fn every_result_says_where_its_error_comes_from() {
             }
             let shift = refinement["reflected"]["given_less_reported"]["mean"].as_f64();
             assert!((shift.unwrap() / 3.0 - of("mesh").unwrap()).abs() < 1e-15);
-            assert!(report.contains("mesh is 0.20 % below"), "{report}");
+            report.must_contain("mesh is 0.20 % below");
         }
     }
 }
 
 #[test]
 fn finer_meshes_are_asked_for_where_there_are_any() {
-    let (_keep, folder) = with_surface();
-    let light = words("--theta 40 --rays 5e3 --no-plots");
-    let trace = |more: &[&'static str]| [&["trace", "h.exr"], &light[..], more].concat();
+    let folder = with_surface();
+    let light = "--theta 40 --rays 5e3 --no-plots";
+    let trace = |more: &str| format!("trace h.exr {light} {more}");
     for border in ["periodic", "mirrored"] {
         for (threads, out) in [("1", "one"), ("3", "three")] {
-            let more = [
-                "--refine",
-                "--border",
-                border,
-                "--threads",
-                threads,
-                "-o",
-                out,
-            ];
-            let text = succeed(&folder, &trace(&more));
-            assert!(text.contains("between surfaces"), "{text}");
+            let more = format!("--refine --border {border} --threads {threads} -o {out}");
+            let text = folder.succeed(trace(&more));
+            text.must_contain("between surfaces");
         }
-        let read = |out: &str, name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+        let read = |out: &str, name: &str| folder.join(out).text(name);
         assert!(read("one", "histogram.csv") == read("three", "histogram.csv"));
         let [one, three] = ["one", "three"].map(|out| json(&read(out, "summary.json")));
         assert_eq!(one["error_budget"], three["error_budget"]);
         let reflected = &one["error_budget"]["reflected"];
         assert!(reflected["surfaces"].is_null() && reflected["mesh"].is_f64());
         // The results are those of the finer mesh.
-        succeed(&folder, &trace(&["--border", border, "-o", "given"]));
+        folder.succeed(trace(&format!("--border {border} -o given")));
         let given = json(&read("given", "summary.json"));
         let mean = |of: &Value| of["energy"]["reflected"]["mean"].as_f64().unwrap();
         let mesh = reflected["mesh"].as_f64().unwrap();
@@ -433,35 +388,29 @@ fn finer_meshes_are_asked_for_where_there_are_any() {
             "{explanation}"
         );
     }
-    let open = refused(&folder, &trace(&["--refine", "--border", "open"]), 2);
-    assert!(
-        open.contains("--refine") && open.contains("open border"),
-        "{open}"
-    );
-    succeed(&folder, &["mesh", "h.exr", "-o", "h.ply"]);
-    let mesh = [&["trace", "h.ply", "--refine"], &light[..]].concat();
-    assert!(refused(&folder, &mesh, 2).contains("triangle mesh"));
-    let flat = [&["trace", "--flat", "--refine"], &light[..]].concat();
-    assert!(refused(&folder, &flat, 2).contains("--refine"));
+    let open = folder.refused(trace("--refine --border open"));
+    open.must_contain("--refine");
+    open.must_contain("open border");
+    folder.succeed("mesh h.exr -o h.ply");
+    let mesh = format!("trace h.ply --refine {light}");
+    folder.refused(&mesh).must_contain("triangle mesh");
+    let flat = format!("trace --flat --refine {light}");
+    folder.refused(&flat).must_contain("--refine");
 }
 
 #[test]
 fn more_rays_than_requested_are_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     let surface = "--smoothness 3 --tau 4 --size 32 --no-plots";
     for (line, traced, requested) in [
         ("verify --models none --rays 10 -o v", 32, 10),
         ("gonio --theta 30 --rays 100 -o g", 256, 100),
     ] {
-        let text = succeed(folder, &words(&format!("{line} {surface}")));
+        let text = folder.succeed(format!("{line} {surface}"));
         let sentence = format!("{traced} rays were traced in place of {requested}");
         assert!(unwrapped(&text).contains(&sentence), "{text}");
     }
-    let text = succeed(
-        folder,
-        &words(&format!("verify --models none --rays 4000 {surface} -o w")),
-    );
+    let text = folder.succeed(format!("verify --models none --rays 4000 {surface} -o w"));
     assert!(!text.contains("in place of"), "{text}");
 }
 

@@ -4,36 +4,35 @@ use std::path::Path;
 
 use asperity_studies::settings::Command;
 
-use crate::support::{succeed, with_surface, words};
+use crate::support::{Folder, InFolder, with_surface};
 
 const WIDTH: usize = 80;
 
 /// Checks each line of the output of a command. A line that ends in a path may be longer.
-fn fits(folder: &Path, arguments: &[&str]) {
-    let text = succeed(folder, arguments);
-    assert!(!text.is_empty(), "{arguments:?} prints nothing");
-    for line in text.lines().filter(|line| !line.starts_with("results in ")) {
-        let columns = line.chars().count();
-        assert!(columns <= WIDTH, "{arguments:?}: {columns} columns\n{line}");
+fn fits(folder: &Path, line: &str) {
+    let text = folder.succeed(line);
+    assert!(!text.is_empty(), "{line} prints nothing");
+    for printed in text.lines().filter(|line| !line.starts_with("results in ")) {
+        let columns = printed.chars().count();
+        assert!(columns <= WIDTH, "{line}: {columns} columns\n{printed}");
     }
 }
 
 #[test]
 fn help_and_lists_fit() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fits(folder, &["--help"]);
-    fits(folder, &["help", "trace"]);
+    let folder = Folder::new();
+    fits(&folder, "--help");
+    fits(&folder, "help trace");
     let names = Command::ALL.map(Command::name);
     for name in names.into_iter().chain(["completions", "man"]) {
-        fits(folder, &[name, "--help"]);
+        fits(&folder, &format!("{name} --help"));
     }
-    fits(folder, &["model", "--list"]);
+    fits(&folder, "model --list");
 }
 
 #[test]
 fn tables_of_given_surfaces_fit() {
-    let (_keep, folder) = with_surface();
+    let folder = with_surface();
     for line in [
         "generate --tau 8 --smoothness 2 --size 64 --unit um -o u.npy",
         "inspect h.exr",
@@ -52,20 +51,19 @@ fn tables_of_given_surfaces_fit() {
         "render h.exr --samples 1 --size 16x12 -o a.png",
         "render h.exr --samples 1 --size 16x12 --cells smooth --border open --mean-free-path 10 --albedo 0.9 -o b.png",
     ] {
-        fits(&folder, &words(line));
+        fits(&folder, line);
     }
     let large = "generate --tau 4 --smoothness 6 --size 128 -o large.exr";
-    succeed(&folder, &words(large));
+    folder.succeed(large);
     let compared = "trace large.exr --rays 5e3 --no-plots --models";
     for models in ["smith", "smith,smith-separable,heitz,v-cavity"] {
-        fits(&folder, &[&words(compared)[..], &[models]].concat());
+        fits(&folder, &format!("{compared} {models}"));
     }
 }
 
 #[test]
 fn tables_of_random_surfaces_fit() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
+    let folder = Folder::new();
     for line in [
         "verify --tau 4 --size 32 --smoothness 3,1 --theta 30,60 --rays 3e3 --realisations 4 --model-rays 1e3 --no-plots -o v1",
         "verify --tau 4 --size 64 --smoothness 3 --cells flat --refine --insist --rays 3e3 --realisations 4 --models none --no-plots -o v2",
@@ -88,6 +86,6 @@ fn tables_of_random_surfaces_fit() {
         "model heitz --smoothness 3 --bins 6x6 --rays 1e3 -o h.csv",
         "model flat-layer --mean-free-path 10 --albedo 0.9 --thickness 5 --bins 3x4 -o l.csv",
     ] {
-        fits(folder, &words(line));
+        fits(&folder, line);
     }
 }
