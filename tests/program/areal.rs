@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, json, with_surface};
+use crate::support::{Folder, InFolder, Words, json, rows, with_surface};
 
 /// A matrix of text, one unit apart: waves of lengths 4 and 32 along x, each of height 1.
 fn waves(folder: &Path) {
@@ -65,23 +65,15 @@ fn filters_part_long_waves_from_short_ones() {
 fn invalid_nesting_indices_are_refused() {
     let folder = Folder::new();
     waves(&folder);
-    for (flags, sentence) in [
-        (
-            "--s-filter 1",
-            "invalid nesting index 1: must be from two samples, 2",
-        ),
-        ("--l-filter 100", "invalid nesting index 100"),
-        (
-            "--s-filter 9 --l-filter 9",
-            "--s-filter 9 must be below --l-filter 9",
-        ),
-        (
-            "--s-filter 2um",
-            "--s-filter with a unit: the surface has no unit",
-        ),
-        ("--l-filter -3", "--l-filter"),
-        ("--l-filter nan", "--l-filter"),
-    ] {
+    let cases = "
+        --s-filter 1 => invalid nesting index 1: must be from two samples, 2
+        --l-filter 100 => invalid nesting index 100
+        --s-filter 9 --l-filter 9 => --s-filter 9 must be below --l-filter 9
+        --s-filter 2um => --s-filter with a unit: the surface has no unit
+        --l-filter -3 => --l-filter
+        --l-filter nan => --l-filter
+    ";
+    for [flags, sentence] in rows(cases) {
         let error = folder.refused(format!("inspect w.txt {flags}"));
         let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
         error.must_contain(sentence);
@@ -115,8 +107,7 @@ fn light_falls_on_the_surface_that_filters_leave() {
     assert_eq!(reflected, &traced["energy"]["reflected"]);
     // Measurements of other surfaces are not resumed.
     let other = lines[3].replace("--l-filter 24", "--l-filter 25");
-    let message = folder.failed(&other);
-    message.must_contain("results of another run");
+    folder.failed(&other).must_contain("results of another run");
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let message = folder.refused("trace m.obj --s-filter 1");
     message.must_contain("--s-filter");

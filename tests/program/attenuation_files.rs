@@ -78,8 +78,10 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let lines: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
     assert_eq!(lines, vec![41; 1 + 2 * 3 * 2]);
     // A run of less leaves nothing of an earlier one behind.
-    let less = format!("{SMALL} --theta 45 --no-plots --quiet -o one");
-    assert_eq!(folder.succeed(&less), "");
+    assert_eq!(
+        folder.succeed(format!("{SMALL} --theta 45 --no-plots --quiet -o one")),
+        ""
+    );
     assert_eq!(
         files(&folder.join("one")),
         [
@@ -164,10 +166,12 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         sentence.must_contain(expected);
     }
     // Light that would cross too many tiles, and more points than memory holds.
-    let line = "attenuation --theta 89.9999 --sigma 1 --realisations 1";
-    folder.failed(line).must_contain("tiles");
-    let line = "attenuation --size 40000 --demarcation --theta 45";
-    folder.failed(line).must_contain("memory");
+    folder
+        .failed("attenuation --theta 89.9999 --sigma 1 --realisations 1")
+        .must_contain("tiles");
+    folder
+        .failed("attenuation --size 40000 --demarcation --theta 45")
+        .must_contain("memory");
     assert!(files(&folder).iter().all(|name| name.ends_with(".toml")));
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows, with_surface};
 
 const VERIFY: &str = "verify --tau 4 --size 32 --spacing 1 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
 const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";
@@ -133,8 +133,7 @@ fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
 fn smooth_cells_take_coarser_grids_than_flat_ones() {
     let keep = Folder::new();
     let verify = VERIFY.replace("--tau 4", "--tau 2.5");
-    let flat = format!("{verify} --cells flat -o out");
-    let said = keep.refused(&flat);
+    let said = keep.refused(format!("{verify} --cells flat -o out"));
     said.must_contain("2.50 spacings");
     // Smooth cells are the default.
     keep.succeed(format!("{verify} -o out"));
@@ -198,54 +197,22 @@ fn what_smooth_cells_cannot_do_is_refused() {
     folder.succeed("mesh h.exr -o h.ply");
     folder.write("c.toml", "[surface]\ncells = \"smooth\"\n");
     folder.write("bad.toml", "[surface]\ncells = \"round\"\n");
-    for (line, expected) in [
-        (
-            "trace h.exr --refine",
-            "--refine: a spline through given heights is the surface itself",
-        ),
-        (
-            "trace h.exr --estimator controlled",
-            "these cells are smooth, so take auto or plain",
-        ),
-        ("trace h.ply", "h.ply: --cells smooth is for height maps"),
-        (
-            "gonio --surface h.ply -o out",
-            "h.ply: --cells smooth is for height maps",
-        ),
-        (
-            "trace h.exr --accelerator flat",
-            "the accelerator flat is for flat surfaces",
-        ),
-        (
-            "verify --accelerator flat -o out",
-            "accelerator flat: it is for flat surfaces",
-        ),
-        (
-            "render h.ply -o out.png",
-            "h.ply: --cells smooth is for height maps",
-        ),
-        (
-            "render h.exr -o out.png --mean-free-path 2 --albedo 0.9 --thickness 99 --bottom-surface h.ply",
-            "h.ply: --cells smooth is for height maps",
-        ),
-        (
-            "mesh h.ply -o out.ply",
-            "h.ply: this is a triangle mesh, where a height map is needed",
-        ),
-        (
-            "generate -o out.exr",
-            "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
-        ),
-        (
-            "attenuation --demarcation -o out",
-            "--demarcation needs horizons, which are those of flat cells",
-        ),
-        ("attenuation --tau 0.1 -o out", "2.00 spacings"),
-        (
-            "converge -o out",
-            "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
-        ),
-    ] {
+    let cases = "
+        trace h.exr --refine => --refine: a spline through given heights is the surface itself
+        trace h.exr --estimator controlled => these cells are smooth, so take auto or plain
+        trace h.ply => h.ply: --cells smooth is for height maps
+        gonio --surface h.ply -o out => h.ply: --cells smooth is for height maps
+        trace h.exr --accelerator flat => the accelerator flat is for flat surfaces
+        verify --accelerator flat -o out => accelerator flat: it is for flat surfaces
+        render h.ply -o out.png => h.ply: --cells smooth is for height maps
+        render h.exr -o out.png --mean-free-path 2 --albedo 0.9 --thickness 99 --bottom-surface h.ply => h.ply: --cells smooth is for height maps
+        mesh h.ply -o out.ply => h.ply: this is a triangle mesh, where a height map is needed
+        generate -o out.exr => --cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation
+        attenuation --demarcation -o out => --demarcation needs horizons, which are those of flat cells
+        attenuation --tau 0.1 -o out => 2.00 spacings
+        converge -o out => --cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation
+    ";
+    for [line, expected] in rows(cases) {
         let said = folder.refused(format!("{line} --cells smooth"));
         said.must_contain(expected);
     }

@@ -114,8 +114,7 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
 #[test]
 fn trace_writes_what_it_says() {
     let folder = with_surface();
-    let arguments = "trace h.exr --eta 1.5 --theta 30 --rays 2e4 -o out";
-    let text = folder.succeed(&arguments);
+    let text = folder.succeed("trace h.exr --eta 1.5 --theta 30 --rays 2e4 -o out");
     text.must_contain("reflected");
     text.must_contain("ray blocks");
     let out = folder.join("out");
@@ -258,12 +257,10 @@ fn under_a_control_a_side_is_the_same_but_for_rounding_whatever_else_is_asked_fo
 #[test]
 fn flat_surface_reflects_by_fresnel() {
     let folder = Folder::new();
-    let arguments = "trace --flat --eta 1.5 --theta 0 --rays 100 --json";
-    let summary = json(&folder.succeed(&arguments));
+    let summary = json(&folder.succeed("trace --flat --eta 1.5 --theta 0 --rays 100 --json"));
     let reflected = summary["energy"]["reflected"]["mean"].as_f64().unwrap();
     assert!((reflected - 0.04).abs() < 1e-15);
-    let straight = "trace --flat --eta 1 --theta 60 --rays 100 --json";
-    let summary = json(&folder.succeed(&straight));
+    let summary = json(&folder.succeed("trace --flat --eta 1 --theta 60 --rays 100 --json"));
     assert_eq!(summary["energy"]["transmitted"]["mean"], 1.0);
 }
 
@@ -354,12 +351,12 @@ fn measured_files_go_through_every_command() {
     ] {
         let file = measured.join(name).to_str().unwrap().to_owned();
         let reading = format!("--remove parabola --border {border}");
-        let inspect = format!("inspect {file} --json --plot h.png {reading}");
-        let report = json(&folder.succeed(&inspect));
+        let report = json(&folder.succeed(format!("inspect {file} --json --plot h.png {reading}")));
         let found = report["sq"].as_f64().unwrap();
         assert!((found / sq - 1.0).abs() < 0.02, "{name}: Sq {found}");
-        let mesh = format!("mesh {file} -o m.stl {reading}");
-        folder.succeed(&mesh).must_contain("842402 triangles");
+        folder
+            .succeed(format!("mesh {file} -o m.stl {reading}"))
+            .must_contain("842402 triangles");
         let trace = format!("trace {file} --theta 60 --rays 2e4 -o out --json");
         let summary = json(&folder.succeed(format!("{trace} {reading}")));
         assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
@@ -373,7 +370,7 @@ fn tall_surface_and_grazing_light_lose_nothing() {
     let surface = "--tau 8 --smoothness 0.25 --size 96 --seed 1";
     folder.succeed(format!("generate {surface} -o tall.npy"));
     let trace = "trace tall.npy --border periodic --theta 89.9 --rays 2e4 --json";
-    let summary = json(&folder.succeed(&trace));
+    let summary = json(&folder.succeed(trace));
     assert_eq!(summary["energy"]["lost"]["mean"], 0.0);
     assert!(
         summary["energy"]["truncated"]["mean"]
@@ -416,55 +413,29 @@ fn refusals_suggest_the_name_that_is_likely_meant() {
     folder.write("ggx.toml", slopes);
     let models = "[material]\neta = 1\n[compare]\nmodels = [\"smith\"]\n";
     folder.write("models.toml", models);
-    for (line, expected) in [
-        (
-            "trce",
-            "unknown command `trce`; did you mean trace? The commands",
-        ),
-        ("verify --n 1.5", "--n; did you mean --eta?"),
-        ("verify --angle 30", "--angle; did you mean --theta?"),
-        ("verify --ior 1.5", "--ior; did you mean --eta?"),
-        ("verify --max-bounces 3", "did you mean --max-order?"),
-        ("verify --material gold -o q", "did you mean conductor?"),
-        ("verify --slopes gauss -o q", "did you mean gaussian?"),
-        (
-            "verify --models smiht -o q",
-            "unknown model `smiht`; did you mean smith? The models",
-        ),
-        ("model trowbridge-reitz", "did you mean ggx?"),
-        ("model walter", "did you mean ggx-separable?"),
-        ("model beckmann", "did you mean smith?"),
-        ("model cook-torrance", "did you mean v-cavity?"),
-        (
-            "verify bare.toml -o q",
-            "bare.toml: line 1: `tau` stands in no section; it is a key of [surface]",
-        ),
-        (
-            "verify key.toml -o q",
-            "`angle` in [surface]; its name may be theta of [light]",
-        ),
-        (
-            "verify section.toml -o q",
-            "unknown section `source`; did you mean light?",
-        ),
-        (
-            "verify models.toml -o q",
-            "models.toml: line 4: the model smith: eta is 1",
-        ),
-        ("verify --eta 1 -o q", "xu-sun is compared with by default"),
-        ("trace results", "`results` is a folder"),
-        (
-            "trace h.exr --theta 0,30",
-            "for several use `asperity gonio --surface FILE`",
-        ),
-        (
-            "trace h.exr --bottom-surface smae --thickness 9 --scattering 1",
-            "did you mean same?",
-        ),
-    ] {
-        let said = folder.refused(line);
-        said.must_contain(expected);
-    }
+    let cases = "
+        trce => unknown command `trce`; did you mean trace? The commands
+        verify --n 1.5 => --n; did you mean --eta?
+        verify --angle 30 => --angle; did you mean --theta?
+        verify --ior 1.5 => --ior; did you mean --eta?
+        verify --max-bounces 3 => did you mean --max-order?
+        verify --material gold -o q => did you mean conductor?
+        verify --slopes gauss -o q => did you mean gaussian?
+        verify --models smiht -o q => unknown model `smiht`; did you mean smith? The models
+        model trowbridge-reitz => did you mean ggx?
+        model walter => did you mean ggx-separable?
+        model beckmann => did you mean smith?
+        model cook-torrance => did you mean v-cavity?
+        verify bare.toml -o q => bare.toml: line 1: `tau` stands in no section; it is a key of [surface]
+        verify key.toml -o q => `angle` in [surface]; its name may be theta of [light]
+        verify section.toml -o q => unknown section `source`; did you mean light?
+        verify models.toml -o q => models.toml: line 4: the model smith: eta is 1
+        verify --eta 1 -o q => xu-sun is compared with by default
+        trace results => `results` is a folder
+        trace h.exr --theta 0,30 => for several use `asperity gonio --surface FILE`
+        trace h.exr --bottom-surface smae --thickness 9 --scattering 1 => did you mean same?
+    ";
+    folder.refuses(cases);
     // Where flags replace surfaces of a file, a note says so
     let small = "--size 64 --tau 4 --smoothness 3 --models none --realisations 2 --rays 200 --no-plots -o q";
     let run = folder.run(format!("verify ggx.toml {small}"));

@@ -70,7 +70,7 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
     assert!(plot.contains("on 1 thread, seed ") && report.contains("on 1 thread;"));
 
     let quiet = "converge c.toml --threads 3 --quiet --no-plots -o three";
-    assert_eq!(folder.succeed(&quiet), "");
+    assert_eq!(folder.succeed(quiet), "");
     assert!(!folder.join("three/convergence.svg").exists());
     let [one, three] = ["one", "three"].map(|run| rows(&folder.join(run).join("convergence.csv")));
     assert_eq!(one.len(), 2 * 2 * 2 * 2);
@@ -96,7 +96,7 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
     }
     // Another seed, other errors.
     let other = "converge c.toml --seed 6 --quiet --no-plots -o other";
-    folder.succeed(&other);
+    folder.succeed(other);
     let other = rows(&folder.join("other/convergence.csv"));
     assert!((0..16).all(|i| other[i]["error"] != one[i]["error"]));
     // Errors to be reached are computed from the runs that are there.
@@ -190,8 +190,7 @@ fn several_cases_and_spacings_have_their_places() {
         }
     }
     // The folder of a case belongs to the run that made it.
-    let trace = "trace --flat --theta 9 --rays 64 --no-plots -o out/s3_mirror_theta30";
-    folder.failed(&trace);
+    folder.failed("trace --flat --theta 9 --rays 64 --no-plots -o out/s3_mirror_theta30");
     assert!(out.join("s3_mirror_theta30/convergence.csv").exists());
 }
 
@@ -218,8 +217,7 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
         ("nowhere.toml", 1, "nowhere.toml"),
     ] {
         let line = format!("converge {line} -o out");
-        let error = folder.stopped(&line, code);
-        error.must_contain(expected);
+        folder.stopped(&line, code).must_contain(expected);
     }
     folder.write("c.toml", "[converge]\nestimator = \"plain\"\n");
     let error = folder.refused("converge c.toml -o out");
@@ -260,8 +258,7 @@ fn surfaces_without_a_control_variate_converge_with_plain_rays() {
         "--structure pits --depth 4 --width 16",
         "--material lambertian --reflectance 0.5",
     ] {
-        let line = format!("converge {flags} {effort} -o other");
-        let said = folder.refused(&line);
+        let said = folder.refused(format!("converge {flags} {effort} -o other"));
         said.must_contain("give --estimators plain");
     }
 }

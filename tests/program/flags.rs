@@ -65,10 +65,10 @@ fn light_comes_from_the_requested_side() {
     folder.write("h.csv", "0,0,0,2\n".repeat(4));
     let flags = "--border periodic --theta 30 --rays 1e3 --bins 2x2 --no-plots";
     let reflected = ["above", "below"].map(|side| {
-        let line = format!("gonio --surface h.csv {flags} --from {side} -o {side}");
-        folder.succeed(&line);
-        let line = format!("trace h.csv {flags} --from {side} -o t{side}");
-        folder.succeed(&line);
+        folder.succeed(format!(
+            "gonio --surface h.csv {flags} --from {side} -o {side}"
+        ));
+        folder.succeed(format!("trace h.csv {flags} --from {side} -o t{side}"));
         let ours = Table::read(&folder.join(format!("{side}/bsdf.csv")));
         let theirs = Table::read(&folder.join(format!("t{side}/histogram.csv")));
         for row in 0..ours.rows.len() {

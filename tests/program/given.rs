@@ -73,8 +73,7 @@ fn units_convert_from_the_file_to_what_is_printed() {
         let text = folder.refused(format!("inspect {arguments}"));
         text.must_contain(expected);
     }
-    let free = "trace a.txt --mean-free-path 5um --albedo 1";
-    let text = folder.refused(&free);
+    let text = folder.refused("trace a.txt --mean-free-path 5um --albedo 1");
     text.must_contain("--assume-unit");
 }
 
@@ -367,40 +366,20 @@ fn the_sun_stands_where_a_compass_says_whatever_the_order_of_rows() {
 fn the_sun_is_given_whole_and_alone() {
     let folder = Folder::new();
     terrain(&folder);
-    for (line, why) in [
-        ("trace t.asc --sun-elevation 40", "sun-azimuth"),
-        ("inspect t.asc --sun-azimuth 40", "sun-elevation"),
-        ("render t.asc -o a.png --sun-azimuth 40", "sun-elevation"),
-        (
-            "trace t.asc --sun-elevation 40 --sun-azimuth 3 --theta 3",
-            "excludes",
-        ),
-        (
-            "inspect t.asc --sun-elevation 40 --sun-azimuth 3 --phi 3",
-            "goes with",
-        ),
-        (
-            "render t.asc -o a.png --sun-elevation 4 --sun-azimuth 3 --sun-phi 3",
-            "excludes",
-        ),
-        (
-            "gonio --surface t.asc --sun-elevation 4 --sun-azimuth 3 --directions 2x2 -o g",
-            "excludes",
-        ),
-        (
-            "gonio --smoothness 3 --sun-elevation 4 --sun-azimuth 3 -o g",
-            "given surface",
-        ),
-        ("trace t.asc --sun-elevation 0 --sun-azimuth 3", "above 0"),
-        ("trace t.asc --sun-elevation 91 --sun-azimuth 3", "90"),
-        (
-            "verify --sun-elevation 9 --sun-azimuth 3 -o v",
-            "not for verify",
-        ),
-    ] {
-        let message = folder.refused(line);
-        message.must_contain(why);
-    }
+    let cases = "
+        trace t.asc --sun-elevation 40 => sun-azimuth
+        inspect t.asc --sun-azimuth 40 => sun-elevation
+        render t.asc -o a.png --sun-azimuth 40 => sun-elevation
+        trace t.asc --sun-elevation 40 --sun-azimuth 3 --theta 3 => excludes
+        inspect t.asc --sun-elevation 40 --sun-azimuth 3 --phi 3 => goes with
+        render t.asc -o a.png --sun-elevation 4 --sun-azimuth 3 --sun-phi 3 => excludes
+        gonio --surface t.asc --sun-elevation 4 --sun-azimuth 3 --directions 2x2 -o g => excludes
+        gonio --smoothness 3 --sun-elevation 4 --sun-azimuth 3 -o g => given surface
+        trace t.asc --sun-elevation 0 --sun-azimuth 3 => above 0
+        trace t.asc --sun-elevation 91 --sun-azimuth 3 => 90
+        verify --sun-elevation 9 --sun-azimuth 3 -o v => not for verify
+    ";
+    folder.refuses(cases);
 }
 
 #[test]

@@ -29,7 +29,6 @@ fn reflected(summary: &Value) -> [f64; 2] {
 #[test]
 fn the_mean_is_that_of_runs_on_each_and_the_error_that_of_their_scatter() {
     let folder = with_maps();
-    let folder = folder;
     let run = |surfaces: &str, rays: u64| {
         let line = format!("trace {surfaces} --theta 40 --estimator plain --rays {rays} --json");
         json(&folder.succeed(&line))
@@ -63,7 +62,6 @@ fn the_mean_is_that_of_runs_on_each_and_the_error_that_of_their_scatter() {
 #[test]
 fn a_list_in_a_configuration_is_that_of_the_command_line() {
     let folder = with_maps();
-    let folder = folder;
     let config = "[measured]\nfile = [\"a.exr\", \"b.exr\", \"c.exr\"]\n[run]\nrays = 3000\n";
     folder.write("scans.toml", config);
     let positional = format!(
@@ -89,7 +87,6 @@ fn a_list_in_a_configuration_is_that_of_the_command_line() {
 #[test]
 fn all_directions_of_gonio_are_measured_on_all_surfaces() {
     let folder = with_maps();
-    let folder = folder;
     let gonio = |maps: &[&str], out: &str| {
         let surfaces: String = maps
             .iter()
@@ -97,7 +94,7 @@ fn all_directions_of_gonio_are_measured_on_all_surfaces() {
             .collect();
         format!("gonio{surfaces} --theta 0,40 --rays 6e3 --bins 3x4 --no-plots -o {out}")
     };
-    folder.succeed(&gonio(&MAPS, "out"));
+    folder.succeed(gonio(&MAPS, "out"));
     let summary = folder.text("out/summary.json");
     let summary = json(&summary);
     assert_eq!(summary["sample"].as_array().unwrap().len(), 3);
@@ -107,27 +104,24 @@ fn all_directions_of_gonio_are_measured_on_all_surfaces() {
     let table = Table::read(&folder.join("out/gonio.csv"));
     // The same rays meet the same surfaces as in `trace`.
     let traced = "trace a.exr b.exr c.exr --theta 40 --rays 6e3 --bins 3x4 --json";
-    let [mean, se] = reflected(&json(&folder.succeed(&traced)));
+    let [mean, se] = reflected(&json(&folder.succeed(traced)));
     let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-12;
     assert!(near(table.number(1, "reflected"), mean));
     assert!(near(table.number(1, "reflected_se"), se));
 
     // Other surfaces are another measurement.
-    let other = "generate --tau 6 --smoothness 3 --size 64 --seed 9 --unit um -o d.exr";
-    folder.succeed(other);
+    folder.succeed("generate --tau 6 --smoothness 3 --size 64 --seed 9 --unit um -o d.exr");
     for (maps, what) in [
         (&["a.exr", "b.exr"][..], "measured 3 elements in place of 2"),
         (&["a.exr", "b.exr", "d.exr"], "measured.3.heights"),
     ] {
-        let said = folder.failed(&gonio(maps, "out"));
-        said.must_contain(what);
+        folder.failed(gonio(maps, "out")).must_contain(what);
     }
 }
 
 #[test]
 fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     let folder = with_maps();
-    let folder = folder;
     folder.write("bare.txt", "1 2 1 2\n2 1 2 1\n1 2 1 2\n");
     folder.write("one.toml", "[run]\nrays = 100\n");
     for (file, copy) in [("one.toml", "two.toml"), ("a.exr", "copy.exr")] {
@@ -135,56 +129,28 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     }
     folder.succeed("mesh a.exr -o a.ply");
     let before = MAPS.map(|name| fs::read(folder.join(name)).unwrap());
-    for (line, code, what) in [
-        ("trace a.exr no.exr", 1, "`no.exr` does not exist"),
-        (
-            "trace a.exr b.exr ./a.exr",
-            2,
-            "./a.exr: the file is given twice",
-        ),
-        ("trace a.exr copy.exr", 2, "hold the same heights"),
-        (
-            "trace a.exr bare.txt",
-            2,
-            "bare.txt: lengths are to be in um",
-        ),
-        ("trace bare.txt a.exr", 2, "bare.txt states no unit"),
-        (
-            "trace a.exr a.ply --assume-unit um",
-            2,
-            "all triangle meshes",
-        ),
-        (
-            "gonio --surface a.exr --surface a.ply --assume-unit um -o x",
-            2,
-            "all triangle meshes",
-        ),
-        ("trace a.exr b.exr --models smith", 2, "with one surface"),
-        (
-            "trace a.exr b.exr --target-error 0.1",
-            2,
-            "a target error is for one",
-        ),
-        (
-            "trace a.exr b.exr --estimator controlled",
-            2,
-            "the controlled estimator is for one",
-        ),
-        (
-            "gonio --surface a.exr --surface b.exr --estimator controlled -o x",
-            2,
-            "is for one",
-        ),
-        ("trace a.exr b.exr --flat", 2, "--flat"),
-        ("trace a.exr --surface b.exr", 2, "give one or the other"),
-        ("trace one.toml two.toml", 2, "both configurations"),
-        ("trace a.exr b.exr -o b.exr", 2, "b.exr is the input"),
-        ("inspect a.exr b.exr", 2, "unexpected argument"),
-        ("render a.exr b.exr -o x.png", 2, "unexpected argument"),
-    ] {
-        let said = folder.stopped(line, code);
-        said.must_contain(what);
-    }
+    let cases = "
+        trace a.exr b.exr ./a.exr => ./a.exr: the file is given twice
+        trace a.exr copy.exr => hold the same heights
+        trace a.exr bare.txt => bare.txt: lengths are to be in um
+        trace bare.txt a.exr => bare.txt states no unit
+        trace a.exr a.ply --assume-unit um => all triangle meshes
+        gonio --surface a.exr --surface a.ply --assume-unit um -o x => all triangle meshes
+        trace a.exr b.exr --models smith => with one surface
+        trace a.exr b.exr --target-error 0.1 => a target error is for one
+        trace a.exr b.exr --estimator controlled => the controlled estimator is for one
+        gonio --surface a.exr --surface b.exr --estimator controlled -o x => is for one
+        trace a.exr b.exr --flat => --flat
+        trace a.exr --surface b.exr => give one or the other
+        trace one.toml two.toml => both configurations
+        trace a.exr b.exr -o b.exr => b.exr is the input
+        inspect a.exr b.exr => unexpected argument
+        render a.exr b.exr -o x.png => unexpected argument
+    ";
+    folder.refuses(cases);
+    folder
+        .failed("trace a.exr no.exr")
+        .must_contain("`no.exr` does not exist");
     assert_eq!(
         MAPS.map(|name| fs::read(folder.join(name)).unwrap()),
         before

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows};
 
 const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
 
@@ -16,8 +16,7 @@ fn rough(folder: &Path, smoothness: &str) {
 }
 
 fn trace(folder: &Path, more: &str) -> String {
-    let command = format!("trace rough.npy --border periodic {LIGHT} {more}");
-    folder.succeed(&command)
+    folder.succeed(format!("trace rough.npy --border periodic {LIGHT} {more}"))
 }
 
 #[test]
@@ -104,8 +103,7 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     assert!(folder.join("out/results.npz").exists());
     let resumed = folder.run(&line);
     assert!(resumed.status.success());
-    let notes = errors_of(&resumed);
-    notes.must_contain("resumed from the rays");
+    errors_of(&resumed).must_contain("resumed from the rays");
     trace(&folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
@@ -145,50 +143,22 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
     let brushed =
         "generate --tau 4 --tau-y 12 --smoothness 3 --size 512 --spacing 1 -o brushed.npy";
     folder.succeed(brushed);
-    for (surface, more, expected) in [
-        (
-            "mesh.ply",
-            "--models smith",
-            "mesh.ply: --models is for height maps",
-        ),
-        (
-            "small.npy",
-            "--models smith",
-            "correlation lengths wide; errors by parts of a surface need 16 parts",
-        ),
-        (
-            "--flat",
-            "--models smith",
-            "goes with a rough surface, not a flat surface",
-        ),
-        ("rough.npy", "--models smith,smith", "given twice"),
-        ("rough.npy", "--models walter", "ggx-separable"),
-        ("rough.npy", "--models flat-layer", "no medium is given"),
-        ("rough.npy", "--models cook-torrance-neumann", "reflect"),
-        (
-            "rough.npy",
-            "--models smith --light-azimuth random",
-            "one azimuth",
-        ),
-        (
-            "rough.npy",
-            "--models smith --stokes 1,1,0,0",
-            "unpolarised",
-        ),
-        ("rough.npy", "--models smith --level 0", "level"),
-        (
-            "brushed.npy",
-            "--border periodic --models xu-sun",
-            "for anisotropic ones use another",
-        ),
-        (
-            "brushed.npy",
-            "--border periodic --material lambertian --reflectance 0.8 --models oren-nayar",
-            "no model describes anisotropic Lambertian facets",
-        ),
-    ] {
-        let command = format!("trace {surface} {more}");
-        let error = folder.refused(&command);
+    let cases = "
+        mesh.ply => --models smith => mesh.ply: --models is for height maps
+        small.npy => --models smith => correlation lengths wide; errors by parts of a surface need 16 parts
+        --flat => --models smith => goes with a rough surface, not a flat surface
+        rough.npy => --models smith,smith => given twice
+        rough.npy => --models walter => ggx-separable
+        rough.npy => --models flat-layer => no medium is given
+        rough.npy => --models cook-torrance-neumann => reflect
+        rough.npy => --models smith --light-azimuth random => one azimuth
+        rough.npy => --models smith --stokes 1,1,0,0 => unpolarised
+        rough.npy => --models smith --level 0 => level
+        brushed.npy => --border periodic --models xu-sun => for anisotropic ones use another
+        brushed.npy => --border periodic --material lambertian --reflectance 0.8 --models oren-nayar => no model describes anisotropic Lambertian facets
+    ";
+    for [surface, more, expected] in rows(cases) {
+        let error = folder.refused(format!("trace {surface} {more}"));
         error.must_contain(expected);
     }
 }

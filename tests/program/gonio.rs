@@ -81,7 +81,6 @@ const ROUNDING: f64 = 1e-12;
 #[test]
 fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("gonio g.toml -o out");
     let out = folder.join("out");
     let all = Table::read(&out.join("gonio.csv"));
@@ -144,7 +143,6 @@ fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
 #[test]
 fn a_direction_has_the_results_of_verify() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("gonio g.toml -o out");
     let case =
         CONFIG.replace("[4, 0.01]", "4").replace("[20, 70]", "70") + "[compare]\nmodels = []\n";
@@ -169,15 +167,13 @@ fn a_direction_has_the_results_of_verify() {
 #[test]
 fn a_measurement_resumes_and_threads_change_no_byte() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("gonio g.toml --threads 1 -o whole");
     let whole = folder.join("whole");
     assert_eq!(files(&whole.join("directions")).len(), NAMES.len());
 
     // The time of an instant is enough for one of four surfaces per run, which all directions share.
     for left in (0..4).rev() {
-        let arguments = "gonio g.toml --threads 3 --max-time 1e-9 -o pieces";
-        let output = folder.run(&arguments);
+        let output = folder.run("gonio g.toml --threads 3 --max-time 1e-9 -o pieces");
         assert!(output.status.success());
         let said = errors_of(&output);
         assert_eq!(
@@ -211,8 +207,7 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
     let with_plots = CONFIG.replace("plots = false", "scale = \"common\"");
     folder.write("g.toml", with_plots);
     for (threads, out) in [("1", "whole"), ("3", "pieces")] {
-        let line = format!("gonio g.toml --threads {threads} -o {out}");
-        folder.succeed(&line);
+        folder.succeed(format!("gonio g.toml --threads {threads} -o {out}"));
     }
     // A matrix, and for each angle parts, profiles and lobe, of reflected light alone: none is transmitted.
     assert_eq!(files(&whole.join("plots")).len(), 2 * (1 + 3 * 2));
@@ -226,7 +221,6 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
 #[test]
 fn directions_of_another_measurement_are_refused() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("gonio g.toml --theta 20 --mean-free-path 4 -o out");
     let report = fs::read(folder.join("out/report.txt")).unwrap();
     for (flag, key) in [
@@ -250,7 +244,6 @@ fn directions_of_another_measurement_are_refused() {
 #[test]
 fn a_folder_with_directions_that_are_not_planned_is_refused() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("gonio g.toml --theta 20 --mean-free-path 4 -o out");
     let out = folder.join("out");
     let before = fs::read(out.join("gonio.csv")).unwrap();
@@ -289,8 +282,7 @@ fn given_surfaces_are_measured_and_told_apart() {
         assert_eq!(ours.text(a, "bsdf"), theirs.text(b, "bsdf"));
     }
     // Another surface of the same name is another measurement.
-    let other = "generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr";
-    folder.succeed(&other);
+    folder.succeed("generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr");
     let said = folder.failed(format!("{surface} -o out"));
     said.must_contain("measured.heights");
     // A mesh as well.
@@ -383,45 +375,26 @@ fn bumps_are_as_many_and_as_high_as_the_example_says() {
 #[test]
 fn bad_input_gets_a_sentence() {
     let folder = with_config();
-    let folder = folder;
-    for (line, code, expected) in [
-        ("gonio no.toml -o out", 1, "no.toml"),
-        ("gonio g.toml --theta 90 -o out", 2, "below 90"),
-        ("gonio g.toml --theta 3,3 -o out", 2, "twice"),
-        ("gonio g.toml --directions 0x3 -o out", 2, "THETAxPHI"),
-        (
-            "gonio g.toml --directions 2x3 --theta 3 -o out",
-            2,
-            "--theta",
-        ),
-        ("gonio g.toml --surface h.npy --tau 3 -o out", 2, "excludes"),
-        ("gonio --surface h.npy -o out", 1, "h.npy"),
-        ("gonio --flat --border open -o out", 2, "not a flat surface"),
-        (
-            "gonio --border open -o out",
-            2,
-            "--border open needs --surface (",
-        ),
-        (
-            "gonio g.toml --material mirror -o out",
-            2,
-            "no light enters",
-        ),
-        (
-            "gonio g.toml --bottom-surface h.npy -o out",
-            2,
-            "flat, same or independent",
-        ),
-        (
-            "gonio g.toml --side transmitted -o out",
-            2,
-            "nothing leaves below",
-        ),
-        ("gonio g.toml --size 16 -o out", 2, "--insist"),
-    ] {
-        let said = folder.stopped(line, code);
-        said.must_contain(expected);
-    }
+    let cases = "
+        gonio g.toml --theta 90 -o out => below 90
+        gonio g.toml --theta 3,3 -o out => twice
+        gonio g.toml --directions 0x3 -o out => THETAxPHI
+        gonio g.toml --directions 2x3 --theta 3 -o out => --theta
+        gonio g.toml --surface h.npy --tau 3 -o out => excludes
+        gonio --flat --border open -o out => not a flat surface
+        gonio --border open -o out => --border open needs --surface (
+        gonio g.toml --material mirror -o out => no light enters
+        gonio g.toml --bottom-surface h.npy -o out => flat, same or independent
+        gonio g.toml --side transmitted -o out => nothing leaves below
+        gonio g.toml --size 16 -o out => --insist
+    ";
+    folder.refuses(cases);
+    folder
+        .failed("gonio no.toml -o out")
+        .must_contain("no.toml");
+    folder
+        .failed("gonio --surface h.npy -o out")
+        .must_contain("h.npy");
     assert_eq!(files(&folder), ["g.toml"]);
     // Keys of verify and trace, even where a flag replaces them.
     for (key, flags) in [
@@ -450,7 +423,6 @@ fn bad_input_gets_a_sentence() {
 #[test]
 fn summary_tells_all_and_examples_are_understood() {
     let folder = with_config();
-    let folder = folder;
     let text = folder.succeed("gonio g.toml --json -o out");
     let file = folder.text("out/summary.json");
     assert_eq!(json(&text), json(&file));

@@ -149,7 +149,7 @@ fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
         )
     };
     let began = Instant::now();
-    folder.succeed(&line("whole"));
+    folder.succeed(line("whole"));
     let whole = began.elapsed();
     // A run that is sooner done than the first one is interrupted earlier.
     let is_cut_short = [2, 4, 8, 3].into_iter().any(|part| {
@@ -165,7 +165,7 @@ fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
     let read = |out: &str, name: &str| folder.join(out).text(name);
     let so_far = json(&read("out", "summary.json"))["work"]["realisations"].clone();
     assert!((1..80).contains(&so_far.as_u64().unwrap()), "{so_far}");
-    folder.succeed(&line("out"));
+    folder.succeed(line("out"));
     for name in [
         "attenuation.csv",
         "demarcation.csv",
@@ -225,7 +225,7 @@ fn a_second_interrupt_ends_the_program_at_once() {
     let folder = with_surface();
     // A block of rays that try every facet does not end soon.
     let endless = "trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none";
-    let (code, errors) = interrupted(&folder, &endless, Duration::from_millis(700), 2);
+    let (code, errors) = interrupted(&folder, endless, Duration::from_millis(700), 2);
     assert_eq!(code, Some(130), "{errors}");
     assert!(
         errors.is_empty() && !folder.join("none").exists(),
@@ -301,7 +301,7 @@ fn a_model_that_takes_long_ends_at_the_first_interrupt() {
     let line = "model xu-sun-mc --smoothness 0.3 --rays 1e10 --json";
     let began = Instant::now();
     let after = Duration::from_millis(500);
-    let (code, errors) = interrupted(&folder, &line, after, 1);
+    let (code, errors) = interrupted(&folder, line, after, 1);
     assert_eq!(code, Some(130), "{errors}");
     assert!(began.elapsed() < Duration::from_secs(10));
 }

@@ -20,8 +20,7 @@ fn the_default_model_of_lambertian_facets_is_that_of_oren_and_nayar() {
     let text = folder.succeed(format!("verify {flags} -o out"));
     text.must_contain("oren-nayar");
     // It is isotropic
-    let line = format!("verify {flags} --tau-y 32 -o brushed");
-    let text = folder.succeed(&line);
+    let text = folder.succeed(format!("verify {flags} --tau-y 32 -o brushed"));
     assert!(!text.contains("oren-nayar"), "{text}");
     let listed = folder.succeed("model --list");
     assert!(listed.contains("oren-nayar"));

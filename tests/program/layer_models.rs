@@ -1,6 +1,6 @@
 //! Models of a flat layer by name: at single directions, by bins, and what they refuse.
 
-use crate::support::{Folder, InFolder, Words, json};
+use crate::support::{Folder, InFolder, Words, json, rows};
 use serde_json::Value;
 
 const LAYER: &str = "--eta 1.5 --theta 30 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1";
@@ -87,46 +87,20 @@ fn layers_have_short_descriptions() {
 #[test]
 fn layers_are_refused_what_their_models_cannot_do() {
     let folder = Folder::new();
-    for (arguments, expected) in [
-        ("flat-layer --theta 30", "needs a medium"),
-        (
-            "flat-layer --theta 30 --thickness 1",
-            "needs a medium: give --mean-free-path and --albedo",
-        ),
-        (
-            "flat-layer --theta 30 --scattering 1 --smoothness 3",
-            "flat faces",
-        ),
-        (
-            "flat-layer --theta 30 --scattering 1 --rays 10",
-            "follows no rays",
-        ),
-        (
-            "flat-layer --theta 30 --scattering 1 --material mirror",
-            "no light enters",
-        ),
-        (
-            "flat-layer --theta 30 --scattering -1",
-            "--scattering -1: must be",
-        ),
-        (
-            "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom lambertian",
-            "Lambertian",
-        ),
-        (
-            "hanrahan-krueger --theta 30 --scattering 1 --thickness 1 --bottom mirror",
-            "use flat-layer",
-        ),
-        (
-            "smith --smoothness 3 --theta 30 --scattering 1",
-            "hanrahan-krueger and flat-layer",
-        ),
-        (
-            "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same",
-            "--bottom-surface is for trace, render, verify and gonio, not for model",
-        ),
-        ("smith --theta 30", "give --smoothness"),
-    ] {
+    let cases = "
+        flat-layer --theta 30 => needs a medium
+        flat-layer --theta 30 --thickness 1 => needs a medium: give --mean-free-path and --albedo
+        flat-layer --theta 30 --scattering 1 --smoothness 3 => flat faces
+        flat-layer --theta 30 --scattering 1 --rays 10 => follows no rays
+        flat-layer --theta 30 --scattering 1 --material mirror => no light enters
+        flat-layer --theta 30 --scattering -1 => --scattering -1: must be
+        flat-layer --theta 30 --scattering 1 --thickness 1 --bottom lambertian => Lambertian
+        hanrahan-krueger --theta 30 --scattering 1 --thickness 1 --bottom mirror => use flat-layer
+        smith --smoothness 3 --theta 30 --scattering 1 => hanrahan-krueger and flat-layer
+        flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same => --bottom-surface is for trace, render, verify and gonio, not for model
+        smith --theta 30 => give --smoothness
+    ";
+    for [arguments, expected] in rows(cases) {
         let error = folder.refused(format!("model {arguments}"));
         error.must_contain(expected);
     }
@@ -190,21 +164,13 @@ fn rough_surfaces_are_no_flat_layers() {
 #[test]
 fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
     let folder = Folder::new();
-    for (arguments, expected) in [
-        (
-            "--scattering 0.1 --models smith",
-            "describes a surface without a medium",
-        ),
-        (
-            "--models flat-layer",
-            "a medium below the surface, but no medium is given",
-        ),
-        ("--scattering 0.1 --models walter", "unknown model `walter`"),
-        (
-            "--scattering 0.1 --thickness 50 --bottom lambertian --models flat-layer",
-            "Lambertian",
-        ),
-    ] {
+    let cases = "
+        --scattering 0.1 --models smith => describes a surface without a medium
+        --models flat-layer => a medium below the surface, but no medium is given
+        --scattering 0.1 --models walter => unknown model `walter`
+        --scattering 0.1 --thickness 50 --bottom lambertian --models flat-layer => Lambertian
+    ";
+    for [arguments, expected] in rows(cases) {
         let error = folder.refused(format!("verify {arguments} -o out"));
         error.must_contain(expected);
     }
@@ -290,8 +256,7 @@ fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
         let layer = format!(
             "--eta 1.5 --theta 35 --mean-free-path 1 --albedo 1 --thickness {tau} --bottom open"
         );
-        let trace = format!("trace --flat {layer} --rays {rays} --json");
-        let traced = json(&folder.succeed(&trace));
+        let traced = json(&folder.succeed(format!("trace --flat {layer} --rays {rays} --json")));
         let model = format!("model flat-layer {layer} --json");
         let model = json(&folder.succeed(&model));
         ["reflected", "transmitted"].map(|side| {

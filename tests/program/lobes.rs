@@ -8,8 +8,7 @@ use crate::support::{Folder, InFolder, Table, Words};
 /// A smooth surface in a folder of its own: s = 40.
 fn with_smooth_surface() -> Folder {
     let folder = Folder::new();
-    let generate = "generate --tau 8 --smoothness 40 --size 64 --seed 3 -o h.exr";
-    folder.succeed(generate);
+    folder.succeed("generate --tau 8 --smoothness 40 --size 64 --seed 3 -o h.exr");
     folder
 }
 
@@ -28,7 +27,6 @@ fn peak(table: &Table, side: &str, column: &str) -> f64 {
 #[test]
 fn tables_hold_the_edges_of_bins_that_follow_the_light() {
     let folder = with_smooth_surface();
-    let folder = folder;
     let text = folder.succeed("trace h.exr --theta 30 --rays 2e5 --no-plots -o t");
     assert!(
         !text.contains("narrower") && !text.contains("below the peak"),
@@ -65,7 +63,6 @@ fn tables_hold_the_edges_of_bins_that_follow_the_light() {
 #[test]
 fn named_bins_stay_and_a_warning_gives_both_widths() {
     let folder = with_smooth_surface();
-    let folder = folder;
     let trace = "trace h.exr --theta 30 --rays 1e4 --no-plots --bins 18x36 -o t";
     let text = folder.succeed(trace);
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -91,8 +88,7 @@ fn named_bins_stay_and_a_warning_gives_both_widths() {
 fn models_are_compared_over_bins_that_follow_the_light() {
     let folder = Folder::new();
     let verify = "verify --smoothness 40 --tau 8 --size 48 --theta 0,40 --rays 2e5 --realisations 12 --models smith --estimator plain --no-plots -o v";
-    let text = folder.succeed(verify);
-    text.must_contain("smith is not rejected");
+    folder.succeed(verify).must_contain("smith is not rejected");
     let sizes = ["s40_n1.5_theta0", "s40_n1.5_theta40"].map(|case| {
         let found = summary(&folder.join("v").join(case));
         assert!(found["lobes"][0]["resolved"].as_bool().unwrap());
@@ -114,7 +110,6 @@ fn models_are_compared_over_bins_that_follow_the_light() {
 #[test]
 fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
     let folder = with_smooth_surface();
-    let folder = folder;
     let gonio = "gonio --surface h.exr --theta 0,40 --rays 2e4 -o out";
     folder.succeed(gonio);
     let out = folder.join("out");
@@ -161,7 +156,6 @@ fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
 #[test]
 fn gonio_names_the_peak_of_each_side() {
     let folder = with_smooth_surface();
-    let folder = folder;
     let text =
         folder.succeed("gonio --surface h.exr --eta 1.5 --theta 30 --rays 2e5 --no-plots -o g");
     text.must_contain("BTDF peak (1/sr)");

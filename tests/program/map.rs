@@ -89,7 +89,6 @@ impl Table {
 #[test]
 fn a_map_gives_every_verdict_and_writes_its_files() {
     let folder = with_config();
-    let folder = folder;
     let text = folder.succeed("map m.toml -o out");
     let out = folder.join("out");
     assert_eq!(files(&out), FILES);
@@ -179,7 +178,6 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
 #[test]
 fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("map m.toml --realisations 6 --threads 1 -o whole");
     let mut calls = 0;
     loop {
@@ -208,7 +206,6 @@ fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads(
 #[test]
 fn other_tolerances_need_no_tracing_and_change_verdicts() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("map m.toml --quiet --no-plots -o out");
     let cell = folder.join("out/results.npz");
     let before = fs::metadata(&cell).unwrap().modified().unwrap();
@@ -227,8 +224,7 @@ fn too_small_a_budget_is_not_resolved() {
     let folder = Folder::new();
     let surfaces = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6";
     let run = |rest: &str, out: &str| {
-        let line = format!("{surfaces} {rest} -o {out}");
-        folder.succeed(&line);
+        folder.succeed(format!("{surfaces} {rest} -o {out}"));
         let table = Table::read(&folder.join(out));
         (table.get(&table.rows[0], "verdict"), table)
     };
@@ -284,7 +280,6 @@ fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
 #[test]
 fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
     let folder = with_config();
-    let folder = folder;
     folder.succeed("map m.toml --quiet --no-plots -o out");
     let results = folder.join("out/results.npz");
     let whole = fs::read(&results).unwrap();
@@ -302,8 +297,7 @@ fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
         ("--models smith", "compare.models"),
         ("--rays 77", "run.rays"),
     ] {
-        let line = format!("map m.toml --no-plots {flag} -o out");
-        let told = folder.failed(&line);
+        let told = folder.failed(format!("map m.toml --no-plots {flag} -o out"));
         told.must_contain("another run");
         told.must_contain(what);
         assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
@@ -313,32 +307,17 @@ fn damaged_results_are_recomputed_and_those_of_other_settings_refused() {
 #[test]
 fn invalid_map_settings_are_refused() {
     let folder = with_config();
-    let folder = folder;
-    for (line, what) in [
-        ("map m.toml --models none -o out", "needs models"),
-        ("map m.toml --models walter -o out", "ggx-separable"),
-        (
-            "map m.toml --tolerance-energy 0 -o out",
-            "--tolerance-energy 0: must be a number above 0",
-        ),
-        (
-            "map m.toml --tolerance-peak nan -o out",
-            "must be a number above 0",
-        ),
-        (
-            "map m.toml --level 0.05 -o out",
-            "--level is for trace and verify, not for map",
-        ),
-        ("map m.toml --theta 90 -o out", "below 90"),
-        ("map m.toml --tau 2 --spacing 1 -o out", "--insist"),
-        (
-            "map m.toml --models cook-torrance-neumann -o out",
-            "reflect",
-        ),
-    ] {
-        let told = folder.refused(line);
-        told.must_contain(what);
-    }
+    let cases = "
+        map m.toml --models none -o out => needs models
+        map m.toml --models walter -o out => ggx-separable
+        map m.toml --tolerance-energy 0 -o out => --tolerance-energy 0: must be a number above 0
+        map m.toml --tolerance-peak nan -o out => must be a number above 0
+        map m.toml --level 0.05 -o out => --level is for trace and verify, not for map
+        map m.toml --theta 90 -o out => below 90
+        map m.toml --tau 2 --spacing 1 -o out => --insist
+        map m.toml --models cook-torrance-neumann -o out => reflect
+    ";
+    folder.refuses(cases);
     assert!(!folder.join("out").exists());
     folder.write("bad.toml", "[map]\nenergie = 1\n");
     let told = folder.refused("map bad.toml -o out");

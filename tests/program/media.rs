@@ -16,8 +16,7 @@ fn energy(summary: &Value, name: &str) -> (f64, f64) {
 }
 
 fn traced(folder: &Path, flags: &str) -> Value {
-    let arguments = format!("trace {flags} --json");
-    json(&folder.succeed(&arguments))
+    json(&folder.succeed(format!("trace {flags} --json")))
 }
 
 /// Flux into the bins of 5 deg of polar angle, and its errors, of light that was scattered inside.
@@ -192,13 +191,13 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");
-        let error = folder.refused(&line);
-        error.must_contain(reason);
+        folder.refused(&line).must_contain(reason);
     }
     let line = format!("trace h.exr --theta 30 {medium} --thickness 50 --bottom-surface no.exr");
     folder.failed(&line);
-    let line = format!("map --theta 30 {medium} -o map");
-    folder.refused(&line).must_contain("not for map");
+    folder
+        .refused(format!("map --theta 30 {medium} -o map"))
+        .must_contain("not for map");
 }
 
 #[test]
@@ -211,7 +210,6 @@ fn a_bottom_may_come_from_a_file() {
     assert!(file["config"]["below"]["bottom"]["shape"].is_array());
     let other = "generate --tau 8 --smoothness 2 --size 80 --seed 7 -o other.exr";
     folder.succeed(other);
-    let line = format!("trace {flags} --bottom-surface other.exr");
-    let error = folder.refused(&line);
+    let error = folder.refused(format!("trace {flags} --bottom-surface other.exr"));
     error.must_contain("does not lie under");
 }

@@ -70,15 +70,14 @@ fn a_cube_above_the_ground_is_traced() {
     text.must_contain("the mesh is closed");
 
     for border in ["periodic", "mirrored"] {
-        let asked = format!("trace cube.obj --theta 0 --border {border} -o no");
-        let error = folder.failed(&asked);
+        let error = folder.failed(format!("trace cube.obj --theta 0 --border {border} -o no"));
         error.must_contain("cover the tile 0 times");
         error.must_contain("`--border open`");
     }
     assert!(!folder.join("no").exists());
 
     // An open patch unless requested otherwise; turned over and with a hole, it says so.
-    let text = folder.succeed(&trace);
+    let text = folder.succeed(trace);
     text.must_contain("the patch is open");
     assert!(
         !text.contains("turned over") && !text.contains("triangle only"),
@@ -96,7 +95,7 @@ fn a_cube_above_the_ground_is_traced() {
         })
         .collect();
     folder.write("table.obj", worse);
-    let text = folder.succeed(&trace);
+    let text = folder.succeed(trace);
     text.must_contain("turned over");
     text.must_contain("1 triangles without area");
     text.must_contain("4 edges inside the tile have one triangle only");
@@ -107,37 +106,24 @@ fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
     let folder = Folder::new();
     folder.write("table.obj", TABLE);
     folder.write("cut.ply", "ply\nformat ascii 1.0\n");
-    for (line, code, expected) in [
-        (
-            "trace table.obj --spacing 2",
-            2,
-            "--spacing is for height maps",
-        ),
-        ("trace table.obj --unit um", 2, "the file states no unit"),
-        ("trace table.obj --flip", 2, "--flip is for height maps"),
-        (
-            "trace table.obj --missing fill",
-            2,
-            "--missing is for height maps",
-        ),
-        (
-            "trace table.obj --remove plane",
-            2,
-            "--remove is for height maps",
-        ),
-        (
-            "trace table.obj --accelerator pyramid",
-            2,
-            "pyramid needs a height field",
-        ),
-        ("inspect table.obj", 2, "a height map is needed"),
-        ("mesh table.obj -o x.ply", 2, "a height map is needed"),
-        ("verify table.obj -o out", 2, "reads a configuration"),
-        ("trace cut.ply --theta 30", 1, "end_header"),
-        ("trace none.stl --theta 30", 1, "does not exist"),
-    ] {
-        folder.stopped(line, code).must_contain(expected);
-    }
+    let cases = "
+        trace table.obj --spacing 2 => --spacing is for height maps
+        trace table.obj --unit um => the file states no unit
+        trace table.obj --flip => --flip is for height maps
+        trace table.obj --missing fill => --missing is for height maps
+        trace table.obj --remove plane => --remove is for height maps
+        trace table.obj --accelerator pyramid => pyramid needs a height field
+        inspect table.obj => a height map is needed
+        mesh table.obj -o x.ply => a height map is needed
+        verify table.obj -o out => reads a configuration
+    ";
+    folder.refuses(cases);
+    folder
+        .failed("trace cut.ply --theta 30")
+        .must_contain("end_header");
+    folder
+        .failed("trace none.stl --theta 30")
+        .must_contain("does not exist");
     folder.write("table.obj", TABLE.replace("v 3 3 0\n", "v 3 3 1\n"));
     let error = folder.failed("trace table.obj --border periodic");
     error.must_contain("table.obj: the border must be periodic along x");
@@ -228,8 +214,7 @@ fn meshes_that_stand_on_edge_are_told_and_laid_down() {
     folder.write("y.obj", sheet(|x, y, z| [x, z, -y]));
     folder.write("x.obj", sheet(|x, y, z| [z, x, y]));
     let trace = |name: &str, up: &str| {
-        let line = format!("trace {name} {up} --theta 30 --eta 1.5 --rays 500");
-        unwrapped(&folder.succeed(line))
+        unwrapped(&folder.succeed(format!("trace {name} {up} --theta 30 --eta 1.5 --rays 500")))
     };
     let flux = |text: &str| {
         let start = text.find("reflected").unwrap();

@@ -1,6 +1,6 @@
 //! Models by name: alone, and against explicit surfaces with single and multiple scattering separate.
 
-use crate::support::{Folder, InFolder, Table, Words, json};
+use crate::support::{Folder, InFolder, Table, Words, json, rows};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -132,38 +132,18 @@ fn single_and_multiple_scattering_are_judged_apart() {
 #[test]
 fn models_are_refused_what_they_cannot_do_by_name() {
     let folder = Folder::new();
-    for (arguments, expected) in [
-        (
-            "verify --models cook-torrance-neumann -o out",
-            "cook-torrance-neumann describes reflected light alone",
-        ),
-        (
-            "verify --tau-y 32 --models xu-sun -o out",
-            "xu-sun is defined for isotropic surfaces",
-        ),
-        ("verify --models walter -o out", "unknown model `walter`"),
-        ("verify --model-rays 0 -o out", "1 or more"),
-        (
-            "model heitz --smoothness 2 --theta 30 --sphere",
-            "take --bins",
-        ),
-        (
-            "model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30",
-            "xu-sun-mc is defined for isotropic surfaces",
-        ),
-        (
-            "model heitz --smoothness 0 --theta 30",
-            "--smoothness 0: must be",
-        ),
-        ("model heitz --theta 30", "smoothness"),
-        (
-            "model smith --smoothness 2 --azimuth 3 --theta 30",
-            "smoothness-y",
-        ),
-    ] {
-        let error = folder.refused(arguments);
-        error.must_contain(expected);
-    }
+    let cases = "
+        verify --models cook-torrance-neumann -o out => cook-torrance-neumann describes reflected light alone
+        verify --tau-y 32 --models xu-sun -o out => xu-sun is defined for isotropic surfaces
+        verify --models walter -o out => unknown model `walter`
+        verify --model-rays 0 -o out => 1 or more
+        model heitz --smoothness 2 --theta 30 --sphere => take --bins
+        model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30 => xu-sun-mc is defined for isotropic surfaces
+        model heitz --smoothness 0 --theta 30 => --smoothness 0: must be
+        model heitz --theta 30 => smoothness
+        model smith --smoothness 2 --azimuth 3 --theta 30 => smoothness-y
+    ";
+    folder.refuses(cases);
     // Reflection alone is what it describes.
     let reflection = "verify --tau 8 --size 64 --realisations 3 --rays 3e3 --side reflected \
                       --models cook-torrance-neumann,v-cavity --no-plots -o out";
@@ -232,8 +212,7 @@ fn a_model_takes_the_slopes_of_a_height_map_or_of_a_table() {
         ("--slopes-of slopes.csv --smoothness 3", 2, "smoothness"),
     ] {
         let flags = format!("model smith-slopes {flags} --eta 1.5 --theta 50");
-        let message = folder.stopped(&flags, code);
-        message.must_contain(expected);
+        folder.stopped(&flags, code).must_contain(expected);
     }
 }
 
@@ -280,15 +259,13 @@ fn lists_give_a_model_at_every_combination() {
     }
     assert_eq!(all.lines().skip(1).collect::<Vec<_>>(), expected);
 
-    let many = "model smith --smoothness 3 --sphere --step 0.1 --theta 0,10";
-    let message = folder.refused(many);
+    let message = folder.refused("model smith --smoothness 3 --sphere --step 0.1 --theta 0,10");
     message.must_contain("rows of all combinations");
     for (line, why) in [
         ("model smith --smoothness 2,2", "twice"),
         ("model smith --smoothness 2,-1", "from 1e-6"),
     ] {
-        let message = folder.refused(line);
-        message.must_contain(why);
+        folder.refused(line).must_contain(why);
     }
 }
 
@@ -330,26 +307,18 @@ fn counted_attenuation_takes_the_place_of_that_of_cook_torrance_and_neumann() {
             assert!((found / expected - 1.0).abs() < 1e-12, "{row}: {expected}");
         }
     }
-    for (line, why, code) in [
-        (
-            "model smith --theta 40",
-            "no attenuation that a table can replace",
-            2,
-        ),
-        ("model v-cavity --theta 40 --sphere", "leave out --bins", 2),
-        (
-            "model v-cavity --theta 60",
-            "beyond those of the table, 0 to 40",
-            1,
-        ),
-    ] {
-        let message = folder.stopped(format!("{line} {step}"), code);
+    let cases = "
+        model smith --theta 40 => no attenuation that a table can replace => 2
+        model v-cavity --theta 40 --sphere => leave out --bins => 2
+        model v-cavity --theta 60 => beyond those of the table, 0 to 40 => 1
+    ";
+    for [line, why, code] in rows(cases) {
+        let message = folder.stopped(format!("{line} {step}"), code.parse().unwrap());
         message.must_contain(why);
     }
     for other in ["--smoothness 3", "--smoothness 2 --smoothness-y 5"] {
         let other = step.replace("--smoothness 2", other);
-        let line = format!("model v-cavity {other} --theta 40");
-        let message = folder.failed(&line);
+        let message = folder.failed(format!("model v-cavity {other} --theta 40"));
         message.must_contain("other slopes");
     }
     let wrong = step.replace("a/attenuation.csv", "wrong.csv");

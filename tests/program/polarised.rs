@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Folder, InFolder, Table, Words, json, with_surface};
+use crate::support::{Folder, InFolder, Table, Words, json, rows, with_surface};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -39,25 +39,16 @@ fn light_of_any_state_leaves_as_the_matrix_says() {
 #[test]
 fn impossible_light_is_refused() {
     let folder = with_surface();
-    for (more, why) in [
-        (
-            "--stokes 1,0,0",
-            "--stokes 1,0,0: must be 4 numbers as I,Q,U,V",
-        ),
-        ("--stokes 0,0,0,0", "intensity I must exceed 0"),
-        (
-            "--stokes 1,0.9,0.9,0",
-            "more light is polarised than there is",
-        ),
-        (
-            "--stokes 1,1,0,0 --polarisation averaged",
-            "tracked or both",
-        ),
-        ("--stokes 1,1,0,0 --polarisation mueller", "tracked or both"),
-        ("--stokes 1,1,0,0 --estimator controlled", "auto or plain"),
-    ] {
-        let line = format!("trace h.exr --eta 1.5 --rays 1e5 {more}");
-        let message = folder.refused(&line);
+    let cases = "
+        --stokes 1,0,0 => --stokes 1,0,0: must be 4 numbers as I,Q,U,V
+        --stokes 0,0,0,0 => intensity I must exceed 0
+        --stokes 1,0.9,0.9,0 => more light is polarised than there is
+        --stokes 1,1,0,0 --polarisation averaged => tracked or both
+        --stokes 1,1,0,0 --polarisation mueller => tracked or both
+        --stokes 1,1,0,0 --estimator controlled => auto or plain
+    ";
+    for [more, why] in rows(cases) {
+        let message = folder.refused(format!("trace h.exr --eta 1.5 --rays 1e5 {more}"));
         message.must_contain(why);
     }
 }
@@ -65,8 +56,7 @@ fn impossible_light_is_refused() {
 #[test]
 fn a_map_refuses_matrices() {
     let folder = Folder::new();
-    let line = "map --smoothness 3 --eta 1.5 --polarisation mueller -o m";
-    let message = folder.refused(line);
+    let message = folder.refused("map --smoothness 3 --eta 1.5 --polarisation mueller -o m");
     message.must_contain("fluxes alone");
     assert_eq!(std::fs::read_dir(&*folder).unwrap().count(), 0);
 }
@@ -75,13 +65,15 @@ fn a_map_refuses_matrices() {
 fn matrices_of_each_direction_are_those_of_a_trace() {
     let folder = with_surface();
     let light = "--eta 1.5 --rays 2e4 --bins 6x8 --estimator plain --polarisation mueller";
-    let line = format!("gonio --surface h.exr --theta 20,60 --no-plots {light} -o g");
-    folder.succeed(&line);
+    folder.succeed(format!(
+        "gonio --surface h.exr --theta 20,60 --no-plots {light} -o g"
+    ));
     let summary = folder.json("g/summary.json");
     for (number, theta) in [20, 60].into_iter().enumerate() {
         let out = format!("t{theta}");
-        let line = format!("trace h.exr --theta {theta} --no-plots {light} -o {out}");
-        folder.succeed(&line);
+        folder.succeed(format!(
+            "trace h.exr --theta {theta} --no-plots {light} -o {out}"
+        ));
         let direction = &summary["directions"][number];
         let name = direction["direction"].as_str().unwrap();
         for file in ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"] {
@@ -169,8 +161,7 @@ fn polarised_light_on_ensembles_leaves_as_their_matrix_says() {
         assert_eq!(reflected, &verify["energy"]["reflected"]);
     }
     let line = format!("verify {surfaces} --theta 30 --stokes 1,1,0,0 --models smith -o r");
-    let message = folder.refused(&line);
-    message.must_contain("unpolarised light");
+    folder.refused(&line).must_contain("unpolarised light");
 }
 
 #[test]

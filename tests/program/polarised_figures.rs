@@ -12,8 +12,7 @@ fn texts(svg: &str) -> Vec<&str> {
 fn mueller_matrices_are_drawn_for_each_side_that_light_leaves_to() {
     let folder = with_surface();
     let run = |more: &str, out: &str| {
-        let line = format!("trace h.exr --theta 30 --rays 2e4 -o {out} {more}");
-        folder.succeed(&line);
+        folder.succeed(format!("trace h.exr --theta 30 --rays 2e4 -o {out} {more}"));
         let mut names = files(&folder.join(out));
         names.retain(|name| name.starts_with("mueller") && !name.ends_with(".csv"));
         names

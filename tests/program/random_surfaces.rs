@@ -8,8 +8,7 @@ use crate::support::{Folder, InFolder, Table, Words, files, json, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
-    let line = format!("generate {flags} --size 128 --json -o a.exr");
-    let written = json(&folder.succeed(&line));
+    let written = json(&folder.succeed(format!("generate {flags} --size 128 --json -o a.exr")));
     let read = json(&folder.succeed("inspect a.exr --json"));
     assert_eq!(
         written["realised"]["sigma"]["requested"], read["realised"]["sigma"]["requested"],
@@ -69,8 +68,7 @@ fn combinations_that_make_no_sense_get_one_sentence() {
         ("--ggx-alpha 0.3", "--ggx-alpha 0.3 needs --slopes ggx"),
         ("--slopes ggx --ggx-alpha 0.3 --smoothness 3", "excludes"),
     ] {
-        let line = format!("generate {flags} -o a.exr");
-        let said = folder.refused(&line);
+        let said = folder.refused(format!("generate {flags} -o a.exr"));
         said.must_contain(expected);
     }
 }
@@ -85,11 +83,9 @@ fn slopes_that_are_known_have_a_control_variate() {
     let text = summary.to_string();
     text.must_contain("\"control_variate\":\"slope-mixture\"");
     let pits = "verify --structure pits --depth 2 --width 16 --size 256 --models none";
-    let line = format!("{pits} {effort} -o pits");
-    let summary = json(&folder.succeed(&line));
+    let summary = json(&folder.succeed(format!("{pits} {effort} -o pits")));
     assert!(summary.to_string().contains("\"estimator\":\"plain\""));
-    let line = format!("{pits} {effort} --estimator controlled -o other");
-    let said = folder.refused(&line);
+    let said = folder.refused(format!("{pits} {effort} --estimator controlled -o other"));
     said.must_contain("needs the distribution of slopes");
 }
 
@@ -152,20 +148,12 @@ fn surfaces_in_a_folder_are_those_that_a_verification_draws() {
             assert_eq!(drawn.text(row, column), given.text(row, column));
         }
     }
-    for (line, why) in [
-        (
-            "generate --smoothness 2 --realisations 3 -o a.exr",
-            "name a folder",
-        ),
-        (
-            "generate --smoothness 2 --format npy -o a.npy",
-            "needs --realisations",
-        ),
-        ("generate --smoothness 2 --realisations 0 -o a", "1"),
-    ] {
-        let message = folder.refused(line);
-        message.must_contain(why);
-    }
+    let cases = "
+        generate --smoothness 2 --realisations 3 -o a.exr => name a folder
+        generate --smoothness 2 --format npy -o a.npy => needs --realisations
+        generate --smoothness 2 --realisations 0 -o a => 1
+    ";
+    folder.refuses(cases);
 }
 
 #[test]
@@ -191,17 +179,9 @@ fn height_maps_become_meshes_in_a_folder() {
         folder.join("other/surface_0.exr"),
     )
     .unwrap();
-    for (line, why) in [
-        (
-            "mesh set/surface_0.exr set/surface_1.exr -o a.ply",
-            "name a folder",
-        ),
-        (
-            "mesh set/surface_0.exr other/surface_0.exr -o m",
-            "both would be surface_0.ply",
-        ),
-    ] {
-        let message = folder.refused(line);
-        message.must_contain(why);
-    }
+    let cases = "
+        mesh set/surface_0.exr set/surface_1.exr -o a.ply => name a folder
+        mesh set/surface_0.exr other/surface_0.exr -o m => both would be surface_0.ply
+    ";
+    folder.refuses(cases);
 }

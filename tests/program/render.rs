@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{InFolder, Words, errors_of, files, with_surface};
+use crate::support::{InFolder, Words, errors_of, files, rows, with_surface};
 
 const SMALL: &str = "render h.exr --size 24x18 --samples 4";
 
@@ -55,7 +55,7 @@ fn meshes_and_flat_surfaces_have_pictures_too() {
     let rest = "--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png";
     folder.succeed(format!("render h.ply {rest}"));
     let flat = "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --below 0 --view-theta 0 -o f.exr";
-    let text = folder.succeed(&flat);
+    let text = folder.succeed(flat);
     // Fresnel at normal incidence, (n - 1)^2 / (n + 1)^2, but for the slant of a pinhole's lines.
     text.must_contain("mean radiance 0.040");
 }
@@ -63,58 +63,40 @@ fn meshes_and_flat_surfaces_have_pictures_too() {
 #[test]
 fn what_makes_no_sense_gets_a_sentence_and_no_file() {
     let folder = with_surface();
-    for (flags, expected) in [
-        ("-o p.jpg", ".exr and .png"),
-        ("-o p.png --size 640", "640x480"),
-        ("-o p.png --size 0x4", "0 x 4 pixels"),
-        ("-o p.png --size 99999x4", "16384"),
-        ("-o p.png --samples 0", "1 or more"),
-        (
-            "-o p.png --view-theta 90",
-            "--view-theta 90: must be a number from 0 to below 90",
-        ),
-        (
-            "-o p.png --view-theta 89.999999 --camera orthographic",
-            "the camera at theta 89.999999",
-        ),
-        (
-            "-o p.png --sun-theta 89.999999",
-            "the sun at theta 89.999999",
-        ),
-        ("-o p.png --fov 180", "--fov 180: must be"),
-        (
-            "-o p.png --fov 20 --camera orthographic",
-            "goes with camera pinhole",
-        ),
-        ("-o p.png --view-theta 88 --width 4", "the eye is"),
-        ("-o p.png --width 0", "--width 0: must be"),
-        ("-o p.png --look-at 1", "must be 2 numbers as X,Y"),
-        ("-o p.png --sky -1", "--sky -1: must be"),
-        ("-o p.png --below -1", "--below -1: must be"),
-        ("-o p.png --sun -1", "--sun -1: must be"),
-        ("-o p.png --sun-theta 95", "--sun-theta"),
-        ("-o p.png --sun-radius 0", "0.01 to 60"),
-        ("-o p.png --patch 0,0,1", "X0,Y0,X1,Y1"),
-        ("-o p.png --patch 0,0,0,1", "below the other two"),
-        ("-o p.png --exposure 0", "above 0"),
-        ("-o p.png --albedo 0.9", "needs --mean-free-path"),
-        (
-            "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
-            "invalid thickness",
-        ),
-        (
-            "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",
-            "must be flat, same or a file",
-        ),
-    ] {
+    let cases = "
+        -o p.jpg => .exr and .png
+        -o p.png --size 640 => 640x480
+        -o p.png --size 0x4 => 0 x 4 pixels
+        -o p.png --size 99999x4 => 16384
+        -o p.png --samples 0 => 1 or more
+        -o p.png --view-theta 90 => --view-theta 90: must be a number from 0 to below 90
+        -o p.png --view-theta 89.999999 --camera orthographic => the camera at theta 89.999999
+        -o p.png --sun-theta 89.999999 => the sun at theta 89.999999
+        -o p.png --fov 180 => --fov 180: must be
+        -o p.png --fov 20 --camera orthographic => goes with camera pinhole
+        -o p.png --view-theta 88 --width 4 => the eye is
+        -o p.png --width 0 => --width 0: must be
+        -o p.png --look-at 1 => must be 2 numbers as X,Y
+        -o p.png --sky -1 => --sky -1: must be
+        -o p.png --below -1 => --below -1: must be
+        -o p.png --sun -1 => --sun -1: must be
+        -o p.png --sun-theta 95 => --sun-theta
+        -o p.png --sun-radius 0 => 0.01 to 60
+        -o p.png --patch 0,0,1 => X0,Y0,X1,Y1
+        -o p.png --patch 0,0,0,1 => below the other two
+        -o p.png --exposure 0 => above 0
+        -o p.png --albedo 0.9 => needs --mean-free-path
+        -o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1 => invalid thickness
+        -o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent => must be flat, same or a file
+    ";
+    for [flags, expected] in rows(cases) {
         let command = format!("{SMALL} {flags}");
         // What is given twice is given as the last says, but for outputs.
         let command = match flags.contains("--size") || flags.contains("--samples") {
             true => format!("render h.exr {flags}"),
             false => command,
         };
-        let sentence = folder.refused(&command);
-        sentence.must_contain(expected);
+        folder.refused(&command).must_contain(expected);
     }
     assert_eq!(files(&folder), ["h.exr"]);
 }
@@ -140,8 +122,7 @@ fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
 #[test]
 fn a_folder_that_cannot_be_made_is_told_before_light_is_followed_and_nothing_is_written() {
     let folder = with_surface();
-    let command = "render h.exr --samples 1e8 -o q1.exr -o h.exr/q.png";
-    let sentence = folder.failed(command);
+    let sentence = folder.failed("render h.exr --samples 1e8 -o q1.exr -o h.exr/q.png");
     sentence.must_contain("`h.exr` is a file");
     assert_eq!(files(&folder), ["h.exr"]);
 }
@@ -154,8 +135,7 @@ fn long_flights_and_many_lines_come_to_an_end() {
         "--mean-free-path 1e5 --albedo 0.9 --samples 2",
         "--samples 1e8 --max-time 0.05",
     ] {
-        let command = format!("render --flat --size 8x6 {flags} -o f.exr");
-        let output = folder.run(&command);
+        let output = folder.run(format!("render --flat --size 8x6 {flags} -o f.exr"));
         let errors = errors_of(&output);
         assert!(output.status.success(), "{errors}");
         let is_stopped = errors.starts_with("the time is over; the picture of ");
@@ -167,8 +147,7 @@ fn long_flights_and_many_lines_come_to_an_end() {
 fn exposure_and_the_radius_of_the_sun_reach_the_picture() {
     let folder = with_surface();
     let png = |flags: &str| {
-        let command = format!("{SMALL} {flags} -o e.png");
-        let text = folder.succeed(&command);
+        let text = folder.succeed(format!("{SMALL} {flags} -o e.png"));
         (text, fs::read(folder.join("e.png")).unwrap())
     };
     let (text, bright) = png("--exposure 2");

@@ -30,7 +30,7 @@ fn limited(folder: &Path, limit: &str, line: &str) -> (Option<i32>, String) {
 #[test]
 fn a_folder_that_a_run_writes_refuses_others_by_any_name_until_that_run_is_gone() {
     let folder = Folder::new();
-    let mut first = folder.begin(&format!("{LONG} -o out"));
+    let mut first = folder.begin(format!("{LONG} -o out"));
     let until = Instant::now() + Duration::from_secs(30);
     while !folder.join("out").exists() {
         assert!(Instant::now() < until, "never begun");
@@ -195,8 +195,7 @@ fn after_a_kill_at_any_time_a_file_that_a_user_changed_is_refused() {
         folder.succeed(line);
         let table = out.join("directions/s2_n1.5_theta0_phi0.csv");
         fs::write(&table, "note").unwrap();
-        let sentence = folder.failed(line);
-        sentence.must_contain("was changed after");
+        folder.failed(line).must_contain("was changed after");
         assert_eq!(fs::read_to_string(&table).unwrap(), "note");
     }
 }
@@ -432,8 +431,7 @@ fn lists_and_widths_beyond_what_ends_are_refused_at_once() {
         let line = format!(
             "generate --structure {structure} --size 48 --tau 4 --sigma 0.1 --insist --width 1e12 -o s.npy"
         );
-        let sentence = keep.refused(&line);
-        sentence.must_contain("take a width of at most");
+        keep.refused(&line).must_contain("take a width of at most");
     }
     for eta in ["1e-3", "1e-5"] {
         let line = format!("verify --size 32 --tau 4 --insist --eta {eta} -o o");

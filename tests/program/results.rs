@@ -108,8 +108,7 @@ fn outputs_that_cannot_be_written_are_refused_before_the_work() {
         }
         if cfg!(target_os = "linux") {
             let name = format!("/proc/self/out.{ending}");
-            let line = format!("{command} {name}");
-            let said = folder.failed(&line);
+            let said = folder.failed(format!("{command} {name}"));
             said.must_contain(format!("cannot write `{name}`"));
         }
     }
@@ -141,8 +140,7 @@ fn an_input_is_never_replaced_or_removed() {
         assert_eq!(folder.text(file), matrix);
         said
     };
-    let said = refuse("histogram.csv", ".");
-    said.must_contain("histogram.csv");
+    refuse("histogram.csv", ".").must_contain("histogram.csv");
     // An input that an earlier manifest lists is still an input.
     folder.succeed(trace("histogram.csv", "out"));
     folder.write("out/histogram.csv", matrix);

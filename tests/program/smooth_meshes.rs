@@ -72,8 +72,7 @@ fn a_deviation_takes_as_many_parts_as_needed_and_stands_in_the_file() {
     let folder = with_surface();
     let smooth = "mesh h.exr --assume-unit um --cells smooth";
     for name in ["m.ply", "m.obj", "m.stl"] {
-        let line = format!("{smooth} --deviation 0.01 -o {name}");
-        let text = folder.succeed(&line);
+        let text = folder.succeed(format!("{smooth} --deviation 0.01 -o {name}"));
         let (bound, comment) = stated(&text);
         assert!(bound < 0.010_02 && comment.ends_with(" um off"), "{text}");
         let file = fs::read(folder.join(name)).unwrap();
@@ -82,8 +81,7 @@ fn a_deviation_takes_as_many_parts_as_needed_and_stands_in_the_file() {
         // One part less is farther off.
         let parts = comment.split(' ').nth(2).expect("parts");
         let fewer = parts.parse::<u32>().unwrap() - 1;
-        let line = format!("{smooth} --subdivide {fewer} -o {name}");
-        let text = folder.succeed(&line);
+        let text = folder.succeed(format!("{smooth} --subdivide {fewer} -o {name}"));
         let (bound, _) = stated(&text);
         assert!(bound > 0.01, "{fewer}");
     }
@@ -123,8 +121,7 @@ fn wrong_fineness_is_refused() {
         let said = folder.refused(format!("mesh h.exr -o m.ply {flags}"));
         said.must_contain(expected);
     }
-    let large = "mesh h.exr -o m.ply --cells smooth --subdivide 1e9";
-    let said = folder.failed(large);
+    let said = folder.failed("mesh h.exr -o m.ply --cells smooth --subdivide 1e9");
     said.must_contain("this mesh");
     assert_eq!(crate::support::files(&folder), files);
 }

@@ -7,8 +7,7 @@ use crate::support::{Folder, InFolder, Words, unwrapped};
 
 fn drawn() -> Folder {
     let folder = Folder::new();
-    let line = "generate --tau 6um --smoothness 3 --size 128 --seed 4 -o h.exr";
-    folder.succeed(line);
+    folder.succeed("generate --tau 6um --smoothness 3 --size 128 --seed 4 -o h.exr");
     folder
 }
 
@@ -27,7 +26,6 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
 #[test]
 fn a_folder_takes_tables_and_figures_whatever_the_number_of_threads() {
     let folder = drawn();
-    let folder = folder;
     let text = folder.succeed("inspect h.exr -o out");
     assert!(text.ends_with("results in out\n"), "{text}");
     folder.succeed("inspect h.exr -o one --threads 1 --quiet");
@@ -69,7 +67,6 @@ fn a_folder_takes_tables_and_figures_whatever_the_number_of_threads() {
 #[test]
 fn an_ending_tells_a_height_map_from_a_folder() {
     let folder = drawn();
-    let folder = folder;
     assert!(
         !folder
             .succeed("inspect h.exr -o h.npy")

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
+use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows, with_surface};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 
@@ -44,8 +44,7 @@ fn a_target_is_reached_with_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn what_is_known_is_not_traced() {
     let folder = Folder::new();
-    let flags = "verify --smoothness 100 --target-error 1e-4 --models smith -o out";
-    let text = folder.succeed(&flags);
+    let text = folder.succeed("verify --smoothness 100 --target-error 1e-4 --models smith -o out");
     text.must_contain("nothing was traced");
     let summary = folder.json("out/summary.json");
     assert_eq!(summary["work"]["rays"], 0);
@@ -63,7 +62,7 @@ fn when_the_time_is_over_results_are_valid_and_marked() {
     let text = ended_by_time(&folder, &line);
     text.must_contain("warning: the time limit ended the run");
     let trace = "trace h.exr --theta 30 --rays 4e6 --max-time 0.1 --no-plots -o t";
-    let text = ended_by_time(&folder, &trace);
+    let text = ended_by_time(&folder, trace);
     text.must_contain("note: the time limit ended the run");
     for out in ["v", "t"] {
         let summary = folder.join(out).json("summary.json");
@@ -111,8 +110,7 @@ fn a_long_run_chooses_its_branches_and_says_so() {
     let folder = keep;
     let rough = "verify --smoothness 1 --tau 4 --spacing 1 --size 32 --theta 60 --models none --no-plots --estimator plain";
     let run = |out: &str, paths: &str| {
-        let line = format!("{rough} --target-error 4.8e-3 -o {out}{paths}");
-        let text = folder.succeed(&line);
+        let text = folder.succeed(format!("{rough} --target-error 4.8e-3 -o {out}{paths}"));
         let read = |name: &str| folder.join(out).text(name);
         (text, json(&read("summary.json")), read("histogram.csv"))
     };
@@ -152,26 +150,21 @@ fn without_a_target_both_branches_are_followed() {
 #[test]
 fn bad_targets_and_times_get_a_sentence() {
     let folder = with_surface();
-    for (flags, expected) in [
-        ("--target-error 0", "--target-error 0: must be"),
-        ("--target-error -1", "--target-error -1: must be"),
-        ("--target-error nan", "nan"),
-        ("--target-error 1e-3 --of ring", "in-plane"),
-        ("--of bins", "--of bins needs --target-error"),
-        (
-            "--target-error 1e-3 --of transmitted --material mirror",
-            "nothing is transmitted",
-        ),
-        ("--target-error 1e-3 --of absorbed", "nothing is absorbed"),
-        (
-            "--target-error 1e-3 --of reflected --side transmitted",
-            "not recorded",
-        ),
-        ("--target-error 1e-3 --rays 1e4", "--rays"),
-        ("--max-time 0", "a time above 0"),
-        ("--max-time -5", "a time above 0"),
-        ("--max-time soon", "a time above 0"),
-    ] {
+    let cases = "
+        --target-error 0 => --target-error 0: must be
+        --target-error -1 => --target-error -1: must be
+        --target-error nan => nan
+        --target-error 1e-3 --of ring => in-plane
+        --of bins => --of bins needs --target-error
+        --target-error 1e-3 --of transmitted --material mirror => nothing is transmitted
+        --target-error 1e-3 --of absorbed => nothing is absorbed
+        --target-error 1e-3 --of reflected --side transmitted => not recorded
+        --target-error 1e-3 --rays 1e4 => --rays
+        --max-time 0 => a time above 0
+        --max-time -5 => a time above 0
+        --max-time soon => a time above 0
+    ";
+    for [flags, expected] in rows(cases) {
         for command in ["trace h.exr", &verify("-o out")] {
             let sentence = folder.refused(format!("{command} {flags}"));
             sentence.must_contain(expected);
@@ -289,11 +282,8 @@ fn a_trace_is_not_resumed_with_other_settings_or_on_another_surface() {
     assert!(!resumes(&folder, trace));
     let left = fs::read(folder.join("t/results.npz")).unwrap();
     let other = trace.replace("--theta 30", "--theta 40");
-    let error = folder.failed(&other);
-    error.must_contain("light.theta 30");
-    let surface = "generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr";
-    folder.succeed(surface);
-    let error = folder.failed(trace);
-    error.must_contain("points.given");
+    folder.failed(&other).must_contain("light.theta 30");
+    folder.succeed("generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr");
+    folder.failed(trace).must_contain("points.given");
     assert!(fs::read(folder.join("t/results.npz")).unwrap() == left);
 }

@@ -2,12 +2,11 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, InFolder, Words, json, unwrapped};
+use crate::support::{Folder, InFolder, Words, json, rows, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {
-    let line = format!("generate {flags} --size 128 --json -o a.exr");
-    let written = json(&folder.succeed(&line));
+    let written = json(&folder.succeed(format!("generate {flags} --size 128 --json -o a.exr")));
     let read = json(&folder.succeed("inspect a.exr --json"));
     let of = |value: &Value| value["realised_structure"].clone();
     assert_eq!(
@@ -130,54 +129,27 @@ fn statistics_without_a_number_are_left_out() {
 #[test]
 fn structures_that_cannot_be_drawn_get_one_sentence() {
     let folder = Folder::new();
-    for (flags, expected) in [
-        ("--structure sponge", "must be pits, caps,"),
-        ("--depth 3", "--depth 3 needs --structure"),
-        (
-            "--structure v-grooves --density 0.5",
-            "goes with structure pits, caps, scratches, cracks, pyramids or inverted-pyramids, not v-grooves",
-        ),
-        (
-            "--structure cracks --randomness 0.5",
-            "--randomness 0.5: goes with structure pits, caps,",
-        ),
-        ("--structure pits --depth 9", "above 0, up to 8"),
-        ("--structure pits --smoothness 3", "excludes"),
-        (
-            "--structure pits --tau-y 3",
-            "with --structure pits needs --sigma",
-        ),
-        (
-            "--structure pits --tau 4",
-            "with --structure pits needs --sigma",
-        ),
-        ("--structure pits --azimuth 60", "no direction"),
-        (
-            "--structure pits --sigma 1 --tau 4 --azimuth 60",
-            "no direction",
-        ),
-        ("--azimuth 60", "no direction"),
-        (
-            "--structure sine-grooves --edge-radius 1",
-            "or cracks, not sine-grooves",
-        ),
-        (
-            "--structure blazed-grooves --depth 9",
-            "the depth of blazed grooves is 9",
-        ),
-        (
-            "--structure pits --sigma 1 --heights gaussian",
-            "--heights gaussian: goes with surfaces without a structure",
-        ),
-        (
-            "--structure pits --sigma 1 --slopes ggx",
-            "--slopes ggx: goes with surfaces without a structure",
-        ),
-        ("--structure v-grooves --width 100", "take a side of 200"),
-        ("--structure caps --width 3", "with --insist"),
-    ] {
-        let line = format!("generate {flags} --size 256 -o a.exr");
-        let said = folder.refused(&line);
+    let cases = "
+        --structure sponge => must be pits, caps,
+        --depth 3 => --depth 3 needs --structure
+        --structure v-grooves --density 0.5 => goes with structure pits, caps, scratches, cracks, pyramids or inverted-pyramids, not v-grooves
+        --structure cracks --randomness 0.5 => --randomness 0.5: goes with structure pits, caps,
+        --structure pits --depth 9 => above 0, up to 8
+        --structure pits --smoothness 3 => excludes
+        --structure pits --tau-y 3 => with --structure pits needs --sigma
+        --structure pits --tau 4 => with --structure pits needs --sigma
+        --structure pits --azimuth 60 => no direction
+        --structure pits --sigma 1 --tau 4 --azimuth 60 => no direction
+        --azimuth 60 => no direction
+        --structure sine-grooves --edge-radius 1 => or cracks, not sine-grooves
+        --structure blazed-grooves --depth 9 => the depth of blazed grooves is 9
+        --structure pits --sigma 1 --heights gaussian => --heights gaussian: goes with surfaces without a structure
+        --structure pits --sigma 1 --slopes ggx => --slopes ggx: goes with surfaces without a structure
+        --structure v-grooves --width 100 => take a side of 200
+        --structure caps --width 3 => with --insist
+    ";
+    for [flags, expected] in rows(cases) {
+        let said = folder.refused(format!("generate {flags} --size 256 -o a.exr"));
         said.must_contain(expected);
     }
 }
@@ -187,8 +159,9 @@ fn structures_that_cannot_be_drawn_get_one_sentence() {
 fn roughness_on_top_of_a_structure_needs_its_height_alone() {
     let folder = Folder::new();
     for flags in ["--sigma 0.1", "--sigma 0.1 --tau 4 --tau-y 8 --azimuth 60"] {
-        let line = format!("generate --structure pits --size 256 {flags} -o a.exr");
-        folder.succeed(&line);
+        folder.succeed(format!(
+            "generate --structure pits --size 256 {flags} -o a.exr"
+        ));
     }
 }
 
@@ -212,8 +185,7 @@ fn structures_are_traced_in_verify_and_gonio() {
 #[test]
 fn height_maps_are_eroded_by_inspect() {
     let folder = Folder::new();
-    let pits = "generate --structure pits --depth 7 --size 128 --unit um -o a.exr";
-    folder.succeed(pits);
+    folder.succeed("generate --structure pits --depth 7 --size 128 --unit um -o a.exr");
     let of = |flags: &str| json(&folder.succeed(format!("inspect a.exr --json{flags}")));
     let number = |value: &Value, name: &str| value[name].as_f64().unwrap();
     let before = of("");
@@ -339,8 +311,7 @@ fn erosion_of_random_surfaces_is_refused_or_explained_where_it_makes_no_sense() 
         };
         for command in ["verify", "gonio", "map"] {
             let line = format!("{command} {few} {flags} -o {command}");
-            let said = folder.refused(&line);
-            said.must_contain(expected);
+            folder.refused(&line).must_contain(expected);
         }
     }
     let converge = format!("converge {few} --repose 30 --estimators controlled -o c");

@@ -59,6 +59,13 @@ pub(crate) trait InFolder {
         self.stopped(line, 1)
     }
 
+    /// Runs commands of wrong usage, a row of [`rows`] each: the line, and words of its sentence.
+    fn refuses(&self, cases: &str) {
+        for [line, expected] in rows(cases) {
+            self.refused(line).must_contain(expected);
+        }
+    }
+
     /// The text of a file.
     fn text(&self, name: impl AsRef<Path>) -> String;
 
@@ -107,6 +114,13 @@ impl InFolder for Path {
     fn write(&self, name: impl AsRef<Path>, contents: impl AsRef<[u8]>) {
         fs::write(self.join(name), contents).unwrap();
     }
+}
+
+/// The rows of a table in text, whose columns are parted by ` => `.
+pub(crate) fn rows<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N]> {
+    let rows = table.trim().lines();
+    let rows = rows.map(|row| row.trim().split(" => ").collect::<Vec<_>>());
+    rows.map(|columns| columns.try_into().unwrap())
 }
 
 /// Words of a text.

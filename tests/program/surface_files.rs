@@ -60,8 +60,7 @@ fn spectra_over_the_plane_are_lit_from_fixed_azimuths() {
     let grooves = "generate --tau 24 --tau-y 8 --sigma 1 --size 256 --spacing 2 -o grooves.exr";
     folder.succeed(grooves);
     let verify = "verify --psd like:grooves.exr --size 192 --theta 50 --models smith --rays 3e4 --realisations 6 --insist --no-plots";
-    let random = format!("{verify} --light-azimuth random -o random");
-    let output = folder.run(&random);
+    let output = folder.run(format!("{verify} --light-azimuth random -o random"));
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
     message.must_contain("matters on anisotropic surfaces");
@@ -118,14 +117,13 @@ fn files_that_give_no_spectrum_get_one_sentence() {
             "needs the columns height and probability",
         ),
     ] {
-        let line = format!("generate {flags} --size 64 -o a.exr");
-        let said = folder.failed(&line);
-        said.must_contain(expected);
+        folder
+            .failed(format!("generate {flags} --size 64 -o a.exr"))
+            .must_contain(expected);
         assert!(!folder.join("a.exr").exists());
     }
     // A name that is misspelt is wrong usage, as that of any other choice
-    let line = "generate --psd gausian --size 64 -o a.exr";
-    let said = folder.refused(line);
+    let said = folder.refused("generate --psd gausian --size 64 -o a.exr");
     said.must_contain("or a file; did you mean gaussian?");
 }
 
@@ -168,7 +166,6 @@ fn a_source_of_few_samples_is_refused() {
     folder.write("small.txt", matrix(7, rough));
     for flag in ["--psd", "--heights"] {
         let line = format!("generate {flag} like:small.txt --size 64 --insist -o a.exr");
-        let said = folder.failed(&line);
-        said.must_contain("but the file has 7 x 7");
+        folder.failed(&line).must_contain("but the file has 7 x 7");
     }
 }

@@ -154,8 +154,7 @@ fn man_writes_a_page_for_every_command() {
     // Pages of an earlier run are written anew.
     folder.succeed("man pages/man1");
     folder.write("file", "");
-    let said = folder.failed("man file");
-    said.must_contain("file");
+    folder.failed("man file").must_contain("file");
 }
 
 /// Nothing is written if one of the pages would replace a file of the user.

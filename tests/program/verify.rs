@@ -89,7 +89,7 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
 fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
     let folder = Folder::new();
     let fixed = "verify --tau 8 --size 128 --smoothness 2 --eta 1.4 --theta 0 --realisations 12 --rays 1e5 -o out";
-    let text = folder.succeed(&fixed);
+    let text = folder.succeed(fixed);
     text.must_contain("bins in rings of 20 deviating rays");
     assert!(!text.contains(" phi "), "no azimuth is named: {text}");
     let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
@@ -159,8 +159,7 @@ fn a_verification_of_one_side_judges_that_side() {
     ";
     folder.write("v.toml", config);
     let text = folder.succeed("verify v.toml -o one");
-    let of_both = "verify v.toml --side both -o both";
-    folder.succeed(&of_both);
+    folder.succeed("verify v.toml --side both -o both");
     assert!(text.contains("transmitted single") && text.contains("not recorded"));
     assert!(!text.contains("reflected"), "{text}");
     let read = |name: &str| folder.text(name);
@@ -211,7 +210,7 @@ fn a_verification_of_one_side_judges_that_side() {
     }
     assert!(!folder.join("one/in_plane_reflected.svg").exists());
     let many = "verify v.toml --theta 0,60 --side reflected -o many";
-    assert!(!folder.succeed(&many).contains("transmitted"));
+    assert!(!folder.succeed(many).contains("transmitted"));
 }
 
 #[test]
@@ -266,7 +265,7 @@ fn a_run_that_ends_paths_says_which_orders_it_shows() {
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = Folder::new();
     let fixed = "verify --tau 8 --size 64 --realisations 6 --rays 6e3 -o out";
-    folder.succeed(&fixed);
+    folder.succeed(fixed);
     folder.write("out/notes.txt", "mine");
     folder.succeed(format!("{fixed} --models none --no-plots"));
     let expected = [
@@ -394,8 +393,9 @@ fn finer_meshes_are_asked_for_where_there_are_any() {
     folder.succeed("mesh h.exr -o h.ply");
     let mesh = format!("trace h.ply --refine {light}");
     folder.refused(&mesh).must_contain("triangle mesh");
-    let flat = format!("trace --flat --refine {light}");
-    folder.refused(&flat).must_contain("--refine");
+    folder
+        .refused(format!("trace --flat --refine {light}"))
+        .must_contain("--refine");
 }
 
 #[test]
