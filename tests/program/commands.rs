@@ -97,13 +97,7 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
         );
     };
     same("h#.npy");
-    for result in [
-        "histogram.csv",
-        "theta.csv",
-        "in_plane.csv",
-        "lobes.svg",
-        "lobes.png",
-    ] {
+    for result in "histogram.csv theta.csv in_plane.csv lobes.svg lobes.png".split(' ') {
         same(&format!("t#/{result}"));
         same(&format!("v#/{result}"));
     }
@@ -118,21 +112,10 @@ fn trace_writes_what_it_says() {
     text.must_contain("reflected");
     text.must_contain("ray blocks");
     let out = folder.join("out");
-    for name in [
-        "summary.json",
-        "histogram.csv",
-        "in_plane.csv",
-        "theta.csv",
-        "height_map.svg",
-    ] {
+    for name in "summary.json histogram.csv in_plane.csv theta.csv height_map.svg".split(' ') {
         assert!(out.join(name).exists(), "{name}");
     }
-    for name in [
-        "lobes",
-        "in_plane_reflected",
-        "in_plane_transmitted",
-        "height_map",
-    ] {
+    for name in "lobes in_plane_reflected in_plane_transmitted height_map".split(' ') {
         let png = fs::read(out.join(format!("{name}.png"))).unwrap();
         assert!(png.starts_with(b"\x89PNG"));
         out.text(format!("{name}.svg")).must_contain("<svg");

@@ -166,12 +166,7 @@ fn an_interrupted_attenuation_resumes_to_the_tables_of_a_whole_run() {
     let so_far = json(&read("out", "summary.json"))["work"]["realisations"].clone();
     assert!((1..80).contains(&so_far.as_u64().unwrap()), "{so_far}");
     folder.succeed(line("out"));
-    for name in [
-        "attenuation.csv",
-        "demarcation.csv",
-        "visibility.csv",
-        "report.txt",
-    ] {
+    for name in "attenuation.csv demarcation.csv visibility.csv report.txt".split(' ') {
         assert!(read("out", name) == read("whole", name), "{name} differs");
     }
     let [resumed, whole] = ["out", "whole"].map(|out| {

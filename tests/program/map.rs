@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support::{
-    Folder, InFolder, Words, assert_same_bytes, errors_of, files, json, unwrapped,
+    Folder, InFolder, Table, Words, assert_same_bytes, errors_of, files, json, unwrapped,
 };
 
 /// Four cells in which a model is within tolerance, beyond it and not resolved; in a fraction of a second.
@@ -42,46 +42,23 @@ fn with_config() -> Folder {
     folder
 }
 
-/// The rows of map.csv, by the names of its columns.
-struct Table {
-    header: Vec<String>,
-    rows: Vec<Vec<String>>,
+/// The row of one cell, model and comparison.
+fn row_of(table: &Table, s: &str, theta: &str, model: &str, light: &str) -> usize {
+    let wanted = [
+        ("s", s),
+        ("theta_deg", theta),
+        ("model", model),
+        ("light", light),
+    ];
+    let is_it = |row: &usize| wanted.iter().all(|(k, v)| table.text(*row, k) == *v);
+    let mut found = (0..table.rows.len()).filter(is_it);
+    let row = found.next().unwrap();
+    assert!(found.next().is_none());
+    row
 }
 
-impl Table {
-    fn read(folder: &Path) -> Self {
-        let text = folder.text("map.csv");
-        let split = |line: &str| line.split(',').map(str::to_owned).collect();
-        let mut lines = text.lines();
-        Self {
-            header: split(lines.next().unwrap()),
-            rows: lines.map(split).collect(),
-        }
-    }
-
-    fn get(&self, row: &[String], name: &str) -> String {
-        let column = self.header.iter().position(|c| c == name).unwrap();
-        row[column].clone()
-    }
-
-    /// The row of one cell, model and comparison.
-    fn row(&self, s: &str, theta: &str, model: &str, light: &str) -> &[String] {
-        let wanted = [
-            ("s", s),
-            ("theta_deg", theta),
-            ("model", model),
-            ("light", light),
-        ];
-        let is_it = |row: &&Vec<String>| wanted.iter().all(|(k, v)| self.get(row, k) == *v);
-        let mut found = self.rows.iter().filter(is_it);
-        let row = found.next().unwrap();
-        assert!(found.next().is_none());
-        row
-    }
-
-    fn verdict(&self, s: &str, theta: &str, model: &str, light: &str) -> String {
-        self.get(self.row(s, theta, model, light), "verdict")
-    }
+fn verdict_of<'a>(table: &'a Table, s: &str, theta: &str, model: &str, light: &str) -> &'a str {
+    table.text(row_of(table, s, theta, model, light), "verdict")
 }
 
 /// Nothing deviates at s = 100 and 0 degrees: single scattering is all, and every model has it. At s = 1
@@ -96,21 +73,21 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
     assert_eq!(text, format!("{report}\nresults in out\n"));
     assert!(report.contains("validity map: 4 of 4 cells; s = 1, 100; theta = 0, 60 deg"));
 
-    let table = Table::read(&out);
+    let table = Table::read(&out.join("map.csv"));
     assert_eq!(table.rows.len(), 4 * 2 * 2);
     for light in ["own", "all"] {
         for model in ["xu-sun", "smith"] {
-            assert_eq!(table.verdict("100", "0", model, light), "within");
+            assert_eq!(verdict_of(&table, "100", "0", model, light), "within");
         }
         for theta in ["0", "60"] {
-            assert_eq!(table.verdict("1", theta, "xu-sun", light), "beyond");
+            assert_eq!(verdict_of(&table, "1", theta, "xu-sun", light), "beyond");
         }
     }
     // Nearly flat glass: Fresnel's 4 % at 0 degrees; at 60 degrees mirror and Snell, both near the edge
     // of a bin of 5 degrees, which tells where they are.
     let number = |theta, name: &str| {
-        let row = table.row("100", theta, "smith", "own");
-        table.get(row, name).parse::<f64>().unwrap()
+        let row = row_of(&table, "100", theta, "smith", "own");
+        table.number(row, name)
     };
     assert!((number("0", "reflected_explicit") - 0.04).abs() < 1e-4);
     assert!((number("0", "transmitted_model") - 0.96).abs() < 1e-3);
@@ -119,11 +96,11 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
         let peak = number("60", &format!("{name}_peak_explicit_deg"));
         assert!((peak - angle).abs() <= 2.6, "{name}: {peak}");
     }
-    assert_eq!(table.verdict("100", "60", "smith", "own"), "within");
+    assert_eq!(verdict_of(&table, "100", "60", "smith", "own"), "within");
     // Light scattered more than once counts against a model of single scattering, and only over all light.
     let of = |light, name: &str| {
-        let row = table.row("1", "60", "smith", light);
-        table.get(row, name).parse::<f64>().unwrap()
+        let row = row_of(&table, "1", "60", "smith", light);
+        table.number(row, name)
     };
     assert!(
         of("all", "total_variation_low") > 0.05,
@@ -131,8 +108,8 @@ fn a_map_gives_every_verdict_and_writes_its_files() {
         of("all", "total_variation")
     );
     assert!(of("own", "total_variation_low") < 0.05);
-    for row in &table.rows {
-        let number = |name: &str| table.get(row, name).parse::<f64>().unwrap();
+    for row in 0..table.rows.len() {
+        let number = |name: &str| table.number(row, name);
         let [low, value, high] = [
             "total_variation_low",
             "total_variation",
@@ -209,11 +186,14 @@ fn other_tolerances_need_no_tracing_and_change_verdicts() {
     folder.succeed("map m.toml --quiet --no-plots -o out");
     let cell = folder.join("out/results.npz");
     let before = fs::metadata(&cell).unwrap().modified().unwrap();
-    let verdict = || Table::read(&folder.join("out")).verdict("1", "0", "xu-sun", "own");
-    assert_eq!(verdict(), "beyond");
+    let found = || {
+        let table = Table::read(&folder.join("out/map.csv"));
+        verdict_of(&table, "1", "0", "xu-sun", "own").to_owned()
+    };
+    assert_eq!(found(), "beyond");
     let wide = "map m.toml --quiet --no-plots --tolerance-total-variation 0.9 --tolerance-energy 0.9 --tolerance-peak 180 -o out";
     folder.succeed(wide);
-    assert_eq!(verdict(), "within");
+    assert_eq!(found(), "within");
     let after = fs::metadata(&cell).unwrap().modified().unwrap();
     assert_eq!(before, after);
 }
@@ -225,14 +205,13 @@ fn too_small_a_budget_is_not_resolved() {
     let surfaces = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6";
     let run = |rest: &str, out: &str| {
         folder.succeed(format!("{surfaces} {rest} -o {out}"));
-        let table = Table::read(&folder.join(out));
-        (table.get(&table.rows[0], "verdict"), table)
+        let table = Table::read(&folder.join(out).join("map.csv"));
+        (table.text(0, "verdict").to_owned(), table)
     };
     let (verdict, table) = run("--smoothness 100 --rays 60 --realisations 10", "few");
     assert_eq!(verdict, "not resolved");
-    let row = &table.rows[0];
-    let high: f64 = table.get(row, "total_variation_high").parse().unwrap();
-    let rays: f64 = table.get(row, "rays").parse().unwrap();
+    let high = table.number(0, "total_variation_high");
+    let rays = table.number(0, "rays");
     println!("up to {high} of {rays} rays");
     assert!(high >= 3.0 / rays);
     let (verdict, _) = run("--smoothness 100 --rays 6000 --realisations 10", "enough");
@@ -242,14 +221,14 @@ fn too_small_a_budget_is_not_resolved() {
         let flags = format!("--smoothness 100 --rays 6000 --realisations {surfaces}");
         let (verdict, table) = run(&flags, surfaces);
         assert_eq!(verdict, "not resolved");
-        assert_eq!(table.get(&table.rows[0], "total_variation_high"), "");
+        assert_eq!(table.text(0, "total_variation_high"), "");
     }
     // Where a bound says that nothing can deviate, nothing needs to be traced.
     let target = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6 --smoothness 100 --target-error 1e-3 -o bound";
     folder.succeed(target);
-    let table = Table::read(&folder.join("bound"));
-    assert_eq!(table.verdict("100", "0", "smith", "own"), "within");
-    assert_eq!(table.get(&table.rows[0], "rays"), "0");
+    let table = Table::read(&folder.join("bound/map.csv"));
+    assert_eq!(verdict_of(&table, "100", "0", "smith", "own"), "within");
+    assert_eq!(table.text(0, "rays"), "0");
 }
 
 /// A model of all orders has one and the same claim on its own light and on all.
@@ -258,16 +237,16 @@ fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
     let folder = Folder::new();
     let line = "map --tau 4 --size 64 --smoothness 1 --theta 40 --models smith,heitz --realisations 10 --rays 20000 --model-rays 20000 --bins 18x6 --no-plots --quiet -o out";
     folder.succeed(line);
-    let table = Table::read(&folder.join("out"));
+    let table = Table::read(&folder.join("out/map.csv"));
     let both = ["own", "all"].map(|light| {
-        let row = table.row("1", "40", "heitz", light);
-        assert_eq!(table.get(row, "model_rays"), "20000");
-        table.get(row, "total_variation")
+        let row = row_of(&table, "1", "40", "heitz", light);
+        assert_eq!(table.text(row, "model_rays"), "20000");
+        table.text(row, "total_variation")
     });
     assert_eq!(both[0], both[1]);
     let of = |model| -> f64 {
-        let row = table.row("1", "40", model, "all");
-        table.get(row, "total_variation").parse().unwrap()
+        let row = row_of(&table, "1", "40", model, "all");
+        table.number(row, "total_variation")
     };
     assert!(
         of("heitz") < 0.7 * of("smith"),

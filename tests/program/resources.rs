@@ -124,13 +124,7 @@ fn no_command_replaces_a_file_that_it_reads() {
                 command,
                 Name::Generate | Name::Inspect | Name::Mesh | Name::Model | Name::Render
             );
-            for out in [
-                "in.exr",
-                "hard.exr",
-                "soft.exr",
-                "./in.exr",
-                "sub/../in.exr",
-            ] {
+            for out in "in.exr hard.exr soft.exr ./in.exr sub/../in.exr".split(' ') {
                 let line = format!("{run} -o {out}");
                 let output = folder.run(&line);
                 let errors = errors_of(&output);

@@ -31,13 +31,7 @@ fn verify_judges_every_case_and_says_so() {
         "s3_n1.4_theta30",
     ];
     for case in cases {
-        for name in [
-            "summary.json",
-            "comparison.csv",
-            "in_plane.csv",
-            "report.txt",
-            "lobes.png",
-        ] {
+        for name in "summary.json comparison.csv in_plane.csv report.txt lobes.png".split(' ') {
             assert!(out.join(case).join(name).exists(), "{case}/{name}");
         }
     }
@@ -186,12 +180,7 @@ fn a_verification_of_one_side_judges_that_side() {
             format!("verify v.toml --estimator plain --no-plots --side {side} -o plain_{side}");
         folder.succeed(&run);
     }
-    for name in [
-        "comparison.csv",
-        "histogram.csv",
-        "theta.csv",
-        "in_plane.csv",
-    ] {
+    for name in "comparison.csv histogram.csv theta.csv in_plane.csv".split(' ') {
         let [one, both] = ["transmitted", "both"].map(|side| rows(&format!("plain_{side}/{name}")));
         assert!(one == both, "{name}");
     }

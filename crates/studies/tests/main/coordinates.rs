@@ -135,10 +135,7 @@ fn gonio_names_a_further_coordinate_in_tables_json_text_file_names_and_figures()
     assert_in_table(out, "gonio.csv");
     assert_in_text(out, &["report.txt"]);
     assert_in_json(out);
-    for name in [
-        "s2_n1.5_tint450_theta20_phi0",
-        "s2_n1.5_tint650_theta70_phi0",
-    ] {
+    for name in "s2_n1.5_tint450_theta20_phi0 s2_n1.5_tint650_theta70_phi0".split(' ') {
         text(out, &format!("directions/{name}.csv"));
     }
     let figures = fs::read_dir(out.join("plots")).unwrap();

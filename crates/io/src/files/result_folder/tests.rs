@@ -526,10 +526,7 @@ fn stale_parts_are_swept_from_all_folders_of_results() {
     let check = || open(path).check(["cells/1.json"]).unwrap();
     let write = || run(path, &["cells/1.json"], "1");
     for sweep in [&check as &dyn Fn(), &write] {
-        for name in [
-            ".asperity-0123456789ab.part",
-            "cells/.asperity-0123456789ac.part",
-        ] {
+        for name in ".asperity-0123456789ab.part cells/.asperity-0123456789ac.part".split(' ') {
             let part = fs::File::create(path.join(name)).unwrap();
             let hour = std::time::Duration::from_secs(3600);
             part.set_modified(std::time::SystemTime::now() - hour)
