@@ -9,6 +9,22 @@ pub(crate) fn assert_sentence(error: &ReadError) {
     assert!(!text.contains('\n') && !text.ends_with('.'), "{text}");
 }
 
+/// Changed copies of a text, each with the words of its refusal. A row of `cases` is `old => new => words`, in which `\n` is the end of a line.
+pub(crate) fn changes<'a>(
+    text: &'a str,
+    cases: &'a str,
+) -> impl Iterator<Item = (String, &'a str)> {
+    cases.trim().lines().map(move |row| {
+        let columns: Vec<&str> = row.trim().split(" => ").collect();
+        let &[old, new, words] = columns.as_slice() else {
+            panic!("{row}");
+        };
+        let [old, new] = [old, new].map(|part| part.replace("\\n", "\n"));
+        assert!(text.contains(&old), "{old}");
+        (text.replace(&old, &new), words)
+    })
+}
+
 /// SplitMix64 (Steele, Lea and Flood 2014): enough to damage files, the same ones each time.
 struct Damage(u64);
 

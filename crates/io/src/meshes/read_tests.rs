@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use super::{MeshData, MeshView, read_mesh, read_mesh_from, write_mesh};
-use crate::damage_tests::{assert_sentence, damaged};
+use crate::damage_tests::{assert_sentence, changes, damaged};
 use crate::error::{ReadError, ReadProblem};
 use crate::formats::MeshFormat;
 
@@ -367,24 +367,13 @@ fn strips_of_triangles_are_read() {
     let strip = strip.replace("\n11 ", "\n10 ");
     let mesh = read(MeshFormat::Ply, strip.as_bytes()).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [2, 3, 4], [3, 5, 4]]);
-    for (old, new, words) in [
-        (
-            "4 3 5 4 4",
-            "4 3 6 4 4",
-            "its tristrips 1, counted from zero, has the vertex number 6",
-        ),
-        (
-            "element tristrips 2",
-            "element strips 2",
-            "nor strips of triangles",
-        ),
-        (
-            "vertex_indices",
-            "corners",
-            "its strips of triangles have no list",
-        ),
-    ] {
-        refused(MeshFormat::Ply, strip.replace(old, new).as_bytes(), words);
+    let cases = "
+        4 3 5 4 4 => 4 3 6 4 4 => its tristrips 1, counted from zero, has the vertex number 6
+        element tristrips 2 => element strips 2 => nor strips of triangles
+        vertex_indices => corners => its strips of triangles have no list
+    ";
+    for (strip, words) in changes(&strip, cases) {
+        refused(MeshFormat::Ply, strip.as_bytes(), words);
     }
 }
 
@@ -459,22 +448,14 @@ fn ply_headers_are_refused_before_allocation() {
              property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n"
         )
     };
-    refused(
-        Ply,
-        &ply(&vertex("4000000000"), &[0; 64]),
-        "48000000001 bytes or more",
-    );
-    refused(
-        Ply,
-        &ply(&vertex("18446744073709551615"), &[0; 64]),
-        "declares",
-    );
-    refused(
-        Ply,
-        &ply(&vertex("99999999999999999999"), &[0; 64]),
-        "line 3",
-    );
-    refused(Ply, &ply(&vertex("-1"), &[0; 64]), "line 3");
+    for (count, words) in [
+        ("4000000000", "48000000001 bytes or more"),
+        ("18446744073709551615", "declares"),
+        ("99999999999999999999", "line 3"),
+        ("-1", "line 3"),
+    ] {
+        refused(Ply, &ply(&vertex(count), &[0; 64]), words);
+    }
     for kind in ["uint", "int"] {
         // A list of two thousand million corners, of which none is there.
         let header = vertex("3").replace("uchar int", &format!("{kind} int"));
@@ -495,38 +476,22 @@ fn ply_headers_are_refused_before_allocation() {
         &ply(&nothing, &[0; 64]),
         "`nothing` have no properties",
     );
-    for (from, to, words) in [
-        ("property float x\n", "", "no property x"),
-        (
-            "float x",
-            "list uchar float x",
-            "x of its vertices is a list",
-        ),
-        ("vertex_indices", "corners", "no list `vertex_indices`"),
-        (
-            "list uchar int vertex_indices",
-            "int vertex_indices",
-            "not a list of whole numbers",
-        ),
-        (
-            "list uchar int",
-            "list uchar float",
-            "not a list of whole numbers",
-        ),
-        ("list uchar int", "list float int", "not of a whole type"),
-        ("element face", "element strip", "no element `face`"),
-        ("element vertex", "element point", "no element `vertex`"),
-        (
-            "element vertex",
-            "element face 1\nproperty list char int vertex_index\nelement vertex",
-            "come before",
-        ),
-        ("binary_little_endian", "binary_middle_endian", "line 2"),
-        ("1.0", "one", "line 2"),
-        ("float y", "quadruple y", "line 5"),
-        ("format", "comment", "`format ascii 1.0`"),
-    ] {
-        let header = vertex("3").replace(from, to);
+    let cases = r"
+        property float x\n =>  => no property x
+        float x => list uchar float x => x of its vertices is a list
+        vertex_indices => corners => no list `vertex_indices`
+        list uchar int vertex_indices => int vertex_indices => not a list of whole numbers
+        list uchar int => list uchar float => not a list of whole numbers
+        list uchar int => list float int => not of a whole type
+        element face => element strip => no element `face`
+        element vertex => element point => no element `vertex`
+        element vertex => element face 1\nproperty list char int vertex_index\nelement vertex => come before
+        binary_little_endian => binary_middle_endian => line 2
+        1.0 => one => line 2
+        float y => quadruple y => line 5
+        format => comment => `format ascii 1.0`
+    ";
+    for (header, words) in changes(&vertex("3"), cases) {
         refused(Ply, &ply(&header, &[0; 64]), words);
     }
     refused(
@@ -542,42 +507,22 @@ fn ply_headers_are_refused_before_allocation() {
 #[test]
 fn ply_data_are_checked() {
     use MeshFormat::Ply;
-    let swap = |from: &str, to: &str| PLY.replace(from, to).into_bytes();
-    refused(
-        Ply,
-        &swap("3 0 1 4 7", "3 0 1 5 7"),
-        "its face 0, counted from zero, has the vertex number 5",
-    );
-    refused(Ply, &swap("3 0 1 4 7", "3 0 1 -1 7"), "vertex number -1");
-    refused(Ply, &swap("3 0 1 4 7", "2 0 1 7"), "has 2 corners");
-    refused(Ply, &swap("3 0 1 4 7", "0 7"), "no corners");
-    refused(
-        Ply,
-        &swap("3 0 1 4 7", "4 0 1 4"),
-        "line 23, column 1: `4 0 1 4` is not a face",
-    );
-    refused(
-        Ply,
-        &swap("255 0 2 0.0", "255 0 two 0.0"),
-        "`255 0 two 0.0` is not a vertex as the header declares it: red z x y",
-    );
-    refused(Ply, &swap("255 0 2 0.0", "256 0 2 0.0"), "is not a vertex");
-    refused(Ply, &swap("255 0 2 0.0", "255 0 2 1e999"), "must be finite");
-    refused(
-        Ply,
-        &swap("0 2 0.5 0.5\n", "0 2 0.5 0.5\n1"),
-        "more data follow",
-    );
-    refused(
-        Ply,
-        &swap("0 2 0.5 0.5\n", ""),
-        "1 elements `edge` were expected, but only 0",
-    );
-    refused(
-        Ply,
-        &swap("element face 4", "element face 0"),
-        "more data follow",
-    );
+    let cases = r"
+        3 0 1 4 7 => 3 0 1 5 7 => its face 0, counted from zero, has the vertex number 5
+        3 0 1 4 7 => 3 0 1 -1 7 => vertex number -1
+        3 0 1 4 7 => 2 0 1 7 => has 2 corners
+        3 0 1 4 7 => 0 7 => no corners
+        3 0 1 4 7 => 4 0 1 4 => line 23, column 1: `4 0 1 4` is not a face
+        255 0 2 0.0 => 255 0 two 0.0 => `255 0 two 0.0` is not a vertex as the header declares it: red z x y
+        255 0 2 0.0 => 256 0 2 0.0 => is not a vertex
+        255 0 2 0.0 => 255 0 2 1e999 => must be finite
+        0 2 0.5 0.5\n => 0 2 0.5 0.5\n1 => more data follow
+        0 2 0.5 0.5\n =>  => 1 elements `edge` were expected, but only 0
+        element face 4 => element face 0 => more data follow
+    ";
+    for (text, words) in changes(PLY, cases) {
+        refused(Ply, text.as_bytes(), words);
+    }
     refused(
         Ply,
         &[binary_ply(true), vec![0]].concat(),
@@ -631,21 +576,17 @@ fn binary_stl_is_recognised_by_its_length_and_checked() {
     let mut infinite = own;
     infinite[84 + 50 + 12..][..4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     refused(Stl, &infinite, "triangle 1");
-    let swap = |from: &str, to: &str| STL.replacen(from, to, 1).into_bytes();
-    refused(
-        Stl,
-        &swap("  vertex 2 0 0\n", ""),
-        "a triangle has 3 vertices, not 2",
-    );
-    refused(Stl, &swap("endloop", "vertex 1 2 3"), "a fourth vertex");
-    refused(Stl, &swap("vertex 2 0 0", "vertex 2 0"), "line 5, column 1");
-    refused(
-        Stl,
-        &swap("vertex 2 0 0", "vertex 2 0 inf"),
-        "line 5, column 14",
-    );
-    refused(Stl, &swap("outer", "other"), "`other` is not a statement");
-    refused(Stl, &swap("endsolid", "facet"), "no `endsolid`");
+    let cases = r"
+        vertex 2 0 0\n =>  => a triangle has 3 vertices, not 2
+        endloop => vertex 1 2 3 => a fourth vertex
+        vertex 2 0 0 => vertex 2 0 => line 5, column 1
+        vertex 2 0 0 => vertex 2 0 inf => line 5, column 14
+        outer => other => `other` is not a statement
+        endsolid => facet => no `endsolid`
+    ";
+    for (text, words) in changes(STL, cases) {
+        refused(Stl, text.as_bytes(), words);
+    }
     refused(Stl, b"solid nothing\nendsolid nothing\n", "holds no faces");
     refused(Stl, b"\n", "less than the header");
 }

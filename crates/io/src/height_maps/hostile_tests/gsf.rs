@@ -3,6 +3,7 @@
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{read, refused};
+use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat;
 
 fn gsf(header: &str, heights: &[f32]) -> Vec<u8> {
@@ -16,42 +17,31 @@ fn gsf(header: &str, heights: &[f32]) -> Vec<u8> {
 fn gsf_headers_are_checked() {
     use HeightMapFormat::Gsf;
     let four = [1.0, 2.0, 3.0, 4.0];
-    for (header, words) in [
-        (
-            "XRes = 4000000000\nYRes = 4000000000\n",
-            "claims 4000000000 x 4000000000",
-        ),
-        (
-            "XRes = 18446744073709551615\nYRes = 2\n",
-            "claims 18446744073709551615 x 2",
-        ),
-        (
-            "XRes = 99999999999999999999\nYRes = 2\n",
-            "positive whole number",
-        ),
-        ("XRes = 3\nYRes = 2\n", "only 16 bytes"),
-        ("XRes = 2\nYRes = 1\n", "at least 2 x 2"),
-        ("XRes = 1\nYRes = 1\n", "at least 2 x 2"),
-        ("XRes = 1\nYRes = 4\n", "at least 2 x 2"),
-        ("XRes = 0\nYRes = 4\n", "XRes is `0`"),
-        ("XRes = -2\nYRes = 2\n", "XRes is `-2`"),
-        ("YRes = 2\n", "lacks the field XRes"),
-        ("XRes = 2\nXRes = 2\nYRes = 2\n", "XRes twice"),
-        ("XRes = 2\nYRes = 2\nrubbish\n", "name = value"),
-        ("XRes = 2\nYRes = 2\nXReal = 0\n", "XReal is `0`"),
-        ("XRes = 2\nYRes = 2\nYReal = -1e-6\n", "YReal is `-1e-6`"),
-        ("XRes = 2\nYRes = 2\nXReal = nan\n", "positive finite"),
-        ("XRes = 2\nYRes = 2\nXOffset = left\n", "XOffset"),
-        (
-            "XRes = 2\nYRes = 2\nXYUnits = m\nZUnits = V\n",
-            "ZUnits is `V`",
-        ),
-        ("XRes = 2\nYRes = 2\nXYUnits = m\n", "ZUnits is ``"),
-        ("XRes = 2\nYRes = 2\nBorder = round\n", "unknown border"),
-    ] {
-        refused(Gsf, &gsf(header, &four), words);
-    }
     let good = "XRes = 2\nYRes = 2\n";
+    let cases = r"
+        XRes = 2\nYRes = 2 => XRes = 4000000000\nYRes = 4000000000 => claims 4000000000 x 4000000000
+        XRes = 2 => XRes = 18446744073709551615 => claims 18446744073709551615 x 2
+        XRes = 2 => XRes = 99999999999999999999 => positive whole number
+        XRes = 2 => XRes = 3 => only 16 bytes
+        YRes = 2 => YRes = 1 => at least 2 x 2
+        XRes = 2\nYRes = 2 => XRes = 1\nYRes = 1 => at least 2 x 2
+        XRes = 2\nYRes = 2 => XRes = 1\nYRes = 4 => at least 2 x 2
+        XRes = 2\nYRes = 2 => XRes = 0\nYRes = 4 => XRes is `0`
+        XRes = 2 => XRes = -2 => XRes is `-2`
+        XRes = 2\n =>  => lacks the field XRes
+        XRes = 2\n => XRes = 2\nXRes = 2\n => XRes twice
+        YRes = 2\n => YRes = 2\nrubbish\n => name = value
+        YRes = 2\n => YRes = 2\nXReal = 0\n => XReal is `0`
+        YRes = 2\n => YRes = 2\nYReal = -1e-6\n => YReal is `-1e-6`
+        YRes = 2\n => YRes = 2\nXReal = nan\n => positive finite
+        YRes = 2\n => YRes = 2\nXOffset = left\n => XOffset
+        YRes = 2\n => YRes = 2\nXYUnits = m\nZUnits = V\n => ZUnits is `V`
+        YRes = 2\n => YRes = 2\nXYUnits = m\n => ZUnits is ``
+        YRes = 2\n => YRes = 2\nBorder = round\n => unknown border
+    ";
+    for (header, words) in changes(good, cases) {
+        refused(Gsf, &gsf(&header, &four), words);
+    }
     refused(Gsf, &gsf(good, &[1.0, f32::NEG_INFINITY, 3.0, 4.0]), "-inf");
     refused(Gsf, &gsf(good, &[1.0; 5]), "4 bytes follow");
     let mut text = gsf(good, &four);

@@ -3,6 +3,7 @@
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{read, refused};
+use crate::damage_tests::changes;
 use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
 
@@ -145,18 +146,15 @@ fn comments_of_gwyddion_give_scale_and_unit() {
     assert_eq!(field.spacing(), [12.5, 10.25]);
     assert_eq!(field.heights()[1], 2.0 / 1000.0);
 
-    for (old, new, words) in [
-        ("Value units: nm", "Value units: V", "`Value units` is `V`"),
-        ("# Value units: nm\n", "", "`Value units` is missing"),
-        ("Width: 50 \u{b5}m", "Width: 50", "`Width` is `50`"),
-        ("Width: 50 \u{b5}m", "Width: -1 m", "`Width` is `-1 m`"),
-        ("# Width: 50 \u{b5}m\n", "", "`Width` is missing"),
-    ] {
-        refused(
-            HeightMapFormat::Text,
-            GWYDDION.replace(old, new).as_bytes(),
-            words,
-        );
+    let cases = r"
+        Value units: nm => Value units: V => `Value units` is `V`
+        # Value units: nm\n =>  => `Value units` is missing
+        Width: 50 µm => Width: 50 => `Width` is `50`
+        Width: 50 µm => Width: -1 m => `Width` is `-1 m`
+        # Width: 50 µm\n =>  => `Width` is missing
+    ";
+    for (text, words) in changes(GWYDDION, cases) {
+        refused(HeightMapFormat::Text, text.as_bytes(), words);
     }
     // A comment of one such name alone is any comment.
     let text = b"# Height: varies\n1 2\n3 4\n";
@@ -179,20 +177,17 @@ fn grids_of_terrain_have_their_cell_size_and_missing_points() {
         .into_height_field(MissingPolicy::Fill, Border::Mirrored)
         .unwrap();
     assert_eq!(field.spacing(), [25.0, 25.0]);
-    for (old, new, words) in [
-        ("ncols 3", "ncols 4", "4 x 2 numbers were expected"),
-        ("nrows 2", "nrows 3", "3 x 3 numbers were expected"),
-        ("nrows 2", "nrows 1", "not a valid text matrix: 3 x 1"),
-        ("nrows 2", "nrows 4000000000", "claims"),
-        ("ncols 3", "ncols x", "ncols is `x`"),
-        ("cellsize 25", "cellsize 0", "cellsize is `0`"),
-        ("cellsize 25\n", "", "no cellsize"),
-    ] {
-        refused(
-            HeightMapFormat::Text,
-            TERRAIN.replace(old, new).as_bytes(),
-            words,
-        );
+    let cases = r"
+        ncols 3 => ncols 4 => 4 x 2 numbers were expected
+        nrows 2 => nrows 3 => 3 x 3 numbers were expected
+        nrows 2 => nrows 1 => not a valid text matrix: 3 x 1
+        nrows 2 => nrows 4000000000 => claims
+        ncols 3 => ncols x => ncols is `x`
+        cellsize 25 => cellsize 0 => cellsize is `0`
+        cellsize 25\n =>  => no cellsize
+    ";
+    for (text, words) in changes(TERRAIN, cases) {
+        refused(HeightMapFormat::Text, text.as_bytes(), words);
     }
     let unequal = TERRAIN.replace("cellsize 25", "dx 2\ndy 3");
     let map = read(HeightMapFormat::Text, unequal.as_bytes()).unwrap();

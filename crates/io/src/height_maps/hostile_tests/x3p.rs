@@ -5,6 +5,7 @@ use std::io::Cursor;
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{field, read, refused, valid};
+use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat;
 
 /// An X3P of the given main.xml and parts, as any ZIP program would pack it.
@@ -276,14 +277,15 @@ fn x3p_descriptions_are_bounded_before_they_are_parsed() {
         "<Datum>1</Datum>".repeat(5) + "<Datum/>"
     );
     assert_eq!(read(X3p, &listed(&full)).unwrap().missing(), 1);
-    for (old, new, words) in [
-        ("<Datum/>", "<a/>", "other than Datum"),
-        ("<Datum/>", "<Datum><a/></Datum>", "other than Datum"),
-        ("<Datum/>", "<Datum>", "other than Datum"),
-        ("<Datum/>", "<Datum/><Datum/>", "7 data"),
-        ("</DataList>", "", "does not end"),
-    ] {
-        refused(X3p, &listed(&full.replace(old, new)), words);
+    let cases = "
+        <Datum/> => <a/> => other than Datum
+        <Datum/> => <Datum><a/></Datum> => other than Datum
+        <Datum/> => <Datum> => other than Datum
+        <Datum/> => <Datum/><Datum/> => 7 data
+        </DataList> =>  => does not end
+    ";
+    for (list, words) in changes(&full, cases) {
+        refused(X3p, &listed(&list), words);
     }
 }
 
@@ -294,69 +296,35 @@ fn x3p_headers_are_checked() {
     let z = "<DataType>D</DataType>";
     let good = main_xml(z, LINK);
     assert!(read(X3p, &x3p(&good, &[(DATA, data)])).is_ok());
-    let size = "<SizeX>3</SizeX><SizeY>2</SizeY>";
-    let huge = |n: &str| format!("<SizeX>{n}</SizeX><SizeY>{n}</SizeY>");
-    for (old, new, words) in [
-        (
-            size,
-            huge("4000000000").as_str(),
-            "claims 4000000000 x 4000000000",
-        ),
-        (size, huge("18446744073709551615").as_str(), "claims"),
-        (size, huge("99999999999999999999").as_str(), "whole number"),
-        (size, huge("1").as_str(), "at least 2 x 2"),
-        (size, huge("0").as_str(), "at least 2 x 2"),
-        (size, huge("-3").as_str(), "whole number"),
-        (size, "<SizeX>3</SizeX><SizeY>3</SizeY>", "claims 48 bytes"),
-        (size, "<SizeX>3</SizeX>", "lacks SizeY"),
-        (
-            "<SizeX>3</SizeX>",
-            "<SizeX>3</SizeX><SizeX>3</SizeX>",
-            "SizeX twice",
-        ),
-        ("<SizeZ>1</SizeZ>", "<SizeZ>2</SizeZ>", "2 layers"),
-        (
-            "<AxisType>I</AxisType><Increment>1e-6",
-            "<AxisType>A</AxisType><Increment>1e-6",
-            "axis CX is of type `A`",
-        ),
-        ("<Increment>1e-6</Increment>", "", "lacks Increment"),
-        (
-            "<Increment>1e-6</Increment>",
-            "<Increment>0</Increment>",
-            "spacing along x is 0",
-        ),
-        (
-            "<Increment>2e-6</Increment>",
-            "<Increment>-1</Increment>",
-            "spacing along y is -1",
-        ),
-        (
-            "<Increment>2e-6</Increment>",
-            "<Increment>wide</Increment>",
-            "`wide`",
-        ),
-        (z, "<DataType>L</DataType>", "no Increment"),
-        (z, "<DataType>Q</DataType>", "I, L, F and D"),
-        (
-            z,
-            "<DataType>D</DataType><Increment>0</Increment>",
-            "not zero",
-        ),
-        (
-            "<AxisType>A</AxisType>",
-            "<AxisType>I</AxisType>",
-            "CZ is of type `I`",
-        ),
-        ("SUR", "PCL", "`PCL`"),
-        ("MatrixDimension", "ListDimension", "list of points"),
-        (DATA, "elsewhere.bin", "no part `elsewhere.bin`"),
-        (LINK, "", "lacks DataList"),
-        ("p:ISO5436_2", "p:Other", "`Other`"),
-        ("</Record3>", "", "cannot be parsed"),
-    ] {
-        assert!(good.contains(old), "{old}");
-        refused(X3p, &x3p(&good.replace(old, new), &[(DATA, data)]), words);
+    let cases = "
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>4000000000</SizeX><SizeY>4000000000 => claims 4000000000 x 4000000000
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>18446744073709551615</SizeX><SizeY>18446744073709551615 => claims
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>99999999999999999999</SizeX><SizeY>2 => whole number
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>1</SizeX><SizeY>1 => at least 2 x 2
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>0</SizeX><SizeY>0 => at least 2 x 2
+        <SizeX>3</SizeX><SizeY>2 => <SizeX>-3</SizeX><SizeY>-3 => whole number
+        <SizeY>2</SizeY> => <SizeY>3</SizeY> => claims 48 bytes
+        <SizeY>2</SizeY> =>  => lacks SizeY
+        <SizeX>3</SizeX> => <SizeX>3</SizeX><SizeX>3</SizeX> => SizeX twice
+        <SizeZ>1</SizeZ> => <SizeZ>2</SizeZ> => 2 layers
+        <CX><AxisType>I => <CX><AxisType>A => axis CX is of type `A`
+        <Increment>1e-6</Increment> =>  => lacks Increment
+        <Increment>1e-6 => <Increment>0 => spacing along x is 0
+        <Increment>2e-6 => <Increment>-1 => spacing along y is -1
+        <Increment>2e-6 => <Increment>wide => `wide`
+        <DataType>D => <DataType>L => no Increment
+        <DataType>D => <DataType>Q => I, L, F and D
+        </DataType> => </DataType><Increment>0</Increment> => not zero
+        <AxisType>A => <AxisType>I => CZ is of type `I`
+        SUR => PCL => `PCL`
+        MatrixDimension => ListDimension => list of points
+        bindata/data.bin => elsewhere.bin => no part `elsewhere.bin`
+        <DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink> =>  => lacks DataList
+        p:ISO5436_2 => p:Other => `Other`
+        </Record3> =>  => cannot be parsed
+    ";
+    for (xml, words) in changes(&good, cases) {
+        refused(X3p, &x3p(&xml, &[(DATA, data)]), words);
     }
     refused(X3p, &x3p("", &[(DATA, data)]), "cannot be parsed");
     let deep = format!("{}{}", "<a>".repeat(200_000), "</a>".repeat(200_000));

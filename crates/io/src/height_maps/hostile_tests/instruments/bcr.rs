@@ -4,6 +4,7 @@ use asperity_surface::LengthUnit;
 
 use super::super::refused;
 use super::{Expected, numbers_with, read};
+use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat::Bcr;
 
 const EXPECTED: Expected = Expected {
@@ -76,28 +77,19 @@ fn both_kinds_of_number_and_letter_are_read() {
 
 #[test]
 fn headers_are_checked() {
-    let with = |from: &str, to: &str| file(&FIELDS.replace(from, to));
-    for (bytes, words) in [
-        (with("bcrstm", "bcrx"), "bcrstm or bcrf is needed"),
-        (
-            with("xpixels = 4", "xpixels = 4000000000"),
-            "claims 4000000000 x 3",
-        ),
-        (with("xpixels = 4\n", ""), "lacks the field `xpixels`"),
-        (with("xpixels = 4", "xpixels = 1"), "at least 2 x 2"),
-        (with("xlength = 8", "xlength = 0"), "spacing"),
-        (with("xunit = um", "xunit = V"), "unit of xunit is `V`"),
-        (with("zunit = nm", "zunit = deg"), "unit of zunit is `deg`"),
-        (with("bit2nm = 0.5", "bit2nm = x"), "a number is needed"),
-        (
-            with("intelmode", "headersize = 4000000000\nintelmode"),
-            "at most 65536",
-        ),
-        (
-            with("intelmode", "headersize = 60000\nintelmode"),
-            "are needed",
-        ),
-    ] {
-        refused(Bcr, &bytes, words);
+    let cases = r"
+        bcrstm => bcrx => bcrstm or bcrf is needed
+        xpixels = 4 => xpixels = 4000000000 => claims 4000000000 x 3
+        xpixels = 4\n =>  => lacks the field `xpixels`
+        xpixels = 4 => xpixels = 1 => at least 2 x 2
+        xlength = 8 => xlength = 0 => spacing
+        xunit = um => xunit = V => unit of xunit is `V`
+        zunit = nm => zunit = deg => unit of zunit is `deg`
+        bit2nm = 0.5 => bit2nm = x => a number is needed
+        intelmode => headersize = 4000000000\nintelmode => at most 65536
+        intelmode => headersize = 60000\nintelmode => are needed
+    ";
+    for (fields, words) in changes(FIELDS, cases) {
+        refused(Bcr, &file(&fields), words);
     }
 }

@@ -6,6 +6,7 @@ use asperity_surface::LengthUnit;
 
 use super::super::refused;
 use super::{Expected, NUMBERS, read};
+use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat::{self, Nanoscope};
 
 /// Heights in steps of 4 V / 65536 * 20 nm/V; 8 um x 9 um in 4 x 3 points.
@@ -112,44 +113,26 @@ fn sections_are_bounded() {
 
 #[test]
 fn headers_are_checked() {
-    let with = |from: &str, to: &str| with_header(&HEADER.replace(from, to), 2);
-    for (bytes, words) in [
-        (with("\\*File list\n", "?*File list\n"), "numbers are text"),
-        (
-            with("\\*File list end\n", ""),
-            "does not end in `\\*File list end`",
-        ),
-        (with("0x07200000", "seven"), "version is `seven`"),
-        (with("@2:Z scale", "@1:Z scale"), "before 4.3"),
-        (with("nm/V", "A/V"), "none of its channels (Phase, Height)"),
-        (with("nm/V", "nm/A"), "volts are needed"),
-        (with("Bytes/pixel: 2", "Bytes/pixel: 8"), "8 bytes"),
-        (
-            with("Samps/line: 4", "Samps/line: 4000000000"),
-            "has 24 bytes",
-        ),
-        (
-            with("Samps/line: 4", "Samps/line: x"),
-            "a whole number is needed",
-        ),
-        (
-            with("Data offset: 2072", "Data offset: 20720"),
-            "are needed",
-        ),
-        (
-            with("Scan Size: 8 9 ~m", "Scan Size: 8 9 V"),
-            "scan size is `V`",
-        ),
-        (
-            with("Scan Size: 8 9 ~m", "Scan Size: big"),
-            "scan size is `big`",
-        ),
-        (with("Scan Size: 8 9 ~m", "Scan Size: 0 9 ~m"), "spacing"),
-        (with("V [Sens. Zsens]", "C [Sens. Zsens]"), "is needed"),
-        (with("[Sens. Zsens] (0.005", "[Sens. Zsens"), "is needed"),
-        (with("V/LSB) 4 V", "V/LSB 4 V"), "is needed"),
-    ] {
-        refused(Nanoscope, &bytes, words);
+    let cases = r"
+        \*File list\n => ?*File list\n => numbers are text
+        \*File list end\n =>  => does not end in `\*File list end`
+        0x07200000 => seven => version is `seven`
+        @2:Z scale => @1:Z scale => before 4.3
+        nm/V => A/V => none of its channels (Phase, Height)
+        nm/V => nm/A => volts are needed
+        Bytes/pixel: 2 => Bytes/pixel: 8 => 8 bytes
+        Samps/line: 4 => Samps/line: 4000000000 => has 24 bytes
+        Samps/line: 4 => Samps/line: x => a whole number is needed
+        Data offset: 2072 => Data offset: 20720 => are needed
+        Scan Size: 8 9 ~m => Scan Size: 8 9 V => scan size is `V`
+        Scan Size: 8 9 ~m => Scan Size: big => scan size is `big`
+        Scan Size: 8 9 ~m => Scan Size: 0 9 ~m => spacing
+        V [Sens. Zsens] => C [Sens. Zsens] => is needed
+        [Sens. Zsens] (0.005 => [Sens. Zsens => is needed
+        V/LSB) 4 V => V/LSB 4 V => is needed
+    ";
+    for (header, words) in changes(HEADER, cases) {
+        refused(Nanoscope, &with_header(&header, 2), words);
     }
 }
 

@@ -6,6 +6,7 @@ use asperity_surface::LengthUnit;
 
 use super::super::refused;
 use super::{Expected, numbers, numbers_with, put, read};
+use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat::{SensofarPlu, SensofarPlux};
 
 const EXPECTED: Expected = Expected {
@@ -107,32 +108,25 @@ fn headers_of_plu_are_checked() {
 
 #[test]
 fn archives_of_plux_are_checked() {
-    let with = |from: &str, to: &str| {
-        let index = INDEX.replace(from, to);
-        archive(&[("index.xml", index.as_bytes()), ("LAYER_0.raw", &layer())])
-    };
     for (bytes, words) in [
         (archive(&[("main.xml", b"<a/>")]), "no part `index.xml`"),
         (
             archive(&[("index.xml", INDEX.as_bytes())]),
             "no part `LAYER_0.raw`",
         ),
-        (with("GENERAL", "SPECIAL"), "lacks GENERAL"),
-        (
-            with("<IMAGE_SIZE_X>4", "<IMAGE_SIZE_X>four"),
-            "IMAGE_SIZE_X is `four`",
-        ),
-        (
-            with("<IMAGE_SIZE_X>4", "<IMAGE_SIZE_X>5"),
-            "not what its grid needs",
-        ),
-        (
-            with("<IMAGE_SIZE_X>4", "<IMAGE_SIZE_X>4000000000"),
-            "claims 4000000000 x 3",
-        ),
-        (with("<FOV_X>1.5", "<FOV_X>0"), "spacing"),
-        (with("<xml>", "<xml"), "its index.xml cannot be parsed"),
     ] {
+        refused(SensofarPlux, &bytes, words);
+    }
+    let cases = "
+        GENERAL => SPECIAL => lacks GENERAL
+        <IMAGE_SIZE_X>4 => <IMAGE_SIZE_X>four => IMAGE_SIZE_X is `four`
+        <IMAGE_SIZE_X>4 => <IMAGE_SIZE_X>5 => not what its grid needs
+        <IMAGE_SIZE_X>4 => <IMAGE_SIZE_X>4000000000 => claims 4000000000 x 3
+        <FOV_X>1.5 => <FOV_X>0 => spacing
+        <xml> => <xml => its index.xml cannot be parsed
+    ";
+    for (index, words) in changes(INDEX, cases) {
+        let bytes = archive(&[("index.xml", index.as_bytes()), ("LAYER_0.raw", &layer())]);
         refused(SensofarPlux, &bytes, words);
     }
 }
