@@ -25,7 +25,7 @@ pub(crate) const INTERRUPTED: u8 = 3;
 /// Exit code of a program that an interrupt ends at once, as shells have it.
 const KILLED: i32 = 130;
 
-/// From now on an interrupt ends the program cleanly.
+/// Makes an interrupt end the program cleanly from now on.
 pub(crate) fn handle() {
     // Where there is no handler to be had, an interrupt does what it always did.
     let _ = ctrlc::set_handler(|| {
@@ -57,7 +57,7 @@ pub(crate) fn put_in_place<E>(work: impl FnOnce() -> Result<String, E>) -> Resul
     Ok(())
 }
 
-/// From now on the first interrupt is noted, for a run to end by it.
+/// Notes the first interrupt from now on, for a run to end by it.
 pub(crate) fn listen() {
     LISTENS.store(true, Ordering::Relaxed);
 }

@@ -132,11 +132,6 @@ const TALLY: [(&str, &[&str]); 7] = [
     ("statistics", &["scoring", "side", "spec", "values"]),
 ];
 
-#[test]
-fn folders_of_the_tallies_use_only_what_lies_below_them() {
-    assert_layers("tally", &TALLY);
-}
-
 /// Folders of height fields, each with those that it may use.
 const SURFACE: [(&str, &[&str]); 6] = [
     ("numbers", &[]),
@@ -147,11 +142,6 @@ const SURFACE: [(&str, &[&str]); 6] = [
     ("roughness", &["editing", "height_field"]),
 ];
 
-#[test]
-fn folders_of_height_fields_use_only_what_lies_below_them() {
-    assert_layers("surface", &SURFACE);
-}
-
 /// Folders of random surfaces, each with those that it may use.
 const SYNTHESIS: [(&str, &[&str]); 6] = [
     ("spectra", &[]),
@@ -161,11 +151,6 @@ const SYNTHESIS: [(&str, &[&str]); 6] = [
     ("realised", &["recipe", "spectra", "structures"]),
     ("erosion", &[]),
 ];
-
-#[test]
-fn folders_of_random_surfaces_use_only_what_lies_below_them() {
-    assert_layers("synthesis", &SYNTHESIS);
-}
 
 /// Folders and files of the tracer, each with those that it may use.
 const TRACER: [(&str, &[&str]); 13] = [
@@ -234,11 +219,6 @@ const TRACER: [(&str, &[&str]); 13] = [
     ),
 ];
 
-#[test]
-fn folders_of_the_tracer_use_only_what_lies_below_them() {
-    assert_layers("tracer", &TRACER);
-}
-
 /// Folders of the models and their integrals, each with those that it may use.
 const ANALYSIS: [(&str, &[&str]); 5] = [
     ("microfacet", &[]),
@@ -248,11 +228,6 @@ const ANALYSIS: [(&str, &[&str]); 5] = [
     // It judges models by their numbers alone.
     ("compare", &[]),
 ];
-
-#[test]
-fn folders_of_the_models_use_only_what_lies_below_them() {
-    assert_layers("analysis", &ANALYSIS);
-}
 
 /// Folders and files of the engine, each with those that it may use.
 const SIMULATE: [(&str, &[&str]); 13] = [
@@ -276,11 +251,6 @@ const SIMULATE: [(&str, &[&str]); 13] = [
         ],
     ),
 ];
-
-#[test]
-fn folders_of_the_engine_use_only_what_lies_below_them() {
-    assert_layers("simulate", &SIMULATE);
-}
 
 /// Folders of the studies, each with those that it may use.
 const STUDIES: [(&str, &[&str]); 21] = [
@@ -386,7 +356,13 @@ const STUDIES: [(&str, &[&str]); 21] = [
 ];
 
 #[test]
-fn folders_of_the_studies_use_only_what_lies_below_them() {
+fn folders_use_only_what_lies_below_them() {
+    assert_layers("tally", &TALLY);
+    assert_layers("surface", &SURFACE);
+    assert_layers("synthesis", &SYNTHESIS);
+    assert_layers("tracer", &TRACER);
+    assert_layers("analysis", &ANALYSIS);
+    assert_layers("simulate", &SIMULATE);
     assert_layers("studies", &STUDIES);
 }
 

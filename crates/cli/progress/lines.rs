@@ -13,7 +13,7 @@ struct Stage {
     total: u64,
     /// Text to show with the progress.
     note: String,
-    /// When it began; `None` until a time is known.
+    /// Time of its beginning; `None` until a time is known.
     begun: Option<Duration>,
 }
 
@@ -21,7 +21,7 @@ struct Stage {
 #[derive(Debug, Default)]
 pub(super) struct Lines {
     stage: Option<Stage>,
-    /// When the last line was due; zero before the first.
+    /// Time when the last line was due; zero before the first.
     last: Duration,
 }
 

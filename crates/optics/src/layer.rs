@@ -49,7 +49,7 @@ pub struct Layer {
 /// Thickness and lower boundary of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Slab {
-    /// From the mean plane of the surface to that of the bottom, in the unit of the surface.
+    /// Distance from the mean plane of the surface to that of the bottom, in the unit of the surface.
     pub thickness: f64,
     /// Lower boundary.
     pub bottom: Bottom,

@@ -174,7 +174,7 @@ impl Sun {
 }
 
 impl Patch {
-    /// From the corner `low` to the corner `high`.
+    /// The rectangle from the corner `low` to the corner `high`.
     ///
     /// # Errors
     /// [`LightsError::BadPatch`] if it has no area.

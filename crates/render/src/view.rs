@@ -85,7 +85,7 @@ impl View {
         })
     }
 
-    /// The same view with its lengths in `unit`, which errors tell.
+    /// A view with its lengths in `unit`, which errors name.
     #[must_use]
     pub const fn in_unit(self, unit: LengthUnit) -> Self {
         Self { unit, ..self }
@@ -145,9 +145,9 @@ impl View {
 pub(crate) struct Camera {
     /// Unit vector from the target to the camera.
     back: DVec3,
-    /// From the middle of the picture to its right edge, in the plane through the target.
+    /// Vector from the middle of the picture to its right edge, in the plane through the target.
     right: DVec3,
-    /// To its upper edge.
+    /// Vector to its upper edge.
     up: DVec3,
     target: DVec3,
     eye: Option<DVec3>,

@@ -4,6 +4,7 @@
 //! plane; most leave it where they are scattered. Polarisation is averaged at every interface, and one branch is picked.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use asperity_optics::Material;
 use asperity_tally::EventPath;
@@ -64,44 +65,27 @@ impl LightPaths {
         length: f64,
         count: u64,
     ) -> Result<Option<Self>, SimulateError> {
-        Ok(match case.surface.shapes().first() {
-            None => None,
-            Some(Shape::HeightField { top, bottom }) => Some(on(
-                &**top,
-                bottom.as_deref(),
-                case,
-                settings,
-                length,
-                count,
-            )?),
-            Some(Shape::Smooth { top, bottom }) => Some(on(
-                &**top,
-                bottom.as_deref(),
-                case,
-                settings,
-                length,
-                count,
-            )?),
-            Some(Shape::TriangleMesh { top, bottom }) => Some(on(
-                &**top,
-                bottom.as_deref(),
-                case,
-                settings,
-                length,
-                count,
-            )?),
-        })
+        let Some(shape) = case.surface.shapes().first() else {
+            return Ok(None);
+        };
+        let paths = match shape {
+            Shape::HeightField { top, bottom } => on(top, bottom, case, settings, length, count),
+            Shape::Smooth { top, bottom } => on(top, bottom, case, settings, length, count),
+            Shape::TriangleMesh { top, bottom } => on(top, bottom, case, settings, length, count),
+        };
+        paths.map(Some)
     }
 }
 
 fn on<G: BuildAccelerator>(
-    top: &G,
-    bottom: Option<&G>,
+    top: &Arc<G>,
+    bottom: &Option<Arc<G>>,
     case: &Case,
     settings: &Settings,
     length: f64,
     count: u64,
 ) -> Result<LightPaths, SimulateError> {
+    let (top, bottom) = (&**top, bottom.as_deref());
     let accelerator = top.accelerator(settings.accelerator)?;
     let of_bottom = bottom.map(|bottom| bottom.accelerator(settings.accelerator));
     let of_bottom = of_bottom.transpose()?;

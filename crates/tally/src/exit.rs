@@ -100,9 +100,9 @@ pub enum Loss {
     Absorbed,
     /// The path was ended by a bounce limit, or roulette removed (or, negative, added) flux.
     Truncated,
-    /// It left an open patch sideways, on its way to surface that is not there.
+    /// The path left an open patch sideways, on its way to surface that is not there.
     LeftPatch,
-    /// It went to a side that is not recorded.
+    /// The path went to a side that is not recorded.
     NotRecorded,
     /// The path failed numerically.
     Lost,

@@ -76,7 +76,7 @@ pub trait Geometry: Sized + Send + Sync {
         0.0
     }
 
-    /// That facet, and its point there.
+    /// The facet, and its point there.
     fn over(&self, x: f64, y: f64) -> Option<(Self::Facet, DVec3)> {
         let facet = self.facet_over(x, y)?;
         Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
@@ -188,20 +188,20 @@ pub(crate) fn bounds_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
 pub enum CullingClass {
     /// A search must tell what it meets.
     Unknown,
-    /// It escapes: [`Escape::SteeperThanAll`].
+    /// The ray escapes: [`Escape::SteeperThanAll`].
     SteeperThanAll,
-    /// It escapes: [`Escape::AboveHorizon`].
+    /// The ray escapes: [`Escape::AboveHorizon`].
     AboveHorizon,
-    /// It begins in another tile, above all heights or below them, or nowhere.
+    /// The ray begins in another tile, above all heights or below them, or nowhere.
     Elsewhere,
 }
 
 /// Result of the heights nearby for the first stretch of a ray, without a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nearby<F> {
-    /// It meets nothing.
+    /// The ray meets nothing.
     Clear,
-    /// It meets this.
+    /// The ray meets this.
     Met(Hit<F>),
     /// A search must tell.
     Unknown,
@@ -225,9 +225,9 @@ pub(crate) fn is_outside(
 /// Which bound tells that a ray meets nothing more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Escape {
-    /// It is steeper, in its direction, than any facet of the surface.
+    /// The ray is steeper, in its direction, than any facet of the surface.
     SteeperThanAll,
-    /// It stays above (below) bounds on the horizon: steeper, in its direction, than the facets nearby, and beyond all heights
+    /// The ray stays above (below) bounds on the horizon: steeper, in its direction, than the facets nearby, and beyond all heights
     /// farther on.
     AboveHorizon,
 }

@@ -101,7 +101,7 @@ impl Expectation {
         }
     }
 
-    /// The same with bins averaged with their mirror images, as those of the tallies that it is compared with are.
+    /// Bins averaged with their mirror images, as in the tallies that the expectation is compared with.
     #[must_use]
     pub fn folded(mut self, mirror: &Mirror) -> Self {
         let (spec, exact_single) = (*self.spec(), self.exact_single);

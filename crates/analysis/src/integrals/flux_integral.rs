@@ -81,7 +81,7 @@ pub(crate) struct FluxIntegral<'a> {
     forward: f64,
     /// Index that enters the half vector: 1 for reflection.
     eta: f64,
-    /// That index, if light is refracted.
+    /// The index, if light is refracted.
     refracted: Option<f64>,
     /// `wi . wo` on the circle where refraction ends or total reflection sets in.
     edge: Option<f64>,

@@ -14,7 +14,7 @@ use crate::error::ReadError;
 pub(super) struct Fingerprint {
     /// Number of bytes.
     bytes: u64,
-    /// In hexadecimal.
+    /// Digits in hexadecimal.
     md5: String,
 }
 

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use asperity_surface::{Border, HeightField, LengthUnit, RawHeightMap};
+use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, RawHeightMap};
 use asperity_synthesis::{Provenance, Psd};
 
 use super::{read_from, write_to};
@@ -65,6 +65,18 @@ fn read(format: HeightMapFormat, bytes: &[u8]) -> Result<RawHeightMap, ReadError
         Cursor::new(bytes),
         bytes.len() as u64,
     )
+}
+
+/// The surface of a map without missing points.
+fn whole(map: RawHeightMap) -> HeightField {
+    let field = map.into_height_field(MissingPolicy::Refuse, Border::Mirrored);
+    field.unwrap()
+}
+
+/// The surface of a map whose missing points are filled.
+fn filled(map: RawHeightMap) -> HeightField {
+    map.into_height_field(MissingPolicy::Fill, Border::Open)
+        .unwrap()
 }
 
 fn formats() -> impl Iterator<Item = HeightMapFormat> {

@@ -17,7 +17,7 @@ pub(crate) struct Panel {
     y_texts: f64,
 }
 
-/// From the bottom of a panel to the top of the label of its x axis.
+/// Distance from the bottom of a panel to the top of the label of its x axis.
 const X_LABEL_DEPTH: f64 = theme::TICK_LENGTH + 5.0 + theme::TICK_SIZE + 8.0;
 
 /// Room below a panel for ticks and label.

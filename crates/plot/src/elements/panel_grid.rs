@@ -12,7 +12,7 @@ pub(crate) struct PanelGrid {
     pub(crate) size: (f64, f64),
     /// Between columns and between rows.
     pub(crate) gap: f64,
-    /// From the top of a name to the frame below it.
+    /// Distance from the top of a name to the frame below it.
     pub(crate) name_depth: f64,
 }
 

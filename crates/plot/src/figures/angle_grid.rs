@@ -77,7 +77,7 @@ const PANEL: (f64, f64) = (232.0, 166.0);
 /// Holds the numbers of an axis.
 const GAP: f64 = 44.0;
 const Y_AXIS_ROOM: f64 = 76.0;
-/// From the name of a panel to its frame.
+/// Distance from the name of a panel to its frame.
 const NAME_DEPTH: f64 = theme::LEGEND_SIZE + 10.0;
 const Y_TICKS: usize = 5;
 /// Widest lobe, degrees with its neighbours, that fills the panels.

@@ -144,7 +144,7 @@ struct Layout {
     /// Discs side by side.
     across: usize,
     diameter: f64,
-    /// From one disc to the next, along a row and from row to row.
+    /// Distance from one disc to the next, along a row and from row to row.
     pitch: (f64, f64),
     /// Height of the words beneath a disc.
     words: f64,

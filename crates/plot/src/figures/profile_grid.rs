@@ -70,7 +70,7 @@ const SINGLE_PANEL_WIDTH: f64 = 440.0;
 const GAP: f64 = 40.0;
 const MOST_IN_A_ROW: usize = 4;
 const Y_AXIS_ROOM: f64 = 76.0;
-/// From the name of a panel to its frame.
+/// Distance from the name of a panel to its frame.
 const NAME_DEPTH: f64 = theme::LEGEND_SIZE + 10.0;
 /// Times the median of what is not zero that a peak hides all else from.
 const OUTSHINING: f64 = 20.0;

@@ -156,7 +156,7 @@ impl SurfaceSource {
         }
     }
 
-    /// Without the points of a given surface, which then cannot be traced.
+    /// A source without the points of a given surface, which then cannot be traced.
     #[must_use]
     pub fn described(&self) -> Self {
         match self {

@@ -80,7 +80,7 @@ impl BinnedLobe {
     }
 }
 
-/// To three digits.
+/// Numbers to three digits.
 fn rounded(value: f64) -> f64 {
     if value == 0.0 {
         return value;

@@ -86,7 +86,7 @@ pub struct MediumConfig {
     /// Mean cosine of scattering by Henyey and Greenstein.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub g: Option<OneOrMany<Number>>,
-    /// From mean plane to mean plane, length units; without end unless given.
+    /// Distance from mean plane to mean plane, length units; without end unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thickness: Option<OneOrMany<Number>>,
     /// End of a layer of that thickness; an interface unless given.

@@ -94,7 +94,7 @@ pub struct Measurement {
     pub error: RepeatedError,
     /// Errors against the exact fluxes, where there are such.
     pub error_exact: Option<RepeatedError>,
-    /// By how much the light of a surface that absorbs nothing misses one; `None` for others, and where
+    /// Difference from one of the light of a surface that absorbs nothing; `None` for others, and where
     /// a side is not requested.
     pub energy_error: Option<f64>,
     /// `true` if the error is well above that of the reference.

@@ -22,10 +22,10 @@ const SAME_SLOPES: f64 = 1e-3;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AttenuationFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// It is no table of one surface over both angles.
+    /// The file is no table of one surface over both angles.
     #[error(
         "{}: attenuation.csv of one sigma, with two values or more of theta and of view_theta, is needed: asperity attenuation --sigma SIGMA --theta LIST --view-theta LIST --view-phi 180 -o DIR",
         shown_path(path)
@@ -34,7 +34,7 @@ pub enum AttenuationFileError {
         /// The file.
         path: PathBuf,
     },
-    /// It was counted on other slopes.
+    /// The table was counted on other slopes.
     #[error(
         "{}: counted on surfaces of other slopes: Smith's G1 at theta {} is {} there, and {} for those of the model",
         shown_path(path), short(*theta), short(*counted), short(*own)

@@ -17,7 +17,7 @@ use crate::config::isotropy::Isotropy;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SlopeFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A table has other columns.

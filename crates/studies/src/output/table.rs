@@ -135,19 +135,19 @@ impl<'a, R> Column<'a, R> {
         }
     }
 
-    /// With a unit, as `deg`; empty for pure numbers and text.
+    /// Sets the unit, as `deg`; empty for pure numbers and text.
     pub(crate) fn unit(mut self, unit: impl Into<Cow<'a, str>>) -> Self {
         self.unit = unit.into();
         self
     }
 
-    /// With a heading for text, in place of the name.
+    /// Sets a heading for text, in place of the name.
     pub(crate) fn heading(mut self, heading: impl Into<Cow<'a, str>>) -> Self {
         self.heading = Some(heading.into());
         self
     }
 
-    /// With a format for text.
+    /// Sets a format for text.
     pub(crate) fn format(mut self, format: Format) -> Self {
         self.format = format;
         self
@@ -214,7 +214,7 @@ pub(crate) struct Table<'a, R> {
 }
 
 impl<'a, R> Table<'a, R> {
-    /// Without columns.
+    /// A table without columns.
     pub(crate) const fn new() -> Self {
         Self {
             columns: Vec::new(),
@@ -222,13 +222,13 @@ impl<'a, R> Table<'a, R> {
         }
     }
 
-    /// With one more column.
+    /// Adds a column.
     pub(crate) fn column(mut self, column: Column<'a, R>) -> Self {
         self.columns.push(column);
         self
     }
 
-    /// With more columns.
+    /// Adds columns.
     pub(crate) fn columns(mut self, columns: impl IntoIterator<Item = Column<'a, R>>) -> Self {
         self.columns.extend(columns);
         self

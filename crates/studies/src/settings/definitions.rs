@@ -4,6 +4,7 @@ mod choices;
 mod commands;
 mod compare;
 mod converge;
+mod erosion;
 mod groups;
 mod light;
 mod material;
@@ -73,4 +74,9 @@ pub fn settings_of(command: Command) -> impl Iterator<Item = &'static Setting> {
         .iter()
         .flat_map(|section| section.settings)
         .filter(move |setting| setting.commands.contains(command))
+}
+
+/// The setting `section.key` of `command`.
+pub(super) fn setting_of(command: Command, path: &str) -> Option<&'static Setting> {
+    settings_of(command).find(|setting| setting.matches(path))
 }

@@ -7,17 +7,19 @@ use asperity_surface::LengthUnit;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::command::{Command, Commands};
+use super::command::Command;
 use super::definitions::{
-    GROUPS, HELD_BY, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, settings_of,
+    GROUPS, HELD_BY, RANDOM_OR_GIVEN, RANDOM_SURFACES, SECTIONS, setting_of, settings_of,
 };
 use super::entry::{Entry, is_any};
-use super::error::{Given, Place, SettingError};
+use super::error::{Place, SettingError};
 use super::file::File;
+use super::flags::Flags;
 use super::group::{Group, Variant};
-use super::kind::{Kind, joined_by_or};
+use super::kind::Kind;
 use super::length::{Length, first_unit, in_unit};
-use super::setting::{Flag, Setting};
+use super::refusals::{explained, of_other_variant, without_choice};
+use super::setting::Setting;
 use super::value_text::read_text;
 
 /// The values of one run: defaults, then those of a file, then those of flags.
@@ -100,15 +102,13 @@ impl Document {
         flags: &[(String, Vec<String>)],
         positional: Option<(&str, &[String])>,
     ) -> Result<(), SettingError> {
-        let names: Vec<&str> = flags.iter().map(|(name, _)| name.as_str()).collect();
-        let mut entries = flags
-            .iter()
-            .map(|(name, values)| self.flag_entry(name, values, &names))
-            .collect::<Result<Vec<_>, _>>()?;
-        if let Some((path, values)) = positional {
-            entries.extend(self.positional_entry(path, values)?);
-        }
-        self.add_layer(entries)
+        let surface = self.variant(&RANDOM_OR_GIVEN);
+        let flags = Flags {
+            command: self.command,
+            flags,
+            has_given_surface: surface.is_some_and(|variant| variant.name != RANDOM_SURFACES),
+        };
+        self.add_layer(flags.entries(positional)?)
     }
 
     /// Refuses to run without the flags that the command needs.
@@ -141,7 +141,7 @@ impl Document {
     /// The value of `section.key`, or its default; `None` where it has neither.
     #[must_use]
     pub fn value(&self, path: &str) -> Option<Value> {
-        self.value_of(self.setting(path)?)
+        self.value_of(setting_of(self.command, path)?)
     }
 
     /// Notes on what flags replace of the file, one sentence each.
@@ -309,7 +309,7 @@ impl Document {
         let within = entries.find(|entry| entry.is(group.only_with));
         let Some((variant, by)) = self.chosen(group) else {
             return match !group.required.is_empty() && self.has(group.only_with) {
-                true => Err(self.without_choice(group, within)),
+                true => Err(without_choice(self.command, group, within)),
                 false => Ok(()),
             };
         };
@@ -321,14 +321,19 @@ impl Document {
                 true => variant.name.to_owned(),
                 false => format!("{} ({})", variant.name, by.given),
             });
-            return Err(self.of_other_variant(group, entry, chosen, within));
+            return Err(of_other_variant(self.command, group, entry, chosen, within));
         }
         let Some(cause) = by.or(within) else {
             return Ok(());
         };
         let missing = variant.needs.iter().filter(|path| !self.is_given(path));
         let missing: Vec<String> = missing
-            .filter_map(|path| Some(explained(self.setting(path)?, &cause.given.place)))
+            .filter_map(|path| {
+                Some(explained(
+                    setting_of(self.command, path)?,
+                    &cause.given.place,
+                ))
+            })
             .collect();
         match missing.is_empty() {
             true => Ok(()),
@@ -340,180 +345,6 @@ impl Document {
                 needed: missing.join(" and "),
             }),
         }
-    }
-
-    /// Refusal of a group without the variant that it has to have; `within` is a value for the sake of which.
-    fn without_choice(&self, group: &Group, within: Option<&Entry>) -> SettingError {
-        let name = |path: &&str| {
-            let setting = self.setting(path)?;
-            Some(match within {
-                Some(entry) => setting.name_in(&entry.given.place),
-                None => setting.key.to_owned(),
-            })
-        };
-        let names = |variant: &Variant| {
-            let names: Vec<String> = variant.chosen_by.iter().filter_map(name).collect();
-            names.join(" and ")
-        };
-        let choices: Vec<String> = group.variants.iter().map(names).collect();
-        let choices = choices.join(", or ");
-        let (subject, needed) = match within {
-            Some(entry) => (
-                entry.given.to_string(),
-                format!("{}: give {choices}", group.required),
-            ),
-            None => (group.required.to_owned(), choices),
-        };
-        SettingError::Missing { subject, needed }
-    }
-
-    /// Refusal of a value that the variant which holds does not have: the `chosen` one, or else that by default.
-    fn of_other_variant(
-        &self,
-        group: &Group,
-        entry: &Entry,
-        chosen: Option<String>,
-        within: Option<&Entry>,
-    ) -> SettingError {
-        let (given, owners) = (entry.given.clone(), group.owners(entry));
-        let names = joined_by_or(&owners.iter().map(|owner| owner.name).collect::<Vec<_>>());
-        let owned_by = match self.setting(group.kind).and_then(Setting::flag_name) {
-            Some(kind) => format!("{kind} {names}"),
-            None => names,
-        };
-        if let Some(chosen) = chosen {
-            return SettingError::OfOtherVariant {
-                given,
-                owners: owned_by,
-                chosen,
-            };
-        }
-        let chooser = match *owners {
-            [
-                Variant {
-                    chosen_by: [path], ..
-                },
-            ] => self.setting(path),
-            _ => None,
-        };
-        let needed = match (chooser, &given.place) {
-            (Some(setting), place) => explained(setting, place),
-            (None, Place::Flag) => format!("--{owned_by}"),
-            (None, Place::File { .. }) => owned_by,
-        };
-        let subject = match within {
-            Some(within) if !group.only_with.ends_with('*') => {
-                format!("{given} with {}", within.given.text)
-            }
-            _ => given.to_string(),
-        };
-        SettingError::Missing { subject, needed }
-    }
-
-    /// Returns the setting `section.key` of the command.
-    fn setting(&self, path: &str) -> Option<&'static Setting> {
-        settings_of(self.command).find(|setting| setting.matches(path))
-    }
-
-    /// The entry of a flag.
-    fn flag_entry(
-        &self,
-        name: &str,
-        values: &[String],
-        flags: &[&str],
-    ) -> Result<Entry, SettingError> {
-        let setting = self.setting_of_flag(name, flags)?;
-        let text = match values {
-            [] => format!("--{name}"),
-            values => format!("--{name} {}", values.join(" ")),
-        };
-        let given = Given {
-            text,
-            place: Place::Flag,
-        };
-        let value = match (setting.kind, setting.flag) {
-            (Kind::Switch, Flag::Off(_)) => Value::Bool(false),
-            (Kind::Switch, _) => Value::Bool(true),
-            _ => self.parse(setting, values, &given)?,
-        };
-        Ok(Entry {
-            setting,
-            value,
-            given,
-        })
-    }
-
-    /// The entry of what stands without a flag.
-    fn positional_entry(
-        &self,
-        path: &str,
-        values: &[String],
-    ) -> Result<Option<Entry>, SettingError> {
-        let Some(setting) = self.setting(path) else {
-            return Ok(None);
-        };
-        let given = Given {
-            text: values.join(" "),
-            place: Place::Flag,
-        };
-        let value = self.parse(setting, values, &given)?;
-        Ok(Some(Entry {
-            setting,
-            value,
-            given,
-        }))
-    }
-
-    /// The setting of a flag. `--spacing` is that of a given surface where there is one, and of random ones otherwise.
-    fn setting_of_flag(
-        &self,
-        name: &str,
-        flags: &[&str],
-    ) -> Result<&'static Setting, SettingError> {
-        let found: Vec<&'static Setting> = settings_of(self.command)
-            .filter(|setting| has_flag(setting, name))
-            .collect();
-        match *found {
-            [] => Err(SettingError::OfOtherCommands {
-                place: Place::Flag,
-                name: format!("--{name}"),
-                commands: commands_with_flag(name),
-                command: self.command,
-            }),
-            [setting] => Ok(setting),
-            [random, given, ..] => match self.has_given_surface(flags) {
-                true => Ok(given),
-                false => Ok(random),
-            },
-        }
-    }
-
-    /// Returns `true` if the surface is a given one, once these flags are added.
-    fn has_given_surface(&self, flags: &[&str]) -> bool {
-        let given = |variant: &Variant| variant.name != RANDOM_SURFACES;
-        let chosen = flags.iter().find_map(|flag| {
-            let mut settings = settings_of(self.command).filter(|setting| has_flag(setting, flag));
-            let (setting, None) = (settings.next()?, settings.next()) else {
-                return None;
-            };
-            RANDOM_OR_GIVEN
-                .variants
-                .iter()
-                .find(|variant| is_any(variant.chosen_by, setting, &Value::Null))
-        });
-        chosen
-            .or_else(|| self.variant(&RANDOM_OR_GIVEN))
-            .is_some_and(given)
-    }
-
-    fn parse(
-        &self,
-        setting: &Setting,
-        values: &[String],
-        given: &Given,
-    ) -> Result<Value, SettingError> {
-        read_text(setting, self.command, values)
-            .ok_or_else(|| setting.refusal(self.command, given.clone(), values))
     }
 
     /// Puts a layer above all others, and clears what does not go with it there.
@@ -615,11 +446,6 @@ const CHOICES_OF_SURFACES: &[&str] = &[
 /// Sections whose lists are expanded into cases.
 const CASES: [&str; 5] = ["surface", "material", "medium", "light", "view"];
 
-/// Name of a setting with its meaning, as it is written where a value was given.
-fn explained(setting: &Setting, place: &Place) -> String {
-    format!("{} ({})", setting.name_in(place), setting.help)
-}
-
 /// Lengths as the numbers that they were given as.
 fn bare(value: &Value) -> Value {
     match value {
@@ -638,19 +464,4 @@ pub fn defaults<T: DeserializeOwned>(command: Command) -> T {
         Ok(config) => config,
         Err(error) => panic!("{error}"),
     }
-}
-
-/// Returns `true` if `name` is the flag of a setting.
-fn has_flag(setting: &Setting, name: &str) -> bool {
-    setting.flag_name().is_some_and(|flag| flag == name)
-}
-
-/// All commands that have a flag.
-#[must_use]
-pub fn commands_with_flag(name: &str) -> Commands {
-    SECTIONS
-        .iter()
-        .flat_map(|section| section.settings)
-        .filter(|setting| has_flag(setting, name))
-        .fold(Commands::NONE, |all, setting| all.and(setting.commands))
 }

@@ -79,7 +79,7 @@ impl StudentSlopes {
         .map(|variance| (2.0 * variance).sqrt())
     }
 
-    /// From +x to the first principal axis, radians.
+    /// Angle from +x to the first principal axis, radians.
     fn azimuth(&self) -> f64 {
         self.base.anisotropy().map_or(0.0, |[_, azimuth]| azimuth)
     }

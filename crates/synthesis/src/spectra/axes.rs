@@ -9,7 +9,7 @@ use super::error::positive;
 pub(crate) struct Axes {
     tau_x: f64,
     tau_y: f64,
-    /// From +x to the first axis, radians.
+    /// Angle from +x to the first axis, radians.
     azimuth: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::geometry::grid::Grid;
 use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::{Hit, Query};
 
-/// By how much a point may be moved by rounding, relative to the size of the tile, and far more.
+/// Amount by which rounding may move a point, relative to the size of the tile, and far more.
 const WIDENING: f64 = 1e-9;
 
 /// Fall of a ray, relative to its length, below which rounding may move its crossing of the plane by
@@ -19,7 +19,7 @@ const LEVEL: f64 = 1e-6;
 pub struct Flat;
 
 impl Flat {
-    /// For a surface that is flat.
+    /// An accelerator for a surface that is flat.
     ///
     /// # Errors
     /// [`BuildError::NotFlat`] if it is not.

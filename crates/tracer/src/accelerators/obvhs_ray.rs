@@ -37,7 +37,7 @@ impl Handover {
         }
     }
 
-    /// By how much boxes must be wider than what they hold.
+    /// Amount by which boxes must be wider than what they hold.
     ///
     /// Rounding of an origin within twice the tile's extent, of a direction along the tile's
     /// diagonal, and of the box itself is a few 2^-24 of that extent; 2^-20 covers it.

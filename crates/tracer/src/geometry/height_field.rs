@@ -44,7 +44,7 @@ pub struct Surface {
     height_bounds: OnceLock<HeightBounds>,
 }
 
-/// From heights to z in tile coordinates.
+/// Conversion of heights to z in tile coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     per_column: f64,

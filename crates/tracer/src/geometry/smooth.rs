@@ -48,7 +48,7 @@ pub struct SmoothCell {
 #[derive(Clone, Debug)]
 pub struct SmoothSurface {
     spline: SplineSurface,
-    /// From heights to z: what is taken off, and the factor.
+    /// Conversion of heights to z: what is taken off, and the factor.
     offset: f64,
     per_column: f64,
     /// Largest magnitude of z.
@@ -64,7 +64,7 @@ pub struct SmoothSurface {
     height_bounds: OnceLock<HeightBounds>,
 }
 
-/// By what the division by a known root may multiply rounding: 6 times the difference of two heights.
+/// Factor by which the division by a known root may multiply rounding: 6 times the difference of two heights.
 const DIVIDED: f64 = 12.0;
 
 /// Rounding of a height above a patch, in units of the largest height. Coefficients may be nine times as large, and a
@@ -171,7 +171,7 @@ impl SmoothSurface {
         gaps(&self.patch([ix, iy]), half_space.sign(), o, d, stretch)
     }
 
-    /// By how much rounding may have put a ray that enters a cell onto the wrong side: its place, by a few 2^-53
+    /// Distance by which rounding may have put a ray that enters a cell onto the wrong side: its place, by a few 2^-53
     /// of how far it has come, times how fast it comes nearer to the surface, and that again over its rate across the
     /// side by which it enters.
     fn tolerance(&self, ray: &TileRay, stretch: &Stretch) -> f64 {

@@ -21,23 +21,23 @@ pub const MAX_TILES: u32 = 100_000;
 /// Result of the traversal of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TraversalResult<F> {
-    /// It meets the surface: the hit, and the heading with its origin on the facet.
+    /// The ray meets the surface: the hit, and the heading with its origin on the facet.
     Hit(Hit<F>, Heading),
-    /// It does not.
+    /// The ray does not meet it.
     Ended(TraversalEnd),
 }
 
 /// End of the traversal of a ray that does not hit the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraversalEnd {
-    /// It escapes from the surface on the side that it is on.
+    /// The ray escapes from the surface on the side that it is on.
     Escaped,
-    /// It escapes, and needed no search.
+    /// The ray escapes, and needed no search.
     EscapedUnsearched(Escape),
-    /// It leaves an open patch towards surface that is not there, or comes from beneath such
+    /// The ray leaves an open patch towards surface that is not there, or comes from beneath such
     /// surface.
     LeftPatch,
-    /// It should have met the surface and did not.
+    /// The ray should have met the surface and did not.
     Lost,
 }
 

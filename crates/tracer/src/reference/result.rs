@@ -53,16 +53,16 @@ pub struct BeamContribution {
 /// Kinds of ends of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathEnd {
-    /// It left above.
+    /// The path left above.
     Above,
-    /// It left below.
+    /// The path left below.
     Below,
     /// Nothing is left of it.
     Absorbed,
-    /// It had too many interactions, or its flux was taken by roulette.
+    /// The path had too many interactions, or its flux was taken by roulette.
     Truncated,
-    /// It left an open patch sideways.
+    /// The path left an open patch sideways.
     LeftPatch,
-    /// It failed numerically.
+    /// The path failed numerically.
     Lost,
 }

@@ -118,7 +118,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     values.map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// Also at normal incidence, along the pole, and next to both.
+/// Directions include normal incidence, the pole, and neighbours of both.
 #[test]
 fn fields_agree_with_mueller_matrices_along_random_paths() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -49,7 +49,7 @@ pub struct Horizons<'a> {
     blocks: Vec<f64>,
     /// Unit direction in physical lengths.
     along: DVec2,
-    /// That direction in tile coordinates per unit of distance.
+    /// The direction in tile coordinates per unit of distance.
     rate: DVec2,
     least: f64,
     /// Bound on the rounding of differences of heights.
@@ -208,7 +208,7 @@ struct FacetLine {
     diagonals: [[f64; 2]; 2],
     /// The cell that it is in, continued beyond the tile.
     cell: DVec2,
-    /// That cell in the tile.
+    /// The cell in the tile.
     tile: [usize; 2],
     is_turned: bool,
     triangle: Triangle,

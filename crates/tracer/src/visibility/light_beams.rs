@@ -66,7 +66,7 @@ struct Bounds {
 }
 
 impl<G: Geometry> LightBeams<G> {
-    /// For light that falls on `geometry`, of a dielectric `material`, from the direction `towards`.
+    /// Beams of light that falls on `geometry`, of a dielectric `material`, from the direction `towards`.
     #[must_use]
     pub fn new(geometry: &G, material: Material, towards: DVec3) -> Self
     where

@@ -23,7 +23,7 @@ pub enum Visibility {
     Visible,
     /// Another facet.
     Blocked,
-    /// It cannot be told: the ray crosses more than [`crate::periodic::MAX_TILES`] tiles.
+    /// Visibility is unknown: the ray crosses more than [`crate::periodic::MAX_TILES`] tiles.
     Lost,
 }
 

@@ -7,7 +7,9 @@ use asperity_synthesis::{
     Arrangement, Cracks, GrooveProfile, Grooves, Pyramids, Scratches, SphericalSegments, Structure,
     StructureSynthesis,
 };
-use asperity_tally::{Component, HemisphereGrid, MAX_LISTED_ORDER, Side, TallyResult, TallySpec};
+use asperity_tally::{
+    Component, HemisphereGrid, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyValues,
+};
 use asperity_tracer::{Pyramid, Surface};
 use glam::DVec3;
 
@@ -22,9 +24,27 @@ const GROOVES: Grooves = Grooves {
     randomness: 0.0,
 };
 
-fn surface(structure: Structure, n: usize) -> Surface {
-    let synthesis = StructureSynthesis::new(structure, [n, n], [1.0, 1.0], false).unwrap();
-    Surface::new(synthesis.draw(3, 0).unwrap())
+/// A tile of `n` x `n` samples with the sides `extent`.
+fn surface(structure: Structure, n: u16, extent: f64) -> Surface {
+    let spacing = [extent / f64::from(n); 2];
+    let synthesis = StructureSynthesis::new(structure, [n.into(); 2], spacing, false);
+    Surface::new(synthesis.unwrap().draw(3, 0).unwrap())
+}
+
+/// Mean fluxes of vertical light on a surface.
+fn lit_from_above(
+    surface: &Surface,
+    material: Material,
+    spec: TallySpec,
+    strata: u32,
+) -> TallyValues {
+    let accelerator = Pyramid::build(surface).unwrap();
+    let run = Run {
+        theta_deg: 0.0,
+        spec,
+        ..Run::new(surface, &accelerator, material)
+    };
+    run.go(1, strata).0.means().clone()
 }
 
 /// Vertical light on mirrors whose flanks rise at the angle `a` leaves a flank at `2 a` from the vertical. Below 30 degrees it passes over the
@@ -39,15 +59,8 @@ fn light_on_v_grooves_of_mirrors_leaves_as_geometry_says() {
     for degrees in [20.3_f64, 38.3] {
         let angle = degrees.to_radians();
         let depth = 8.0 * angle.tan();
-        let grooves = surface(Structure::Grooves(Grooves { depth, ..GROOVES }), 16);
-        let accelerator = Pyramid::build(&grooves).unwrap();
-        let run = Run {
-            theta_deg: 0.0,
-            spec,
-            ..Run::new(&grooves, &accelerator, Material::Mirror)
-        };
-        let (statistics, _) = run.go(1, 256);
-        let values = statistics.means();
+        let grooves = Structure::Grooves(Grooves { depth, ..GROOVES });
+        let values = lit_from_above(&surface(grooves, 16, 16.0), Material::Mirror, spec, 256);
         let twice = (4.0 * angle.sin().powi(2) - 1.0).max(0.0);
         let at = |component, degrees: f64| {
             let (sin, cos) = degrees.to_radians().sin_cos();
@@ -122,9 +135,7 @@ fn light_on_v_grooves_is_divided_by_order_as_geometry_says_at_any_spacing() {
                 ..GROOVES
             });
             for n in [16, 32, 64] {
-                let spacing = [16.0 / f64::from(n); 2];
-                let synthesis = StructureSynthesis::new(grooves, [n as usize; 2], spacing, false);
-                let surface = Surface::new(synthesis.unwrap().draw(3, 0).unwrap());
+                let surface = surface(grooves, n, 16.0);
                 let accelerator = Pyramid::build(&surface).unwrap();
                 let run = Run {
                     theta_deg,
@@ -175,17 +186,8 @@ fn light_on_caps_and_pits_leaves_as_geometry_says_but_for_cells_across_circles()
         for n in [32_u16, 64, 128] {
             let spacing = 32.0 / f64::from(n);
             let synthesis = StructureSynthesis::new(structure, [n.into(); 2], [spacing; 2], false);
-            let synthesis = synthesis.unwrap();
-            assert!(!synthesis.is_exact(3, 0).unwrap());
-            let surface = Surface::new(synthesis.draw(3, 0).unwrap());
-            let accelerator = Pyramid::build(&surface).unwrap();
-            let run = Run {
-                theta_deg: 0.0,
-                spec,
-                ..Run::new(&surface, &accelerator, Material::Mirror)
-            };
-            let (statistics, _) = run.go(1, 256);
-            let values = statistics.means();
+            assert!(!synthesis.unwrap().is_exact(3, 0).unwrap());
+            let values = lit_from_above(&surface(structure, n, 32.0), Material::Mirror, spec, 256);
             let within = |degrees: f64| {
                 let on_cap = (0.5 * degrees.to_radians()).sin() / edge.sin();
                 1.0 - coverage + coverage * on_cap.min(1.0).powi(2)
@@ -239,18 +241,7 @@ fn light_on_pyramids_of_mirrors_leaves_as_geometry_says_at_any_spacing() {
         (Structure::Inverted(pyramids), fraction * fraction),
     ] {
         for n in [16, 32, 64] {
-            let spacing = [16.0 / f64::from(n); 2];
-            let shape = [n as usize; 2];
-            let synthesis = StructureSynthesis::new(structure, shape, spacing, false).unwrap();
-            let surface = Surface::new(synthesis.draw(3, 0).unwrap());
-            let accelerator = Pyramid::build(&surface).unwrap();
-            let run = Run {
-                theta_deg: 0.0,
-                spec,
-                ..Run::new(&surface, &accelerator, Material::Mirror)
-            };
-            let (statistics, _) = run.go(1, 256);
-            let values = statistics.means();
+            let values = lit_from_above(&surface(structure, n, 16.0), Material::Mirror, spec, 256);
             for (component, degrees, expected) in [
                 (Component::Single, 76.6_f64, 1.0 - twice),
                 (Component::Multiple, 180.0 - 4.0 * 38.3, twice),
@@ -284,17 +275,9 @@ fn no_light_leaves_steep_pyramids_of_glass_after_one_reflection() {
     for structure in [Structure::Pyramids(pyramids), Structure::Inverted(pyramids)] {
         let mut reflected = Vec::new();
         for n in [16, 32, 64] {
-            let spacing = [16.0 / n as f64; 2];
-            let synthesis = StructureSynthesis::new(structure, [n; 2], spacing, false).unwrap();
-            let surface = Surface::new(synthesis.draw(3, 0).unwrap());
-            let accelerator = Pyramid::build(&surface).unwrap();
             let glass = Material::dielectric(1.5).unwrap();
-            let run = Run {
-                theta_deg: 0.0,
-                ..Run::new(&surface, &accelerator, glass)
-            };
-            let (statistics, _) = run.go(1, 128);
-            let values = statistics.means();
+            let surface = surface(structure, n, 16.0);
+            let values = lit_from_above(&surface, glass, TallySpec::default(), 128);
             let single = values.spec().grid_entries(Component::Single);
             let bins = values.spec().grid().n_theta() * values.spec().grid().n_phi();
             let found: f64 = (0..bins).map(|bin| values[single.get(bin)]).sum();
@@ -363,7 +346,7 @@ fn energy_is_conserved_on_every_structure() {
         Structure::Pyramids(pyramids),
         Structure::Inverted(pyramids),
     ] {
-        let surface = surface(structure, 128);
+        let surface = surface(structure, 128, 128.0);
         let accelerator = Pyramid::build(&surface).unwrap();
         for theta_deg in [0.0, 30.0, 70.0] {
             let run = Run {

@@ -146,7 +146,7 @@ mod tests {
         light: Polarised,
         flux: f64,
         matrix: Mueller,
-        /// In the one frame.
+        /// Direction in the one frame.
         k: DVec3,
         is_reversed: bool,
     }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use asperity_surface::{Border, MissingPolicy};
 
-use super::{read, refused, valid};
+use super::{read, refused, valid, whole};
 use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
 
@@ -52,14 +52,14 @@ fn exr_channels_are_chosen_by_name_and_read_in_every_type() {
     let expected = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let single = FlatSamples::F32(expected.map(|x| x as f32).to_vec());
     let half = FlatSamples::F16(expected.map(f16::from_f64).to_vec());
-    let whole = FlatSamples::U32(expected.map(|x| x as u32).to_vec());
+    let integers = FlatSamples::U32(expected.map(|x| x as u32).to_vec());
     let other = FlatSamples::F32(vec![9.0; 6]);
     for channels in [
         vec![("Z", single.clone()), ("A", other.clone())],
         vec![("Y", half.clone()), ("R", other.clone())],
         vec![
             ("B", other.clone()),
-            ("height", whole.clone()),
+            ("height", integers.clone()),
             ("Z", other.clone()),
         ],
         vec![("anything", half)],
@@ -68,9 +68,7 @@ fn exr_channels_are_chosen_by_name_and_read_in_every_type() {
         assert_eq!(map.shape(), [2, 3]);
         assert_eq!(map.notes.len(), usize::from(channels.len() > 1));
         assert!(map.border.is_none() && map.provenance.is_none());
-        let field = map
-            .into_height_field(MissingPolicy::Refuse, Border::Periodic)
-            .unwrap();
+        let field = whole(map);
         assert_eq!(field.heights(), expected);
         assert_eq!(field.spacing(), [1.0, 1.0]);
     }

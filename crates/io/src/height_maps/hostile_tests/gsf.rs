@@ -1,8 +1,8 @@
 //! GSF inconsistent headers, and units that differ.
 
-use asperity_surface::{Border, LengthUnit, MissingPolicy};
+use asperity_surface::LengthUnit;
 
-use super::{read, refused};
+use super::{read, refused, whole};
 use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat;
 
@@ -59,9 +59,7 @@ fn gsf_brings_lateral_and_height_units_together() {
     let heights = [250.0, 0.0, -500.0, 1.0, 2.0, 3.0];
     let map = read(HeightMapFormat::Gsf, &gsf(header, &heights)).unwrap();
     assert_eq!(map.border, None);
-    let field = map
-        .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
-        .unwrap();
+    let field = whole(map);
     assert_eq!(field.unit(), LengthUnit::Micrometre);
     assert_eq!(field.shape(), [2, 3]);
     assert_eq!(field.spacing(), [2.0, 1.0]);

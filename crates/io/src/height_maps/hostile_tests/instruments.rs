@@ -12,7 +12,7 @@ mod wyko;
 
 use asperity_surface::{Border, LengthUnit, MissingPolicy, RawHeightMap};
 
-use super::{read, survive};
+use super::{filled, read, survive};
 use crate::formats::HeightMapFormat;
 
 /// Heights of the small files, the top row first. Not square, no symmetry: a transposition or flip shows.
@@ -108,9 +108,7 @@ impl Expected {
             let place = format!("column {}, row {}", MISSING[1], MISSING[0]);
             assert!(error.to_string().contains(&place), "{error}");
         }
-        let field = map
-            .into_height_field(MissingPolicy::Fill, Border::Open)
-            .unwrap();
+        let field = filled(map);
         for (a, b) in field.spacing().into_iter().zip(self.spacing) {
             assert!(close(a, b), "spacing {a}, not {b}");
         }

@@ -1,8 +1,6 @@
 //! NPY inconsistent headers, and arrays of every type.
 
-use asperity_surface::{Border, MissingPolicy};
-
-use super::{read, refused};
+use super::{read, refused, whole};
 use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
 
@@ -126,9 +124,7 @@ fn npy_is_read_in_every_type_and_order() {
                 format!("{{'descr': '{kind}', 'fortran_order': {order}, 'shape': (2, 3), }}\n");
             let map = read(HeightMapFormat::Npy, &npy(&header, &data)).unwrap();
             assert_eq!(map.shape(), [2, 3]);
-            let field = map
-                .into_height_field(MissingPolicy::Refuse, Border::Periodic)
-                .unwrap();
+            let field = whole(map);
             assert_eq!(field.heights(), expected, "{kind} {order}");
         }
     }

@@ -2,7 +2,7 @@
 
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
-use super::{read, refused};
+use super::{filled, read, refused, whole};
 use crate::damage_tests::changes;
 use crate::error::ReadProblem;
 use crate::formats::HeightMapFormat;
@@ -54,9 +54,7 @@ fn text_is_read_with_and_without_header() {
     let heights = |text: &str| {
         let map = read(HeightMapFormat::Text, text.as_bytes()).unwrap();
         let shape = map.shape();
-        let field = map
-            .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
-            .unwrap();
+        let field = whole(map);
         assert_eq!(field.shape(), shape);
         field
     };
@@ -103,9 +101,7 @@ fn lists_of_points_on_a_grid_are_maps() {
         let text = format!("{heading}{}\n", rows.join("\n"));
         let map = read(HeightMapFormat::Text, text.as_bytes()).unwrap();
         assert!(map.spacing_is_known() && map.shape() == [4, 5]);
-        let field = map
-            .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
-            .unwrap();
+        let field = whole(map);
         assert_eq!(field.heights(), expected);
         let [dx, dy] = field.spacing();
         assert!((dx - 1.0 / 3.0).abs() < 1e-4 && (dy - 0.5).abs() < 1e-4);
@@ -139,9 +135,7 @@ const GWYDDION: &str = "# Channel: Topography\n# Width: 50 \u{b5}m\n# Height: 20
 #[test]
 fn comments_of_gwyddion_give_scale_and_unit() {
     let map = read(HeightMapFormat::Text, GWYDDION.as_bytes()).unwrap();
-    let field = map
-        .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
-        .unwrap();
+    let field = whole(map);
     assert_eq!(field.unit(), LengthUnit::Micrometre);
     assert_eq!(field.spacing(), [12.5, 10.25]);
     assert_eq!(field.heights()[1], 2.0 / 1000.0);
@@ -191,16 +185,16 @@ fn grids_of_terrain_have_their_cell_size_and_missing_points() {
     }
     let unequal = TERRAIN.replace("cellsize 25", "dx 2\ndy 3");
     let map = read(HeightMapFormat::Text, unequal.as_bytes()).unwrap();
-    let field = map.into_height_field(MissingPolicy::Fill, Border::Open);
-    assert_eq!(field.unwrap().spacing(), [2.0, 3.0]);
+    let field = filled(map);
+    assert_eq!(field.spacing(), [2.0, 3.0]);
 }
 
 /// The heights of a text, and how many of them are missing.
 fn heights_of(text: &str) -> (Vec<f64>, usize, [usize; 2]) {
     let map = read(HeightMapFormat::Text, text.as_bytes()).unwrap();
     let (missing, shape) = (map.missing(), map.shape());
-    let field = map.into_height_field(MissingPolicy::Fill, Border::Open);
-    (field.unwrap().into_heights(), missing, shape)
+    let field = filled(map);
+    (field.into_heights(), missing, shape)
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
-use super::{field, read, refused, valid};
+use super::{field, read, refused, valid, whole};
 use crate::damage_tests::changes;
 use crate::formats::HeightMapFormat;
 
@@ -44,9 +44,7 @@ fn x3p_is_read_in_every_type() {
         let map = read(X3p, bytes).unwrap();
         assert_eq!(map.shape(), [2, 3]);
         assert_eq!(map.unit, LengthUnit::Metre);
-        let field = map
-            .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
-            .unwrap();
+        let field = whole(map);
         assert_eq!(field.spacing(), [1e-6, 2e-6]);
         field.into_heights()
     };

@@ -76,7 +76,7 @@ fn spacing(fields: &Fields, shape: [u64; 2]) -> Result<[Length; 2], ReadProblem>
     Ok([axis("xlength", "xunit", nx)?, axis("ylength", "yunit", ny)?])
 }
 
-/// From numbers to heights.
+/// Conversion of numbers to heights.
 struct HeightScale {
     kind: SampleKind,
     step: f64,

@@ -124,7 +124,7 @@ fn count(file: &Bytes<'_>, what: &str, at: usize) -> Result<u64, ReadProblem> {
     })
 }
 
-/// From numbers to heights.
+/// Conversion of numbers to heights.
 struct HeightScale {
     step: f64,
     offset: f64,

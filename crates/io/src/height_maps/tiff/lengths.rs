@@ -34,7 +34,7 @@ pub(super) struct Lengths {
     /// Unit of spacing and heights.
     pub(super) unit: LengthUnit,
     pub(super) heights: HeightScale,
-    /// Whether rows and columns are stored in the other order: from south to north, from east to west.
+    /// `true` if rows and columns are stored in the other order: from south to north, from east to west.
     pub(super) turned_back: [bool; 2],
     pub(super) notes: Vec<String>,
 }

@@ -10,7 +10,7 @@ use asperity_synthesis::{EstimateError, HeightTableError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceFileError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] ReadError),
     /// Neither a known name nor an existing file.
@@ -25,7 +25,7 @@ pub enum SurfaceFileError {
         /// The names allowed.
         names: &'static str,
     },
-    /// It does not hold what a spectrum or a distribution needs.
+    /// The file does not hold what a spectrum or a distribution needs.
     #[error("{}: {subject} needs {needed}, but the file has {found}", path.display())]
     Content {
         /// The file.

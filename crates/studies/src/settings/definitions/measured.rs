@@ -1,7 +1,8 @@
 //! `[measured]`: given surfaces.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT, UP};
-use super::commands::{DEGREES, GIVEN, GONIO, HEIGHT_MAPS, INSPECT, MESH, RENDER, SURFACES, TRACE};
+use super::commands::{GIVEN, GONIO, HEIGHT_MAPS, INSPECT, MESH, RENDER, SURFACES, TRACE};
+use super::erosion::{ETCH, REPOSE, SLIP_STEPS};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, setting, table};
@@ -81,20 +82,8 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .basic(INSPECT)
             .range(Range::Above(0.0))
             .otherwise("no L-filter"),
-        setting("repose", Kind::Number)
-            .help("Let material slip down slopes steeper than this angle")
-            .basic(INSPECT)
-            .unit(DEGREES)
-            .range(Range::FromBelow(0.0, 90.0))
-            .otherwise("not done"),
-        setting("slip_steps", Kind::Count)
-            .help("Steps of slipping")
-            .range(Range::FromTo(1.0, 100_000.0))
-            .otherwise("1000"),
-        setting("etch", Kind::Length)
-            .help("Etch isotropically to this depth, after slipping")
-            .basic(INSPECT)
-            .range(Range::Above(0.0))
-            .otherwise("not done"),
+        REPOSE.basic(INSPECT),
+        SLIP_STEPS,
+        ETCH.basic(INSPECT),
     ],
 );

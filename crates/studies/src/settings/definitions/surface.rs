@@ -6,6 +6,7 @@ use super::choices::{
 use super::commands::{
     ATTENUATION, DEGREES, GENERATE, GIVEN, HEIGHT_MAPS, MODEL, RANDOM, SWEEPS, TRACING,
 };
+use super::erosion::{ETCH, REPOSE, SLIP_STEPS};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, basic, setting, table};
@@ -103,19 +104,9 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .help("Angle from +x to the first principal axis of the slopes")
             .commands(MODEL)
             .unit(DEGREES),
-        setting("repose", Kind::Number)
-            .help("Let material slip down slopes steeper than this angle")
-            .unit(DEGREES)
-            .range(Range::FromBelow(0.0, 90.0))
-            .otherwise("not done"),
-        setting("slip_steps", Kind::Count)
-            .help("Steps of slipping")
-            .range(Range::FromTo(1.0, 100_000.0))
-            .otherwise("1000"),
-        setting("etch", Kind::Length)
-            .help("Etch isotropically to this depth, after slipping")
-            .range(Range::Above(0.0))
-            .otherwise("not done"),
+        REPOSE,
+        SLIP_STEPS,
+        ETCH,
         basic("unit", DRAWN_UNIT)
             .help("Unit of lengths")
             .commands(RANDOM.and(ATTENUATION))

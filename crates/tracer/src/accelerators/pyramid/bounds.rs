@@ -22,7 +22,7 @@ pub(super) struct Table {
     pub(super) stride: usize,
     /// Rows from there that it reads.
     pub(super) rows: usize,
-    /// By how much rounding may change a height, in units of the largest value.
+    /// Amount by which rounding may change a height, in units of the largest value.
     pub(super) rounding: f32,
     /// 1 for each value whose cell is turned, else 0; empty if none is.
     pub(super) turned: Vec<u32>,

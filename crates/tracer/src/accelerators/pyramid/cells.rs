@@ -46,7 +46,7 @@ pub(super) struct Exit {
     pub(super) across_x: bool,
     /// Column and row ahead, at the level of the node.
     pub(super) ahead: [i32; 2],
-    /// By how much rounding may have changed heights.
+    /// Amount by which rounding may have changed heights.
     pub(super) margin: f32,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct Exit {
 pub(super) enum Test {
     /// The surface in the cell.
     Met,
-    /// It passes over all of it, by so much.
+    /// The ray passes over all of it, by this height.
     Clear(f32),
     /// The node has to be looked at more closely.
     Unknown,

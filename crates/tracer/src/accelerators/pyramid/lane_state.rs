@@ -28,14 +28,14 @@ pub(super) struct State<L: Lanes> {
     /// Ray parameters at the corner's column and row: `-x / dx` and `-y / dy`.
     pub(super) corner_x: L::F,
     pub(super) corner_y: L::F,
-    /// By how much heights may be off per unit of `t`: see [`Bounds::slack`].
+    /// Amount by which heights may be off per unit of `t`: see [`Bounds::slack`].
     pub(super) slack: L::F,
     /// Required clearance above the surface where it leaves the tile across x and y.
     pub(super) clearance_x: L::F,
     pub(super) clearance_y: L::F,
     /// Height above which it meets nothing any more; a falling ray has none.
     pub(super) ceiling: L::F,
-    /// By how many bits the bound of its half space is shifted in a word.
+    /// Number of bits by which the bound of its half space is shifted in a word.
     pub(super) half: L::I,
     /// Result so far: the column of the cell that it hits, or a negative word.
     pub(super) answer: L::I,
@@ -64,7 +64,7 @@ pub(super) struct LanesExit<L: Lanes> {
     /// Column and row of the node at its level, and those ahead.
     pub(super) node: [L::I; 2],
     pub(super) ahead: [L::I; 2],
-    /// By how much rounding may have changed heights.
+    /// Amount by which rounding may have changed heights.
     pub(super) margin: L::F,
 }
 
@@ -72,6 +72,6 @@ pub(super) struct LanesExit<L: Lanes> {
 pub(super) struct CellsMet<L: Lanes> {
     /// `true` if the surface in the cell is hit.
     pub(super) met: L::M,
-    /// By how much the ray passes over it, where positive.
+    /// Height of the ray over it, where positive.
     pub(super) gap: L::F,
 }

@@ -6,7 +6,7 @@ use super::bounds::Bounds;
 use crate::geometry::grid::Grid;
 use crate::ray::{HalfSpace, Hit, Query};
 
-/// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
+/// Amount, relative to the size of the tile and to how far a ray comes, by which footprints are widened:
 /// far more than rounding in f64 can move a ray, so that no cell that brute force finds a hit in is
 /// left out.
 const WIDENING: f64 = 1e-10;

@@ -25,9 +25,9 @@ pub(super) enum Answer {
     Doubtful,
 }
 
-/// In place of a cell's column: nothing is met.
+/// Value in place of a cell's column: nothing is met.
 pub(super) const NOTHING: i32 = -1;
-/// In place of a cell's column: the ray is doubtful.
+/// Value in place of a cell's column: the ray is doubtful.
 pub(super) const DOUBTFUL: i32 = -2;
 
 /// One ray; see [`Rays`].
@@ -298,7 +298,7 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 pub(super) struct Tile {
     /// Columns and rows.
     pub(super) cells: [i32; 2],
-    /// Whether cells are split along the diagonal from corner 00 to 11, and from 10 to 01.
+    /// `true` if cells are split along the diagonal from corner 00 to 11, and from 10 to 01.
     diagonals: [bool; 2],
     /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
     pub(super) z_range: [f64; 2],

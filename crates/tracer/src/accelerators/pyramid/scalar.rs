@@ -107,7 +107,7 @@ fn travel(ray: &Ray) -> f32 {
     ray.dx.abs() + ray.dy.abs()
 }
 
-/// By how much a ray that leaves the tile must be clear of the surface: when it leaves may be off by [`ROUNDING`] times
+/// Distance by which a ray that leaves the tile must be clear of the surface: when it leaves may be off by [`ROUNDING`] times
 /// `1 / |dx|`, and so long it may run along the border.
 ///
 /// [`ROUNDING`]: super::rays::ROUNDING

@@ -226,7 +226,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         }
     }
 
-    /// By how much rays stay above the bounds of their nodes. Lanes at cells get anything.
+    /// Heights of rays above the bounds of their nodes. Lanes at cells get anything.
     #[inline(always)]
     fn gap_over_nodes(&self, state: &State<L>, exit: &LanesExit<L>) -> L::F {
         let (lanes, bounds, level) = (self.lanes, self.bounds, state.level);

@@ -110,7 +110,7 @@ pub(super) struct Bracket {
     low: f64,
     high: f64,
     pub(super) s: f64,
-    /// By how much the guess has changed last.
+    /// Last change of the guess.
     change: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Stretch: the part of a ray that lies above a cell, between the lowest and the highest point of the surface.
 
-/// By how much the heights are extended, relative to them and to a column: a ray that passes the lowest point is
+/// Amount by which the heights are extended, relative to them and to a column: a ray that passes the lowest point is
 /// then below it at the end of its stretch.
 const PADDING: f64 = 1e-9;
 
