@@ -8,7 +8,7 @@ mod polygon;
 mod stl;
 
 #[cfg(test)]
-mod read_tests;
+mod tests;
 #[cfg(test)]
 mod write_tests;
 

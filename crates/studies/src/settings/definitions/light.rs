@@ -14,10 +14,17 @@ use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, tabl
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
-/// Range of elevations.
-pub(super) const ELEVATION: Range = Range::AboveTo(0.0, 90.0);
-/// Help on compass azimuths.
-pub(super) const COMPASS: &str = "Compass azimuth of the sun, clockwise from north, the first row";
+
+/// Direction of the sun, of which the azimuth is that of a compass.
+pub(super) const SUN_ELEVATION: Setting = setting("sun_elevation", Kind::Number)
+    .help("Elevation of the sun above the horizon, in place of theta and phi")
+    .unit(DEGREES)
+    .range(Range::AboveTo(0.0, 90.0))
+    .otherwise("not given");
+pub(super) const SUN_AZIMUTH: Setting = setting("sun_azimuth", Kind::Number)
+    .help("Compass azimuth of the sun, clockwise from north, the first row")
+    .unit(DEGREES)
+    .otherwise("not given");
 
 pub(super) const LIGHT: &[Setting] = &table(
     "light",
@@ -50,19 +57,12 @@ pub(super) const LIGHT: &[Setting] = &table(
             .help("Centres of the bins of a hemisphere, in place of theta and phi")
             .commands(GONIO)
             .value_name("THETAxPHI"),
-        setting("sun_elevation", Kind::Number)
-            .help("Elevation of the sun above the horizon, in place of theta and phi")
+        SUN_ELEVATION
             .commands(TRACE.and(GONIO))
-            .unit(DEGREES)
-            .range(ELEVATION)
-            .arity(Arity::ListIn(GONIO))
-            .otherwise("not given"),
-        setting("sun_azimuth", Kind::Number)
-            .help(COMPASS)
+            .arity(Arity::ListIn(GONIO)),
+        SUN_AZIMUTH
             .commands(TRACE.and(GONIO))
-            .unit(DEGREES)
-            .arity(Arity::ListIn(GONIO))
-            .otherwise("not given"),
+            .arity(Arity::ListIn(GONIO)),
         setting("azimuth", AZIMUTH)
             .help("Azimuth of each ray")
             .commands(TRACING.and(CONVERGE))
@@ -101,16 +101,8 @@ pub(super) const SHADOW: &[Setting] = &flags(
             .help("Azimuth of the direction towards the light")
             .unit(DEGREES)
             .default("0"),
-        setting("sun_elevation", Kind::Number)
-            .help("Elevation of the sun above the horizon, in place of theta and phi")
-            .unit(DEGREES)
-            .range(ELEVATION)
-            .arity(Arity::ListIn(INSPECT))
-            .otherwise("not given"),
-        setting("sun_azimuth", Kind::Number)
-            .help(COMPASS)
-            .unit(DEGREES)
-            .otherwise("not given"),
+        SUN_ELEVATION.arity(Arity::ListIn(INSPECT)),
+        SUN_AZIMUTH,
     ],
 );
 

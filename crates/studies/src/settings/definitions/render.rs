@@ -2,7 +2,7 @@
 
 use super::choices::CAMERA as CAMERAS;
 use super::commands::{DEGREES, RENDER};
-use super::light::{COMPASS, ELEVATION};
+use super::light::{SUN_AZIMUTH, SUN_ELEVATION};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting};
@@ -63,15 +63,8 @@ pub(super) const LIGHTS: &[Setting] = &flags(
             .help("Azimuth of the direction towards the sun")
             .unit(DEGREES)
             .default("150"),
-        setting("sun_elevation", Kind::Number)
-            .help("Elevation of the sun, in place of sun_theta and sun_phi")
-            .unit(DEGREES)
-            .range(ELEVATION)
-            .otherwise("not given"),
-        setting("sun_azimuth", Kind::Number)
-            .help(COMPASS)
-            .unit(DEGREES)
-            .otherwise("not given"),
+        SUN_ELEVATION.help("Elevation of the sun, in place of sun_theta and sun_phi"),
+        SUN_AZIMUTH,
         setting("sun_radius", Kind::Number)
             .help("Angular radius of the sun")
             .unit(DEGREES)
