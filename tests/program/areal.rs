@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, json, rows, with_surface};
+use crate::support::{Folder, InFolder, MustContain, json, rows, with_surface};
 
 /// A matrix of text, one unit apart: waves of lengths 4 and 32 along x, each of height 1.
 fn waves(folder: &Path) {

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{InFolder, Words, json};
+use crate::support::{InFolder, MustContain, json};
 use asperity_analysis::{SlopeCovariance, smith_correlated_g2};
 use asperity_optics::{from_spherical, reflect};
 use serde_json::Value;

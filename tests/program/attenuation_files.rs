@@ -8,7 +8,7 @@ use asperity_studies::SurveyedSurface;
 use serde_json::Value;
 
 use crate::attenuation::{SMALL, outcome, rows};
-use crate::support::{Folder, InFolder, Words, files, json};
+use crate::support::{Folder, InFolder, MustContain, files, json};
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows, with_surface};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files, json, rows, with_surface};
 
 const VERIFY: &str = "verify --tau 4 --size 32 --spacing 1 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
 const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";

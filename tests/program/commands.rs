@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped, with_surface};
+use crate::support::{Folder, InFolder, MustContain, errors_of, json, unwrapped, with_surface};
 
 #[test]
 fn generate_then_inspect_shows_requested_and_realised_statistics() {

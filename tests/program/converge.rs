@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, files, json};
+use crate::support::{Folder, InFolder, MustContain, files, json};
 
 const CONFIG: &str = "
     [surface]

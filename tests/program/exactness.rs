@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Folder, InFolder, Words};
+use crate::support::{Folder, InFolder, MustContain};
 
 #[test]
 fn only_what_is_proven_is_called_exact() {

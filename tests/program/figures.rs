@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, with_surface};
+use crate::support::{Folder, InFolder, MustContain, with_surface};
 
 /// The texts of a figure, one per line.
 fn texts(folder: &Path, figure: &str) -> String {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Table, Words, errors_of, json};
+use crate::support::{Folder, InFolder, MustContain, Table, errors_of, json};
 use serde_json::{Value, json as value};
 
 fn summary(folder: &Path, line: &str) -> Value {

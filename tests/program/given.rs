@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, errors_of, json, unwrapped};
 
 /// A matrix of text: waves along x on a ramp along y.
 fn ramp(folder: &Path, name: &str) {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::support::{Folder, InFolder, Table, Words, json};
+use crate::support::{Folder, InFolder, MustContain, Table, json};
 
 const MAPS: [&str; 3] = ["a.exr", "b.exr", "c.exr"];
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files, json, rows};
 
 const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
 

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Table, Words, assert_same_bytes, errors_of, files, json};
+use crate::support::{
+    Folder, InFolder, MustContain, Table, assert_same_bytes, errors_of, files, json,
+};
 use serde_json::Value;
 
 /// Two media and two angles, in a fraction of a second.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Table, Words};
+use crate::support::{Folder, InFolder, MustContain, Table};
 
 /// Twelve bins per side, a thousand rays.
 const SHORT: &str = "--theta 30 --bins 3x4 --no-plots";

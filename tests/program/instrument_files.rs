@@ -1,6 +1,6 @@
 //! Files of instruments: from the file to the light, and what is said of files that are not what their names say.
 
-use crate::support::{Folder, InFolder, Words, json, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, json, unwrapped};
 
 /// A surface data file of 24 x 16 points, 2 um x 3 um apart, with one missing.
 fn sdf() -> String {

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use asperity_results::ResultSet;
 
-use crate::support::{Folder, InFolder, Table, Words, files, json, with_surface};
+use crate::support::{Folder, InFolder, MustContain, Table, files, json, with_surface};
 
 /// Runs that take long, without their output; with what they say of the same command run again.
 const LONG: [(&str, &str); 7] = [

@@ -1,6 +1,6 @@
 //! Lambertian facets: settings, refusals, and their model.
 
-use crate::support::{Folder, InFolder, Words, json};
+use crate::support::{Folder, InFolder, MustContain, json};
 
 /// The cosine law on a flat surface: the reflectance, once.
 #[test]

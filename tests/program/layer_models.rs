@@ -1,6 +1,6 @@
 //! Models of a flat layer by name: at single directions, by bins, and what they refuse.
 
-use crate::support::{Folder, InFolder, Words, json, rows};
+use crate::support::{Folder, InFolder, MustContain, json, rows};
 use serde_json::Value;
 
 const LAYER: &str = "--eta 1.5 --theta 30 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1";

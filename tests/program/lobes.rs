@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Table, Words};
+use crate::support::{Folder, InFolder, MustContain, Table};
 
 /// A smooth surface in a folder of its own: s = 40.
 fn with_smooth_surface() -> Folder {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support::{
-    Folder, InFolder, Table, Words, assert_same_bytes, errors_of, files, json, unwrapped,
+    Folder, InFolder, MustContain, Table, assert_same_bytes, errors_of, files, json, unwrapped,
 };
 
 /// Four cells in which a model is within tolerance, beyond it and not resolved; in a fraction of a second.

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, json, with_surface};
+use crate::support::{Folder, InFolder, MustContain, json, with_surface};
 use serde_json::Value;
 
 /// `(mean, se)` of one of the energies of a summary.

@@ -1,6 +1,6 @@
 //! Triangle meshes as users trace them.
 
-use crate::support::{Folder, InFolder, Words, files, json, unwrapped, with_surface};
+use crate::support::{Folder, InFolder, MustContain, files, json, unwrapped, with_surface};
 use serde_json::Value;
 
 /// A cube of side 2 on a square ground of side 6 with a gap beneath it, by polygons.

@@ -1,6 +1,6 @@
 //! Models by name: alone, and against explicit surfaces with single and multiple scattering separate.
 
-use crate::support::{Folder, InFolder, Table, Words, json, rows};
+use crate::support::{Folder, InFolder, MustContain, Table, json, rows};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Folder, InFolder, Table, Words, json, rows, with_surface};
+use crate::support::{Folder, InFolder, MustContain, Table, json, rows, with_surface};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {

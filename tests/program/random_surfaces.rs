@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::support::{Folder, InFolder, Table, Words, files, json, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, Table, files, json, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, with_surface};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files, with_surface};
 
 #[test]
 fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
@@ -196,7 +196,6 @@ fn a_surface_is_named_once_and_an_input_is_no_output() {
     assert_eq!(fs::read(folder.join("h.exr")).unwrap(), before);
 }
 
-/// A stopped run says in its manifest that it is not complete, and its checkpoints are kept for the same command.
 #[test]
 fn outputs_keep_the_file_of_a_user_and_each_other() {
     let folder = with_surface();
@@ -212,6 +211,7 @@ fn outputs_keep_the_file_of_a_user_and_each_other() {
     assert_eq!(folder.text("own.toml"), "mine");
 }
 
+/// A stopped run says in its manifest that it is not complete, and its checkpoints are kept for the same command.
 #[test]
 fn a_manifest_says_whether_the_run_is_complete() {
     let folder = Folder::new();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{InFolder, Words, errors_of, files, rows, with_surface};
+use crate::support::{InFolder, MustContain, errors_of, files, rows, with_surface};
 
 const SMALL: &str = "render h.exr --size 24x18 --samples 4";
 

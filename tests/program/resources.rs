@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use asperity_studies::settings::{Command as Name, settings_of};
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, with_surface};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files, json, with_surface};
 
 /// A run that takes long, of the kind that keeps all for its end.
 const LONG: &str = "verify --smoothness 2 --tau 4 --size 32 --insist --models none --no-plots --rays 1e12 --realisations 4";

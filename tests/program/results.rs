@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, files, with_surface};
+use crate::support::{Folder, InFolder, MustContain, files, with_surface};
 
 /// A run of each command that writes a folder, without its output.
 const RUNS: [&str; 6] = [

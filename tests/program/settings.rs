@@ -6,7 +6,7 @@ use std::path::Path;
 
 use asperity_studies::settings::{Command, reference_page, settings_of};
 
-use crate::support::{Folder, InFolder, Words, json, with_surface};
+use crate::support::{Folder, InFolder, MustContain, json, with_surface};
 
 /// The flags that a help text names, without those of clap.
 fn flags(help: &str) -> BTreeSet<String> {

@@ -6,7 +6,7 @@ use std::path::Path;
 use asperity_io::{read_height_map, read_mesh};
 use asperity_surface::{Border, MissingPolicy, SplineSurface};
 
-use crate::support::{InFolder, Words, with_surface};
+use crate::support::{InFolder, MustContain, with_surface};
 
 /// The deviation that the output of `mesh` states, with the line that does.
 fn stated(text: &str) -> (f64, &str) {

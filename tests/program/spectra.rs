@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, unwrapped};
 
 fn drawn() -> Folder {
     let folder = Folder::new();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, errors_of, files, json, rows, with_surface};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files, json, rows, with_surface};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Folder, InFolder, Words, json, rows, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, json, rows, unwrapped};
 
 /// Report of `inspect` on the surface that `generate` writes with these flags.
 fn generated(folder: &std::path::Path, flags: &str) -> Value {

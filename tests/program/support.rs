@@ -123,13 +123,13 @@ pub(crate) fn rows<const N: usize>(table: &str) -> impl Iterator<Item = [&str; N
     rows.map(|columns| columns.try_into().unwrap())
 }
 
-/// Words of a text.
-pub(crate) trait Words {
+/// MustContain of a text.
+pub(crate) trait MustContain {
     /// Asserts that the text contains a part.
     fn must_contain(&self, part: impl AsRef<str>);
 }
 
-impl Words for str {
+impl MustContain for str {
     #[track_caller]
     fn must_contain(&self, part: impl AsRef<str>) {
         let part = part.as_ref();

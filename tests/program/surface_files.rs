@@ -1,6 +1,6 @@
 //! Random surfaces with the spectrum and the heights of files.
 
-use crate::support::{Folder, InFolder, Words, errors_of, json, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, errors_of, json, unwrapped};
 
 /// A surface of a known spectrum; others like it have its roughness, on a tile of another size, and the heights too.
 #[test]

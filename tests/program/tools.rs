@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use asperity_studies::settings::{Command as Named, settings_of};
 
-use crate::support::{Folder, InFolder, Words, errors_of, files};
+use crate::support::{Folder, InFolder, MustContain, errors_of, files};
 
 /// The flags of a command, without hyphens.
 fn flags(command: Named) -> Vec<String> {

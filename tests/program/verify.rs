@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, Words, files, json, unwrapped, with_surface};
+use crate::support::{Folder, InFolder, MustContain, files, json, unwrapped, with_surface};
 use serde_json::Value;
 
 #[test]
