@@ -73,9 +73,9 @@ fn invalid_nesting_indices_are_refused() {
     for (flags, sentence) in [
         (
             "--s-filter 1",
-            "invalid nesting index 1: must be from two samples, 2",
+            "--s-filter: invalid cut-off wavelength (nesting index) 1: must be from 2, two samples, to ",
         ),
-        ("--l-filter 100", "invalid nesting index 100"),
+        ("--l-filter 100", "(nesting index) 100: must be"),
         (
             "--s-filter 9 --l-filter 9",
             "--s-filter 9 must be below --l-filter 9",

@@ -129,6 +129,13 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
     let folder = folder.path();
     fs::write(folder.join("unit.toml"), "[light]\ntheta = 30deg\n").unwrap();
     fs::write(folder.join("range.toml"), "[light]\ntheta = [30, 95]\n").unwrap();
+    fs::write(
+        folder.join("json.toml"),
+        "{\n \"light\": {\"theta\": 30}}\n",
+    )
+    .unwrap();
+    fs::write(folder.join("open.toml"), "[surface\ntau = 3\n").unwrap();
+    fs::write(folder.join("colon.toml"), "[light]\ntheta: 30\n").unwrap();
     for (line, expected) in [
         (
             "generate --size 64x32x3 -o a.npy",
@@ -153,6 +160,39 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
         (
             "verify --level 1 -o out",
             "--level 1: must be a number above 0 and below 1",
+        ),
+        (
+            "generate --tau 5 um -o a.npy",
+            "`um`; a unit follows its number without a blank, as in 5um",
+        ),
+        (
+            "verify --tau 5 um -o out",
+            "`um`; a unit follows its number",
+        ),
+        (
+            "model smith",
+            "needs a rough surface: give --smoothness or --slopes-of\n",
+        ),
+        ("model ggx", "or --slopes ggx with --ggx-alpha\n"),
+        (
+            "verify --theta 30 60 -o out",
+            "`60`; several values of a flag have commas",
+        ),
+        (
+            "generate --structure pyramids --smoothness 3 -o a.npy",
+            "excludes --structure pyramids; roughness on top of a structure is given by sigma and tau",
+        ),
+        (
+            "verify json.toml -o out",
+            "json.toml: line 1: it is JSON, but a configuration is TOML: a section",
+        ),
+        (
+            "verify open.toml -o out",
+            "open.toml: line 1: `[surface` is not valid TOML: a section begins with its name in brackets",
+        ),
+        (
+            "verify colon.toml -o out",
+            "colon.toml: line 2: `theta: 30` is not valid TOML: a section",
         ),
     ] {
         let said = refused(folder, &words(line), 2);
