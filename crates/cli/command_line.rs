@@ -9,6 +9,7 @@ use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     known_names, roughness_hint, settings_of, suggestion,
 };
+use asperity_surface::LengthUnit;
 use clap::builder::{NonEmptyStringValueParser, PossibleValue, TypedValueParser, ValueHint};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
@@ -248,6 +249,11 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
         let path = Path::new(input);
+        if let Some(hint) = stray_value(input).filter(|_| !path.exists()) {
+            return Err(Failure::usage(format!(
+                "unexpected argument `{input}`; {hint}"
+            )));
+        }
         // Of a name with an ending the reader says so
         if command != Command::Model && path.extension().is_none() && path.is_dir() {
             return Err(Failure::usage(format!(
@@ -438,11 +444,24 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     Failure::usage(one_sentence(&error.render().to_string())).into()
 }
 
+/// Advice on a part of a value that stands as an argument of its own.
+fn stray_value(argument: &str) -> Option<&'static str> {
+    let unit = argument.parse::<LengthUnit>();
+    if argument.parse::<f64>().is_ok() {
+        Some("several values of a flag have commas between them, as in 30,60")
+    } else if unit.is_ok_and(|unit| unit != LengthUnit::Arbitrary) {
+        Some("a unit follows its number without a blank, as in 5um")
+    } else {
+        None
+    }
+}
+
 /// Refusal of an argument that no command has.
 fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     let argument = shown(argument);
     if !argument.starts_with('-') {
-        return format!("unexpected argument `{argument}`; see --help");
+        let hint = stray_value(&argument).unwrap_or("see --help");
+        return format!("unexpected argument `{argument}`; {hint}");
     }
     if argument[1..].starts_with(|first: char| first.is_ascii_digit()) {
         return format!(

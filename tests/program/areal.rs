@@ -66,8 +66,8 @@ fn invalid_nesting_indices_are_refused() {
     let folder = Folder::new();
     waves(&folder);
     let cases = "
-        --s-filter 1 => invalid nesting index 1: must be from two samples, 2
-        --l-filter 100 => invalid nesting index 100
+        --s-filter 1 => --s-filter: invalid cut-off wavelength (nesting index) 1: must be from 2, two samples, to
+        --l-filter 100 => (nesting index) 100: must be
         --s-filter 9 --l-filter 9 => --s-filter 9 must be below --l-filter 9
         --s-filter 2um => --s-filter with a unit: the surface has no unit
         --l-filter -3 => --l-filter

@@ -320,6 +320,44 @@ fn spacing_and_unit_come_from_the_file_or_from_flags() {
     assert!(!folder.succeed("inspect a.exr").contains("assumed"));
 }
 
+/// Values of a surface in metres leave little room for their meanings, and means are rounded as they deserve.
+#[test]
+fn a_table_of_parameters_is_printed_once_whatever_its_values() {
+    let folder = Folder::new();
+    folder.succeed("generate --tau 8um --sigma 1um --size 64 -o a.x3p -q --insist");
+    let text = folder.succeed("inspect a.x3p");
+    assert_eq!(text.matches("\nSq ").count(), 1, "{text}");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 80),
+        "{text}"
+    );
+    text.must_contain("mean                 0 m  ");
+    text.must_contain("slope mean x, y      0, 0  ");
+}
+
+/// The unit of a terrain or a list of points is not known, and the extent of a GSF file may be left out.
+#[test]
+fn what_a_height_map_does_not_state_is_told() {
+    let folder = Folder::new();
+    let terrain = "ncols 3\nnrows 2\ncellsize 10\n1 2 3\n2 4 7\n";
+    folder.write("a.asc", terrain);
+    folder.write("a.xyz", "0 0 1\n1 0 2\n0 1 4\n1 1 2\n");
+    let mut gsf = b"Gwyddion Simple Field 1.0\nXRes = 4\nYRes = 2\n".to_vec();
+    gsf.resize((gsf.len() / 4 + 1) * 4 + 4 * 8, 0);
+    folder.write("a.gsf", gsf);
+    let notes = |line: &str| unwrapped(&folder.succeed(format!("inspect {line}")));
+    let unknown = "note: the file states no unit: x, y and heights are taken to be in one";
+    for name in ["a.asc", "a.xyz"] {
+        assert!(notes(name).contains(unknown), "{name}");
+        assert!(!notes(&format!("{name} --assume-unit m")).contains("no unit"));
+        let said = folder.refused(format!("inspect {name} --unit um"));
+        said.must_contain("the file states no unit, so that its lengths cannot be");
+    }
+    let spacing = "note: the file has no spacing: 0.25 x 0.5 is assumed; set it with --spacing";
+    assert!(notes("a.gsf").contains(spacing), "{}", notes("a.gsf"));
+    assert!(!notes("a.gsf --spacing 1").contains("assumed"));
+}
+
 #[test]
 fn measured_files_go_through_every_command() {
     let measured = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/measured");

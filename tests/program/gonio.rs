@@ -382,6 +382,31 @@ fn bad_input_gets_a_sentence() {
     folder.failed("gonio g.toml -o out");
 }
 
+/// Nothing is told of transmission by a metal, and each peak stands beside its direction.
+#[test]
+fn columns_without_light_are_left_out_of_the_report() {
+    let folder = Folder::new();
+    let report = |material: &str| {
+        folder.succeed(format!(
+            "gonio --smoothness 2 --tau 4 --size 64 --theta 0,40 --rays 500 --realisations 2 --no-plots --material {material}"
+        ))
+    };
+    let metal = report("conductor --eta 0.2 --kappa 3");
+    assert!(metal.lines().all(|line| line.len() <= 80), "{metal}");
+    assert!(
+        !metal.contains("transmitted") && !metal.contains("BTDF"),
+        "{metal}"
+    );
+    assert!(metal.contains("absorbed "), "{metal}");
+    let glass = report("dielectric");
+    let peaks = "theta  phi  BRDF peak (1/sr) at theta, phi  BTDF peak (1/sr) at theta, phi";
+    assert!(
+        glass.contains(peaks) && !glass.contains("absorbed"),
+        "{glass}"
+    );
+    assert!(glass.contains("transmitted "), "{glass}");
+}
+
 #[test]
 fn summary_tells_all_and_examples_are_understood() {
     let folder = with_config();

@@ -90,6 +90,35 @@ fn slopes_that_are_known_have_a_control_variate() {
 }
 
 #[test]
+fn ggx_surfaces_are_named_by_their_alpha() {
+    let folder = Folder::new();
+    let ggx =
+        "--tau 4 --slopes ggx --ggx-alpha 0.2,0.3 --size 64 --insist --rays 200 --realisations 2";
+    let said = folder.succeed(format!("verify {ggx} --models none -o v"));
+    assert!(
+        said.contains("GGX alpha = 0.2, n = 1.5") && !said.contains("s = "),
+        "{said}"
+    );
+    let case = folder.join("v/alpha0.3_n1.5_theta30");
+    case.text("lobes.svg")
+        .must_contain("GGX alpha = 0.3, n = 1.5");
+    let summary = case.json("summary.json");
+    assert_eq!(summary["config"]["case"]["ggx_alpha"], 0.3);
+    let map = format!("map {ggx} --theta 0,30 --models smith-slopes -o m");
+    let said = unwrapped(&folder.succeed(map));
+    assert!(said.contains("GGX alpha = 0.3, 0.2; theta"), "{said}");
+    assert!(said.contains("largest GGX alpha up to which"), "{said}");
+    let cells = Table::read(&folder.join("m/map.csv"));
+    assert_eq!(cells.number(0, "alpha"), 0.2);
+    let figure = folder.text("m/map_own.svg");
+    assert!(figure.contains("GGX alpha") && !figure.contains("smoothness"));
+    let line = "gonio --tau 4 --tau-y 8 --slopes ggx --ggx-alpha 0.3 --size 64 --insist --rays 200 --realisations 2 -q -o g";
+    folder.succeed(line);
+    let report = unwrapped(&folder.text("g/report.txt"));
+    report.must_contain("GGX alpha = 0.3, GGX alpha = 0.15 along the second axis");
+}
+
+#[test]
 fn tiles_that_hold_few_amplitudes_of_ggx_slopes_are_told() {
     let folder = Folder::new();
     let said = |size: &str| {

@@ -119,6 +119,9 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
     let folder = Folder::new();
     folder.write("unit.toml", "[light]\ntheta = 30deg\n");
     folder.write("range.toml", "[light]\ntheta = [30, 95]\n");
+    folder.write("json.toml", "{\n \"light\": {\"theta\": 30}}\n");
+    folder.write("open.toml", "[surface\ntau = 3\n");
+    folder.write("colon.toml", "[light]\ntheta: 30\n");
     let cases = "
         generate --size 64x32x3 -o a.npy => --size 64x32x3: must be a whole number of 1 or more, up to 1e15, for both axes or two as COLUMNSxROWS, such as 512 or 512x256
         generate --seed -1 -o a.npy => --seed -1: must be a whole number from 0 to 18446744073709551615
@@ -126,6 +129,15 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
         verify unit.toml -o out => unit.toml: line 2: `theta = 30deg` is not valid TOML
         verify range.toml -o out => range.toml: line 2: theta = [30, 95]: must be a number from 0 to below 90
         verify --level 1 -o out => --level 1: must be a number above 0 and below 1
+        generate --tau 5 um -o a.npy => `um`; a unit follows its number without a blank, as in 5um
+        verify --tau 5 um -o out => `um`; a unit follows its number
+        model smith => needs a rough surface: give --smoothness or --slopes-of
+        model ggx => or --slopes ggx with --ggx-alpha
+        verify --theta 30 60 -o out => `60`; several values of a flag have commas
+        generate --structure pyramids --smoothness 3 -o a.npy => excludes --structure pyramids; roughness on top of a structure is given by sigma and tau
+        verify json.toml -o out => json.toml: line 1: it is JSON, but a configuration is TOML: a section
+        verify open.toml -o out => open.toml: line 1: `[surface` is not valid TOML: a section begins with its name in brackets
+        verify colon.toml -o out => colon.toml: line 2: `theta: 30` is not valid TOML: a section
     ";
     folder.refuses(cases);
 }

@@ -114,7 +114,7 @@ fn readable() -> String {
 
 /// The refusal of an image without a scale.
 fn no_scale() -> ReadProblem {
-    let found = "is a PNG image, whose grey levels carry neither heights nor spacings".to_owned();
+    let found = "is a PNG image, whose grey levels carry neither heights nor spacings (to take the levels for heights, save them as .npy or .tif)".to_owned();
     let allowed = readable();
     ReadProblem::WrongEnding { found, allowed }
 }

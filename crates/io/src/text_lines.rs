@@ -43,9 +43,15 @@ impl<'a> Line<'a> {
 /// The number that a text states, with a decimal point or a decimal comma.
 pub(crate) fn decimal(text: &str) -> Option<f64> {
     match text.split_once(',') {
-        None => text.parse().ok(),
-        Some((whole, digits)) => format!("{whole}.{digits}").parse().ok(),
+        None => number(text),
+        Some((whole, digits)) => number(&format!("{whole}.{digits}")),
     }
+}
+
+/// The number that a text states, with a decimal point and an exponent that Fortran may have written: `1.5D-03`.
+pub(crate) fn number(text: &str) -> Option<f64> {
+    let exponent = || text.replace(['D', 'd'], "e").parse();
+    text.parse().or_else(|_| exponent()).ok()
 }
 
 /// Text of a file for messages: on one line, 40 characters at most.

@@ -10,7 +10,7 @@
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
-//! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
+//! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over roughness and angle |
 //! | [`Hemispheres`] | [`Hemisphere`]s: values of bins | light over whole hemispheres, in rows and columns |
 //! | [`ProfileGrid`] | [`ProfileComponent`]s: [`Point`]s per panel | components of light in the plane of incidence |
 //! | [`AngleGrid`] | [`AnglePanel`]s: [`Curve`]s per panel | several quantities in the plane of incidence, in rows and columns |

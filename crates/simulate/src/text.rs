@@ -8,6 +8,12 @@ pub fn error_in_short(error: f64) -> String {
     format!("{error:.2e}")
 }
 
+/// A number to three digits, as in `0.145` and `12`.
+#[must_use]
+pub fn three_digits(value: f64) -> String {
+    short(format!("{value:.2e}").parse().unwrap_or(value))
+}
+
 /// A count with its noun, as in `1 surface` and `2 surfaces`.
 #[must_use]
 pub fn counted(count: u64, noun: &str) -> String {

@@ -20,7 +20,9 @@ pub(crate) use columns::{
     projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;
-pub(crate) use number::{cut_short, distance, significant, two_digits, with_error};
+pub(crate) use number::{
+    beside, cut_short, distance, in_steps, significant, two_digits, with_error,
+};
 pub(crate) use place::{Place, figure_files};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub(crate) use table::unit_of_lengths;

@@ -65,7 +65,10 @@ pub(crate) fn read<R: BufRead>(mut reader: R, length: u64) -> Result<RawHeightMa
     let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
     map.unit = unit;
     map.border = header.border;
-    Ok(map)
+    Ok(match header.states_extent {
+        true => map,
+        false => map.with_assumed_spacing(),
+    })
 }
 
 struct Header {
@@ -73,6 +76,7 @@ struct Header {
     y_res: u64,
     x_real: f64,
     y_real: f64,
+    states_extent: bool,
     xy_units: String,
     z_units: String,
     border: Option<asperity_surface::Border>,
@@ -120,6 +124,9 @@ impl Header {
             y_res: resolution("YRes")?,
             x_real: extent("XReal")?,
             y_real: extent("YReal")?,
+            states_extent: ["XReal", "YReal"]
+                .iter()
+                .all(|name| fields.contains_key(name)),
             xy_units: fields
                 .get("XYUnits")
                 .copied()

@@ -54,7 +54,7 @@ pub(crate) fn read<R: BufRead>(
     let mut number = 0;
     while read_line(&mut reader, &mut bytes)? {
         number += 1;
-        let line = |text| Line { number, text };
+        let line = |number, text| Line { number, text };
         let text = match std::str::from_utf8(&bytes) {
             Ok(text) => Cow::Borrowed(text),
             // Comments may be in ISO 8859-1
@@ -63,12 +63,17 @@ pub(crate) fn read<R: BufRead>(
             }
             Err(e) => {
                 let what = "bytes that are not UTF-8 text were found, but numbers are needed";
-                return Err(line("").refuse_at(e.valid_up_to(), what));
+                return Err(line(number, "").refuse_at(e.valid_up_to(), what));
             }
         };
         let byte_order_mark = if number == 1 { "\u{feff}" } else { "" };
         let text = text.strip_prefix(byte_order_mark).unwrap_or(&text);
-        matrix.take_line(line(text), length)?;
+        // Old Macintosh files end lines with a carriage return alone
+        let text = text.trim_end_matches(['\r', '\n']);
+        for (i, text) in text.split('\r').enumerate() {
+            number += usize::from(i > 0);
+            matrix.take_line(line(number, text), length)?;
+        }
     }
     matrix.is_list |= points::is_named_as_list(path);
     matrix.finish(number)

@@ -15,18 +15,19 @@ use crate::PlotError;
 pub(crate) enum Colours {
     /// *viridis*: equal steps appear equally large, also in grey.
     Viridis,
-    /// Blue, light grey in the middle, red: values to either side of zero. Both ends are equally dark, and blue against
-    /// red is told apart by the common kinds of colour vision. The middle is darker than white, which is no value.
+    /// Blue, grey in the middle, orange: values to either side of zero. Lightness rises over the whole scale, so that the sign is seen in
+    /// grey too, and blue against orange is told apart by the common kinds of colour vision. The bright end is darker than white, which is
+    /// no value.
     Diverging,
 }
 
 /// Colours at equal steps along [`Colours::Diverging`].
 const DIVERGING: [RGBColor; 5] = [
-    RGBColor(14, 52, 122),
-    RGBColor(78, 146, 204),
-    RGBColor(230, 230, 230),
-    RGBColor(212, 118, 66),
-    RGBColor(126, 14, 28),
+    RGBColor(0, 24, 84),
+    RGBColor(30, 92, 166),
+    RGBColor(158, 158, 158),
+    RGBColor(240, 164, 60),
+    RGBColor(255, 228, 128),
 ];
 
 impl Colours {
@@ -182,16 +183,14 @@ mod tests {
     }
 
     #[test]
-    fn diverging_colours_darken_alike_from_a_neutral_middle() {
+    fn diverging_colours_lighten_over_the_whole_scale_and_are_neutral_in_the_middle() {
         let colours: Vec<RGBColor> = Colours::Diverging.palette(255).collect();
         let light: Vec<f64> = colours.iter().map(|c| luminance(*c)).collect();
-        assert!(light[..128].is_sorted_by(|a, b| a <= b));
-        assert!(light[127..].is_sorted_by(|a, b| a >= b));
-        for (low, high) in light.iter().zip(light.iter().rev()) {
-            assert!((low - high).abs() < 0.02, "{low} {high}");
-        }
+        assert!(light.is_sorted_by(|a, b| a <= b));
+        let steps = light.windows(64).step_by(63).map(|part| part[63] - part[0]);
+        assert!(steps.into_iter().all(|step| step > 0.05) && light[254] < 0.9);
         let RGBColor(r, g, b) = ColourScale::RATIOS.colour(0.0);
-        assert!(r == g && g == b && r < 240);
+        assert!(r == g && g == b);
         assert_eq!(ColourScale::RATIOS.colour(-1.0), DIVERGING[0]);
         assert_eq!(ColourScale::RATIOS.colour(7.0), DIVERGING[4]);
     }

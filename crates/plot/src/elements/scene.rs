@@ -64,10 +64,12 @@ pub(crate) enum Marker {
     TriangleDown,
     Cross,
     Plus,
+    TriangleLeft,
+    TriangleRight,
 }
 
 impl Marker {
-    const ALL: [Marker; 7] = [
+    const ALL: [Marker; 9] = [
         Marker::Circle,
         Marker::Square,
         Marker::Triangle,
@@ -75,6 +77,8 @@ impl Marker {
         Marker::TriangleDown,
         Marker::Cross,
         Marker::Plus,
+        Marker::TriangleLeft,
+        Marker::TriangleRight,
     ];
 
     /// The marker of a number; numbers wrap around.
@@ -328,6 +332,8 @@ impl Scene {
             }
             Marker::Triangle => &[(0.0, -1.35), (1.17, 0.68), (-1.17, 0.68)],
             Marker::TriangleDown => &[(0.0, 1.35), (-1.17, -0.68), (1.17, -0.68)],
+            Marker::TriangleLeft => &[(-1.35, 0.0), (0.68, -1.17), (0.68, 1.17)],
+            Marker::TriangleRight => &[(1.35, 0.0), (-0.68, -1.17), (-0.68, 1.17)],
             Marker::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
             Marker::Cross => &CROSS,
             Marker::Plus => &PLUS,

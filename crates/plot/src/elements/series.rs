@@ -251,12 +251,20 @@ mod tests {
         }
     }
 
-    /// Dashes and markers of residuals tell models apart in grey.
+    /// Dashes tell models apart in grey.
     #[test]
     fn models_that_are_close_in_the_list_differ_without_their_colour() {
         for i in 0..theme::LINE_DASHES.len() {
             for j in 0..i {
                 assert_ne!(model(i).pen().dash, model(j).pen().dash);
+            }
+        }
+    }
+
+    #[test]
+    fn markers_do_not_wrap_around_with_the_colours() {
+        for i in 0..=theme::PLAIN_COLOURS.len() {
+            for j in 0..i {
                 assert_ne!(Marker::nth(i), Marker::nth(j));
             }
         }

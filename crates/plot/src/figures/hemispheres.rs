@@ -23,7 +23,7 @@ pub enum SharedColours {
     Common,
     /// Hemispheres of a row.
     Rows,
-    /// All but the first, which hold ratios from -1 to 1 to it: blue below zero, red above. The first has a scale of
+    /// All but the first, which hold ratios from -1 to 1 to it: blue and darker below zero, orange and lighter above. The first has a scale of
     /// its own.
     OverFirst {
         /// Title of the scale of ratios.
@@ -183,10 +183,11 @@ impl Hemispheres {
             page.scene.text(name, at, style);
         }
         self.draw_colour_bars(&mut page.scene, &layout, [top, bottom], &scales)?;
-        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
-        let row_title_at = (theme::MARGIN, 0.5 * (top + bottom));
-        page.scene
-            .text_upwards(&self.row_title, row_title_at, style);
+        if !layout.folded {
+            let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+            let at = (theme::MARGIN, 0.5 * (top + bottom));
+            page.scene.text_upwards(&self.row_title, at, style);
+        }
         page.y = bottom + layout.words + 10.0;
         page.note(&self.remarks(&scales))?;
         let end = page.y;
@@ -210,12 +211,17 @@ impl Hemispheres {
         Ok(())
     }
 
+    /// Returns `true` if there is one column without a name.
+    fn is_folded(&self) -> bool {
+        matches!(self.columns.as_slice(), [name] if name.is_empty())
+    }
+
     fn layout(&self) -> Result<Layout, PlotError> {
         let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
         let words = if notes { NOTE_DEPTH } else { 0.0 };
         let left = theme::MARGIN + theme::LABEL_SIZE + 12.0 + TICK + 6.0;
         let own_bars = self.colours == SharedColours::Rows;
-        if matches!(self.columns.as_slice(), [name] if name.is_empty()) {
+        if self.is_folded() {
             let rows = self.rows.len().div_ceil(ALONE.len());
             let across = self.rows.len().div_ceil(rows);
             let diameter = ALONE[across - 1];
@@ -223,7 +229,7 @@ impl Hemispheres {
             let name = theme::TICK_SIZE + TICK + 4.0;
             return Ok(Layout {
                 folded: true,
-                left,
+                left: theme::MARGIN + TICK,
                 across,
                 diameter,
                 pitch: (diameter + GAP + bar, diameter + GAP + words + name),
@@ -272,15 +278,19 @@ impl Hemispheres {
 
     fn draw_column_names(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
         let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        let title = match layout.folded {
+            true => &self.row_title,
+            false => &self.column_title,
+        };
+        if !title.is_empty() {
+            let middle = 0.5 * (layout.left + layout.right());
+            page.scene.text(title, (middle, page.y), style);
+            page.y += 1.5 * theme::LABEL_SIZE;
+        }
         if layout.folded {
             // The names of the first row of discs.
             page.y += theme::TICK_SIZE + TICK + 4.0;
             return Ok(());
-        }
-        if !self.column_title.is_empty() {
-            let middle = 0.5 * (layout.left + layout.right());
-            page.scene.text(&self.column_title, (middle, page.y), style);
-            page.y += 1.5 * theme::LABEL_SIZE;
         }
         let room = layout.diameter + GAP - 6.0;
         let names = self.columns.iter().enumerate().map(|(i, name)| {
@@ -409,9 +419,10 @@ impl Hemispheres {
         };
         let shared = match self.colours {
             SharedColours::Common => "one colour scale for all",
+            SharedColours::Rows if self.is_folded() => "a colour scale for each disc",
             SharedColours::Rows => "one colour scale per row",
             SharedColours::OverFirst { .. } => {
-                "the first disc has a colour scale of its own, the others share one, on which grey is zero"
+                "the first disc has a colour scale of its own, the others share one, on which grey is zero, and darker is below"
             }
         };
         let logarithmic = match scales.iter().flatten().any(|scale| scale.log) {
@@ -510,7 +521,14 @@ mod tests {
             figure.columns = vec![name.into()];
             figure.rows = vec!["r".into(); rows];
             figure.cells = vec![figure.cells[0].clone(); rows];
-            figure.draw().unwrap().size()
+            figure.row_title = "angle".into();
+            let remarks = figure.remarks(&figure.scales());
+            assert_eq!(remarks.contains("for each disc"), name.is_empty());
+            let figure = figure.draw().unwrap();
+            // The title of rows runs upwards beside those of bars where there are rows
+            let upwards = figure.svg().unwrap().matches("rotate(").count();
+            assert_eq!(upwards, rows + usize::from(!name.is_empty()));
+            figure.size()
         };
         assert!(size(4, "").1 < size(4, "n").1 && size(4, "").0 > size(4, "n").0);
         let (width, height) = size(6, "");

@@ -1,4 +1,4 @@
-//! Validity map: distance of models over smoothness and angle, one panel per model and material.
+//! Validity map: distance of models over roughness and angle, one panel per model and material.
 
 use crate::elements::axis::Axis;
 use crate::elements::colour_scale::{ColourScale, draw_bar, that_fits};
@@ -24,10 +24,10 @@ pub struct MappedCell {
     pub verdict: MapVerdict,
 }
 
-/// Total variation between models and explicit surfaces over smoothness and angle, with a verdict per cell.
+/// Total variation between models and explicit surfaces over roughness and angle, with a verdict per cell.
 ///
-/// Panels stand side by side by model and below each other by material. Rows of a panel are smoothness
-/// values, the smoothest on top, columns are angles; both are spaced evenly, as they are listed. The colours
+/// Panels stand side by side by model and below each other by material. Rows of a panel are values of the
+/// roughness, the smoothest on top, columns are angles; both are spaced evenly, as they are listed. The colours
 /// are *viridis* on a logarithmic scale of four decades at most, below which all cells have the same colour. Verdicts
 /// differ by shape, so that they read in grey.
 ///
@@ -40,7 +40,8 @@ pub struct MappedCell {
 ///     subtitle: "glass".into(),
 ///     models: vec!["smith".into()],
 ///     materials: vec!["n = 1.5".into()],
-///     smoothness: vec![1.0, 3.0],
+///     roughness_label: "smoothness s".into(),
+///     roughness: vec![1.0, 3.0],
 ///     theta_deg: vec![0.0, 60.0],
 ///     tolerance: 0.01,
 ///     cells: vec![
@@ -64,8 +65,10 @@ pub struct ValidityMap {
     pub models: Vec<String>,
     /// Names of the rows of panels.
     pub materials: Vec<String>,
-    /// Smoothness values, rough to smooth.
-    pub smoothness: Vec<f64>,
+    /// Label of the axis of roughness, as in "smoothness s".
+    pub roughness_label: String,
+    /// Values of the roughness, rough to smooth.
+    pub roughness: Vec<f64>,
     /// Angles of incidence, degrees, ascending.
     pub theta_deg: Vec<f64>,
     /// The total variation that is tolerated, above 0: marked at the colour bar.
@@ -93,7 +96,7 @@ const BAR_ROOM: f64 = 104.0;
 const MIN_BAR_HEIGHT: f64 = 100.0;
 const MOST_DECADES: i32 = 4;
 
-/// Places of the panels; the label of the smoothness axis is at `axis_label_x`.
+/// Places of the panels; the label of the roughness is at `axis_label_x`.
 struct Layout {
     left: f64,
     axis_label_x: f64,
@@ -111,7 +114,7 @@ impl ValidityMap {
     /// meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
-        let (rows_of, columns_of) = (numbers(&self.smoothness), numbers(&self.theta_deg));
+        let (rows_of, columns_of) = (numbers(&self.roughness), numbers(&self.theta_deg));
         let layout = self.layout(&rows_of)?;
         let Layout {
             left,
@@ -132,6 +135,7 @@ impl ValidityMap {
         page.y += stacked_at_bottom(&mut page.scene, page.y, &names, theme::LEGEND_SIZE) + 3.0;
 
         let (top, scale) = (page.y, self.scale());
+        let last_word = self.roughness_label.rsplit(' ').next().unwrap_or_default();
         for (row, material) in self.materials.iter().enumerate() {
             let y = page.y;
             for model in 0..self.models.len() {
@@ -145,7 +149,7 @@ impl ValidityMap {
             draw_row_texts(&mut page.scene, first, &rows_of);
             let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
             let middle = y + 0.5 * height;
-            let axis = that_fits(&["smoothness s", "s"], height + ROW_GAP)?;
+            let axis = that_fits(&[&self.roughness_label, last_word], height + ROW_GAP)?;
             let scene = &mut page.scene;
             scene.text_upwards(axis, (axis_label_x, middle), style.muted());
             let material_x = axis_label_x - theme::LABEL_SIZE - 6.0;
@@ -169,13 +173,13 @@ impl ValidityMap {
 
     fn check(&self) -> Result<(), PlotError> {
         let panels = self.models.len() * self.materials.len();
-        let expected = panels * self.smoothness.len() * self.theta_deg.len();
+        let expected = panels * self.roughness.len() * self.theta_deg.len();
         if expected == 0 {
-            let what = "a map without models, materials, smoothness or angles";
+            let what = "a map without models, materials, roughness or angles";
             return Err(PlotError::nothing_to_draw(what));
         }
         check_length("validity map", self.cells.len(), expected)?;
-        Valid::Finite.check_all("smoothness", self.smoothness.iter().copied())?;
+        Valid::Finite.check_all("roughness", self.roughness.iter().copied())?;
         Valid::Finite.check_all("angle", self.theta_deg.iter().copied())?;
         Valid::Positive.check("tolerance", 0, self.tolerance)?;
         for (index, cell) in self.cells.iter().enumerate() {
@@ -193,7 +197,7 @@ impl ValidityMap {
         let free = WIDTH - left - BAR_ROOM - (panels - 1.0) * PANEL_GAP;
         let cell_width = (free / (panels * columns)).floor();
         let width = columns * cell_width.clamp(CELL_WIDTH.0, CELL_WIDTH.1);
-        let rows = self.smoothness.len() as f64;
+        let rows = self.roughness.len() as f64;
         let cell_height = (PANEL_HEIGHT / rows).clamp(CELL_HEIGHT, 2.0 * CELL_HEIGHT);
         Ok(Layout {
             left,
@@ -220,7 +224,7 @@ impl ValidityMap {
         [material, model]: [usize; 2],
         scale: &ColourScale,
     ) {
-        let (rows, columns) = (self.smoothness.len(), self.theta_deg.len());
+        let (rows, columns) = (self.roughness.len(), self.theta_deg.len());
         let panel = material * self.models.len() + model;
         let (w, h) = (frame.width() / columns as f64, frame.height() / rows as f64);
         for row in 0..rows {
@@ -325,7 +329,8 @@ mod tests {
             subtitle: String::new(),
             models: vec!["xu-sun".into(), "smith".into()],
             materials: vec!["n = 1.5".into()],
-            smoothness: vec![0.5, 1.0],
+            roughness_label: "smoothness s".into(),
+            roughness: vec![0.5, 1.0],
             theta_deg: vec![0.0, 30.0, 75.0],
             tolerance: 0.01,
             cells,

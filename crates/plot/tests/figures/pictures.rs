@@ -87,7 +87,8 @@ fn sample(kind: &str) -> Option<Figure> {
             subtitle: "n = 1.5".into(),
             models: vec!["smith".into()],
             materials: vec!["n = 1.5".into()],
-            smoothness: vec![1.0, 2.0],
+            roughness_label: "smoothness s".into(),
+            roughness: vec![1.0, 2.0],
             theta_deg: vec![0.0, 30.0],
             tolerance: 0.01,
             cells: [

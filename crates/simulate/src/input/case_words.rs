@@ -4,11 +4,12 @@
 
 use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, Slab};
 use asperity_surface::LengthUnit;
+use asperity_synthesis::SurfaceRecipe;
 use serde_json::{Map, Value, json};
 
 use super::case::Case;
 use super::coordinates::Coordinate;
-use crate::text::short;
+use crate::text::{short, three_digits};
 
 /// Side of a case that a part describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,11 @@ pub enum CaseGroup {
     /// The light.
     Light,
 }
+
+/// Name of the smoothness `tau / sigma`.
+const SMOOTHNESS: &str = "s";
+/// Name of the roughness of GGX slopes.
+pub const GGX_ALPHA: &str = "GGX alpha";
 
 /// One quantity of a case, and the words for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,22 +183,45 @@ impl Case {
         self.layer.map(|below| below.layer)
     }
 
-    /// Anisotropy beside the smoothness along the first axis: the smoothness along the second axis, and the angle from +x
-    /// to the first, degrees.
+    /// Name of the roughness of random surfaces, and its values along the principal axes: GGX's alpha of such slopes, and the smoothness
+    /// of all others.
     #[must_use]
-    pub fn anisotropy(&self) -> Option<[f64; 2]> {
-        let [ratio, azimuth] = self.surface.recipe()?.anisotropy()?;
-        Some([ratio * self.at.smoothness?, azimuth.to_degrees()])
+    pub fn roughness(&self) -> Option<(&'static str, [f64; 2])> {
+        let (recipe, s) = (self.surface.recipe(), self.at.smoothness?);
+        if let Some(alpha) = recipe.and_then(SurfaceRecipe::ggx_alpha) {
+            // The last digits are those of the spectrum that it is computed back from
+            let rounded = |alpha: f64| format!("{alpha:.12e}").parse().unwrap_or(alpha);
+            return Some((GGX_ALPHA, alpha.map(rounded)));
+        }
+        let anisotropy = recipe.and_then(SurfaceRecipe::anisotropy);
+        Some((
+            SMOOTHNESS,
+            [s, s * anisotropy.map_or(1.0, |[ratio, _]| ratio)],
+        ))
+    }
+
+    /// The roughness along the first axis. That of a structure alone follows from slopes that are measured, and needs no more digits.
+    fn roughness_part(&self) -> Option<CasePart> {
+        let (name, [first, _]) = self.roughness()?;
+        let structure = self.surface.recipe().and_then(SurfaceRecipe::structured);
+        let is_alone = structure.is_some_and(|structure| structure.roughness().is_none());
+        let text = if is_alone { three_digits } else { short };
+        Some(CasePart::new(CaseGroup::Surface, name, text(first)))
+    }
+
+    /// Anisotropy: the roughness along the second axis, and the angle from +x to the first, degrees.
+    fn anisotropy(&self) -> Option<[String; 2]> {
+        let [_, azimuth] = self.surface.recipe()?.anisotropy()?;
+        let (_, [_, second]) = self.roughness()?;
+        Some([second, azimuth.to_degrees()].map(short))
     }
 
     fn grooves(&self) -> Option<String> {
-        self.anisotropy().map(|[s_y, azimuth]| {
-            format!(
-                "s = {} along the second axis, first axis at {} deg",
-                short(s_y),
-                short(azimuth)
-            )
-        })
+        let (name, _) = self.roughness()?;
+        let [second, azimuth] = self.anisotropy()?;
+        Some(format!(
+            "{name} = {second} along the second axis, first axis at {azimuth} deg"
+        ))
     }
 
     /// A layer below for people, as in `mean free path 0.1 um, albedo 0.9, g = 0.5, 2 um thick on a mirror`.
@@ -228,8 +257,8 @@ impl Case {
     fn label_parts(&self) -> Vec<String> {
         let part = |name, value| CasePart::new(CaseGroup::Surface, name, value).text();
         let material = MaterialWords::of(self.material).in_text;
-        let smoothness = self.at.smoothness.map(|s| part("s", short(s)));
-        let mut parts: Vec<String> = smoothness.into_iter().chain(self.grooves()).collect();
+        let roughness = self.roughness_part().map(|part| part.text());
+        let mut parts: Vec<String> = roughness.into_iter().chain(self.grooves()).collect();
         parts.push(material.text());
         parts.extend(self.at.others.iter().map(Coordinate::text));
         let theta = short(self.light.incidence.theta_deg());
@@ -256,16 +285,15 @@ impl Case {
     /// The case in a title or legend of a figure, as in `s = 3, n = 1/1.4, θᵢ = 30°`; the azimuth of the light is that on a given surface.
     #[must_use]
     pub fn figure_label(&self) -> String {
-        let smoothness = self.at.smoothness.map(|s| match self.anisotropy() {
-            None => format!("s = {}", short(s)),
-            Some([s_y, azimuth]) => {
-                let [s, s_y, azimuth] = [s, s_y, azimuth].map(short);
-                format!("s = {s} along {azimuth}°, {s_y} across")
+        let roughness = self.roughness_part().map(|part| match self.anisotropy() {
+            None => part.text(),
+            Some([second, azimuth]) => {
+                format!("{} along {azimuth}°, {second} across", part.text())
             }
         });
-        let is_given = smoothness.is_none();
+        let is_given = roughness.is_none();
         let incidence = self.light.incidence;
-        let mut parts: Vec<String> = smoothness.into_iter().collect();
+        let mut parts: Vec<String> = roughness.into_iter().collect();
         parts.push(self.panel_label());
         parts.push(format!("θᵢ = {}°", short(incidence.theta_deg())));
         if is_given {
@@ -279,15 +307,19 @@ impl Case {
     #[must_use]
     pub fn folder(&self) -> String {
         let theta = format!("theta{}", short(self.light.incidence.theta_deg()));
-        let smoothness = self.at.smoothness.map(|s| format!("s{}", short(s)));
+        let roughness = self.roughness_part();
         let layer = self.layer().map(|layer| layer_tag(&layer));
         // On a given surface the light stands last.
-        let (before, after) = match smoothness {
+        let (before, after) = match roughness {
             Some(_) => (None, layer),
             None => (layer, None),
         };
         let others = self.at.others.iter();
-        let parts = smoothness
+        let roughness = roughness.map(|part| match part.name.as_str() {
+            GGX_ALPHA => format!("alpha{}", part.value),
+            name => format!("{name}{}", part.value),
+        });
+        let parts = roughness
             .into_iter()
             .chain([MaterialWords::of(self.material).tag])
             .chain(before)
@@ -310,7 +342,7 @@ impl Case {
         use CaseGroup::{Layer, Material, Other, Surface};
         let part = CasePart::new;
         let mut parts = Vec::new();
-        parts.extend(self.at.smoothness.map(|s| part(Surface, "s", short(s))));
+        parts.extend(self.roughness_part());
         parts.extend(
             self.grooves()
                 .map(|grooves| CasePart::bare(Surface, "grooves", grooves)),
@@ -378,14 +410,18 @@ impl Case {
         let path = path.filter(|path| path.is_finite());
         let kind = MaterialWords::of(self.material).kind;
         let incidence = self.light.incidence;
+        let roughness = self.roughness().map(|(name, [first, _])| (name, first));
+        let roughness = match roughness {
+            Some((GGX_ALPHA, alpha)) => {
+                column(Surface, "alpha", "", "roughness alpha of GGX", json!(alpha))
+            }
+            smoothness => {
+                let s = smoothness.map(|(_, s)| s);
+                column(Surface, "s", "", "smoothness tau / sigma", json!(s))
+            }
+        };
         let mut columns = vec![
-            column(
-                Surface,
-                "s",
-                "",
-                "smoothness tau / sigma",
-                json!(self.at.smoothness),
-            ),
+            roughness,
             column(Material, "material", "", "kind of material", json!(kind)),
             column(
                 Material,
@@ -493,6 +529,9 @@ impl Case {
         let members = [surface, unit, material, layer];
         let members = members.into_iter().flatten();
         out.extend(members.map(|(key, value)| (key.to_owned(), value)));
+        if let Some((GGX_ALPHA, [alpha, _])) = self.roughness() {
+            out.insert("ggx_alpha".to_owned(), json!(alpha));
+        }
         let others = self.at.others.iter();
         out.extend(others.map(|one| (one.name.clone(), json!(one.value))));
     }

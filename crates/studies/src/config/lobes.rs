@@ -1,10 +1,13 @@
 //! Lobes of a case against its bins: bins that refine around narrow lobes, and what is said of lobes that bins do not resolve.
 
-use asperity_simulate::{CaseBins, Lobe, short};
+use asperity_simulate::{CaseBins, Lobe, three_digits};
 use asperity_tally::{Side, TallySpec};
 use serde::Serialize;
 
 use super::RunConfig;
+
+/// Half width that is none, degrees: the root of the rounding of a variance of one, 1.5e-8 rad, rounded up.
+const NO_WIDTH: f64 = 1e-6;
 
 impl RunConfig {
     /// Bins of its own that a case of these lobes has; `None` where bins are named, or bins of equal angles resolve the lobes of all
@@ -64,7 +67,10 @@ impl BinnedLobe {
             ..
         } = self.lobe;
         let arc = |widths: [f64; 2]| {
-            let [along, across] = widths.map(|width| short(rounded(width)));
+            let [along, across] = widths.map(|width| match width < NO_WIDTH {
+                true => "0".to_owned(),
+                false => three_digits(width),
+            });
             format!("{along} x {across} deg")
         };
         let remedy = match self.lobe.is_mirror_like() {
@@ -73,20 +79,11 @@ impl BinnedLobe {
         };
         Some(format!(
             "the lobe of {side} light at theta {} deg falls to half within {}, and its bin is {} wide: the mean BSDF of the bin lies below the peak; {remedy}",
-            short(rounded(theta_deg)),
+            three_digits(theta_deg),
             arc(half_width_deg),
             arc(self.bin_deg),
         ))
     }
-}
-
-/// Numbers to three digits.
-fn rounded(value: f64) -> f64 {
-    if value == 0.0 {
-        return value;
-    }
-    let unit = 10_f64.powi(value.abs().log10().floor() as i32 - 2);
-    (value / unit).round() * unit
 }
 
 #[cfg(test)]
@@ -171,5 +168,6 @@ mod tests {
         }
         assert_eq!(of(fixed, 40.0).len(), 2);
         assert!(of("", 1e7)[0].contains("no bins resolve it"));
+        assert!(of("", 1e12)[0].contains("within 0 x 0 deg"));
     }
 }

@@ -152,7 +152,7 @@ pub enum UnitError {
     },
     /// Lengths are to be converted from a unit that is not known.
     #[error(
-        "lengths are to be in {unit}, as --unit or the file of another surface says, but the file states no unit; say what its numbers are in with --assume-unit"
+        "the file states no unit, so that its lengths cannot be converted into {unit}; say what its numbers are in with --assume-unit"
     )]
     Unknown {
         /// The requested unit.

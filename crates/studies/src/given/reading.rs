@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use asperity_io::{
-    MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh, shown,
+    HeightMapFormat, MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh,
+    shown,
 };
 use asperity_simulate::{Observer, counted, short};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, MissingPolicy};
@@ -146,9 +147,13 @@ impl MeasuredConfig {
         let raw = self.scaled(read_height_map(path)?);
         let mut raw = raw.map_err(|error| FileProblem::from(error).at(path))?;
         let mut notes = std::mem::take(&mut raw.notes);
-        if !raw.spacing_is_known() {
+        let spacing = raw.spacing_note();
+        notes
+            .extend(spacing.map(|note| format!("{note}; set it with --spacing and --assume-unit")));
+        let is_text = HeightMapFormat::from_path(path) == Some(HeightMapFormat::Text);
+        if is_text && raw.spacing_is_known() && raw.unit == LengthUnit::Arbitrary {
             notes.push(
-                "the file has no spacing: 1 is assumed; set it with --spacing and --assume-unit"
+                "the file states no unit: x, y and heights are taken to be in one; name it with --assume-unit"
                     .to_owned(),
             );
         }

@@ -1,10 +1,10 @@
 //! Peak of the BRDF or BTDF of one direction: the brightest bin of a side.
 
-use asperity_simulate::short;
 use asperity_tally::{BinFilter, Estimate, Side};
 use serde::Serialize;
 
 use super::outcome::Direction;
+use crate::output::{in_steps, with_error};
 use crate::report::disc_bins::disc_bins;
 
 /// Standard deviations of chi-squared within which bins count as equal.
@@ -19,7 +19,7 @@ pub(super) struct Peak {
     /// Edges of the bin in azimuth; `None` if the bins of its ring differ by no more than noise.
     phi_deg: Option<[f64; 2]>,
     /// Mean BSDF of the bin, 1/sr.
-    pub(super) bsdf: Estimate,
+    bsdf: Estimate,
 }
 
 impl Peak {
@@ -42,9 +42,17 @@ impl Peak {
         })
     }
 
+    /// Its BSDF at the middle of its bin, as in "0.302 +- 0.031 at 29.8, 180".
+    pub(super) fn text(&self) -> String {
+        format!("{} at {}", with_error(self.bsdf), self.place())
+    }
+
     /// The middle of the bin, "29.8, 180"; "2.5, any" if light is spread evenly over azimuth.
-    pub(super) fn place(&self) -> String {
-        let middle = |[from, to]: [f64; 2]| short(0.5 * (from + to));
+    fn place(&self) -> String {
+        let middle = |[from, to]: [f64; 2]| {
+            let digit = 10_f64.powi((to - from).log10().floor() as i32 - 1);
+            in_steps(0.5 * (from + to), digit)
+        };
         let phi = self.phi_deg.map_or_else(|| "any".to_owned(), middle);
         format!("{}, {phi}", middle(self.theta_deg))
     }
@@ -91,5 +99,6 @@ mod tests {
         };
         assert_eq!(peak(None).place(), "2.5, any");
         assert_eq!(peak(Some([110.0, 120.0])).place(), "2.5, 115");
+        assert_eq!(peak(Some([110.0, 111.4634])).place(), "2.5, 110.7");
     }
 }

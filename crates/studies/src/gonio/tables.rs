@@ -266,7 +266,8 @@ pub(super) fn bsdf<'a>(outcome: &'a GonioOutcome<'_>) -> Csv<'a> {
         .with_rows(direction_bins(outcome))
 }
 
-/// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.
+/// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv. Of both sides, that without any light is
+/// left out, and so are other ends of light that no light has.
 pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
     type Row<'a> = Direction<'a>;
     let incidence = |row: &Row<'_>| row.case.light.incidence;
@@ -285,25 +286,26 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction<'_>> {
                 Component::All => side.to_string(),
                 component => component.name().into_owned(),
             };
-            Column::estimate(name, "", move |row: &Row<'_>| row.flux(component, side))
+            let flux = move |row: &Row<'_>| row.flux(component, side);
+            let column = Column::estimate(name, "", flux);
+            match side {
+                Side::Transmitted if spec.records(Side::Reflected) => column.dropped_if_empty(),
+                _ => column,
+            }
         }));
         table = table.columns(averaging_column(spec, side));
     }
-    for side in spec.sides() {
-        let name = match side {
-            Side::Reflected => "BRDF peak (1/sr)",
-            Side::Transmitted => "BTDF peak (1/sr)",
-        };
-        let bsdf = move |row: &Row<'_>| Some(Peak::of(row, side)?.bsdf);
-        let place = move |row: &Row<'_>| Some(Peak::of(row, side)?.place());
-        table = table
-            .column(Column::estimate(name, "", bsdf))
-            .column(Column::new("at theta, phi", "", place));
-    }
     let ends = ["absorbed", "truncated"].into_iter().enumerate();
-    table.columns(
-        ends.map(|(i, name)| {
-            Column::estimate(name, "", move |row: &Row<'_>| Some(row.endings()?[i]))
-        }),
-    )
+    table = table.columns(ends.map(|(i, name)| {
+        let end = move |row: &Row<'_>| Some(row.endings()?[i]);
+        Column::estimate(name, "", end).dropped_if_empty()
+    }));
+    table.columns(spec.sides().map(|side| {
+        let name = match side {
+            Side::Reflected => "BRDF peak (1/sr) at theta, phi",
+            Side::Transmitted => "BTDF peak (1/sr) at theta, phi",
+        };
+        let peak = move |row: &Row<'_>| Some(Peak::of(row, side)?.text());
+        Column::new(name, "", peak).dropped_if_empty()
+    }))
 }

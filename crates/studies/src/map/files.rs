@@ -8,7 +8,9 @@ use super::config::MapConfig;
 use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::outcome::MapOutcome;
-use super::summary::{grooves, is_in_panel, map_table, panels, smoothness, thetas};
+use super::summary::{
+    grooves, is_in_panel, map_table, panels, roughness, roughness_name, smoothness, thetas,
+};
 use super::tables;
 use crate::report::effort::effort;
 use crate::report::views::Views;
@@ -87,7 +89,11 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
         ),
         models: models.clone(),
         materials: panels.into_iter().map(Case::panel_label).collect(),
-        smoothness,
+        roughness_label: match roughness_name(outcome) {
+            "s" => "smoothness s".to_owned(),
+            name => name.to_owned(),
+        },
+        roughness: smoothness.iter().map(|s| roughness(outcome, *s)).collect(),
         theta_deg: thetas,
         tolerance: tolerances.total_variation.0,
         cells,

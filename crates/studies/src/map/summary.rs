@@ -1,9 +1,9 @@
-//! Summary of a map: from which smoothness on a model is within tolerance, and its numbers of cells.
+//! Summary of a map: from which roughness on a model is within tolerance, and its numbers of cells.
 
 use std::fmt::Write;
 
 use asperity_optics::Material;
-use asperity_simulate::{Case, Coordinate, short};
+use asperity_simulate::{Case, Coordinate, GGX_ALPHA, short};
 use serde::Serialize;
 
 use super::cell::{CellResults, ComparedLight, FEWEST_SURFACES};
@@ -25,8 +25,8 @@ pub struct ModelSummary {
     pub light: ComparedLight,
     /// The model.
     pub model: String,
-    /// For each angle of the map, ascending, in degrees: the least smoothness from which the model is
-    /// within tolerance at this angle and all below it, at every smoothness of the map above; `None` if not even at the largest.
+    /// For each angle of the map, ascending, in degrees: the least smoothness from which the model is within tolerance at this angle and
+    /// all below it, at every smoothness of the map above; of GGX slopes the largest alpha. `None` if not even on the smoothest surfaces.
     pub within_from: Vec<(f64, Option<f64>)>,
     /// Cells within tolerance, beyond it, and not resolved.
     pub cells: [usize; 3],
@@ -58,6 +58,20 @@ pub(super) fn thetas(outcome: &MapOutcome) -> Vec<f64> {
 pub(super) fn smoothness(outcome: &MapOutcome) -> Vec<f64> {
     let cases = outcome.plan.cases.iter();
     ascending(cases.filter_map(|case| case.at.smoothness))
+}
+
+/// Name of the roughness of the cells.
+pub(super) fn roughness_name(outcome: &MapOutcome) -> &'static str {
+    let roughness = outcome.plan.cases.first().and_then(Case::roughness);
+    roughness.map_or("s", |(name, _)| name)
+}
+
+/// The roughness of the cells of a smoothness, as it is named.
+pub(super) fn roughness(outcome: &MapOutcome, smoothness: f64) -> f64 {
+    let cases = &mut outcome.plan.cases.iter();
+    let case = cases.find(|case| case.at.smoothness == Some(smoothness));
+    let roughness = case.and_then(Case::roughness);
+    roughness.map_or(smoothness, |(_, [first, _])| first)
 }
 
 /// Each of these values once.
@@ -119,7 +133,7 @@ fn verdicts(
     here.filter_map(verdict).collect()
 }
 
-/// The least smoothness from which all cells up to `theta` are there and within tolerance.
+/// The roughness, that of the least smoothness, from which all cells up to `theta` are there and within tolerance.
 fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> Option<f64> {
     let angles = thetas(outcome).into_iter().filter(|t| *t <= theta).count();
     let is_within = |s: &f64| {
@@ -133,17 +147,19 @@ fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> 
     };
     let mut smooth_first = smoothness(outcome);
     smooth_first.reverse();
-    smooth_first.into_iter().take_while(is_within).last()
+    let last = smooth_first.into_iter().take_while(is_within).last();
+    last.map(|s| roughness(outcome, s))
 }
 
-/// Meaning of `s` on anisotropic surfaces, which are all of one shape.
+/// Meaning of the roughness on anisotropic surfaces, which are all of one shape.
 pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
-    let recipe = outcome.plan.cases.first()?.surface.recipe()?;
-    let [ratio, azimuth] = recipe.anisotropy()?;
+    let case = outcome.plan.cases.first()?;
+    let [_, azimuth] = case.surface.recipe()?.anisotropy()?;
+    let (name, [first, second]) = case.roughness()?;
     Some(format!(
-        "s along the first axis, at {} deg from x; across it s is {} times as large",
+        "{name} along the first axis, at {} deg from x; across it {name} is {} times as large",
         short(azimuth.to_degrees()),
-        short(ratio)
+        short(second / first)
     ))
 }
 
@@ -154,11 +170,19 @@ pub(super) fn map_table(outcome: &MapOutcome) -> String {
     let list = |values: Vec<f64>| values.into_iter().map(short).collect::<Vec<_>>().join(", ");
     let (all, missing) = (outcome.results.len(), outcome.missing());
     let done = all - missing;
+    let name = roughness_name(outcome);
+    let values = smoothness(outcome)
+        .into_iter()
+        .map(|s| roughness(outcome, s));
+    let bound = match name {
+        GGX_ALPHA => format!("largest {name} up to"),
+        _ => format!("least {name} from"),
+    };
     let _ = writeln!(
         out,
-        "validity map: {done} of {} cells; s = {}; theta = {} deg",
+        "validity map: {done} of {} cells; {name} = {}; theta = {} deg",
         all,
-        list(smoothness(outcome)),
+        list(values.collect()),
         list(thetas(outcome)),
     );
     if let Some(grooves) = grooves(outcome) {
@@ -173,7 +197,7 @@ pub(super) fn map_table(outcome: &MapOutcome) -> String {
     }
     let _ = writeln!(
         out,
-        "within tolerance: the 95 % confidence interval of each measure lies within total variation {}, energy of each side {} of the incident flux, direction of each peak {} deg; beyond: that of one measure lies outside; not resolved: neither. Confidence is per measure and cell, not corrected for the number of cells.\nBy angle of incidence: the least s from which a model is within tolerance at that angle and all smaller ones. Then the numbers of cells.",
+        "within tolerance: the 95 % confidence interval of each measure lies within total variation {}, energy of each side {} of the incident flux, direction of each peak {} deg; beyond: that of one measure lies outside; not resolved: neither. Confidence is per measure and cell, not corrected for the number of cells.\nBy angle of incidence: the {bound} which a model is within tolerance at that angle and all smaller ones. Then the numbers of cells.",
         short(tolerances.total_variation.0),
         short(tolerances.energy.0),
         short(tolerances.peak.0),
@@ -201,7 +225,7 @@ pub(super) fn map_table(outcome: &MapOutcome) -> String {
     wrapped(&out)
 }
 
-/// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
+/// A row per model: from which roughness on it is within the tolerances, and its numbers of cells.
 fn table<'a>(outcome: &MapOutcome<'_>) -> Table<'a, ModelSummary> {
     let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
         let heading = match i {

@@ -181,7 +181,10 @@ impl ModelConfig {
         let s = roughness.smoothness.as_ref();
         let s = s.ok_or_else(|| EvaluationError::Lacks {
             name: name.to_owned(),
-            needs: "a rough surface: give --smoothness, --slopes-of, or --slopes ggx with --ggx-alpha",
+            needs: match OF_GGX.contains(&name) {
+                true => "a rough surface: give --smoothness, --slopes-of, or --slopes ggx with --ggx-alpha",
+                false => "a rough surface: give --smoothness or --slopes-of",
+            },
         })?;
         let s = s.one("smoothness")?.0;
         if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {

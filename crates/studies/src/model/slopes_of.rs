@@ -137,9 +137,7 @@ impl FileSlopes {
 fn table_of_map(path: &Path, notes: &mut Vec<String>) -> Result<SlopeTable, SlopeFileError> {
     let mut raw = read_height_map(path)?;
     notes.append(&mut raw.notes);
-    if !raw.spacing_is_known() {
-        notes.push("the file has no spacing: 1 is assumed".to_owned());
-    }
+    notes.extend(raw.spacing_note());
     if raw.missing() > 0 {
         notes.push(format!("missing points, {}, were filled", raw.missing()));
     }

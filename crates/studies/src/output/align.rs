@@ -19,6 +19,33 @@ pub(crate) fn aligned(rows: &[Vec<String>], keys: usize) -> String {
     blocks.join("\n")
 }
 
+/// Fewest characters of a line of a folded cell.
+const LEAST_FOLDED: usize = 12;
+
+/// Rows whose last cells are broken at blanks into further rows, so that they fit in [`TEXT_WIDTH`].
+pub(crate) fn folded(rows: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    let widths = widths(&rows);
+    let Some((_, others)) = widths.split_last() else {
+        return rows;
+    };
+    let taken: usize = others.iter().map(|width| width + GAP.len()).sum();
+    let width = TEXT_WIDTH.saturating_sub(taken).max(LEAST_FOLDED);
+    let mut out = Vec::new();
+    for mut row in rows {
+        let last = row.pop().unwrap_or_default();
+        for line in joined(last.split(' '), " ", "", width).split('\n') {
+            let line = std::iter::once(line.to_owned());
+            out.push(
+                std::mem::replace(&mut row, vec![String::new(); others.len()])
+                    .into_iter()
+                    .chain(line)
+                    .collect(),
+            );
+        }
+    }
+    out
+}
+
 /// Width of each column, characters.
 fn widths(rows: &[Vec<String>]) -> Vec<usize> {
     let mut widths = Vec::new();
@@ -79,7 +106,9 @@ fn block(rows: &[Vec<String>], widths: &[usize], columns: &[usize], keys: usize)
 #[must_use]
 pub fn wrapped(text: &str) -> String {
     let lines = text.split('\n');
-    let lines: Vec<String> = lines.map(|line| joined(line.split(' '), " ", "")).collect();
+    let lines: Vec<String> = lines
+        .map(|line| joined(line.split(' '), " ", "", TEXT_WIDTH))
+        .collect();
     lines.join("\n")
 }
 
@@ -93,7 +122,12 @@ pub(crate) fn note_lines<'a>(notes: impl IntoIterator<Item = &'a String>) -> Str
 
 /// One paragraph whose lines all begin with `indent`.
 pub(crate) fn indented(text: &str, indent: &str) -> String {
-    joined(format!("{indent}{text}").split(' '), " ", indent)
+    joined(
+        format!("{indent}{text}").split(' '),
+        " ",
+        indent,
+        TEXT_WIDTH,
+    )
 }
 
 /// `heading`, then items with commas between them. Items that do not fit into the line begin a new one, set in by
@@ -105,16 +139,21 @@ pub(crate) fn listed(heading: &str, items: &[String]) -> String {
         format!("{item}{comma}")
     });
     let items: Vec<String> = std::iter::once(heading.to_owned()).chain(items).collect();
-    joined(items.iter().map(String::as_str), GAP, GAP)
+    joined(items.iter().map(String::as_str), GAP, GAP, TEXT_WIDTH)
 }
 
-/// Pieces with `gap` between them, in lines whose further ones begin with `indent`.
-fn joined<'a>(pieces: impl Iterator<Item = &'a str>, gap: &str, indent: &str) -> String {
+/// Pieces with `gap` between them, in lines of at most `most` characters whose further ones begin with `indent`.
+fn joined<'a>(
+    pieces: impl Iterator<Item = &'a str>,
+    gap: &str,
+    indent: &str,
+    most: usize,
+) -> String {
     let mut out = String::new();
     let mut taken = 0;
     for (i, piece) in pieces.enumerate() {
         let width = piece.chars().count();
-        if i > 0 && taken + gap.len() + width > TEXT_WIDTH {
+        if i > 0 && taken + gap.len() + width > most {
             out.push('\n');
             out.push_str(indent);
             taken = indent.len();
@@ -175,6 +214,27 @@ mod tests {
         // A cell that is wider than a line is not cut.
         let wider = "y".repeat(100);
         assert!(aligned(&rows(&[&["a", &wider]]), 1).contains(&wider));
+    }
+
+    #[test]
+    fn last_cells_that_do_not_fit_go_on_below() {
+        let value = "x".repeat(50);
+        let text = rows(&[
+            &["name", "value", "meaning"],
+            &["a", &value, "one two three four five"],
+        ]);
+        let text = aligned(&folded(text), 1);
+        let blank = " ".repeat(58);
+        assert_eq!(
+            text,
+            format!(
+                "name  {:<50}  meaning\na     {value}  one two three four\n{blank}five\n",
+                "value"
+            )
+        );
+        let fits = rows(&[&["a", "b c"]]);
+        assert_eq!(folded(fits.clone()), fits);
+        assert!(folded(Vec::new()).is_empty());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use asperity_simulate::short;
 use asperity_tally::{Estimate, zero_variance_limit};
 use serde::Serialize;
 
-use super::number::{two_digits, with_error};
+use super::number::{NO_SCATTER, two_digits, with_error};
 
 /// Means this near to one are of samples that are all one, but for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -50,7 +50,7 @@ impl From<Estimate> for EstimateWithLimit {
 
 impl EstimateWithLimit {
     pub(crate) fn new(estimate: Estimate, basis: Basis) -> Self {
-        let agree = estimate.se == Some(0.0);
+        let agree = estimate.se.is_some_and(|se| se <= NO_SCATTER);
         let limit = match basis {
             Basis::Samples(count) if agree => Some(zero_variance_limit(count).min(1.0)),
             _ => None,
@@ -65,6 +65,11 @@ impl EstimateWithLimit {
         }
     }
 
+    /// Returns `true` if all samples are zero.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.estimate.mean == 0.0 && self.estimate.se == Some(0.0)
+    }
+
     pub(crate) const fn estimate(&self) -> Estimate {
         self.estimate
     }
@@ -72,10 +77,10 @@ impl EstimateWithLimit {
     /// Text: with an error, as exact, as integrated, or with a limit.
     pub(crate) fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
-        match (se, self.below, self.above) {
-            (Some(0.0), Some(limit), _) => format!("0 (< {}, 95 %)", two_digits(limit)),
-            (Some(0.0), _, Some(limit)) => format!("1 (> 1 - {}, 95 %)", two_digits(1.0 - limit)),
-            (Some(0.0), ..) => match self.basis {
+        match (se.filter(|se| *se > NO_SCATTER), self.below, self.above) {
+            (None, Some(limit), _) => format!("0 (< {}, 95 %)", two_digits(limit)),
+            (None, _, Some(limit)) => format!("1 (> 1 - {}, 95 %)", two_digits(1.0 - limit)),
+            (None, ..) if se.is_some() => match self.basis {
                 Basis::Proven => format!("{} (exact)", short(mean)),
                 Basis::Quadrature => format!("{} (quadrature)", short(mean)),
                 Basis::NotComputed => "not computed".to_owned(),
@@ -124,6 +129,13 @@ mod tests {
             ["0.04 (exact)", "0.04 (no scatter)", "0.04 (no scatter)"]
         );
         assert_eq!(agreed(0.04, Basis::Quadrature).text(), "0.04 (quadrature)");
+        // Rounding of a mean is no scatter
+        let rounded = Estimate {
+            mean: 1.0 - 1e-15,
+            se: Some(3e-14),
+        };
+        let found = EstimateWithLimit::new(rounded, Basis::Samples(1e4));
+        assert_eq!(found.text(), "1 (> 1 - 3.0e-4, 95 %)");
         let scattered = Estimate {
             mean: 0.5,
             se: Some(0.1),

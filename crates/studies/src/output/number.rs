@@ -3,10 +3,13 @@
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 
+/// Largest standard error that is rounding: a path of a thousand events rounds its flux by 2e-13 of the incident one.
+pub(crate) const NO_SCATTER: f64 = 1e-12;
+
 /// A mean with its standard error to two digits, as in `0.024812 +- 0.000042`.
 pub(crate) fn with_error(estimate: Estimate) -> String {
     match estimate.se {
-        Some(se) if se > 0.0 => {
+        Some(se) if se > NO_SCATTER => {
             let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
             let mean = format!("{:.digits$}", estimate.mean);
             // What rounds to zero has no sign.
@@ -14,9 +17,22 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
             let mean = mean.strip_prefix('-').filter(|_| is_zero).unwrap_or(&mean);
             format!("{mean} +- {se:.digits$}")
         }
-        Some(_) => format!("{} (no scatter)", short(estimate.mean)),
+        Some(_) => format!("{} (no scatter)", in_steps(estimate.mean, NO_SCATTER)),
         None => format!("{} (no error)", short(estimate.mean)),
     }
+}
+
+/// A number to the sixth digit of `scale`, below which it is noise: 0 where all of it is.
+pub(crate) fn beside(value: f64, scale: f64) -> String {
+    match scale > 0.0 {
+        true => in_steps(value, 10_f64.powi(scale.log10().floor() as i32 - 5)),
+        false => short(value),
+    }
+}
+
+/// A number rounded to a multiple of `step`.
+pub(crate) fn in_steps(value: f64, step: f64) -> String {
+    short((value / step).round() * step + 0.0)
 }
 
 /// Sentence on results that a stop cut short, if there are any.
@@ -68,6 +84,8 @@ mod tests {
         let estimate = |mean, se| with_error(Estimate { mean, se: Some(se) });
         assert_eq!(estimate(0.024_812_3, 0.000_041_7), "0.024812 +- 0.000042");
         assert_eq!(estimate(0.5, 0.0), "0.5 (no scatter)");
+        assert_eq!(estimate(1.0, 2e-15), "1 (no scatter)");
+        assert_eq!(estimate(-3e-17, 2e-17), "0 (no scatter)");
         assert_eq!(estimate(-0.000_41, 0.023), "0.000 +- 0.023");
         assert_eq!(estimate(-0.000_61, 0.023), "-0.001 +- 0.023");
         assert_eq!(
@@ -77,6 +95,15 @@ mod tests {
             }),
             "0.25 (no error)"
         );
+    }
+
+    #[test]
+    fn numbers_below_the_last_digit_of_their_scale_are_zero() {
+        assert_eq!(beside(2.64698e-22, 1.5e-7), "0");
+        assert_eq!(beside(-6.2e-10, 1.6), "0");
+        assert_eq!(beside(1234.56, 30.0), "1234.56");
+        assert_eq!(beside(-9.26715e-6, 0.1087), "-9e-6");
+        assert_eq!(beside(1e-30, 0.0), "1e-30");
     }
 
     #[test]

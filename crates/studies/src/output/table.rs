@@ -12,7 +12,7 @@ use asperity_simulate::short;
 use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
 
-use super::align::aligned;
+use super::align::{aligned, folded};
 use super::basis::EstimateWithLimit;
 
 /// A value of a table.
@@ -102,6 +102,7 @@ pub(crate) struct Column<'a, R> {
     about: Cow<'a, str>,
     heading: Option<Cow<'a, str>>,
     format: Format,
+    drops_if_empty: bool,
     value: Box<dyn Fn(&R) -> Cell + 'a>,
 }
 
@@ -119,6 +120,7 @@ impl<'a, R> Column<'a, R> {
             about: about.into(),
             heading: None,
             format: Format::Short,
+            drops_if_empty: false,
             value: Box::new(move |row| value(row).into()),
         }
     }
@@ -151,6 +153,22 @@ impl<'a, R> Column<'a, R> {
     pub(crate) fn format(mut self, format: Format) -> Self {
         self.format = format;
         self
+    }
+
+    /// Left out of text where all of its cells are empty or zero without an error.
+    pub(crate) fn dropped_if_empty(mut self) -> Self {
+        self.drops_if_empty = true;
+        self
+    }
+
+    /// Returns `true` if it is left out of the text of `rows`.
+    fn is_dropped(&self, rows: &[impl Borrow<R>]) -> bool {
+        let is_nothing = |row: &R| match (self.value)(row) {
+            Cell::Empty => true,
+            Cell::Estimate(found) => found.is_nothing(),
+            Cell::Number(_) | Cell::Count(_) | Cell::Text(_) => false,
+        };
+        self.drops_if_empty && rows.iter().all(|row| is_nothing(row.borrow()))
     }
 
     /// Name of the column of standard errors.
@@ -305,6 +323,11 @@ impl<'a, R> Table<'a, R> {
         aligned(&self.cells(rows), self.keys)
     }
 
+    /// The rows as aligned text, a line per row, whose last cells are broken into lines where they do not fit.
+    pub(crate) fn folded_text(&self, rows: impl IntoIterator<Item = impl Borrow<R>>) -> String {
+        aligned(&folded(self.cells(rows)), self.keys)
+    }
+
     /// The rows as aligned text, a line per column.
     pub(crate) fn transposed_text(&self, rows: impl IntoIterator<Item = impl Borrow<R>>) -> String {
         let cells = self.cells(rows);
@@ -321,9 +344,12 @@ impl<'a, R> Table<'a, R> {
             let heading = column.heading.as_ref().unwrap_or(&column.name);
             heading.to_string()
         };
-        let mut cells = vec![self.columns.iter().map(heading).collect()];
-        cells.extend(rows.into_iter().map(|row| {
-            let texts = self.columns.iter().map(|column| column.text(row.borrow()));
+        let rows: Vec<_> = rows.into_iter().collect();
+        let columns = self.columns.iter();
+        let columns: Vec<_> = columns.filter(|column| !column.is_dropped(&rows)).collect();
+        let mut cells = vec![columns.iter().copied().map(heading).collect()];
+        cells.extend(rows.iter().map(|row| {
+            let texts = columns.iter().map(|column| column.text(row.borrow()));
             texts.collect::<Vec<String>>()
         }));
         cells
@@ -387,6 +413,23 @@ mod tests {
                 {"theta": 30.0, "lit": {"mean": 0.981_234_5, "se": 0.0021}, "surfaces": 12},
                 {"theta": 60.5, "lit": null, "surfaces": 3},
             ])
+        );
+    }
+
+    #[test]
+    fn columns_in_which_nothing_is_are_left_out_of_text_if_they_say_so() {
+        let estimate = |mean, se| Some(Estimate { mean, se: Some(se) });
+        let text = |of: [f64; 2]| {
+            let value = move |row: &f64| estimate(*row, 0.1 * row);
+            let column = Column::estimate("absorbed", "", value).dropped_if_empty();
+            let table = Table::new().column(Column::new("n", "", |row: &f64| *row));
+            let table = table.column(column);
+            table.text(of)
+        };
+        assert_eq!(text([0.0, 0.0]), "n\n0\n0\n");
+        assert_eq!(
+            text([0.0, 1.0]),
+            "n  absorbed\n0  0 (no scatter)\n1  1.00 +- 0.10\n"
         );
     }
 

@@ -37,5 +37,5 @@ pub(crate) fn areal_table(parameters: &Iso25178, unit: LengthUnit) -> String {
             "azimuth across the grooves, from +x",
         ),
     ];
-    parameter_table().text(rows)
+    parameter_table().folded_text(rows)
 }

@@ -1,6 +1,6 @@
 //! The plots of a run, as SVG and PNG.
 
-use asperity_analysis::{BsdfModel, FlatLayer, MODEL_NAMES, in_plane_flux};
+use asperity_analysis::{BsdfModel, in_plane_flux};
 use asperity_io::write_bytes;
 use asperity_optics::Incidence;
 use asperity_plot::{
@@ -139,11 +139,31 @@ pub(crate) const fn plot_side(side: Side) -> PlotSide {
     }
 }
 
-/// Number of a model in figures, which gives it its colour: its place among all models, whichever are drawn.
+/// Models in the order of their looks, which new ones at the end leave as they are.
+const LOOKS: [&str; 17] = [
+    "xu-sun",
+    "xu-sun-mc",
+    "xu-sun-mc-smith",
+    "smith",
+    "smith-separable",
+    "ggx",
+    "ggx-separable",
+    "smith-slopes",
+    "heitz",
+    "heitz-ggx",
+    "heitz-polarised",
+    "v-cavity",
+    "cook-torrance-neumann",
+    "cook-torrance-neumann-smith",
+    "oren-nayar",
+    "hanrahan-krueger",
+    "flat-layer",
+];
+
+/// Number of a model in figures, which gives it its colour, dashes and marker, whichever models are drawn or known.
 fn model_number(name: &str) -> usize {
-    let mut names = MODEL_NAMES.iter().chain(&FlatLayer::NAMES);
-    let place = names.position(|known| *known == name);
-    place.unwrap_or(MODEL_NAMES.len() + FlatLayer::NAMES.len())
+    let place = LOOKS.iter().position(|known| *known == name);
+    place.unwrap_or(LOOKS.len())
 }
 
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
@@ -335,6 +355,20 @@ fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use asperity_analysis::{FlatLayer, MODEL_NAMES};
+
+    #[test]
+    fn every_model_has_a_look_of_its_own() {
+        let mut names: Vec<&str> = MODEL_NAMES
+            .iter()
+            .chain(&FlatLayer::NAMES)
+            .copied()
+            .collect();
+        let mut looks = LOOKS.to_vec();
+        names.sort_unstable();
+        looks.sort_unstable();
+        assert_eq!(names, looks);
+    }
 
     #[test]
     fn bins_stand_at_the_mean_angle_of_their_solid_angle() {

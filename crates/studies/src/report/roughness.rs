@@ -5,7 +5,7 @@ use asperity_surface::{LengthUnit, Roughness, SplineRoughness, SteepestFacet, Tr
 use asperity_synthesis::{Compared, DrawnRoughness, Gradients, SteeperThan};
 
 use super::structure::structure_table;
-use crate::output::{Column, Table};
+use crate::output::{Column, Table, beside};
 
 /// A parameter with its value and convention.
 pub(super) struct Parameter {
@@ -64,8 +64,19 @@ pub(crate) fn roughness_table(r: &Roughness) -> String {
     format!(
         "{nx} x {ny} samples, spacing {dx} x {dy}{u}, tile {x} x {y}{u}, {} border\n{}",
         r.border,
-        parameter_table().text(rows.chain([steepest(&r.steepest)]))
+        parameter_table().folded_text(rows.chain([steepest(&r.steepest)]))
     )
+}
+
+/// A mean height, beside the root mean square.
+fn mean(r: &Roughness, mean: f64, sq: f64) -> String {
+    format!("{}{}", beside(mean, sq), suffix(r.unit))
+}
+
+/// Mean slopes, beside the root mean square gradient.
+fn slope_mean(mean: [f64; 2], sdq: f64) -> String {
+    let [x, y] = mean.map(|slope| beside(slope, sdq));
+    format!("{x}, {y}")
 }
 
 /// Parameters of heights.
@@ -73,7 +84,7 @@ fn heights(r: &Roughness) -> [Parameter; 8] {
     let length = |value| format!("{}{}", short(value), suffix(r.unit));
     let row = Parameter::new;
     [
-        row("mean", length(r.mean), "mean height, left out below"),
+        row("mean", mean(r, r.mean, r.sq), "mean height, left out below"),
         row("Sq", length(r.sq), "root mean square height, sigma"),
         row("Sa", length(r.sa), "mean absolute height"),
         row("Sp", length(r.sp), "highest peak above the mean"),
@@ -92,7 +103,7 @@ fn slopes(r: &Roughness) -> [Parameter; 3] {
         row("Sdq", short(r.sdq), "root mean square gradient"),
         row(
             "slope mean x, y",
-            values(r.slope_mean),
+            slope_mean(r.slope_mean, r.sdq),
             "tilt; see --remove plane",
         ),
         row(
@@ -163,12 +174,18 @@ pub(crate) fn smooth_table(r: &Roughness, smooth: &SplineRoughness) -> String {
     let slopes = |of: [f64; 2]| pair(of.map(Some));
     let facet_tau = [r.equivalent_tau_x, r.equivalent_tau_y];
     let rows = [
-        row("mean", [r.mean, smooth.mean].map(length)),
+        row(
+            "mean",
+            [mean(r, r.mean, r.sq), mean(r, smooth.mean, smooth.sq)],
+        ),
         row("Sq", [r.sq, smooth.sq].map(length)),
         row("Sdq", [r.sdq, smooth.sdq].map(short)),
         row(
             "slope mean x, y",
-            [r.slope_mean, smooth.slope_mean].map(slopes),
+            [
+                slope_mean(r.slope_mean, r.sdq),
+                slope_mean(smooth.slope_mean, smooth.sdq),
+            ],
         ),
         row(
             "slope variance x, y",

@@ -398,16 +398,17 @@ impl Document {
 
     /// Refuses a layer with values that exclude each other, or with one case twice.
     fn check_layer(&self, layer: &[Entry]) -> Result<(), SettingError> {
-        let excluded = |first: &Entry, second: &Entry| {
+        let excluded = |first: &Entry, second: &Entry, advice| {
             Err(SettingError::Excluded {
                 first: first.given.clone(),
                 second: second.given.text.clone(),
+                advice,
             })
         };
         for (i, entry) in layer.iter().enumerate() {
             let same = |other: &&Entry| std::ptr::eq(other.setting, entry.setting);
             if let Some(other) = layer[..i].iter().find(same) {
-                return excluded(other, entry);
+                return excluded(other, entry, "give one or the other");
             }
             let repeats =
                 |values: &Vec<Value>| (1..values.len()).any(|i| values[..i].contains(&values[i]));
@@ -428,7 +429,7 @@ impl Document {
                 continue;
             };
             if let Some((second, _)) = chosen.find(|(_, other)| other.name != variant.name) {
-                return excluded(first, second);
+                return excluded(first, second, group.advice);
             }
         }
         Ok(())

@@ -61,12 +61,14 @@ pub enum SettingError {
         expected: String,
     },
     /// Two values that exclude each other, or of one setting.
-    #[error("{first}: excludes {}; give one or the other", shown(second))]
+    #[error("{first}: excludes {}; {advice}", shown(second))]
     Excluded {
         /// One of them.
         first: Given,
         /// The text of the other.
         second: String,
+        /// What to do.
+        advice: &'static str,
     },
     /// A model of a name that is not known.
     #[error("{}unknown model `{}`{known}", before_name(given, name), shown(name))]

@@ -14,6 +14,9 @@ use super::setting::{Arity, Setting};
 use super::suggestion::{known_names, roughness_hint, suggestion};
 use super::value_text::read_text;
 
+/// The lines of a configuration.
+const LINES: &str = "a section begins with its name in brackets, as in [surface], and a value follows its key, as in smoothness = 3";
+
 /// A configuration file that is being read.
 pub(super) struct File<'a> {
     pub(super) command: Command,
@@ -243,7 +246,11 @@ impl File<'_> {
                 .unwrap_or_default();
         let reason = shown(&message.trim().replace('\n', " "));
         let (line, written) = (line.trim(), shown(line.trim()));
+        let beginning: String = self.text.split_whitespace().take(2).collect();
         let reason = match line.split_once('=') {
+            _ if beginning.starts_with('{') || beginning.starts_with("[{") => {
+                format!("it is JSON, but a configuration is TOML: {LINES}")
+            }
             // The value is what is wrong if the line is not TOML by itself either.
             Some((key, _)) if DeTable::parse(line).is_err() => {
                 let section = self.section_before(start);
@@ -258,7 +265,7 @@ impl File<'_> {
                 }
             }
             Some(_) => format!("`{written}` is not valid TOML: {reason}"),
-            None => reason,
+            None => format!("`{written}` is not valid TOML: {LINES}"),
         };
         SettingError::Syntax {
             place: self.place(start),

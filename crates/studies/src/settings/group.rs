@@ -24,6 +24,8 @@ pub(super) struct Group {
     pub(super) only_with: &'static str,
     /// Name of what is missing where no variant is chosen; empty where none is needed.
     pub(super) required: &'static str,
+    /// Advice to who gives settings of two variants.
+    pub(super) advice: &'static str,
     /// `true` if defaults of other variants hold as well.
     pub(super) keeps_all_defaults: bool,
     pub(super) variants: &'static [Variant],
@@ -57,6 +59,7 @@ pub(super) const fn group_by(kind: &'static str, variants: &'static [Variant]) -
         kind,
         only_with: "",
         required: "",
+        advice: "give one or the other",
         keeps_all_defaults: false,
         variants,
     }
@@ -82,6 +85,11 @@ impl Group {
 
     pub(super) const fn required(mut self, name: &'static str) -> Self {
         self.required = name;
+        self
+    }
+
+    pub(super) const fn advice(mut self, advice: &'static str) -> Self {
+        self.advice = advice;
         self
     }
 

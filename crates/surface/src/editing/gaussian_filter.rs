@@ -26,8 +26,7 @@ const REACH: f64 = 1.7;
 pub enum FilterError {
     /// The nesting index is so short that the grid has no waves to remove, or longer than the surface.
     #[error(
-        "invalid nesting index {}: must be from two samples, {}, to the extent of the \
-         surface, {}",
+        "invalid cut-off wavelength (nesting index) {}: must be from {}, two samples, to {}, the extent of the surface",
         short(*index),
         short(*least),
         short_below(*largest)

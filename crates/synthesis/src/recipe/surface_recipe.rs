@@ -231,6 +231,16 @@ impl SurfaceRecipe {
         }
     }
 
+    /// GGX's `alpha` along the principal axes, of surfaces of such slopes and before any erosion; `None` of all others.
+    #[must_use]
+    pub fn ggx_alpha(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::StudentSlopes(student) => Some(student.alpha()),
+            Self::Eroded(surface) => surface.before().ggx_alpha(),
+            Self::Gaussian(_) | Self::Transformed(_) | Self::Structured(_) => None,
+        }
+    }
+
     /// Returns `true` if the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {

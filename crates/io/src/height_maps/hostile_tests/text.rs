@@ -366,8 +366,37 @@ fn decimal_commas_are_told_from_separators() {
     refused(
         HeightMapFormat::Text,
         b"1.234,5;2\n3;4\n",
-        "`1.234,5` is not a number",
+        "`1.234,5` is not a number; numbers are needed, or nan or bad for missing points; digits in groups are not read",
     );
+}
+
+#[test]
+fn exponents_of_fortran_and_lines_of_old_macintoshes_are_read() {
+    let plain = heights_of("0.5 1.25 -300\n2 4.5 6e-1\n");
+    for text in [
+        "0.5D0 1.25d+00 -3D+02\n2 4.5 6D-1\n",
+        "0.5D0,1.25d+00,-3D+02\n2,4.5,6D-1\n",
+        "0,5D0;1,25d+00;-3D+02\n2;4,5;6D-1\n",
+        "0.5 1.25 -300\r2 4.5 6e-1\r",
+        "# by hand\r0.5 1.25 -300\r2 4.5 6e-1",
+    ] {
+        assert_eq!(heights_of(text), plain, "{text}");
+    }
+    refused(
+        HeightMapFormat::Text,
+        b"1 2\r3 x\r",
+        "line 2, column 3: `x`",
+    );
+}
+
+#[test]
+fn numbers_in_quotes_and_digits_in_groups_are_told() {
+    let told = |text: &str, what: &str| refused(HeightMapFormat::Text, text.as_bytes(), what);
+    told("\"0.5\",\"1\"\n", "quotes around numbers are not read");
+    told("1 2\n'3' 4\n", "quotes around numbers are not read");
+    told("1,234.5;2\n", "digits in groups are not read");
+    told("1,234,567;2\n", "digits in groups are not read");
+    told("\"a\",\"b\"\n", "a heading above the numbers is not read");
 }
 
 #[test]

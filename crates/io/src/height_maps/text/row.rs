@@ -5,7 +5,7 @@
 //! missing where one of [`MISSING`] stands in upper or lower case, or where a field is empty.
 
 use crate::error::ReadProblem;
-use crate::text_lines::{Line, decimal, short};
+use crate::text_lines::{Line, decimal, number, short};
 
 /// Words for a missing point, beside `nan`.
 const MISSING: [&str; 6] = ["bad", "na", "n/a", "null", "missing", "nodata"];
@@ -57,7 +57,7 @@ impl Row<'_> {
             fields.try_for_each(|field| push(field, decimal(field)))?;
         } else if by_comma {
             let mut fields = text.split(',').map(str::trim);
-            fields.try_for_each(|field| push(field, field.parse().ok()))?;
+            fields.try_for_each(|field| push(field, number(field)))?;
         } else {
             let mut fields = text.split_whitespace();
             fields.try_for_each(|field| push(field, decimal(field)))?;
@@ -66,7 +66,17 @@ impl Row<'_> {
     }
 
     fn not_a_number(&self, field: &str, is_first: bool) -> ReadProblem {
+        let is_grouped = |field: &str| {
+            let digits = field.trim_start_matches(['-', '+']).replace(['.', ','], "");
+            let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
+            is_number && field.matches(['.', ',']).count() > 1
+        };
+        let unquoted = field.trim_matches(['"', '\'']);
         let heading = match is_first {
+            _ if unquoted != field && decimal(unquoted).is_some() => {
+                "; quotes around numbers are not read: remove them"
+            }
+            _ if is_grouped(field) => "; digits in groups are not read: write 1234.5 or 1234,5",
             true => "; a heading above the numbers is not read: remove it, or let it begin with #",
             false => "",
         };

@@ -41,9 +41,7 @@ impl Source {
             raw = raw.in_unit(unit).map_err(|error| failed(error.into()))?;
         }
         let mut notes = std::mem::take(&mut raw.notes);
-        if !raw.spacing_is_known() {
-            notes.push("the file has no spacing: 1 is assumed".to_owned());
-        }
+        notes.extend(raw.spacing_note());
         match raw.missing() {
             0 => {}
             1 => notes.push("1 missing point was filled".to_owned()),

@@ -68,7 +68,8 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
                 "surface.arrangement",
                 "surface.spread",
             ]),
-    ]),
+    ])
+    .advice("roughness on top of a structure is given by sigma and tau"),
     group(&[
         variant("smoothness").when(&["surface.smoothness", "surface.smoothness_y"]),
         variant("sigma").when(&["surface.sigma"]),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::error::MissingError;
 use super::fill::fill;
 use crate::height_field::check_grid;
-use crate::{Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord};
+use crate::{Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord, short};
 
 /// Treatment of points that have no height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -101,6 +101,14 @@ impl RawHeightMap {
             spacing_is_known: false,
             ..self
         }
+    }
+
+    /// Note on a spacing that the source does not state.
+    #[must_use]
+    pub fn spacing_note(&self) -> Option<String> {
+        let [dx, dy] = self.spacing.map(short);
+        let assumed = if dx == dy { dx } else { format!("{dx} x {dy}") };
+        (!self.spacing_is_known).then(|| format!("the file has no spacing: {assumed} is assumed"))
     }
 
     /// Returns `true` if the source states the spacing.
