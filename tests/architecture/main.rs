@@ -153,13 +153,17 @@ fn folders_of_height_fields_use_only_what_lies_below_them() {
 }
 
 /// Folders of random surfaces, each with those that it may use.
-const SYNTHESIS: [(&str, &[&str]); 6] = [
+const SYNTHESIS: [(&str, &[&str]); 7] = [
+    ("gives_up", &[]),
     ("spectra", &[]),
     ("structures", &[]),
     ("recipe", &["erosion", "spectra", "structures"]),
-    ("drawing", &["erosion", "recipe", "spectra", "structures"]),
+    (
+        "drawing",
+        &["erosion", "gives_up", "recipe", "spectra", "structures"],
+    ),
     ("realised", &["recipe", "spectra", "structures"]),
-    ("erosion", &[]),
+    ("erosion", &["gives_up"]),
 ];
 
 #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use asperity_surface::{Border, HeightField, HeightFieldError};
-use asperity_synthesis::{Provenance, Psd, Synthesis, SynthesisError};
+use asperity_synthesis::{NEVER, Provenance, Psd, Synthesis, SynthesisError};
 
 fn assert_close(found: &HeightField, expected: &HeightField, tolerance: f64) {
     let worst = found
@@ -204,7 +204,7 @@ fn surface_is_the_same_in_reused_memory() {
         let surface = synthesis.draw(1, 2).unwrap();
         for samples in [0, 7, 41 * 43, 50 * 50] {
             let room = vec![f64::NAN; samples];
-            assert_eq!(synthesis.draw_into(1, 2, room).unwrap(), surface);
+            assert_eq!(synthesis.draw_into(1, 2, room, NEVER).unwrap(), surface);
         }
     }
 }
