@@ -54,7 +54,7 @@ pub const GRACE: Duration = Duration::from_millis(500);
 
 /// Time that a run takes at least for its first result, however short its own time is, so that the same command, run again and again, comes to
 /// an end.
-pub const TIME_OF_FIRST: Duration = Duration::from_secs(1);
+pub const TIME_OF_FIRST: Duration = Duration::from_secs(3);
 
 /// Ends a run when its time is over.
 pub struct Deadline<'a> {

@@ -120,7 +120,7 @@ fn add_figures<'v, J, F>(
         let Some(case) = shown(found) else {
             return Ok(0);
         };
-        if observer.gives_up() {
+        if observer.gives_up_first() {
             return Ok(count);
         }
         draw(&place.join(&within), &case)?;

@@ -50,7 +50,7 @@ pub(crate) fn save_unless<E>(
 where
     ReportError: From<E>,
 {
-    if observer.gives_up() {
+    if observer.gives_up_first() {
         return Ok(1);
     }
     if let Some(figure) = draw()? {

@@ -69,7 +69,7 @@ fn height_maps(
     folders: &[String],
     observer: &dyn Observer,
 ) -> Result<usize, ReportError> {
-    let gives_up = || observer.gives_up();
+    let gives_up = || observer.gives_up_first();
     let mut left_out = 0;
     let cases: Vec<(&Judgement<'_>, Place<'_>)> = outcome
         .cases
