@@ -2,11 +2,11 @@
 
 use asperity_io::ResultFolder;
 use asperity_results::Container;
-use asperity_simulate::{Observer, counted};
+use asperity_simulate::{Deadline, Observer, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{Findings, Study, StudyError};
 
-use crate::common::{Common, Results};
+use crate::common::{Common, Results, time_limit};
 use crate::end::{Again, End, EndedRun, stopped_without_results};
 use crate::failure::Failure;
 use crate::output::{result_folder, say, say_notes};
@@ -17,7 +17,12 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     let refused = |error| Failure::of_study(document, error);
     let results = Results::of(document).map_err(Failure::usage)?;
     let progress = Progress::new(common);
-    let study = S::plan(document, &progress).map_err(refused)?;
+    let time = time_limit(document).map_err(Failure::usage)?;
+    let observer = Deadline::new(&progress, time);
+    let study = S::plan(document, &observer).map_err(|error| match error.is_stopped() {
+        true => stopped_without_results(observer.stop(), &error, "nothing is written"),
+        false => refused(error),
+    })?;
     say_notes(study.notes());
     let names = study
         .views()
@@ -43,7 +48,7 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
     let shown = Shown {
         results: &results,
         common,
-        progress: &progress,
+        observer: &observer,
         folder: folder.as_ref(),
     };
     let error = match run_and_show(&study, &mut found, &shown) {
@@ -62,14 +67,14 @@ pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End,
         }
         _ => "nothing is written",
     };
-    Err(stopped_without_results(progress.stop(), &error, left))
+    Err(stopped_without_results(observer.stop(), &error, left))
 }
 
 /// Where the results of a run go.
 struct Shown<'a> {
     results: &'a Results,
     common: &'a Common,
-    progress: &'a Progress,
+    observer: &'a dyn Observer,
     folder: Option<&'a ResultFolder>,
 }
 
@@ -85,14 +90,15 @@ fn run_and_show<S: Study>(
     found: &mut Container<'_, S::Kept>,
     shown: &Shown<'_>,
 ) -> Result<End, Stop> {
-    let findings = study.run(found, shown.progress).map_err(Stop::Study)?;
+    let findings = study.run(found, shown.observer).map_err(Stop::Study)?;
+    let mut undrawn = 0;
     if let Some(folder) = shown.folder {
         let views = study.views().map_err(|error| Stop::Study(error.into()))?;
-        views
-            .write(folder, &findings, shown.progress)
+        undrawn = views
+            .write(folder, &findings, shown.observer)
             .map_err(|error| Stop::Failure(Failure::failed(error)))?;
     }
-    let end = ended(&findings, shown.folder).map_err(Stop::Failure)?;
+    let end = ended(&findings, shown, undrawn).map_err(Stop::Failure)?;
     shown.common.say_if(findings.work());
     shown
         .results
@@ -101,16 +107,32 @@ fn run_and_show<S: Study>(
     Ok(end)
 }
 
-fn ended(findings: &impl Findings, folder: Option<&ResultFolder>) -> Result<End, Failure> {
-    let (so_far, again) = match folder {
-        Some(_) => ("the results so far are written", Again::Resumes),
-        None => ("these are the results so far", Again::ResumesWithOutput),
+/// Ends a run that left out `undrawn` figures, since its time was over or an interrupt came.
+fn ended(findings: &impl Findings, shown: &Shown<'_>, undrawn: usize) -> Result<End, Failure> {
+    let (all, so_far, again) = match shown.folder {
+        Some(_) => (
+            "the results are written",
+            "the results so far are written",
+            Again::Resumes,
+        ),
+        None => ("", "these are the results so far", Again::ResumesWithOutput),
     };
+    let stopped_by = findings.stopped_by();
     let progress = findings.progress();
+    let mut so_far = match stopped_by {
+        Some(_) => progress.as_deref().unwrap_or(so_far).to_owned(),
+        None => all.to_owned(),
+    };
+    if undrawn > 0 {
+        let are = if undrawn == 1 { "is" } else { "are" };
+        let figures = counted(undrawn as u64, "figure");
+        so_far += &format!(", {figures} {are} not drawn");
+    }
+    let undrawn = || (undrawn > 0).then(|| shown.observer.stop()).flatten();
     let ended = EndedRun {
-        stopped_by: findings.stopped_by(),
-        so_far: progress.as_deref().unwrap_or(so_far),
+        stopped_by: stopped_by.or_else(undrawn),
+        so_far: &so_far,
         again,
     };
-    ended.close(folder)
+    ended.close(shown.folder)
 }

@@ -143,13 +143,17 @@ const SURFACE: [(&str, &[&str]); 6] = [
 ];
 
 /// Folders of random surfaces, each with those that it may use.
-const SYNTHESIS: [(&str, &[&str]); 6] = [
+const SYNTHESIS: [(&str, &[&str]); 7] = [
+    ("gives_up", &[]),
     ("spectra", &[]),
     ("structures", &[]),
     ("recipe", &["erosion", "spectra", "structures"]),
-    ("drawing", &["erosion", "recipe", "spectra", "structures"]),
+    (
+        "drawing",
+        &["erosion", "gives_up", "recipe", "spectra", "structures"],
+    ),
     ("realised", &["recipe", "spectra", "structures"]),
-    ("erosion", &[]),
+    ("erosion", &["gives_up"]),
 ];
 
 /// Folders and files of the tracer, each with those that it may use.

@@ -350,6 +350,39 @@ fn comparisons_with_models_end_with_the_time_of_the_run() {
     assert!(report.contains("ended before the case was compared with models"));
 }
 
+#[test]
+fn figures_that_there_is_no_time_for_are_left_out_and_counted() {
+    let keep = tempfile::tempdir().unwrap();
+    let line = "verify --size 32 --tau 4 --insist --models none --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --max-time 0.1";
+    let began = Instant::now();
+    let output = asperity(keep.path(), &words(line));
+    let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));
+    assert!(
+        output.status.success() && seconds < 9.0,
+        "{seconds} s: {errors}"
+    );
+    assert!(
+        errors.contains(" figures are not drawn, and the same command resumes"),
+        "{errors}"
+    );
+}
+
+#[test]
+fn an_estimator_that_needs_known_slopes_is_refused_before_slopes_are_measured() {
+    let keep = tempfile::tempdir().unwrap();
+    for line in [
+        "verify --repose 1 --slip-steps 100000 --estimator controlled -o o",
+        "gonio --repose 1 --slip-steps 100000 --estimator controlled -o o",
+        "converge --repose 1 --slip-steps 100000 --estimators controlled -o o",
+    ] {
+        let error = refused(keep.path(), &words(line), 2);
+        assert!(
+            error.contains("needs the distribution of slopes"),
+            "{error}"
+        );
+    }
+}
+
 /// Runs whose first direction, cell or group of rays takes far longer than their time.
 #[test]
 fn every_command_ends_soon_after_its_time_limit() {
@@ -362,6 +395,7 @@ fn every_command_ends_soon_after_its_time_limit() {
         format!("map {random} --models smith -o m"),
         format!("verify {random} --models none -o v"),
         format!("verify {steep} --models none -o s"),
+        "verify --size 8192 --tau 16 --theta 10 --models none --no-plots -o l".to_owned(),
         "trace h.exr --theta 30 --rays 1e12 --no-plots -o t".to_owned(),
         "render h.exr --size 64x48 --samples 1e9 -o r.exr".to_owned(),
     ] {

@@ -63,7 +63,7 @@ pub use integrals::control_variate::{
 };
 pub use integrals::deviation_bound::deviation_bound;
 pub use integrals::energy::{HemisphericalEnergy, hemispherical_energy};
-pub use integrals::expectation::{Expectation, SamplingEffort, expect};
+pub use integrals::expectation::{Expectation, SamplingEffort, expect, expect_unless};
 pub use integrals::flux::{bin_fluxes, flux_into, in_plane_flux};
 pub use integrals::tabulated::region_influence;
 pub use integrals::unshadowed::unshadowed_fluxes;

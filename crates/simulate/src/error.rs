@@ -11,7 +11,7 @@ use asperity_tracer::{BuildError, MAX_TILES, MAX_TILES_AT_45_DEGREES, TracedLaye
 pub enum SimulateError {
     /// The surfaces cannot be drawn.
     #[error(transparent)]
-    Synthesis(#[from] SynthesisError),
+    Synthesis(SynthesisError),
     /// The slopes of the surfaces have no density.
     #[error(transparent)]
     Slopes(#[from] SlopeError),
@@ -112,6 +112,15 @@ pub enum SimulateError {
     /// The run was stopped before there was any result.
     #[error("stopped before the first surface was finished")]
     Interrupted,
+}
+
+impl From<SynthesisError> for SimulateError {
+    fn from(error: SynthesisError) -> Self {
+        match error {
+            SynthesisError::GivenUp => Self::Interrupted,
+            error => Self::Synthesis(error),
+        }
+    }
 }
 
 impl SimulateError {

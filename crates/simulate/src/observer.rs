@@ -52,7 +52,8 @@ impl Observer for Silent {
 /// Time after a stop in which what is under way may still be finished.
 pub const GRACE: Duration = Duration::from_millis(500);
 
-/// Time that a run takes at least for its first result, so that the same command, run again and again, comes to an end.
+/// Time that a run takes at least for its first result, however short its own time is, so that the same command, run again and again, comes to
+/// an end.
 pub const TIME_OF_FIRST: Duration = Duration::from_secs(3);
 
 /// Ends a run when its time is over.

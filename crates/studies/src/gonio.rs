@@ -16,7 +16,7 @@ mod tables;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Deadline, Observer, Outcome, StoppedBy};
+use asperity_simulate::{Observer, Outcome, StoppedBy};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -25,11 +25,10 @@ pub use self::outcome::{Direction, GonioOutcome};
 use self::summary::gonio_table;
 
 use crate::config::error::ConfigError;
-use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished};
+use crate::study::{Findings, Study, finished, tracing};
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
@@ -125,11 +124,11 @@ impl Study for GonioStudy {
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
     ) -> Result<GonioOutcome<'a>, StudyError> {
-        let time = self.config.run.max_time.and_then(Seconds::duration);
-        let observer = &Deadline::new(observer, time);
+        let draws = self.config.output.plots;
+        let tracing = &tracing(observer, self.config.run.max_time, draws);
         // Of each direction moments alone are kept.
         let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
-        found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
         found.close()?;
         self.judge(found)
     }

@@ -14,7 +14,7 @@ mod tables;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet, ResultsError};
-use asperity_simulate::{Deadline, Observer, Outcome, StoppedBy};
+use asperity_simulate::{Observer, Outcome, StoppedBy};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -23,11 +23,10 @@ pub use self::outcome::{MapCell, MapOutcome};
 use self::summary::map_table;
 
 use crate::config::error::ConfigError;
-use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished};
+use crate::study::{Findings, Study, finished, tracing};
 use crate::verify::judge_case;
 use crate::verify::plan::Plan;
 
@@ -120,15 +119,14 @@ impl Study for MapStudy {
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
     ) -> Result<MapOutcome<'a>, StudyError> {
-        let time = self.config.run.max_time.and_then(Seconds::duration);
-        let observer = &Deadline::new(observer, time);
+        let tracing = &tracing(observer, self.config.run.max_time, true);
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
             let judged = judge_case(&verification, outcome, observer)?;
             let is_judged = !judged.models.is_empty();
             Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };
-        found.run_missing_moments(&self.plan.cases, &self.plan.settings, observer, derive)?;
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
         found.close()?;
         self.judge(found)
     }

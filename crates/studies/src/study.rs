@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use asperity_io::ResultFolder;
 use asperity_results::{Container, Header, Stored};
-use asperity_simulate::{Observer, StoppedBy, counted};
+use asperity_simulate::{Deadline, Observer, StoppedBy, counted};
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
+use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
@@ -24,7 +25,8 @@ pub trait Study: Sized {
     /// Reads the configuration and the surfaces of a document, and plans the study. Files that are read are explained to `observer`.
     ///
     /// # Errors
-    /// [`StudyError`] if a value is invalid, two contradict each other, a file cannot be read, or surfaces cannot be drawn or held.
+    /// [`StudyError`] if a value is invalid, two contradict each other, a file cannot be read, surfaces cannot be drawn or held, or
+    /// `observer` gives the first result up.
     fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError>;
 
     /// Notes for the user on the files that were read, one sentence each.
@@ -55,7 +57,8 @@ pub trait Study: Sized {
         Ok(Container::open(folder, self.header()?)?)
     }
 
-    /// Computes what `found` lacks, until a stop, and judges all of it.
+    /// Computes what `found` lacks, until `observer` stops it, and judges all of it. A time limit of the settings is the observer's to keep;
+    /// the study shares it out.
     ///
     /// # Errors
     /// [`StudyError`] if a case cannot be computed or judged, or a stop comes before there is any result.
@@ -66,10 +69,17 @@ pub trait Study: Sized {
     ) -> Result<Self::Findings<'a>, StudyError>;
 }
 
-/// Time to trace, of that of a whole run: the last tenth is left for comparisons with models and for figures, of short times the last
-/// third, up to two seconds.
-pub(crate) fn time_to_trace(whole: Duration) -> Duration {
-    whole - (whole / 10).max((whole / 3).min(Duration::from_secs(2)))
+/// Ends tracing before the time of a run is over, if other work `follows`: the last tenth is left for comparisons with models and for
+/// figures, of short times the last third, up to two seconds.
+pub(crate) fn tracing(
+    observer: &dyn Observer,
+    whole: Option<Seconds>,
+    follows: bool,
+) -> Deadline<'_> {
+    let to_trace =
+        |whole: Duration| whole - (whole / 10).max((whole / 3).min(Duration::from_secs(2)));
+    let whole = whole.and_then(Seconds::duration).filter(|_| follows);
+    Deadline::new(observer, whole.map(to_trace))
 }
 
 /// The results of a study, judged.

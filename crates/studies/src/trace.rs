@@ -11,7 +11,7 @@ mod region_plan;
 mod text;
 
 use asperity_results::{CaseResult, Header, ResultSet, Stored};
-use asperity_simulate::{Deadline, Observer, SimulateError, StoppedBy};
+use asperity_simulate::{Observer, SimulateError, StoppedBy};
 use serde::Serialize;
 use serde_json::json;
 
@@ -23,11 +23,10 @@ use self::text::trace_table;
 use crate::config::OutputConfig;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
-use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, time_to_trace};
+use crate::study::{Findings, Study, tracing};
 
 impl Study for TraceStudy {
     type Kept = CaseResult;
@@ -69,18 +68,16 @@ impl Study for TraceStudy {
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
     ) -> Result<TraceOutcome<'a>, StudyError> {
-        let time = self.config.run.max_time.and_then(Seconds::duration);
-        let deadline = Deadline::new(observer, time);
-        let compares = self.comparison.is_some();
-        let tracing = Deadline::new(&deadline, time.filter(|_| compares).map(time_to_trace));
+        let follows = self.comparison.is_some() || self.config.output.plots;
+        let tracing = &tracing(observer, self.config.run.max_time, follows);
         let cases = std::slice::from_ref(&self.case);
-        found.run_missing(0, cases, &self.settings, &tracing)?;
+        found.run_missing(0, cases, &self.settings, tracing)?;
         if let (Some(planned), Some(whole)) = (&self.comparison, found.case(0)) {
             let rays = whole.outcome.work.rays;
             if !whole.is_cut_short() {
                 // All regions together have as many rays.
                 let settings = planned.settings(rays);
-                match found.run_missing(1, cases, &settings, &tracing) {
+                match found.run_missing(1, cases, &settings, tracing) {
                     Err(SimulateError::Interrupted) => {}
                     run => run?,
                 }
@@ -93,7 +90,7 @@ impl Study for TraceStudy {
         let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
         let comparison = compared.map(|(planned, regions)| {
             let seed = self.config.run.seed;
-            planned.judge(&self.case, &regions.outcome, seed, &deadline)
+            planned.judge(&self.case, &regions.outcome, seed, observer)
         });
         let comparison = comparison.transpose()?;
         let mut outcome = TraceOutcome {
@@ -106,7 +103,7 @@ impl Study for TraceStudy {
         outcome.stopped_by = if whole.is_cut_short() {
             Some(whole.outcome.stopping.stopped_by)
         } else if outcome.lacks_comparison() {
-            deadline.stop().or(Some(StoppedBy::Interrupt))
+            observer.stop().or(Some(StoppedBy::Interrupt))
         } else {
             None
         };

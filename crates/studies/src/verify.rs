@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use asperity_analysis::SmithSlopes;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Deadline, Observer, Outcome, StoppedBy, SurfaceSource, counted};
+use asperity_simulate::{Observer, Outcome, StoppedBy, SurfaceSource, counted};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -26,11 +26,10 @@ use crate::comparison::slope_tables::SlopeSymmetry;
 use crate::config::VerifyConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
-use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, time_to_trace};
+use crate::study::{Findings, Study, tracing};
 use crate::verify::plan::Plan;
 
 impl VerifyConfig {
@@ -132,11 +131,9 @@ impl Study for VerifyStudy {
         observer: &dyn Observer,
     ) -> Result<VerifyOutcome<'a>, StudyError> {
         let began = Instant::now();
-        let time = self.config.run.max_time.and_then(Seconds::duration);
-        let observer = &Deadline::new(observer, time);
-        let compares = !self.config.compare.models.is_empty();
-        let tracing = Deadline::new(observer, time.filter(|_| compares).map(time_to_trace));
-        found.run_missing(0, &self.plan.cases, &self.plan.settings, &tracing)?;
+        let follows = !self.config.compare.models.is_empty() || self.config.output.plots;
+        let tracing = &tracing(observer, self.config.run.max_time, follows);
+        found.run_missing(0, &self.plan.cases, &self.plan.settings, tracing)?;
         found.close()?;
         let mut judged = self.judge(found, observer)?;
         judged.seconds = began.elapsed().as_secs_f64();

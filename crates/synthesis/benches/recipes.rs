@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use asperity_synthesis::{
-    FieldSynthesis, Psd, Resolution, StudentSlopes, SurfaceRecipe, TransformedHeights,
+    FieldSynthesis, NEVER, Psd, Resolution, StudentSlopes, SurfaceRecipe, TransformedHeights,
 };
 
 const N: usize = 2048;
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
             for (i, (_, synthesis, _)) in planned.iter().enumerate() {
                 let start = Instant::now();
                 let room = std::mem::take(&mut rooms[i]);
-                let field = synthesis.draw_into(1, realisation, room)?;
+                let field = synthesis.draw_into(1, realisation, room, NEVER)?;
                 times[i].push(start.elapsed().as_secs_f64() * 1e3);
                 rooms[i] = black_box(field).into_heights();
             }

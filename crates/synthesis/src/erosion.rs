@@ -12,6 +12,7 @@ mod slip;
 
 use serde::{Deserialize, Serialize};
 
+use crate::gives_up::{GivesUp, NEVER};
 use asperity_surface::HeightField;
 
 pub use self::error::{ErosionError, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS};
@@ -53,12 +54,28 @@ impl Erosion {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of(&self, field: &HeightField) -> Result<HeightField, ErosionError> {
+        let worn = self.of_unless(field, NEVER)?;
+        Ok(worn.unwrap_or_else(|| field.clone()))
+    }
+
+    /// The surface as [`Erosion::of`]; `None` once `gives_up` returns `true`.
+    ///
+    /// # Errors
+    /// Errors of [`Erosion::of`].
+    pub fn of_unless(
+        &self,
+        field: &HeightField,
+        gives_up: GivesUp<'_>,
+    ) -> Result<Option<HeightField>, ErosionError> {
         self.check(field.spacing())?;
         let heights = match self {
-            Self::Etch(etch) => etch.heights(field),
-            Self::Slip(slip) => slip.heights(field),
+            Self::Etch(etch) => etch.heights(field, gives_up),
+            Self::Slip(slip) => slip.heights(field, gives_up),
         };
-        Ok(field.with_heights(heights)?)
+        match gives_up() {
+            true => Ok(None),
+            false => Ok(Some(field.with_heights(heights)?)),
+        }
     }
 
     /// Refuses parameters that are out of range on a grid of this spacing.

@@ -26,6 +26,7 @@
 
 mod drawing;
 mod erosion;
+mod gives_up;
 mod realised;
 mod recipe;
 mod spectra;
@@ -38,6 +39,7 @@ pub use drawing::{
     UNRESOLVED_SLOPES,
 };
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
+pub use gives_up::{GivesUp, NEVER};
 pub use realised::{
     Compared, DrawnRoughness, Expectation, Gradients, Realised, RealisedStructure, SteeperThan,
 };

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
-use asperity_synthesis::{Psd, Synthesis};
+use asperity_synthesis::{NEVER, Psd, Synthesis};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,
@@ -176,7 +176,7 @@ fn realisations(n: usize) {
             let mut field = None;
             let draw = time(|| {
                 field = synthesis
-                    .draw_into(1, turn as u64, std::mem::take(&mut room))
+                    .draw_into(1, turn as u64, std::mem::take(&mut room), NEVER)
                     .ok();
             });
             let mut surface = None;

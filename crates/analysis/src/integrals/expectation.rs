@@ -15,6 +15,9 @@ use crate::microfacet::lambda_map::MapSize;
 use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
 use asperity_numerics::fnv1a;
 
+/// Rays of a batch between two questions whether it is given up.
+const RAYS_UNASKED: u64 = 1024;
+
 /// Number of rays of a random walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SamplingEffort {
@@ -53,6 +56,20 @@ pub fn expect(
     azimuth: Azimuth,
     effort: SamplingEffort,
 ) -> Expectation {
+    let found = expect_unless(model, incidence, spec, azimuth, effort, &|| false);
+    found.unwrap_or_else(|| unreachable!("it is not given up"))
+}
+
+/// Expectation as of [`expect`]; `None` once `gives_up` returns `true`, which is asked several times a second.
+#[must_use]
+pub fn expect_unless(
+    model: &dyn ScatteringModel,
+    incidence: Incidence,
+    spec: &TallySpec,
+    azimuth: Azimuth,
+    effort: SamplingEffort,
+    gives_up: &(dyn Fn() -> bool + Sync),
+) -> Option<Expectation> {
     let single = model
         .density()
         .map(|density| single_scattering(density, incidence, spec));
@@ -66,20 +83,21 @@ pub fn expect(
                 .into_par_iter()
                 .map(|batch| {
                     let rng = walk_stream(effort.seed, model.name(), batch);
-                    let mut tally = batch_of(walk, incidence, spec, azimuth, rays, rng);
+                    let tally = Tally::new(*spec, azimuth);
+                    let mut tally = batch_of(walk, incidence, tally, rays, rng, gives_up)?;
                     if let Some(single) = &single {
                         tally.replace_single_scattering(single);
                     }
-                    tally
+                    Some(tally)
                 })
-                .collect();
+                .collect::<Option<_>>()?;
             (tallies, rays * batches)
         }
     };
-    Expectation {
+    Some(Expectation {
         exact_single,
         ..Expectation::of(*spec, model.scope(), tallies, rays)
-    }
+    })
 }
 
 impl Expectation {
@@ -193,16 +211,18 @@ fn single_scattering(
 fn batch_of(
     walk: &dyn RandomWalk,
     incidence: Incidence,
-    spec: &TallySpec,
-    azimuth: Azimuth,
+    mut tally: Tally,
     rays: u64,
     mut rng: ChaCha8Rng,
-) -> TallyValues {
-    let mut tally = Tally::new(*spec, azimuth);
-    for _ in 0..rays {
+    gives_up: &(dyn Fn() -> bool + Sync),
+) -> Option<TallyValues> {
+    for ray in 0..rays {
+        if ray.is_multiple_of(RAYS_UNASKED) && gives_up() {
+            return None;
+        }
         walk.follow(incidence.wi(), &mut rng, &mut tally);
     }
-    tally.into_fractions(rays)
+    Some(tally.into_fractions(rays))
 }
 
 /// The random stream of one batch. The ChaCha key holds a name, the seed and the model, and the batch is the

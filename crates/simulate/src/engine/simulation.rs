@@ -7,12 +7,12 @@ use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
-use super::prepare::group::Group;
+use super::prepare::group::{CASES_AT_ONCE, Group};
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::limits::check_results;
 use crate::input::settings::{Effort, Settings};
-use crate::observer::Observer;
+use crate::observer::{Observer, Silent};
 use crate::output::outcome::Outcome;
 use crate::store::SurfaceStore;
 
@@ -60,9 +60,6 @@ pub fn simulate(
 /// part after the other: the control variates of thousands of cases would fill the memory, and take long before any is traced.
 const GROUPS_AT_ONCE: usize = 32;
 
-/// Most cases of the groups of such a part but its last.
-const CASES_AT_ONCE: usize = 64;
-
 /// Number of the first groups that are such a part; `cases`: those of each group.
 fn at_once(cases: impl Iterator<Item = usize>) -> usize {
     let mut all = 0;
@@ -91,11 +88,21 @@ impl Simulation {
     /// # Errors
     /// Same as [`simulate`].
     pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
-        Self::of_missing(cases, settings, |_| false)
+        let simulation = Self::of_missing(cases, settings, |_| false)?;
+        let first = at_once(simulation.groups.iter().map(Group::len));
+        let groups = simulation.groups.into_iter().enumerate();
+        let prepared = groups.map(|(i, group)| match i < first {
+            true => group.prepared(&Silent),
+            false => Ok(group),
+        });
+        Ok(Self {
+            groups: prepared.collect::<Result<_, _>>()?,
+            ..simulation
+        })
     }
 
-    /// Prepares the cases without those whose numbers are complete. The others keep their numbers, and are estimated as if all
-    /// were there.
+    /// Checks the cases without those whose numbers are complete, and prepares none before they run. The others keep their numbers, and are
+    /// estimated as if all were there.
     ///
     /// # Errors
     /// Same as [`simulate`].
@@ -104,15 +111,8 @@ impl Simulation {
         settings: &Settings,
         is_complete: impl Fn(usize) -> bool,
     ) -> Result<Self, SimulateError> {
-        let groups = Group::of_cases(cases, settings, is_complete)?;
-        let first = at_once(groups.iter().map(Group::len));
-        let groups = groups.into_iter().enumerate();
-        let prepared = groups.map(|(i, group)| match i < first {
-            true => group.prepared(),
-            false => Ok(group),
-        });
         Ok(Self {
-            groups: prepared.collect::<Result<_, _>>()?,
+            groups: Group::of_cases(cases, settings, is_complete)?,
             cases: match settings.plan_alone {
                 true => 1,
                 false => cases.len(),
@@ -196,7 +196,10 @@ impl Simulation {
             let count = at_once(groups.as_slice().iter().map(Group::len));
             let part: Vec<Group> = groups.by_ref().take(count).collect();
             let held = part.iter().map(Group::len).fold(held, usize::max);
-            let ready = Self::plan(part, &settings, self.cases, context)?;
+            let ready = match Self::plan(part, &settings, self.cases, context) {
+                Err(SimulateError::Interrupted) if has_outcome => break,
+                ready => ready?,
+            };
             let surfaces = ready.iter().map(|group| group.plan.surfaces).max();
             let surfaces = surfaces.unwrap_or(0);
             check_results(&self.largest_spec, surfaces, held, settings.refine)?;

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use asperity_surface::{HeightField, SlopeMoments, SplineSurface};
 use asperity_synthesis::{
-    FieldSynthesis, Resolution, SplineSynthesis, SurfaceRecipe, Synthesis, SynthesisError,
+    FieldSynthesis, GivesUp, Resolution, SplineSynthesis, SurfaceRecipe, Synthesis, SynthesisError,
 };
 
 use asperity_tracer::Shape;
@@ -180,7 +180,7 @@ impl RandomSurfaces {
         Self::new(self.cells, self.recipe.clone(), shape, spacing, false)
     }
 
-    /// The surface of a seed and number, drawn in the memory given.
+    /// The surface of a seed and number, drawn in the memory given unless `gives_up` returns `true`.
     ///
     /// # Errors
     /// Same as [`Synthesis::draw`].
@@ -189,12 +189,17 @@ impl RandomSurfaces {
         seed: u64,
         number: u64,
         memory: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<Shape, SynthesisError> {
         Ok(match self.planned()? {
-            Planned::Flat(recipe) => Shape::height_field(recipe.draw_into(seed, number, memory)?),
-            Planned::Smooth(recipe) => Shape::smooth(recipe.draw_into(seed, number, memory)?),
+            Planned::Flat(recipe) => {
+                Shape::height_field(recipe.draw_into(seed, number, memory, gives_up)?)
+            }
+            Planned::Smooth(recipe) => {
+                Shape::smooth(recipe.draw_into(seed, number, memory, gives_up)?)
+            }
             Planned::Fields(recipe) => {
-                let field = recipe.draw_into(seed, number, memory)?;
+                let field = recipe.draw_into(seed, number, memory, gives_up)?;
                 match self.cells {
                     Cells::Flat => Shape::height_field(field),
                     Cells::Smooth => Shape::smooth(SplineSurface::through(&field)),
@@ -246,17 +251,25 @@ impl RandomSurfaces {
         Ok(samples.concat())
     }
 
-    /// Heights of one surface, for a picture: those of its grid, or of one up to four times as fine where cells are smooth, of at
-    /// most 512 samples per side.
+    /// Heights of one surface, for a picture, unless `gives_up` returns `true`: those of its grid, or of one up to four times as fine where
+    /// cells are smooth, of at most 512 samples per side.
     ///
     /// # Errors
     /// Same as [`Synthesis::draw`].
-    pub fn heights(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+    pub fn heights(
+        &self,
+        seed: u64,
+        realisation: u64,
+        gives_up: GivesUp<'_>,
+    ) -> Result<HeightField, SynthesisError> {
+        let memory = Vec::new();
         match self.planned()? {
-            Planned::Flat(synthesis) => synthesis.draw(seed, realisation),
-            Planned::Smooth(synthesis) => picture(&synthesis.draw(seed, realisation)?),
+            Planned::Flat(synthesis) => synthesis.draw_into(seed, realisation, memory, gives_up),
+            Planned::Smooth(synthesis) => {
+                picture(&synthesis.draw_into(seed, realisation, memory, gives_up)?)
+            }
             Planned::Fields(synthesis) => {
-                let field = synthesis.draw(seed, realisation)?;
+                let field = synthesis.draw_into(seed, realisation, memory, gives_up)?;
                 match self.cells {
                     Cells::Flat => Ok(field),
                     Cells::Smooth => picture(&SplineSurface::through(&field)),

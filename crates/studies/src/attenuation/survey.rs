@@ -46,7 +46,10 @@ impl SurveyedSurface {
             if observer.stop().is_some() {
                 return Ok(None);
             }
-            let shape = surfaces.shape(study, index)?;
+            let shape = match surfaces.shape(study, index, observer) {
+                Err(SimulateError::Interrupted) => return Ok(None),
+                shape => shape?,
+            };
             // Light too grazing would cross too many tiles: it is refused before horizons are computed.
             study
                 .directions()
@@ -77,9 +80,13 @@ impl RoughSurfaces {
         &self,
         study: &AttenuationStudy,
         index: u64,
+        observer: &dyn Observer,
     ) -> Result<Shape, SimulateError> {
         let run = &study.config.run;
-        let shape = self.drawn.draw_into(run.seed, index, Vec::new())?;
+        let gives_up = || observer.gives_up();
+        let shape = self
+            .drawn
+            .draw_into(run.seed, index, Vec::new(), &gives_up)?;
         Ok(with_border(shape, study.config.surface.border))
     }
 }

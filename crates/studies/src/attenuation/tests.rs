@@ -156,7 +156,7 @@ fn horizons_and_visibility_rays_count_the_same() {
                 .unwrap()
                 .unwrap();
             for (surfaces, by_horizons) in study.surfaces.iter().zip(&by_horizons.counts) {
-                let shape = surfaces.shape(&study, index).unwrap();
+                let shape = surfaces.shape(&study, index, &Silent).unwrap();
                 let survey = Survey::of(&study, surfaces, index, &[]);
                 let by_rays = survey.count(&shape, &Silent).unwrap();
                 assert_eq!(&by_rays, by_horizons, "{border} {index}");

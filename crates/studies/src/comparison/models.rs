@@ -118,14 +118,14 @@ pub(crate) fn compare_models(
 ) -> Result<(Vec<ModelOutcome>, f64), StudyError> {
     let config = compared.config;
     let models = config.models.par_iter().with_max_len(1);
-    let models = models.map(|name| match observer.gives_up() {
-        true => Ok(None),
-        false => Ok(Some(
-            compared.with(CaseModel::of(name, &compared.surface)?)?,
-        )),
+    let models = models.map(|name| {
+        let model = CaseModel::of(name, &compared.surface)?;
+        compared.with(model, observer)
     });
-    let models = models.collect::<Result<Option<Vec<_>>, StudyError>>()?;
-    let mut models = models.unwrap_or_default();
+    let mut models = match models.collect::<Result<Vec<_>, StudyError>>() {
+        Err(error) if error.is_stopped() => Vec::new(),
+        models => models?,
+    };
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
@@ -169,8 +169,8 @@ impl Compared<'_> {
         self.outcome.work.folded.then(mirror).flatten()
     }
 
-    /// The comparison with one model.
-    fn with(&self, model: CaseModel) -> Result<ModelOutcome, StudyError> {
+    /// The comparison with one model, unless the run gives it up.
+    fn with(&self, model: CaseModel, observer: &dyn Observer) -> Result<ModelOutcome, StudyError> {
         let surfaces = self.outcome.surfaces.len() as u64;
         let effort = SamplingEffort {
             rays: self.config.model_rays.0,
@@ -185,14 +185,16 @@ impl Compared<'_> {
         } else {
             Azimuth::From(self.incidence().phi() + PI)
         };
-        let expect =
-            |model: &CaseModel| model.expect(self.incidence(), self.spec(), azimuth, effort);
+        let expect = |model: &CaseModel| {
+            let (incidence, spec) = (self.incidence(), self.spec());
+            model.expect(incidence, spec, azimuth, effort, observer)
+        };
         let is_tabulated = model
             .density()
             .is_some_and(|density| density.tabulated().is_some());
         let expectation = match self.mirror() {
-            Some(mirror) if is_tabulated => expect(&model).folded(&mirror),
-            _ => expect(&model),
+            Some(mirror) if is_tabulated => expect(&model)?.folded(&mirror),
+            _ => expect(&model)?,
         };
         let tallies = match (self.regions, &model) {
             _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
@@ -201,7 +203,7 @@ impl Compared<'_> {
                 let derivatives = regions.derivatives(|slopes| {
                     let surface = self.surface.with_slopes(slopes);
                     let model = CaseModel::of(model.name(), &surface)?;
-                    Ok::<_, StudyError>(expect(&model).statistics().means().clone())
+                    Ok::<_, StudyError>(expect(&model)?.statistics().means().clone())
                 })?;
                 Cow::Owned(regions.adjusted(&self.outcome.surfaces, &derivatives))
             }

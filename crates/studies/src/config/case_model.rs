@@ -2,10 +2,11 @@
 
 use asperity_analysis::{
     BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ModelError, SamplingEffort,
-    ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model, expect,
+    ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model,
+    expect_unless,
 };
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{Case, slope_distribution};
+use asperity_simulate::{Case, Observer, SimulateError, slope_distribution};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::error::ConfigError;
@@ -154,10 +155,19 @@ impl CaseModel {
         spec: &TallySpec,
         azimuth: Azimuth,
         effort: SamplingEffort,
-    ) -> Expectation {
+        observer: &dyn Observer,
+    ) -> Result<Expectation, SimulateError> {
+        let gives_up = || observer.gives_up();
+        if gives_up() {
+            return Err(SimulateError::Interrupted);
+        }
         match self {
-            Self::Surface(model) => expect(model.as_ref(), incidence, spec, azimuth, effort),
-            Self::Layer(model) => model.expect(incidence, spec, azimuth),
+            Self::Surface(model) => {
+                let model = model.as_ref();
+                let found = expect_unless(model, incidence, spec, azimuth, effort, &gives_up);
+                found.ok_or(SimulateError::Interrupted)
+            }
+            Self::Layer(model) => Ok(model.expect(incidence, spec, azimuth)),
         }
     }
 }

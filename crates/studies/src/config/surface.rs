@@ -128,6 +128,11 @@ pub struct SurfaceConfig {
 }
 
 impl SurfaceConfig {
+    /// Returns `true` if heights and slopes follow from no formula, and are measured on surfaces that are drawn to plan a run.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.erosion.is_some() || self.structure.is_some()
+    }
+
     /// Returns `true` if the surfaces have no direction, or their spectrum cannot be made, which is refused elsewhere.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {

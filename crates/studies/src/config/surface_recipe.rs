@@ -2,7 +2,7 @@
 
 use asperity_simulate::{Cells, check_memory, short};
 use asperity_synthesis::{
-    FieldSynthesis, Johnson, Psd, Resolution, StudentSlopes, SurfaceRecipe, SynthesisError,
+    FieldSynthesis, Johnson, NEVER, Psd, Resolution, StudentSlopes, SurfaceRecipe, SynthesisError,
     TransformedHeights,
 };
 
@@ -169,7 +169,7 @@ impl SurfaceConfig {
             let synthesis = FieldSynthesis::new(recipe, shape, spacing, resolution)
                 .map_err(|error| self.refused(error))?;
             check_memory("this surface", synthesis.peak_bytes())?;
-            let eroded = synthesis.eroded(erosion);
+            let eroded = synthesis.eroded(erosion, NEVER);
             eroded.map_err(|error| self.refused(error))
         };
         Ok(self.eroded.measured(described, measure)?.into())

@@ -190,6 +190,18 @@ impl ConvergeConfig {
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
     }
 
+    /// Returns the reason why no control variate is known, if none is.
+    fn why_uncontrolled(&self) -> Option<ConfigError> {
+        let needs = if matches!(self.material, MaterialConfig::Lambertian { .. }) {
+            "does not support Lambertian facets; give --estimators plain"
+        } else if self.surface.is_measured() {
+            "needs the distribution of slopes, which is not known for these surfaces; give --estimators plain"
+        } else {
+            return None;
+        };
+        Some(ConfigError::no_control_variate(needs))
+    }
+
     /// All methods, by spacing, accelerator, branching, estimator and sampling in that order of nesting, then those of peers.
     fn methods(&self, spacings: &[PerAxis<Number>]) -> Result<Vec<Method>, ConfigError> {
         let config = &self.converge;
@@ -258,14 +270,15 @@ impl ConvergeConfig {
         let spacing = config.reference_spacing.map(PerAxis::Both);
         let spacing = spacing.or(finest.copied()).unwrap_or(spacings[0]);
         let cases_at = |spacing| verification.cases(|_, recipe| self.surfaces(recipe, spacing));
-        let cases = cases_at(spacing)?;
-        let uncontrolled = cases.iter().find_map(why_uncontrolled);
+        let uncontrolled = self.why_uncontrolled();
         let is_controlled = |method: &Method| method.estimator == Estimator::Controlled;
+        // Refused before surfaces are drawn to be measured, which may take long
         if let Some(error) = &uncontrolled
             && methods.iter().any(is_controlled)
         {
             return Err(error.clone().into());
         }
+        let cases = cases_at(spacing)?;
         let reference = Method {
             estimator: match uncontrolled {
                 None => Estimator::Controlled,
@@ -348,19 +361,6 @@ impl ConvergeConfig {
         }
         runs
     }
-}
-
-/// Returns the reason why no control variate is known for a case, if none is.
-fn why_uncontrolled(case: &Case) -> Option<ConfigError> {
-    if case.material.is_diffuse() {
-        return Some(ConfigError::no_control_variate(
-            "does not support Lambertian facets; give --estimators plain",
-        ));
-    }
-    let is_measured = case.surface.recipe()?.is_measured();
-    is_measured.then(|| {
-        ConfigError::no_control_variate("needs the distribution of slopes, which is not known for these surfaces; give --estimators plain")
-    })
 }
 
 /// Rays and surfaces, value by value; one value holds for all of the other.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use asperity_simulate::short;
+use asperity_simulate::{Observer, short};
 
 use asperity_plot::{
     Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
@@ -21,7 +21,7 @@ use crate::output::{Place, over, projected_solid_angle};
 use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::effort::effort;
 use crate::report::error::ReportError;
-use crate::report::figures::{least_seen, mean_angle_deg, plot_side, save};
+use crate::report::figures::{least_seen, mean_angle_deg, plot_side, save_unless};
 
 /// Rows of a matrix.
 #[derive(Clone, Copy)]
@@ -43,8 +43,12 @@ pub(super) fn names(spec: &TallySpec, thetas: &[f64]) -> Vec<String> {
     spec.sides().flat_map(of_side).collect()
 }
 
-/// Draws all plots into `plots`.
-pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ReportError> {
+/// Draws all plots into `plots` until the run gives up, and returns the number of those that are left out.
+pub(super) fn draw(
+    plots: &Place<'_>,
+    outcome: &GonioOutcome,
+    observer: &dyn Observer,
+) -> Result<usize, ReportError> {
     let shown: Vec<Side> = outcome
         .spec()
         .sides()
@@ -76,7 +80,8 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
         }
     }
     jobs.into_par_iter()
-        .try_for_each(|(name, figure)| save(&[plots], &name, &figure()?))
+        .map(|(name, figure)| save_unless(observer, &[plots], &name, || figure().map(Some)))
+        .try_reduce(|| 0, |a, b| Ok(a + b))
 }
 
 /// Returns `true` if any light of a direction left on `side`.

@@ -55,14 +55,17 @@ impl GonioConfig {
                 outcome.shown(&outcome.numbered(number))
             });
         }
-        views.other(ARRAYS.map(str::to_owned).to_vec(), write_arrays);
+        views.other(ARRAYS.map(str::to_owned).to_vec(), |outcome, place, _| {
+            write_arrays(outcome, place)?;
+            Ok(0)
+        });
         if self.output.plots {
             let [thetas, _] = self.light.angles()?;
             let names = figures::names(&plan.settings.tally, &thetas);
             let names = names.iter().flat_map(|name| figure_files(name));
             let names = names.map(|file| format!("{PLOTS}{file}"));
-            views.other(names.collect(), |outcome, place| {
-                figures::draw(&place.join(PLOTS), outcome)
+            views.other(names.collect(), |outcome, place, observer| {
+                figures::draw(&place.join(PLOTS), outcome, observer)
             });
         }
         views.text("report.txt", |outcome| Some(gonio_table(outcome)));

@@ -103,7 +103,7 @@ impl InspectReport<'_> {
     /// # Errors
     /// [`ReportError`] if a file cannot be written or a figure drawn.
     pub fn write(&self, folder: &ResultFolder) -> Result<(), ReportError> {
-        views().write(folder, self, &Silent)
+        views().write(folder, self, &Silent).map(|_| ())
     }
 }
 

@@ -9,7 +9,7 @@ use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::outcome::MapOutcome;
 use super::summary::{
-    grooves, is_in_panel, map_table, panels, roughness, roughness_name, smoothness, thetas,
+    cells_of, grooves, map_table, panels, place, roughness, roughness_name, smoothness, thetas,
 };
 use super::tables;
 use crate::report::effort::effort;
@@ -39,15 +39,11 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     let models = &outcome.config.compare.models;
     let mut cells = Vec::new();
     for panel in &panels {
+        let here = cells_of(outcome, panel);
         for model in 0..models.len() {
             for s in &smoothness {
                 for theta in &thetas {
-                    let here = outcome.cells().find(|cell| {
-                        is_in_panel(cell.case, panel)
-                            && cell.case.at.smoothness == Some(*s)
-                            && cell.case.light.incidence.theta_deg() == *theta
-                    });
-                    let results = here.and_then(|cell| cell.results);
+                    let results = here.get(&place(*s, *theta));
                     cells.push(results.and_then(|results| {
                         let of_model = results.models.get(model)?;
                         let judged = results.judge(of_model, light, &outcome.config.map);

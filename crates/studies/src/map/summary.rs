@@ -1,5 +1,6 @@
 //! Summary of a map: from which roughness on a model is within tolerance, and its numbers of cells.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use asperity_optics::Material;
@@ -84,20 +85,29 @@ fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
 
 /// The verdicts of a map in short: by material and further coordinates, comparison and model.
 pub(crate) fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
+    let (smoothness, thetas) = (smoothness(outcome), thetas(outcome));
     let mut summaries = Vec::new();
     for panel in panels(outcome) {
+        let cells = cells_of(outcome, panel);
         for light in ComparedLight::BOTH {
             for (index, model) in outcome.config.compare.models.iter().enumerate() {
-                let verdicts = verdicts(outcome, panel, light, index);
-                let count = |wanted| verdicts.iter().filter(|v| v.verdict == wanted).count();
+                let judge = |results: &CellResults| {
+                    let model = results.models.get(index)?;
+                    Some(results.judge(model, light, &outcome.config.map).verdict)
+                };
+                let verdicts: HashMap<Place, CellVerdict> = cells
+                    .iter()
+                    .filter_map(|(place, results)| Some((*place, judge(results)?)))
+                    .collect();
+                let count = |wanted| verdicts.values().filter(|v| **v == wanted).count();
                 summaries.push(ModelSummary {
                     material: panel.material,
                     others: panel.at.others.clone(),
                     light,
                     model: model.clone(),
-                    within_from: thetas(outcome)
+                    within_from: within_from(&smoothness, &thetas, &verdicts)
                         .into_iter()
-                        .map(|theta| (theta, within_from(outcome, &verdicts, theta)))
+                        .map(|(theta, s)| (theta, s.map(|s| roughness(outcome, s))))
                         .collect(),
                     cells: CellVerdict::ALL.map(count),
                 });
@@ -107,48 +117,45 @@ pub(crate) fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     summaries
 }
 
-/// The verdict on a model in one cell.
-struct PlacedVerdict {
-    smoothness: f64,
-    theta_deg: f64,
-    verdict: CellVerdict,
+/// Place of a cell in its panel: the bits of smoothness and angle.
+pub(super) type Place = [u64; 2];
+
+/// The place of a smoothness and an angle.
+pub(super) fn place(smoothness: f64, theta_deg: f64) -> Place {
+    [smoothness, theta_deg].map(f64::to_bits)
 }
 
-/// The verdicts of all cells that are there.
-fn verdicts(
-    outcome: &MapOutcome,
+/// The results of the cells of a panel that are there.
+pub(super) fn cells_of<'a>(
+    outcome: &'a MapOutcome<'_>,
     panel: &Case,
-    light: ComparedLight,
-    model: usize,
-) -> Vec<PlacedVerdict> {
+) -> HashMap<Place, &'a CellResults> {
     let here = outcome.found().filter(|(case, _)| is_in_panel(case, panel));
-    let verdict = |(case, results): (&Case, &CellResults)| {
-        let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
-        Some(PlacedVerdict {
-            smoothness: case.at.smoothness?,
-            theta_deg: case.light.incidence.theta_deg(),
-            verdict: judged.verdict,
-        })
-    };
-    here.filter_map(verdict).collect()
+    let placed = here.filter_map(|(case, results)| {
+        let theta_deg = case.light.incidence.theta_deg();
+        Some((place(case.at.smoothness?, theta_deg), results))
+    });
+    placed.collect()
 }
 
-/// The roughness, that of the least smoothness, from which all cells up to `theta` are there and within tolerance.
-fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> Option<f64> {
-    let angles = thetas(outcome).into_iter().filter(|t| *t <= theta).count();
-    let is_within = |s: &f64| {
-        let here = |v: &&PlacedVerdict| v.smoothness == *s && v.theta_deg <= theta;
-        verdicts
-            .iter()
-            .filter(here)
-            .filter(|v| v.verdict == CellVerdict::Within)
-            .count()
-            == angles
+/// For each of the angles, the least smoothness from which all cells up to that angle are there and within tolerance.
+fn within_from(
+    smoothness: &[f64],
+    thetas: &[f64],
+    verdicts: &HashMap<Place, CellVerdict>,
+) -> Vec<(f64, Option<f64>)> {
+    let is_within = |s, theta| verdicts.get(&place(s, theta)) == Some(&CellVerdict::Within);
+    // Angles, from the smallest on, at which all cells of a smoothness are within tolerance
+    let angles = |s: &f64| {
+        let within = thetas.iter().take_while(|theta| is_within(*s, **theta));
+        (*s, within.count())
     };
-    let mut smooth_first = smoothness(outcome);
-    smooth_first.reverse();
-    let last = smooth_first.into_iter().take_while(is_within).last();
-    last.map(|s| roughness(outcome, s))
+    let angles: Vec<(f64, usize)> = smoothness.iter().rev().map(angles).collect();
+    let from = |(number, theta): (usize, &f64)| {
+        let within = angles.iter().take_while(|(_, count)| *count > number);
+        (*theta, within.last().map(|(s, _)| *s))
+    };
+    thetas.iter().enumerate().map(from).collect()
 }
 
 /// Meaning of the roughness on anisotropic surfaces, which are all of one shape.
@@ -283,29 +290,11 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::config::MapConfig;
     use super::*;
-
-    fn placed(smoothness: f64, theta_deg: f64, verdict: CellVerdict) -> PlacedVerdict {
-        PlacedVerdict {
-            smoothness,
-            theta_deg,
-            verdict,
-        }
-    }
 
     #[test]
     fn a_model_is_within_tolerance_from_where_all_smoother_cells_are() {
-        let text = "[surface]\nsmoothness = [1, 2, 3, 4]\n[light]\ntheta = [0, 60]\n[compare]\nmodels = [\"smith\"]";
-        let config = MapConfig::from_toml(text).unwrap();
-        let plan = config.plan().unwrap();
-        let outcome = MapOutcome {
-            results: vec![None; plan.cases.len()],
-            config: &config,
-            plan: &plan,
-            cut_short: 0,
-            stopped_by: None,
-        };
+        let (smoothness, thetas) = ([1.0, 2.0, 3.0, 4.0], [0.0, 60.0]);
         use CellVerdict::{Beyond, NotResolved, Within};
         // Of four smoothness values, at 0 and at 60 degrees.
         for (verdicts, at_0, to_60) in [
@@ -331,18 +320,16 @@ mod tests {
             ),
             ([[Within; 2]; 4], Some(1.0), Some(1.0)),
         ] {
-            let list: Vec<PlacedVerdict> = verdicts
-                .iter()
-                .zip([1.0, 2.0, 3.0, 4.0])
-                .flat_map(|(pair, s)| [placed(s, 0.0, pair[0]), placed(s, 60.0, pair[1])])
-                .collect();
-            assert_eq!(within_from(&outcome, &list, 0.0), at_0);
-            assert_eq!(within_from(&outcome, &list, 60.0), to_60);
+            let cells = verdicts.iter().zip(smoothness).flat_map(|(pair, s)| {
+                let cell = |i: usize| (place(s, thetas[i]), pair[i]);
+                [0, 1].map(cell)
+            });
+            let found = within_from(&smoothness, &thetas, &cells.collect());
+            assert_eq!(found, [(0.0, at_0), (60.0, to_60)]);
         }
         // A missing cell is not within tolerance.
-        assert_eq!(
-            within_from(&outcome, &[placed(4.0, 0.0, Within)], 60.0),
-            None
-        );
+        let alone = HashMap::from([(place(4.0, 0.0), Within)]);
+        let found = within_from(&smoothness, &thetas, &alone);
+        assert_eq!(found, [(0.0, Some(4.0)), (60.0, None)]);
     }
 }

@@ -101,7 +101,7 @@ impl<'a> CaseViews<'a> {
     }
 }
 
-/// Adds figures of a case by their names.
+/// Adds figures of a case by their names; they are drawn together.
 fn add_figures<'v, J, F>(
     views: &mut Views<'v, J>,
     within: &str,
@@ -112,11 +112,18 @@ fn add_figures<'v, J, F>(
     J: Sync + 'v,
     F: for<'j> Fn(&'j J) -> Option<ShownCase<'j>> + Copy + Send + Sync + 'v,
 {
+    let count = names.len();
     let names = names.iter();
     let names = names.flat_map(|name| figure_files(&format!("{within}{name}")));
     let within = within.to_owned();
-    views.other(names.collect(), move |found, place| match shown(found) {
-        Some(case) => draw(&place.join(&within), &case),
-        None => Ok(()),
+    views.other(names.collect(), move |found, place, observer| {
+        let Some(case) = shown(found) else {
+            return Ok(0);
+        };
+        if observer.gives_up_first() {
+            return Ok(count);
+        }
+        draw(&place.join(&within), &case)?;
+        Ok(0)
     });
 }

@@ -7,7 +7,7 @@ use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
-use asperity_simulate::Outcome;
+use asperity_simulate::{Observer, Outcome};
 use asperity_surface::HeightField;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
@@ -38,6 +38,25 @@ pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result
         || write(&png, &figure.png()?),
     );
     svg.and(png)
+}
+
+/// Draws a figure, if there is one, and writes it, unless the run gives up. Returns the number of figures that are left out.
+pub(crate) fn save_unless<E>(
+    observer: &dyn Observer,
+    places: &[&Place<'_>],
+    name: &str,
+    draw: impl FnOnce() -> Result<Option<Figure>, E>,
+) -> Result<usize, ReportError>
+where
+    ReportError: From<E>,
+{
+    if observer.gives_up_first() {
+        return Ok(1);
+    }
+    if let Some(figure) = draw()? {
+        save(places, name, &figure)?;
+    }
+    Ok(0)
 }
 
 /// The figure of a height map.

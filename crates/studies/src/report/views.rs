@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 
 use crate::output::{Place, Table, figure_files};
 use crate::report::error::ReportError;
-use crate::report::figures::save;
+use crate::report::figures::save_unless;
 
 type Records<'a> = dyn Iterator<Item = Vec<CsvField<'static>>> + 'a;
 
@@ -86,7 +86,9 @@ impl<'a, R> Table<'a, R> {
     }
 }
 
-type Write<'v, J> = dyn Fn(&J, &Place<'_>) -> Result<(), ReportError> + Send + Sync + 'v;
+/// Writes files, and returns the number of figures that the observer left no time for.
+type Write<'v, J> =
+    dyn Fn(&J, &Place<'_>, &dyn Observer) -> Result<usize, ReportError> + Send + Sync + 'v;
 type Describe<'v, J> = dyn Fn(&J) -> Option<Value> + Send + Sync + 'v;
 
 /// A file, or the files of a figure.
@@ -114,9 +116,11 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         let file = name.clone();
         self.0.push(View {
             names: vec![name],
-            write: Box::new(move |found, place| match table(found) {
-                Some(csv) => Ok(csv.write(&place.claim(&file)?)?),
-                None => Ok(()),
+            write: Box::new(move |found, place, _| {
+                if let Some(csv) = table(found) {
+                    csv.write(&place.claim(&file)?)?;
+                }
+                Ok(0)
             }),
             columns: Some(Box::new(move |found| Some(table(found)?.description))),
         });
@@ -128,12 +132,11 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         F: Fn(&J) -> Option<String> + Send + Sync + 'v,
     {
         let name = name.into();
-        self.other(vec![name.clone()], move |found, place| match text(found) {
-            Some(text) => Ok(write_bytes(
-                place.claim(&name)?,
-                printable(&text).as_bytes(),
-            )?),
-            None => Ok(()),
+        self.other(vec![name.clone()], move |found, place, _| {
+            if let Some(text) = text(found) {
+                write_bytes(place.claim(&name)?, printable(&text).as_bytes())?;
+            }
+            Ok(0)
         });
     }
 
@@ -144,9 +147,11 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         value: impl Fn(&J) -> Option<S> + Send + Sync + 'v,
     ) {
         let name = name.into();
-        self.other(vec![name.clone()], move |found, place| match value(found) {
-            Some(value) => Ok(write_json(place.claim(&name)?, &value)?),
-            None => Ok(()),
+        self.other(vec![name.clone()], move |found, place, _| {
+            if let Some(value) = value(found) {
+                write_json(place.claim(&name)?, &value)?;
+            }
+            Ok(0)
         });
     }
 
@@ -159,17 +164,14 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         let name = name.into();
         self.other(
             figure_files(&name).to_vec(),
-            move |found, place| match figure(found)? {
-                Some(figure) => save(&[place], &name, &figure),
-                None => Ok(()),
-            },
+            move |found, place, observer| save_unless(observer, &[place], &name, || figure(found)),
         );
     }
 
     /// Adds files of another kind.
     pub(crate) fn other<F>(&mut self, names: Vec<String>, write: F)
     where
-        F: Fn(&J, &Place<'_>) -> Result<(), ReportError> + Send + Sync + 'v,
+        F: Fn(&J, &Place<'_>, &dyn Observer) -> Result<usize, ReportError> + Send + Sync + 'v,
     {
         self.0.push(View {
             names,
@@ -194,7 +196,8 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         Value::Object(tables.collect::<Map<_, _>>())
     }
 
-    /// Writes all files into `folder`, summaries last, and claims those that an earlier run left too.
+    /// Writes all files into `folder`, summaries last, and claims those that an earlier run left too. Returns the number of figures that
+    /// are left out, since the run gives up before they are begun.
     ///
     /// # Errors
     /// [`ReportError`] if a file cannot be written or a figure drawn.
@@ -203,7 +206,7 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         folder: &ResultFolder,
         found: &J,
         observer: &dyn Observer,
-    ) -> Result<(), ReportError> {
+    ) -> Result<usize, ReportError> {
         folder.claim_all(
             self.0
                 .iter()
@@ -211,20 +214,25 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         )?;
         let place = Place::root(folder);
         observer.begin("writing", self.0.len() as u64);
-        let write = |view: &View<'v, J>| -> Result<(), ReportError> {
-            (view.write)(found, &place)?;
+        let write = |view: &&View<'v, J>| {
+            let left_out = (view.write)(found, &place, observer)?;
             observer.advance(1);
-            Ok(())
+            Ok::<_, ReportError>(left_out)
         };
-        let is_summary = |view: &&View<'v, J>| {
-            let mut names = view.names.iter();
-            names.any(|name| name.ends_with("summary.json"))
+        let ends_with = |ending: &'static str| {
+            move |view: &&View<'v, J>| view.names.iter().any(|name| name.ends_with(ending))
         };
-        let (summaries, others): (Vec<_>, Vec<_>) = self.0.iter().partition(is_summary);
-        others.into_par_iter().try_for_each(write)?;
-        summaries.into_iter().try_for_each(write)?;
+        let (figures, others): (Vec<_>, Vec<_>) = self.0.iter().partition(ends_with(".svg"));
+        let (summaries, tables): (Vec<_>, Vec<_>) =
+            others.into_iter().partition(ends_with("summary.json"));
+        let mut left_out = 0;
+        // Tables first, which are there even if there is no time for figures
+        for views in [tables, figures, summaries] {
+            let written = views.par_iter().map(write);
+            left_out += written.try_reduce(|| 0, |a, b| Ok(a + b))?;
+        }
         observer.end();
-        Ok(())
+        Ok(left_out)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The files of a verification.
 
-use asperity_simulate::{Case, SimulateError, SurfaceSource, counted};
-use asperity_surface::HeightField;
+use asperity_simulate::{Case, Observer, SimulateError, SurfaceSource, counted};
+use asperity_synthesis::SynthesisError;
 use serde_json::{Value, json};
 
 use super::case_report::{case_table, verify_table, warnings};
@@ -49,8 +49,8 @@ impl VerifyConfig {
         if self.output.plots {
             let map = |folder| figure_files("height_map").map(|file| format!("{folder}{file}"));
             let names = folders.iter().flat_map(map).collect();
-            views.other(names, move |outcome, root| {
-                height_maps(outcome, root, &folders)
+            views.other(names, move |outcome, root, observer| {
+                height_maps(outcome, root, &folders, observer)
             });
         }
         if cases.len() > 1 {
@@ -61,13 +61,16 @@ impl VerifyConfig {
     }
 }
 
-/// Draws the first surface of every case: once for those that share it, and one after the other, since
-/// memory may hold no more.
+/// Draws the first surface of every case until the run gives up: once for those that share it, and one after the other, since
+/// memory may hold no more. Returns the number of figures that are left out.
 fn height_maps(
     outcome: &VerifyOutcome,
     root: &Place<'_>,
     folders: &[String],
-) -> Result<(), ReportError> {
+    observer: &dyn Observer,
+) -> Result<usize, ReportError> {
+    let gives_up = || observer.gives_up_first();
+    let mut left_out = 0;
     let cases: Vec<(&Judgement<'_>, Place<'_>)> = outcome
         .cases
         .iter()
@@ -79,9 +82,14 @@ fn height_maps(
         let SurfaceSource::Random(surfaces) = &found.case.surface else {
             continue;
         };
-        let first = surfaces.heights(outcome.config.run.seed, 0);
-        let first: HeightField = first.map_err(SimulateError::from)?;
         let seed = outcome.config.run.seed;
+        let first = match surfaces.heights(seed, 0, &gives_up) {
+            Err(SynthesisError::GivenUp) => {
+                left_out += sharing.len();
+                continue;
+            }
+            first => first.map_err(SimulateError::from)?,
+        };
         let name = match found.work.realisations {
             0 => format!("One such surface, seed {seed}"),
             n => format!("First of {} of seed {seed}", counted(n, "surface")),
@@ -95,7 +103,7 @@ fn height_maps(
         let places: Vec<&Place<'_>> = sharing.iter().map(|(_, place)| place).collect();
         figures::height_map(&places, &first, &name)?;
     }
-    Ok(())
+    Ok(left_out)
 }
 
 impl VerifyOutcome<'_> {

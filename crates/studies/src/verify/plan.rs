@@ -1,7 +1,7 @@
 //! Plan: the cases that a configuration stands for, and how they are simulated.
 
 use asperity_simulate::{
-    Case, Coordinates, CoreSlopes, Lobe, RandomSurfaces, Settings, Shape, SurfaceSource,
+    Case, Coordinates, CoreSlopes, Estimator, Lobe, RandomSurfaces, Settings, Shape, SurfaceSource,
     check_memory,
 };
 use asperity_surface::LengthUnit;
@@ -72,6 +72,13 @@ impl VerifyConfig {
         &self,
         planned: impl Fn(&SurfaceConfig, SurfaceRecipe) -> Result<RandomSurfaces, E>,
     ) -> Result<Vec<Case>, E> {
+        // Refused before surfaces are drawn to be measured, which may take long
+        if self.run.estimator == Estimator::Controlled && self.surface.is_measured() {
+            return Err(ConfigError::no_control_variate(
+                "needs the distribution of slopes, which is not known for these surfaces; take auto or plain",
+            )
+            .into());
+        }
         let mut cases: Vec<Case> = Vec::new();
         for single in self.singles()? {
             let (smoothness, recipe) = single.surface.recipe()?;

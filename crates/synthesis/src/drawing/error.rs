@@ -15,6 +15,9 @@ pub const MAX_SAMPLES: usize = 1 << 31;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthesisError {
+    /// The caller gave the surface up before it was finished.
+    #[error("the surface was given up before it was finished")]
+    GivenUp,
     /// The grid is too coarse for the correlation length.
     #[error(
         "the correlation length along {axis} is {length}, only {:.2} spacings of {spacing}: \

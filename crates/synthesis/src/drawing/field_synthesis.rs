@@ -16,6 +16,7 @@ use super::error::SynthesisError;
 use super::limits::MIN_SPACINGS_PER_CORRELATION_LENGTH;
 use super::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use super::synthesis::Synthesis;
+use crate::gives_up::{GivesUp, NEVER};
 use crate::recipe::DrawnMoments;
 use crate::{ErodedSurface, Erosion, Provenance, SlopeMixture, SpectrumMismatch, SurfaceRecipe};
 use asperity_surface::HeightField;
@@ -220,8 +221,15 @@ impl FieldSynthesis {
     ///
     /// # Errors
     /// Errors of [`Synthesis::draw`], and [`SynthesisError::Erosion`] if surfaces cannot be eroded on this grid.
-    pub fn eroded(&self, erosion: Vec<Erosion>) -> Result<ErodedSurface, SynthesisError> {
-        let moments = DrawnMoments::of(|seed, number| worn(self.draw(seed, number)?, &erosion))?;
+    pub fn eroded(
+        &self,
+        erosion: Vec<Erosion>,
+        gives_up: GivesUp<'_>,
+    ) -> Result<ErodedSurface, SynthesisError> {
+        let moments = DrawnMoments::of(|seed, number| {
+            let drawn = self.draw_into(seed, number, Vec::new(), gives_up)?;
+            worn(drawn, &erosion, gives_up)
+        })?;
         Ok(ErodedSurface::new(self.recipe.clone(), erosion, moments))
     }
 
@@ -230,7 +238,7 @@ impl FieldSynthesis {
     /// # Errors
     /// Errors of [`Synthesis::draw`].
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
-        self.draw_into(seed, realisation, Vec::new())
+        self.draw_into(seed, realisation, Vec::new(), NEVER)
     }
 
     /// Draws the same surface as [`FieldSynthesis::draw`], reusing the memory of `room` if it is large enough. Its contents do
@@ -243,14 +251,22 @@ impl FieldSynthesis {
         seed: u64,
         realisation: u64,
         room: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<HeightField, SynthesisError> {
         let field = match &self.drawer {
-            Drawer::Gaussian(synthesis) => return synthesis.draw_into(seed, realisation, room),
-            Drawer::Transformed(transformed) => transformed.draw_into(seed, realisation, room)?,
-            Drawer::StudentSlopes(student) => student.draw_into(seed, realisation, room)?,
-            Drawer::Structured(structured) => structured.draw(seed, realisation)?,
+            Drawer::Gaussian(synthesis) => {
+                return synthesis.draw_into(seed, realisation, room, gives_up);
+            }
+            Drawer::Transformed(transformed) => {
+                transformed.draw_into(seed, realisation, room, gives_up)?
+            }
+            Drawer::StudentSlopes(student) => {
+                student.draw_into(seed, realisation, room, gives_up)?
+            }
+            Drawer::Structured(structured) => structured.draw(seed, realisation, gives_up)?,
             Drawer::Eroded(before, erosion) => {
-                worn(before.draw_into(seed, realisation, room)?, erosion)?
+                let drawn = before.draw_into(seed, realisation, room, gives_up)?;
+                worn(drawn, erosion, gives_up)?
             }
         };
         Ok(field.with_provenance(Some(Arc::new(Provenance {
@@ -262,9 +278,17 @@ impl FieldSynthesis {
 }
 
 /// The surface after these processes, without provenance.
-fn worn(field: HeightField, erosion: &[Erosion]) -> Result<HeightField, SynthesisError> {
-    let worn = |field: HeightField, process: &Erosion| process.of(&field);
-    Ok(erosion.iter().try_fold(field.with_provenance(None), worn)?)
+fn worn(
+    field: HeightField,
+    erosion: &[Erosion],
+    gives_up: GivesUp<'_>,
+) -> Result<HeightField, SynthesisError> {
+    let mut field = field.with_provenance(None);
+    for process in erosion {
+        let worn = process.of_unless(&field, gives_up)?;
+        field = worn.ok_or(SynthesisError::GivenUp)?;
+    }
+    Ok(field)
 }
 
 #[cfg(test)]
@@ -284,12 +308,12 @@ mod tests {
             steps: 100,
         });
         let erosion = vec![slip, Erosion::Etch(Etch { depth: 2.0 })];
-        let recipe = SurfaceRecipe::from(synthesis.eroded(erosion.clone()).unwrap());
+        let recipe = SurfaceRecipe::from(synthesis.eroded(erosion.clone(), NEVER).unwrap());
         assert!(recipe.is_valid() && recipe.is_measured());
         let eroded =
             FieldSynthesis::new(recipe.clone(), grid.0, grid.1, Resolution::Facets).unwrap();
         assert_eq!(eroded.slope_mixture(), None);
-        let field = eroded.draw_into(7, 3, vec![9.0; 5]).unwrap();
+        let field = eroded.draw_into(7, 3, vec![9.0; 5], NEVER).unwrap();
         let steps = erosion.iter();
         let expected = steps.fold(synthesis.draw(7, 3).unwrap(), |field, process| {
             process.of(&field).unwrap()

@@ -9,6 +9,7 @@
 use super::error::SynthesisError;
 use super::filter::Numbers;
 use super::synthesis::Synthesis;
+use crate::gives_up::{GivesUp, NEVER};
 use crate::{Psd, SurfaceRecipe};
 use asperity_surface::{Border, HeightField, SplineSurface};
 
@@ -108,7 +109,7 @@ impl SplineSynthesis {
     /// [`SynthesisError::OutOfMemory`] if the system refuses [`SplineSynthesis::peak_bytes`];
     /// [`SynthesisError::HeightField`] if sigma is so large that coefficients overflow.
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<SplineSurface, SynthesisError> {
-        self.draw_into(seed, realisation, Vec::new())
+        self.draw_into(seed, realisation, Vec::new(), NEVER)
     }
 
     /// Draws the same surface as [`SplineSynthesis::draw`], reusing the memory of `room` if it is large
@@ -122,11 +123,12 @@ impl SplineSynthesis {
         seed: u64,
         realisation: u64,
         room: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<SplineSurface, SynthesisError> {
         let (shape, spacing) = (self.shape(), self.spacing());
         let mut coefficients = self.waves.room_for(self.padded_len(), room)?;
         let noise = self.waves.noise(seed, realisation);
-        if !self.waves.fill(&noise, &mut coefficients)? {
+        if !self.waves.fill(&noise, &mut coefficients, gives_up)? {
             // Names the coefficient as a height that no surface may have
             coefficients = HeightField::new(coefficients, shape, spacing)?.into_heights();
         }

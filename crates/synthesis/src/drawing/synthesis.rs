@@ -27,6 +27,7 @@ use super::filter::{Filter, Numbers};
 use super::limits::{MIN_SPACINGS_PER_CORRELATION_LENGTH, check_resolution};
 use super::memory::zeroed;
 use super::noise::{Noise, Stream};
+use crate::gives_up::{GivesUp, NEVER};
 use crate::{Provenance, Psd, SurfaceRecipe};
 
 /// A generator of random periodic surfaces, with its FFTs planned.
@@ -198,7 +199,7 @@ impl Synthesis {
     /// # Source
     /// Garcia and Stoll, Phys. Rev. Lett. 52, 1798 (1984): Gaussian surfaces by linear filtering.
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
-        self.draw_into(seed, realisation, Vec::new())
+        self.draw_into(seed, realisation, Vec::new(), NEVER)
     }
 
     /// Draws the same surface as [`Synthesis::draw`], reusing the memory of `room` if it is large
@@ -215,10 +216,11 @@ impl Synthesis {
         seed: u64,
         realisation: u64,
         room: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<HeightField, SynthesisError> {
         let [ny, nx] = self.shape;
         let mut heights = self.room_for(ny * nx, room)?;
-        let allowed = self.fill(&self.noise(seed, realisation), &mut heights)?;
+        let allowed = self.fill(&self.noise(seed, realisation), &mut heights, gives_up)?;
         let field = if allowed {
             HeightField::of_checked(heights, self.shape, self.spacing)
         } else {

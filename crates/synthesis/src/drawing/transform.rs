@@ -15,6 +15,7 @@ use super::memory::reserved;
 use super::noise::Noise;
 use super::spectrum;
 use super::synthesis::Synthesis;
+use crate::gives_up::GivesUp;
 use asperity_surface::are_allowed;
 
 /// Fewest columns in a group, in all and for each thread. A row's piece of a group is then 16 cache
@@ -31,13 +32,23 @@ const PAD: usize = 4;
 
 impl Synthesis {
     /// Overwrites `heights` by those of a surface. Returns whether all are finite and within bounds.
-    pub(super) fn fill(&self, noise: &Noise, heights: &mut [f64]) -> Result<bool, SynthesisError> {
+    pub(super) fn fill(
+        &self,
+        noise: &Noise,
+        heights: &mut [f64],
+        gives_up: GivesUp<'_>,
+    ) -> Result<bool, SynthesisError> {
         // One entry into the pool of threads, not one for each loop below
-        rayon::scope(|_| self.fill_within(noise, heights))
+        rayon::scope(|_| self.fill_within(noise, heights, gives_up))
     }
 
     /// [`Synthesis::fill`], on a thread of the pool.
-    fn fill_within(&self, noise: &Noise, heights: &mut [f64]) -> Result<bool, SynthesisError> {
+    fn fill_within(
+        &self,
+        noise: &Noise,
+        heights: &mut [f64],
+        gives_up: GivesUp<'_>,
+    ) -> Result<bool, SynthesisError> {
         let [ny, nx] = self.shape;
         let outside = self.last_column(noise)?;
         let columns = self.columns_in_place();
@@ -45,6 +56,9 @@ impl Synthesis {
         let mut group = reserved(self.group() * stride)?;
         group.resize(self.group() * stride, Complex::default());
         for first in (0..columns).step_by(self.group()) {
+            if gives_up() {
+                return Err(SynthesisError::GivenUp);
+            }
             let width = self.group().min(columns - first);
             let group = &mut group[..width * stride];
             self.fill_columns(noise, first, group, stride);
@@ -56,7 +70,11 @@ impl Synthesis {
                 });
         }
         drop(group);
-        Ok(self.transform_rows(&outside, heights))
+        let allowed = self.transform_rows(&outside, heights, gives_up);
+        match gives_up() {
+            true => Err(SynthesisError::GivenUp),
+            false => Ok(allowed),
+        }
     }
 
     /// Bytes that [`Synthesis::fill`] takes in addition to the heights.
@@ -119,7 +137,12 @@ impl Synthesis {
     }
 
     /// Transforms each row along x in place; `outside` is the last column.
-    fn transform_rows(&self, outside: &[Complex<f64>], heights: &mut [f64]) -> bool {
+    fn transform_rows(
+        &self,
+        outside: &[Complex<f64>],
+        heights: &mut [f64],
+        gives_up: GivesUp<'_>,
+    ) -> bool {
         let nx = self.shape[1];
         let columns = self.columns_in_place();
         heights
@@ -133,6 +156,9 @@ impl Synthesis {
                     )
                 },
                 |(half, scratch), (row, &last)| {
+                    if gives_up() {
+                        return false;
+                    }
                     let (pairs, _) = row.as_chunks::<2>();
                     for (value, &[re, im]) in half.iter_mut().zip(&pairs[..columns]) {
                         *value = Complex { re, im };

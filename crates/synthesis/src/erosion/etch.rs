@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{ErosionError, MAX_ETCH_SPACINGS};
 use super::neighbours::beside;
+use crate::gives_up::GivesUp;
 use asperity_surface::HeightField;
 
 /// Isotropic etching.
@@ -38,7 +39,7 @@ impl Etch {
 
     /// Heights after etching. The sphere is that of the samples: a flank of slope `m` sinks by
     /// `depth sqrt(1 + m^2)`, less up to `d^2 (1 + m^2)^(3/2) / (8 depth)` at the spacing `d`.
-    pub(super) fn heights(&self, field: &HeightField) -> Vec<f64> {
+    pub(super) fn heights(&self, field: &HeightField, gives_up: GivesUp<'_>) -> Vec<f64> {
         let depth = self.depth;
         let [dx, dy] = field.spacing();
         let ([ny, nx], border) = (field.shape(), field.border());
@@ -48,6 +49,9 @@ impl Etch {
             .par_chunks_exact_mut(nx)
             .enumerate()
             .for_each(|(iy, row)| {
+                if gives_up() {
+                    return;
+                }
                 for j in -rows_away..=rows_away {
                     let Some(other) = beside(border, iy, j, ny) else {
                         continue;

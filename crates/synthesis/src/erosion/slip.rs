@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{ErosionError, MAX_SLIP_STEPS};
 use super::neighbours::beside;
+use crate::gives_up::GivesUp;
 use asperity_surface::HeightField;
 
 /// Fraction of the excess that moves between two neighbours in a step. With eight neighbours, up to 1/8 no sample falls below all that it
@@ -50,39 +51,48 @@ impl Slip {
     }
 
     /// Heights after slipping.
-    pub(super) fn heights(&self, field: &HeightField) -> Vec<f64> {
+    pub(super) fn heights(&self, field: &HeightField, gives_up: GivesUp<'_>) -> Vec<f64> {
         let ([ny, nx], [dx, dy], border) = (field.shape(), field.spacing(), field.border());
         let allowed = NEIGHBOURS.map(|[i, j]| self.slope * (i as f64 * dx).hypot(j as f64 * dy));
         let mut heights = field.heights().to_vec();
         let mut next = heights.clone();
         for _ in 0..self.steps {
+            if gives_up() {
+                break;
+            }
             let before = &heights;
+            let slip = |gains: &mut Vec<f64>, (iy, row): (usize, &mut [f64])| {
+                let here = &before[iy * nx..(iy + 1) * nx];
+                gains.fill(0.0);
+                for ([i, j], allowed) in NEIGHBOURS.into_iter().zip(allowed) {
+                    let Some(other) = beside(border, iy, j, ny) else {
+                        continue;
+                    };
+                    let other = &before[other * nx..(other + 1) * nx];
+                    // What a neighbour gains this sample loses, to the last bit
+                    let gain = |here: f64, other: f64| {
+                        let rise = other - here;
+                        FRACTION * (rise - rise.clamp(-allowed, allowed))
+                    };
+                    // Columns inside need no rule of the border
+                    let inner = &mut gains[1..nx - 1];
+                    let beside_inner = &other[(1 + i) as usize..];
+                    for ((sum, here), other) in inner.iter_mut().zip(&here[1..]).zip(beside_inner) {
+                        *sum += gain(*here, *other);
+                    }
+                    for ix in [0, nx - 1] {
+                        if let Some(column) = beside(border, ix, i, nx) {
+                            gains[ix] += gain(here[ix], other[column]);
+                        }
+                    }
+                }
+                for ((h, here), gain) in row.iter_mut().zip(here).zip(gains) {
+                    *h = here + *gain;
+                }
+            };
             next.par_chunks_exact_mut(nx)
                 .enumerate()
-                .for_each(|(iy, row)| {
-                    let rows = [-1, 0, 1].map(|j| {
-                        let other = beside(border, iy, j, ny)?;
-                        Some(&before[other * nx..(other + 1) * nx])
-                    });
-                    for (ix, h) in row.iter_mut().enumerate() {
-                        let here = before[iy * nx + ix];
-                        let is_inside = ix > 0 && ix + 1 < nx;
-                        let mut gain = 0.0;
-                        for ([i, j], allowed) in NEIGHBOURS.into_iter().zip(allowed) {
-                            let column = match is_inside {
-                                true => Some((ix as i64 + i) as usize),
-                                false => beside(border, ix, i, nx),
-                            };
-                            let (Some(column), Some(row)) = (column, rows[(j + 1) as usize]) else {
-                                continue;
-                            };
-                            let rise = row[column] - here;
-                            // What a neighbour gains this sample loses, to the last bit
-                            gain += FRACTION * (rise - rise.clamp(-allowed, allowed));
-                        }
-                        *h = here + gain;
-                    }
-                });
+                .for_each_init(|| vec![0.0; nx], slip);
             let moved = heights.iter().zip(&next).any(|(a, b)| a != b);
             std::mem::swap(&mut heights, &mut next);
             if !moved {

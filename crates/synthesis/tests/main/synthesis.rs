@@ -3,7 +3,10 @@
 use std::f64::consts::PI;
 
 use asperity_surface::{Border, HeightField, HeightFieldError};
-use asperity_synthesis::{Provenance, Psd, Synthesis, SynthesisError};
+use asperity_synthesis::{
+    Erosion, FieldSynthesis, GivesUp, NEVER, Provenance, Psd, Resolution, Slip, SplineSynthesis,
+    Synthesis, SynthesisError,
+};
 
 fn assert_close(found: &HeightField, expected: &HeightField, tolerance: f64) {
     let worst = found
@@ -204,7 +207,7 @@ fn surface_is_the_same_in_reused_memory() {
         let surface = synthesis.draw(1, 2).unwrap();
         for samples in [0, 7, 41 * 43, 50 * 50] {
             let room = vec![f64::NAN; samples];
-            assert_eq!(synthesis.draw_into(1, 2, room).unwrap(), surface);
+            assert_eq!(synthesis.draw_into(1, 2, room, NEVER).unwrap(), surface);
         }
     }
 }
@@ -319,4 +322,28 @@ fn refuses_sizes_beyond_memory_before_asking_for_it() {
     // little else.
     let large = Synthesis::new(psd, [1 << 14, 1 << 14], [1.0, 1.0], false).unwrap();
     assert!(large.peak_bytes() > 2 << 30 && large.peak_bytes() < 9 << 28);
+}
+
+#[test]
+fn a_surface_that_is_given_up_is_not_finished() {
+    let psd = || Psd::gaussian(1.0, 4.0).unwrap();
+    let (shape, spacing) = ([32, 32], [1.0, 1.0]);
+    let flat = Synthesis::new(psd(), shape, spacing, false).unwrap();
+    let splines = SplineSynthesis::new(psd(), shape, spacing, false).unwrap();
+    let fields = FieldSynthesis::new(psd().into(), shape, spacing, Resolution::Facets).unwrap();
+    let slip = Erosion::Slip(Slip {
+        slope: 0.1,
+        steps: 100_000,
+    });
+    let given_up: GivesUp<'_> = &|| true;
+    for error in [
+        flat.draw_into(1, 0, Vec::new(), given_up).err(),
+        splines.draw_into(1, 0, Vec::new(), given_up).err(),
+        fields.draw_into(1, 0, Vec::new(), given_up).err(),
+        fields.eroded(vec![slip], given_up).err(),
+    ] {
+        assert_eq!(error, Some(SynthesisError::GivenUp));
+    }
+    let field = flat.draw(1, 0).unwrap();
+    assert_eq!(slip.of_unless(&field, given_up), Ok(None));
 }

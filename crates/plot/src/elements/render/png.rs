@@ -83,18 +83,22 @@ fn paint(picture: &Picture, buffer: &mut [u8], width: usize, scale: f64) {
 /// Averages blocks of `n` by `n` pixels of an RGB buffer with `stride` bytes to a row.
 fn average_blocks(pixels: &[u8], stride: usize, n: usize) -> Vec<u8> {
     let count = (n * n) as u32;
-    pixels
-        .chunks_exact(stride * n)
-        .flat_map(|rows| {
-            (0..stride / n).map(move |i| {
-                let (column, channel) = (i / 3, i % 3);
-                let sum: u32 = (0..n * n)
-                    .map(|k| u32::from(rows[(k / n) * stride + (column * n + k % n) * 3 + channel]))
-                    .sum();
-                ((sum + count / 2) / count) as u8
-            })
-        })
-        .collect()
+    let mut averaged = Vec::with_capacity(pixels.len() / (n * n));
+    let mut sums = vec![0_u32; stride / n];
+    for rows in pixels.chunks_exact(stride * n) {
+        sums.fill(0);
+        for row in rows.chunks_exact(stride) {
+            for (sum, block) in sums.chunks_exact_mut(3).zip(row.chunks_exact(3 * n)) {
+                for pixel in block.chunks_exact(3) {
+                    for (sum, channel) in sum.iter_mut().zip(pixel) {
+                        *sum += u32::from(*channel);
+                    }
+                }
+            }
+        }
+        averaged.extend(sums.iter().map(|sum| ((sum + count / 2) / count) as u8));
+    }
+    averaged
 }
 
 #[cfg(test)]

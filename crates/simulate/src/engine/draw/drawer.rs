@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use asperity_synthesis::GivesUp;
 use asperity_tracer::Shape;
 
 use super::built_surface::{BuiltSurface, Meshes};
@@ -48,10 +49,11 @@ impl<'a> Drawer<'a> {
         seed: u64,
         number: u64,
         memory: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<Meshes, SimulateError> {
         match self {
             Self::Random(recipe, refine) => {
-                Meshes::new(recipe.draw_into(seed, number, memory)?, *refine)
+                Meshes::new(recipe.draw_into(seed, number, memory, gives_up)?, *refine)
             }
             Self::Given(shapes, refine) => Meshes::new(shapes[number as usize].clone(), *refine),
             Self::Built(built) => Ok(Meshes::of_several(built.shapes().cloned().collect())),
@@ -61,11 +63,11 @@ impl<'a> Drawer<'a> {
                 coarser,
             } => {
                 let mut meshes = vec![
-                    finer.draw_into(seed, number, Vec::new())?,
-                    given.draw_into(seed, number, memory)?,
+                    finer.draw_into(seed, number, Vec::new(), gives_up)?,
+                    given.draw_into(seed, number, memory, gives_up)?,
                 ];
                 if let Some(coarser) = coarser {
-                    meshes.push(coarser.draw_into(seed, number, Vec::new())?);
+                    meshes.push(coarser.draw_into(seed, number, Vec::new(), gives_up)?);
                 }
                 Ok(Meshes::of_several(meshes))
             }

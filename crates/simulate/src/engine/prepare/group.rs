@@ -31,8 +31,16 @@ use crate::input::surface_source::SurfaceSource;
 use crate::input::target::Target;
 use crate::methods::analytic::AnalyticResult;
 use crate::methods::method::Method;
+use crate::observer::Observer;
 use crate::slopes::slopes;
 use crate::store::Stage;
+
+/// Most cases of the groups that are prepared and traced together but of the last of them. Control variates take long: those of thousands of
+/// cases would fill the memory, and let the first ray wait.
+pub(crate) const CASES_AT_ONCE: usize = 64;
+
+/// Fewest rays per sample of a surface beside which drawing the surface once more takes no time: a ray takes as long as several samples.
+const RAYS_PER_SAMPLE: u64 = 16;
 
 /// Cases that share surfaces, and the effort that they take.
 #[derive(Clone)]
@@ -71,7 +79,7 @@ pub(crate) struct AnalyticCase {
 
 impl Group {
     /// The groups of cases with equal surface sources, each in the place of its first case. A group with more results than memory holds
-    /// at once is divided, as far as its cases do not share an effort. Cases that are complete are left out in the end,
+    /// at once is divided, as is one of so many cases that drawing its surfaces again takes no time beside theirs, as far as its cases do not share an effort. Cases that are complete are left out in the end,
     /// so that groups do not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
@@ -95,7 +103,10 @@ impl Group {
             let spec = settings.largest_spec(cases.iter().map(|one| &one.case));
             let most = match has_target {
                 true => cases.len(),
-                false => most_cases(&spec, tallies(&source, settings), settings.refine),
+                false => {
+                    let in_memory = most_cases(&spec, tallies(&source, settings), settings.refine);
+                    in_memory.min(most_at_once(&source, settings))
+                }
             };
             while !cases.is_empty() {
                 let others = cases.split_off(most.min(cases.len()));
@@ -138,7 +149,10 @@ impl Group {
     }
 
     /// The group with the analytic results and control variates of cases on random surfaces.
-    pub(crate) fn prepared(self) -> Result<Self, SimulateError> {
+    ///
+    /// # Errors
+    /// [`SimulateError::Interrupted`] if `observer` gives up before all cases are prepared.
+    pub(crate) fn prepared(self, observer: &dyn Observer) -> Result<Self, SimulateError> {
         let SurfaceSource::Random(surfaces) = &self.source else {
             return Ok(self);
         };
@@ -150,6 +164,9 @@ impl Group {
         slopes(recipe)?;
         let known_slopes = surfaces.slope_mixture()?;
         let prepare = |run: CaseRun| {
+            if observer.gives_up_first() {
+                return Err(SimulateError::Interrupted);
+            }
             let result = AnalyticResult::of(&run.case, recipe, settings)?;
             let method = match &result {
                 Some(result) => result.method.clone(),
@@ -195,7 +212,7 @@ impl Group {
             }
             _ => Ok(vec![Self {
                 is_prepared: true,
-                ..self.prepared()?
+                ..self.prepared(context.observer)?
             }]),
         }
     }
@@ -313,6 +330,20 @@ impl Group {
             },
             plan,
         }
+    }
+}
+
+/// Most cases of a group that are prepared before the first of them is traced: those that share surfaces which take long to draw are not divided.
+fn most_at_once(source: &SurfaceSource, settings: &Settings) -> usize {
+    let SurfaceSource::Random(surfaces) = source else {
+        return usize::MAX;
+    };
+    let samples: usize = surfaces.shape().iter().product();
+    let rays = settings.effort.total_rays() / tallies(source, settings).max(1);
+    let is_soon_drawn = samples as u64 * RAYS_PER_SAMPLE <= rays * CASES_AT_ONCE as u64;
+    match is_soon_drawn && !surfaces.recipe().is_measured() {
+        true => CASES_AT_ONCE,
+        false => usize::MAX,
     }
 }
 

@@ -92,7 +92,9 @@ impl StageRun<'_> {
         }
         let draw = |number, memory| {
             context.observer.surface_drawn(number);
-            drawer.draw(self.settings.seed, number, memory)
+            drawer.draw(self.settings.seed, number, memory, &|| {
+                context.observer.gives_up_first()
+            })
         };
         let mut seconds = Seconds::default();
         let clock = Instant::now();

@@ -146,6 +146,9 @@ impl StageRun<'_> {
                 _ if turns.are_over(observer) => continue,
                 saved => {
                     let found = self.trace(drawer, part, &mut memory, saved, context);
+                    if matches!(found, Err(SimulateError::Interrupted)) {
+                        continue;
+                    }
                     Numbered {
                         surface,
                         complete: found.as_ref().is_ok_and(|found| self.is_complete(found)),

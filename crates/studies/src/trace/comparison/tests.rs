@@ -3,7 +3,7 @@
 use asperity_results::ResultSet;
 use asperity_simulate::{Cells, RandomSurfaces, Silent};
 use asperity_surface::{LengthUnit, RegionSlopes};
-use asperity_synthesis::Psd;
+use asperity_synthesis::{NEVER, Psd};
 
 use super::*;
 use crate::given::GivenShape;
@@ -17,7 +17,7 @@ const SMOOTH: f64 = 10.0;
 /// A Gaussian surface 64 correlation lengths wide, in 8 x 8 regions.
 fn surface(psd: Psd, seed: u64) -> GivenSurface {
     let surfaces = RandomSurfaces::new(Cells::Flat, psd, [256; 2], [1.0; 2], true).unwrap();
-    let field = surfaces.heights(seed, 0).unwrap();
+    let field = surfaces.heights(seed, 0, NEVER).unwrap();
     GivenSurface {
         shape: GivenShape::Field(field),
         name: "surface".to_owned(),

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use asperity_surface::{Border, HeightField, Length, SplineSurface};
 use asperity_synthesis::{
-    MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, Psd, SplineSynthesis, Synthesis, SynthesisError,
+    MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, NEVER, Psd, SplineSynthesis, Synthesis,
+    SynthesisError,
 };
 
 use super::{BORDERS, jumble};
@@ -168,7 +169,7 @@ fn bytes_do_not_depend_on_threads_or_on_reused_memory() {
     assert_eq!(with_threads(2), (drawn.clone(), through));
     let room = splines.draw(3, 5).unwrap().into_coefficients();
     let place = room.as_ptr();
-    let reused = splines.draw_into(3, 4, room).unwrap();
+    let reused = splines.draw_into(3, 4, room, NEVER).unwrap();
     assert_eq!(reused, drawn);
     assert_eq!(reused.coefficients().as_ptr(), place);
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::centred::centred;
 use crate::drawing::error::SynthesisError;
 use crate::drawing::synthesis::Synthesis;
+use crate::gives_up::GivesUp;
 use crate::{StructureSynthesis, StructuredSurface};
 use asperity_surface::HeightField;
 
@@ -64,13 +65,21 @@ impl StructuredSynthesis {
         self.structure.peak_bytes() - middles + roughness.max(middles)
     }
 
-    pub(super) fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+    pub(super) fn draw(
+        &self,
+        seed: u64,
+        realisation: u64,
+        gives_up: GivesUp<'_>,
+    ) -> Result<HeightField, SynthesisError> {
         let (shape, spacing) = (self.structure.shape(), self.structure.spacing());
         let (mut heights, turned_cells) =
             self.structure.heights_and_turned_cells(seed, realisation)?;
+        if gives_up() {
+            return Err(SynthesisError::GivenUp);
+        }
         let [_, nx] = shape;
         if let Some(roughness) = &self.roughness {
-            let added = roughness.draw(seed, realisation)?;
+            let added = roughness.draw_into(seed, realisation, Vec::new(), gives_up)?;
             heights
                 .par_chunks_mut(nx)
                 .zip(added.heights().par_chunks(nx))

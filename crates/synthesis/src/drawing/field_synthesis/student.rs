@@ -7,6 +7,7 @@ use super::curve::Curve;
 use crate::drawing::error::SynthesisError;
 use crate::drawing::noise::Stream;
 use crate::drawing::synthesis::Synthesis;
+use crate::gives_up::GivesUp;
 use crate::recipe::FLOOR;
 use crate::{SlopeMixture, StudentSlopes};
 use asperity_numerics::ln_normal_cdf;
@@ -98,9 +99,12 @@ impl StudentSynthesis {
         seed: u64,
         realisation: u64,
         room: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<HeightField, SynthesisError> {
-        let base = self.base.draw_into(seed, realisation, room)?;
-        let normal = self.normal.draw(seed, realisation)?;
+        let base = self.base.draw_into(seed, realisation, room, gives_up)?;
+        let normal = self
+            .normal
+            .draw_into(seed, realisation, Vec::new(), gives_up)?;
         let (nx, shape, spacing) = (base.nx(), base.shape(), base.spacing());
         let mut heights = base.into_heights();
         heights

@@ -7,6 +7,7 @@ use super::curve::Curve;
 use super::hermite::HermiteSeries;
 use crate::drawing::error::SynthesisError;
 use crate::drawing::synthesis::Synthesis;
+use crate::gives_up::GivesUp;
 use crate::{SlopeMixture, SpectrumMismatch, TransformedHeights};
 use asperity_numerics::quadrature::normal_nodes;
 use asperity_numerics::transform_plane;
@@ -107,8 +108,9 @@ impl TransformedSynthesis {
         seed: u64,
         realisation: u64,
         room: Vec<f64>,
+        gives_up: GivesUp<'_>,
     ) -> Result<HeightField, SynthesisError> {
-        let field = self.waves.draw_into(seed, realisation, room)?;
+        let field = self.waves.draw_into(seed, realisation, room, gives_up)?;
         let (nx, shape, spacing) = (field.nx(), field.shape(), field.spacing());
         let mut heights = field.into_heights();
         self.height.map(&mut heights, 1.0);
