@@ -87,7 +87,7 @@ impl Validity {
         }
         let all = Components::of(lengths, bottom, case, 2.0 * PI / wavelength);
         let recorded = |side| spec.records(side);
-        let reflected = recorded(Side::Reflected).then(|| match case.material {
+        let reflected = recorded(Side::Reflected).then_some(match case.material {
             Material::Lambertian { .. } => Coherence {
                 coherent_fraction: 0.0,
                 ..all.reflected
