@@ -117,6 +117,54 @@ fn bins_of_small_relative_error_do_not_rest_on_few_rays() {
     assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
 }
 
+/// Few of the surfaces send light of the highest orders out of V grooves of random depth.
+#[test]
+fn light_of_few_surfaces_is_marked_in_report_and_files() {
+    let folder = Folder::new();
+    let report = folder.succeed(
+            "verify --structure v-grooves --randomness 0.5 --width 16 --spacing 1 --size 256x64 --realisations 32 --rays 32000 --models none --bins 6x12 --theta 30 --no-plots -o v",
+    );
+    let is_few = |mean: f64, se: f64| se > mean.abs() / 20_f64.sqrt();
+    let summary = folder.json("v/summary.json");
+    let mut counts = [0, 0];
+    for order in summary["orders"]["reflected"].as_array().unwrap() {
+        let [mean, se] = ["mean", "se"].map(|key| order[key].as_f64().unwrap());
+        let marked = order["few_samples"] == true;
+        assert_eq!(marked, is_few(mean, se), "{order}");
+        counts[usize::from(marked)] += 1;
+        let named = format!("order {}", order["order"]);
+        let line = "fewer than 20 surfaces or rays carry reflected light of ";
+        let of_few = unwrapped(&report)
+            .split_once(line)
+            .map(|(_, rest)| rest.split_once(':').unwrap().0.to_owned());
+        assert_eq!(of_few.unwrap().contains(&named), marked, "{report}");
+    }
+    assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
+    for name in ["theta", "in_plane"] {
+        let table = folder.text(format!("v/{name}.csv"));
+        let mut lines = table
+            .lines()
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let head = lines.next().unwrap();
+        let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
+        let components = ["order_1", "order_2", "order_3", "order_4_and_above"];
+        let mut marks = 0;
+        for row in lines {
+            let value = |name: &str| row[column(name)].parse::<f64>().unwrap();
+            let marked: Vec<&str> = row[column("few_samples")].split_whitespace().collect();
+            marks += marked.len();
+            for of in components {
+                let few = is_few(
+                    value(&format!("flux_{of}")),
+                    value(&format!("flux_{of}_se")),
+                );
+                assert_eq!(marked.contains(&of), few, "{row:?}");
+            }
+        }
+        assert!(marks > 0, "{name}");
+    }
+}
+
 #[test]
 fn lengths_are_judged_against_the_wavelength() {
     let folder = Folder::new();
@@ -139,6 +187,49 @@ fn lengths_are_judged_against_the_wavelength() {
     assert_eq!(summary["validity"]["holds"], false);
     assert_eq!(summary["validity"]["wavelength_nm"], 550.0);
     assert!(json(&trace("--json"))["validity"].is_null());
+}
+
+/// Sine grooves of 400 nm leave J_0^2 of their amplitude coherent, which no Gaussian heights of their sigma do; V grooves a sinc^2, as height map,
+/// mesh and structure alike.
+#[test]
+fn what_stays_coherent_follows_from_the_heights() {
+    let folder = Folder::new();
+    let run = |line: &str| folder.succeed(line);
+    let tile = "--width 32um --size 128 --spacing 0.5um --unit um";
+    run(&format!(
+        "generate --structure sine-grooves --depth 400nm {tile} -o sine.exr"
+    ));
+    run(&format!(
+        "generate --structure v-grooves --depth 150nm {tile} -o v.npy"
+    ));
+    run("mesh v.npy --spacing 0.5 --assume-unit um --border periodic -o v.ply");
+    let fraction = |line: &str| {
+        let summary = json(&run(&format!("{line} --material mirror --json")));
+        assert_eq!(summary["validity"]["holds"], false);
+        let reflected = &summary["validity"]["reflected"];
+        reflected["coherent_fraction"].as_f64().unwrap()
+    };
+    let light = "--theta 0 --rays 100 --border periodic";
+    let sine = format!("trace sine.exr {light} --wavelength 633nm");
+    // J_0(4 pi 0.2 / 0.633) = -0.3989
+    let found = fraction(&sine);
+    assert!((found - 0.3989_f64.powi(2)).abs() < 1e-4, "{found}");
+    let report = run(&format!("{sine} --material mirror"));
+    assert!(
+        report.contains("warning: 15.9 % of the reflected light"),
+        "{report}"
+    );
+    // Half a turn: (2 / pi)^2, of 32 samples per flank 0.16 % less
+    let exact = (2.0 / std::f64::consts::PI).powi(2);
+    let structure = "verify --structure v-grooves --depth 150nm --realisations 2 --models none --rays 200 --theta 0";
+    for line in [
+        format!("trace v.npy --spacing 0.5 --assume-unit um {light}"),
+        format!("trace v.ply --assume-unit um {light}"),
+        format!("{structure} {tile}"),
+    ] {
+        let found = fraction(&format!("{line} --wavelength 600nm"));
+        assert!((found / exact - 1.0).abs() < 2e-3, "{line}: {found}");
+    }
 }
 
 #[test]

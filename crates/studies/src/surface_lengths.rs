@@ -1,12 +1,14 @@
 //! Lengths of a surface that are compared with the wavelength: of random surfaces from their spectrum, of given ones
 //! from heights or triangles.
 
-use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
-use asperity_synthesis::SurfaceRecipe;
+use std::sync::Arc;
+
+use asperity_simulate::RandomSurfaces;
+use asperity_surface::{Border, HeightBlocks, HeightField, LengthUnit, Roughness};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 
 /// Height, correlation length and curvature of a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLengths {
     /// Root mean square height.
     pub sigma: f64,
@@ -16,19 +18,36 @@ pub struct SurfaceLengths {
     pub curvature: Option<f64>,
     /// Unit of the lengths.
     pub unit: LengthUnit,
+    /// Heights of each surface; none where they are Gaussian.
+    pub heights: Arc<[HeightBlocks]>,
 }
 
 impl SurfaceLengths {
-    /// Lengths of random surfaces, by what they are drawn by.
+    /// Lengths of random surfaces, by what they are drawn by; heights that are not Gaussian by two of them.
     #[must_use]
-    pub fn of_recipe(recipe: &SurfaceRecipe, unit: LengthUnit) -> Self {
+    pub fn of_random(surfaces: &RandomSurfaces, unit: LengthUnit) -> Self {
+        let recipe = surfaces.recipe();
         let [first, second] = recipe.correlation_lengths();
         Self {
             sigma: recipe.sigma(),
             tau: Some(first.min(second)),
             curvature: recipe.curvature(),
             unit,
+            // A run of surfaces that cannot be drawn has failed before
+            heights: surfaces.height_blocks().unwrap_or_default(),
         }
+    }
+
+    /// Fraction of a wave that stays coherent if a height `h` shifts its phase by `wave_number * h`, by the heights where they are
+    /// known: `exp(-(wave_number sigma)^2)` of Gaussian ones, the mean over all surfaces of others.
+    #[must_use]
+    pub fn coherent_fraction(&self, wave_number: f64) -> f64 {
+        if self.heights.is_empty() {
+            return (-(wave_number * self.sigma).powi(2)).exp();
+        }
+        let of_each = self.heights.iter();
+        let sum: f64 = of_each.map(|one| one.coherent_fraction(wave_number)).sum();
+        sum / self.heights.len() as f64
     }
 
     /// The shortest of both surfaces, of which all are to be long against the wavelength.
@@ -41,6 +60,12 @@ impl SurfaceLengths {
             tau: of_both(self.tau, other.tau, f64::min),
             curvature: of_both(self.curvature, other.curvature, f64::max),
             unit: self.unit,
+            heights: self
+                .heights
+                .iter()
+                .chain(&*other.heights)
+                .cloned()
+                .collect(),
         }
     }
 
@@ -54,6 +79,7 @@ impl SurfaceLengths {
             tau: taus.reduce(f64::min),
             curvature: Some(root_mean_square_curvature(field)),
             unit: field.unit(),
+            heights: [HeightBlocks::of(field)].into(),
         }
     }
 
@@ -61,8 +87,12 @@ impl SurfaceLengths {
     #[must_use]
     pub fn of_mesh(mesh: &MeshSurface, unit: LengthUnit) -> Self {
         let (mut area, mut first, mut second) = (0.0, 0.0, 0.0);
-        for index in 0..mesh.facet_count() {
-            let [a, b, c] = mesh.corners(mesh.facet(index));
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        let facets = || (0..mesh.facet_count()).map(|index| mesh.corners(mesh.facet(index)));
+        for [a, b, c] in facets() {
+            range = [a, b, c]
+                .iter()
+                .fold(range, |[low, high], p| [low.min(p.z), high.max(p.z)]);
             let covered = 0.5 * (b - a).cross(c - a).z.abs();
             area += covered;
             first += covered * (a.z + b.z + c.z) / 3.0;
@@ -75,12 +105,20 @@ impl SurfaceLengths {
             true => second / area - (first / area).powi(2),
             false => 0.0,
         };
+        let [x, y] = mesh.extent();
+        let in_tile =
+            facets().map(|corners| corners.map(|p| [p.x / x, p.y / y, p.z * mesh.unit()]));
         Self {
             // Corners are in tile coordinates
             sigma: variance.max(0.0).sqrt() * mesh.unit(),
             tau: None,
             curvature: None,
             unit,
+            heights: [HeightBlocks::of_facets(
+                in_tile,
+                range.map(|z| z * mesh.unit()),
+            )]
+            .into(),
         }
     }
 }
@@ -138,8 +176,8 @@ mod tests {
     #[test]
     fn lengths_of_a_spectrum_are_those_of_its_surfaces() {
         let psd = Psd::anisotropic_gaussian(2.0, 16.0, 32.0, 0.0).unwrap();
-        let exact = SurfaceLengths::of_recipe(&psd.clone().into(), LengthUnit::Micrometre);
         let synthesis = Synthesis::new(psd, [1024, 1024], [1.0, 1.0], false).unwrap();
+        let exact = SurfaceLengths::of_random(&synthesis.clone().into(), LengthUnit::Micrometre);
         let field = synthesis.draw(3, 0).unwrap();
         let found = SurfaceLengths::of_field(&field.with_unit(LengthUnit::Micrometre));
         // 2000 independent areas: 1 to 3 percent each
@@ -149,6 +187,9 @@ mod tests {
         let curvature = found.curvature.unwrap() / exact.curvature.unwrap();
         assert!((curvature - 1.0).abs() < 0.05, "{found:?}");
         assert_eq!(found.unit, exact.unit);
+        // 16 by 32 correlation lengths leave about 1/4000 of speckle
+        let [drawn, formula] = [&found, &exact].map(|one| one.coherent_fraction(0.5));
+        assert!((drawn / formula - 1.0).abs() < 0.1, "{drawn} {formula}");
     }
 
     #[test]
@@ -166,5 +207,11 @@ mod tests {
             "{found:?}"
         );
         assert_eq!((found.tau, found.curvature), (None, None));
+        let half = 0.5 * 6.0 * 0.7_f64;
+        let coherent = (half.sin() / half).powi(2);
+        assert!(
+            (found.coherent_fraction(0.7) - coherent).abs() < 1e-5,
+            "{found:?}"
+        );
     }
 }

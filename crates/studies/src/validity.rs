@@ -3,8 +3,8 @@
 //! Numbers that must be large. The root mean square phase difference of light from high and low points, per side:
 //! `4 pi sigma n_i cos(theta_i) / lambda` of reflected light, the Rayleigh parameter, and
 //! `2 pi sigma |n_t cos(theta_t) - n_i cos(theta_i)| / lambda` of transmitted light; a fraction `exp(-phase^2)` of what a Gaussian surface
-//! reflects or transmits stays coherent (Beckmann and Spizzichino 1963). `tau / lambda` is the correlation length over the wavelength. The
-//! radius of curvature over `lambda / cos^3(theta)` tells whether a facet is level enough to act as a plane.
+//! reflects or transmits stays coherent (Beckmann and Spizzichino 1963), and of any other `|mean exp(i phase)|^2` over its heights. `tau / lambda`
+//! is the correlation length over the wavelength. The radius of curvature over `lambda / cos^3(theta)` tells whether a facet is level enough to act as a plane.
 //!
 //! The wavelength is that in the medium above the surface, whose index is one here.
 
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use asperity_optics::{Bottom, Material};
-use asperity_simulate::{BottomSurface, Case, short};
+use asperity_simulate::{BottomSurface, Case, SurfaceSource, short};
 use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
@@ -40,17 +40,8 @@ const USUAL_NM: [f64; 2] = [50.0, 50_000.0];
 pub struct Coherence {
     /// Root mean square phase difference of light from different points, radians.
     pub phase_parameter: f64,
-    /// Fraction `exp(-phase^2)` of the component that stays coherent, of a Gaussian surface.
+    /// Fraction of the component that stays coherent: `exp(-phase^2)` of a Gaussian surface, and that of the heights of any other.
     pub coherent_fraction: f64,
-}
-
-impl Coherence {
-    fn of(phase: f64) -> Self {
-        Self {
-            phase_parameter: phase,
-            coherent_fraction: (-phase * phase).exp(),
-        }
-    }
 }
 
 /// Lengths of a surface against the wavelength, for one direction of the light.
@@ -73,7 +64,8 @@ pub struct Validity {
     /// `R cos^3(theta) / lambda`, R being one over the root mean square second derivative along the more curved axis;
     /// `None` for a surface without curvature, or where it is not known.
     pub curvature_radius_over_wavelength: Option<f64>,
-    /// `true` if all of them are at least [`LARGE`]; `None` where those that are known are, and others are not known.
+    /// `true` if all of them are at least [`LARGE`] and no component is coherent by more than 1 %; `None` where that holds of those that are
+    /// known, and others are not known.
     pub holds: Option<bool>,
 }
 
@@ -93,22 +85,17 @@ impl Validity {
         if lengths.sigma == 0.0 {
             return None;
         }
-        let differences = PathDifferences::of(lengths, bottom, case);
-        let phase = |difference: f64| Coherence::of(2.0 * PI / wavelength * difference);
+        let all = Components::of(lengths, bottom, case, 2.0 * PI / wavelength);
         let recorded = |side| spec.records(side);
-        let reflected = recorded(Side::Reflected).then(|| match case.material {
+        let reflected = recorded(Side::Reflected).then_some(match case.material {
             Material::Lambertian { .. } => Coherence {
                 coherent_fraction: 0.0,
-                ..phase(differences.reflected)
+                ..all.reflected
             },
-            _ => phase(differences.reflected),
+            _ => all.reflected,
         });
-        let transmitted = differences
-            .transmitted
-            .filter(|_| recorded(Side::Transmitted));
-        let by_bottom = differences.by_bottom.filter(|_| recorded(Side::Reflected));
-        let [transmitted, reflected_by_bottom] =
-            [transmitted, by_bottom].map(|difference| difference.map(phase));
+        let transmitted = all.transmitted.filter(|_| recorded(Side::Transmitted));
+        let reflected_by_bottom = all.by_bottom.filter(|_| recorded(Side::Reflected));
         let cos = case.light.incidence.theta().cos();
         let tau = lengths.tau.map(|tau| tau / wavelength);
         let curvature = lengths.curvature.filter(|curvature| *curvature > 0.0);
@@ -123,7 +110,7 @@ impl Validity {
             curvature_radius_over_wavelength: radius,
             holds: None,
         };
-        let is_doubtful = validity.least() < LARGE;
+        let is_doubtful = validity.least() < LARGE || validity.is_coherent();
         // A surface without curvature has no radius to fall short.
         let is_complete = tau.is_some() && lengths.curvature.is_some();
         validity.holds = (is_doubtful || is_complete).then_some(!is_doubtful);
@@ -136,7 +123,12 @@ impl Validity {
         spec: &TallySpec,
         wavelength_nm: Option<f64>,
     ) -> Option<Self> {
-        let lengths = SurfaceLengths::of_recipe(case.surface.recipe()?, case.at.unit);
+        let SurfaceSource::Random(surfaces) = &case.surface else {
+            return None;
+        };
+        // Heights without a unit need not be drawn
+        let is_known = LengthUnit::Nanometre.conversion(case.at.unit).is_some();
+        let lengths = is_known.then(|| SurfaceLengths::of_random(surfaces, case.at.unit))?;
         Self::new(&lengths, None, case, spec, wavelength_nm)
     }
 
@@ -154,9 +146,18 @@ impl Validity {
 
     /// The least phase of a side.
     pub(crate) fn least_phase(&self) -> f64 {
-        let all = [self.reflected, self.transmitted, self.reflected_by_bottom];
-        let phases = all.into_iter().flatten().map(|one| one.phase_parameter);
+        let phases = self.components().map(|one| one.phase_parameter);
         phases.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Returns `true` if much of a component is coherent.
+    fn is_coherent(&self) -> bool {
+        self.components().any(|one| one.coherent_fraction > MUCH)
+    }
+
+    fn components(&self) -> impl Iterator<Item = Coherence> {
+        let all = [self.reflected, self.transmitted, self.reflected_by_bottom];
+        all.into_iter().flatten()
     }
 
     /// The note of a report; `None` where nothing is in doubt and no wavelength was given.
@@ -293,17 +294,18 @@ pub(crate) fn wavelength_warnings(wavelength_nm: Option<f64>, unit: LengthUnit) 
     warnings
 }
 
-/// Root mean square differences of optical paths between points of a surface, in lengths.
-struct PathDifferences {
-    reflected: f64,
-    transmitted: Option<f64>,
-    by_bottom: Option<f64>,
+/// Coherence of light from different points of a surface, by component.
+struct Components {
+    reflected: Coherence,
+    transmitted: Option<Coherence>,
+    by_bottom: Option<Coherence>,
 }
 
-impl PathDifferences {
-    fn of(lengths: &SurfaceLengths, bottom: Option<&SurfaceLengths>, case: &Case) -> Self {
+impl Components {
+    /// `k`: wave number in the medium above.
+    fn of(top: &SurfaceLengths, bottom: Option<&SurfaceLengths>, case: &Case, k: f64) -> Self {
         let incidence = case.light.incidence;
-        let sigma = lengths.sigma;
+        let sigma = top.sigma;
         let index = match case.material {
             // Equal indices deflect nothing
             Material::Dielectric { eta } if eta != 1.0 || case.layer.is_some() => Some(eta),
@@ -318,43 +320,66 @@ impl PathDifferences {
         let across = n_i * incidence.theta().cos();
         // n cos(theta) beyond; `None` where all light is reflected
         let beyond = |n: f64| (n > along).then(|| (n * n - along * along).sqrt());
-        let mut differences = Self {
-            reflected: 2.0 * sigma * across,
+        let of_top = |per_height: f64| top.coherent_fraction(k * per_height);
+        let by_top = |per_height: f64| coherence(k * sigma * per_height.abs(), of_top(per_height));
+        let mut found = Self {
+            reflected: by_top(2.0 * across),
             transmitted: None,
             by_bottom: None,
         };
         let Some((n_t, inside)) = n_t.and_then(|n| Some((n, beyond(n)?))) else {
-            return differences;
+            return found;
         };
         let step = inside - across;
         let Some(below) = case.layer else {
-            differences.transmitted = Some(sigma * step.abs());
-            return differences;
+            found.transmitted = Some(by_top(step));
+            return found;
         };
         let Some(end) = below.layer.end() else {
-            differences.transmitted = below.layer.transmits().then(|| sigma * step.abs());
-            return differences;
+            found.transmitted = below.layer.transmits().then(|| by_top(step));
+            return found;
         };
-        // Heights of the bottom, and their correlation with those above where light arrives
-        let bottom_sigma = match (bottom, below.bottom) {
-            (Some(bottom), _) => bottom.sigma,
-            (None, BottomSurface::Flat) => 0.0,
-            (None, _) => sigma,
-        };
+        // The bottom, and the correlation of its heights with those above where light arrives
         let is_same = bottom.is_none() && below.bottom == BottomSurface::Same;
+        let bottom = bottom.or((below.bottom != BottomSurface::Flat).then_some(top));
+        let bottom_sigma = bottom.map_or(0.0, |bottom| bottom.sigma);
+        let of_bottom =
+            |per_height: f64| bottom.map_or(1.0, |bottom| bottom.coherent_fraction(k * per_height));
         let shift = end.thickness * along / inside;
         let correlation = |times: f64| {
-            let tau = lengths.tau.filter(|_| shift > 0.0);
+            let tau = top.tau.filter(|_| shift > 0.0);
             tau.map_or(1.0, |tau| (-(times * shift / tau).powi(2)).exp())
         };
         let common = if is_same { correlation(1.0) } else { 0.0 };
-        let root = |square: f64| square.max(0.0).sqrt();
+        let is_gaussian = [Some(top), bottom]
+            .iter()
+            .flatten()
+            .all(|one| one.heights.is_empty());
+        let of_both = |square: f64, fraction: f64| {
+            let phase = k * square.max(0.0).sqrt();
+            // Gaussian heights need no more than their correlation
+            coherence(
+                phase,
+                if is_gaussian {
+                    (-phase * phase).exp()
+                } else {
+                    fraction
+                },
+            )
+        };
         let through = |second: f64| {
             let squares = (sigma * step).powi(2) + (bottom_sigma * second).powi(2);
-            root(squares + 2.0 * common * sigma * step * bottom_sigma * second)
+            of_both(
+                squares + 2.0 * common * sigma * step * bottom_sigma * second,
+                between(
+                    of_top(step) * of_bottom(second),
+                    of_top(step + second),
+                    common,
+                ),
+            )
         };
-        differences.transmitted = match end.bottom {
-            Bottom::Open => Some(sigma * step.abs()),
+        found.transmitted = match end.bottom {
+            Bottom::Open => Some(by_top(step)),
             Bottom::Interface { eta } => beyond(n_t * eta).map(|out| through(out - inside)),
             _ => None,
         };
@@ -363,13 +388,35 @@ impl PathDifferences {
             Bottom::Interface { eta } => eta != 1.0,
             _ => false,
         };
-        differences.by_bottom = reflects.then(|| {
-            let top = (sigma * step).powi(2) * (2.0 + 2.0 * correlation(2.0));
-            let of_bottom = (2.0 * inside * bottom_sigma).powi(2);
-            root(top + of_bottom - 8.0 * common * sigma * step * inside * bottom_sigma)
+        found.by_bottom = reflects.then(|| {
+            let twice = (sigma * step).powi(2) * (2.0 + 2.0 * correlation(2.0));
+            let by_bottom = (2.0 * inside * bottom_sigma).powi(2);
+            let of_twice = between(of_top(step).powi(2), of_top(2.0 * step), correlation(2.0));
+            of_both(
+                twice + by_bottom - 8.0 * common * sigma * step * inside * bottom_sigma,
+                between(
+                    of_twice * of_bottom(2.0 * inside),
+                    of_top(2.0 * (step - inside)),
+                    common,
+                ),
+            )
         });
-        differences
+        found
     }
+}
+
+/// A component of this root mean square phase. No heights are known to a fraction of a wavelength that is so much smaller.
+fn coherence(phase: f64, fraction: f64) -> Coherence {
+    Coherence {
+        phase_parameter: phase,
+        coherent_fraction: if phase > BEYOND_DOUBT { 0.0 } else { fraction },
+    }
+}
+
+/// Coherent fraction of light that meets two heights of this correlation, by those of independent and of equal heights; exact for
+/// Gaussian ones.
+fn between(independent: f64, equal: f64, correlation: f64) -> f64 {
+    independent.powf(1.0 - correlation) * equal.powf(correlation)
 }
 
 impl Validity {
@@ -397,6 +444,9 @@ impl fmt::Display for Validity {
         let verdict = match self.holds {
             Some(true) => "lengths are large against the wavelength",
             None => self.of_known_lengths(),
+            Some(false) if self.least() >= LARGE => {
+                "geometric optics is doubtful, since more than 1 % of the light is coherent, although all lengths are large against the wavelength"
+            }
             Some(false) => {
                 "geometric optics is doubtful, since not all lengths are large against the wavelength"
             }
@@ -436,7 +486,11 @@ impl fmt::Display for Validity {
         if let Some(radius) = self.curvature_radius_over_wavelength {
             write!(f, "R cos^3(theta) / lambda = {}; ", short(radius))?;
         }
-        write!(f, "each should be above {LARGE}")
+        write!(f, "each should be above {LARGE}")?;
+        match self.is_coherent() {
+            true => f.write_str(", and no more than 1 % coherent"),
+            false => Ok(()),
+        }
     }
 }
 
@@ -455,9 +509,10 @@ fn write_coherent(f: &mut fmt::Formatter<'_>, fraction: f64, light: &str) -> fmt
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+    use std::sync::Arc;
 
     use asperity_optics::{Incidence, Layer, ParticipatingMedium, PhaseFunction};
-    use asperity_simulate::{Light, SurfaceSource};
+    use asperity_simulate::Light;
     use asperity_surface::HeightField;
     use asperity_tally::HemisphereGrid;
     use asperity_tracer::LayerBelow;
@@ -493,6 +548,7 @@ mod tests {
             tau: Some(50.0),
             curvature: Some(1e-4),
             unit: LengthUnit::Micrometre,
+            heights: Arc::default(),
         };
         Validity::new(&lengths, None, case, &spec(), None).unwrap()
     }
@@ -575,19 +631,102 @@ mod tests {
     #[test]
     fn numbers_follow_from_lengths_and_angle() {
         let theta = 60_f64.to_radians();
-        let found = of_field(&waves(2.0, LengthUnit::Micrometre), theta, Some(500.0));
+        // An amplitude of which hardly any light stays coherent
+        let found = of_field(&waves(2.19, LengthUnit::Micrometre), theta, Some(500.0));
         let found = found.unwrap();
-        // sigma = sqrt 2 um, lambda = 0.5 um
-        let rayleigh = 4.0 * PI * 2_f64.sqrt() * 0.5 / 0.5;
+        // sigma = 2.19 um / sqrt 2, lambda = 0.5 um
+        let sigma = 2.19 / 2_f64.sqrt();
+        let rayleigh = 4.0 * PI * sigma * 0.5 / 0.5;
         let reflected = found.reflected.unwrap();
         assert!((reflected.phase_parameter / rayleigh - 1.0).abs() < 1e-12);
         // Second differences of a sine: 2 (1 - cos k) of it
-        let curvature = 2_f64.sqrt() * 2.0 * (1.0 - (TAU / 32.0).cos());
+        let curvature = sigma * 2.0 * (1.0 - (TAU / 32.0).cos());
         let radius = 0.125 / (curvature * 0.5);
         let ratio = found.curvature_radius_over_wavelength.unwrap() / radius;
         assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
         assert!(found.holds == Some(true) && !found.wavelength_is_assumed);
         assert!(found.to_string().starts_with("lengths are large"));
+    }
+
+    /// V grooves of a height of half a wavelength at normal incidence and of their period, and the same in glass.
+    #[test]
+    fn heights_that_are_not_gaussian_tell_what_stays_coherent() {
+        let sinc = |half: f64| (half.sin() / half).powi(2);
+        let ridge = |i: i32| f64::from((i % 256 - 128).abs()) / 128.0;
+        let field = |height: f64| {
+            let heights = (0..16 * 512).map(|i| height * ridge(i)).collect();
+            let field = HeightField::new(heights, [16, 512], [1.0, 1.0]).unwrap();
+            SurfaceLengths::of_field(&field.with_unit(LengthUnit::Micrometre))
+        };
+        let found = |lengths: &SurfaceLengths, bottom, case: &Case| {
+            Validity::new(lengths, bottom, case, &spec(), Some(600.0)).unwrap()
+        };
+        let near = |one: Option<Coherence>, exact: f64| {
+            let fraction = one.unwrap().coherent_fraction;
+            assert!((fraction - exact).abs() < 1e-4, "{fraction} {exact}");
+        };
+        let grooves = field(0.15);
+        near(
+            found(&grooves, None, &case(Material::Mirror, 0.0)).reflected,
+            sinc(PI / 2.0),
+        );
+        // Phases of three and a half turns: 0.8 % of a sinc; of 13 and a half, with large lengths, nothing
+        let high = found(&field(1.05), None, &case(Material::Mirror, 0.0));
+        near(high.reflected, sinc(3.5 * PI));
+        // Glass, at 60 degrees
+        let glass = Material::Dielectric { eta: 1.5 };
+        let k = TAU / 0.6;
+        let step = 1.5_f64.sqrt() - 0.5;
+        near(
+            found(&grooves, None, &case(glass, PI / 3.0)).transmitted,
+            sinc(0.5 * k * step * 0.15),
+        );
+
+        // Two faces of independent grooves, and of one shape at normal incidence
+        let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
+        let end = Bottom::Interface { eta: 1.0 / 1.5 };
+        let mut window = case(glass, 0.0);
+        let mut with = |bottom, of_file| {
+            let layer = Layer::slab(clear.clone().unwrap(), 4.0, end).unwrap();
+            window.layer = Some(LayerBelow { layer, bottom });
+            found(&grooves, of_file, &window)
+        };
+        let one = sinc(0.25 * k * 0.15);
+        let apart = with(BottomSurface::Independent, None);
+        near(apart.transmitted, one * one);
+        near(
+            apart.reflected_by_bottom,
+            sinc(0.5 * k * 0.15) * sinc(1.5 * k * 0.15),
+        );
+        let same = with(BottomSurface::Same, None);
+        near(same.transmitted, 1.0);
+        near(same.reflected_by_bottom, sinc(k * 0.15));
+        let flat = with(BottomSurface::Flat, None);
+        near(flat.transmitted, one);
+        let other = field(0.4);
+        near(
+            with(BottomSurface::Flat, Some(&other)).transmitted,
+            one * sinc(0.25 * k * 0.4),
+        );
+    }
+
+    #[test]
+    fn a_coherent_part_makes_large_lengths_doubtful() {
+        // A sine of two turns on either side of the mean
+        let found = of_field(&waves(1.0, LengthUnit::Micrometre), PI / 3.0, Some(500.0)).unwrap();
+        assert!(found.least() > LARGE && found.holds == Some(false));
+        let fraction = found.reflected.unwrap().coherent_fraction;
+        let exact = libm::j0(4.0 * PI).powi(2);
+        assert!((fraction - exact).abs() < 1e-3, "{fraction} {exact}");
+        let text = found.to_string();
+        assert!(text.contains("although all lengths are large"), "{text}");
+        let warned = format!("up to {:.1} % of the reflected light", 100.0 * exact);
+        assert!(found.first_lines_at_most().unwrap().contains(&warned));
+        // Hills against light: level land at some height is known to no wavelength
+        let steps = (0..64 * 64).map(|i| f64::from(i % 64 / 32)).collect();
+        let hills = HeightField::new(steps, [64, 64], [1.0, 1.0]).unwrap();
+        let hills = of_field(&hills.with_unit(LengthUnit::Metre), 0.0, None).unwrap();
+        assert_eq!(hills.reflected.unwrap().coherent_fraction, 0.0);
     }
 
     #[test]
@@ -598,6 +737,7 @@ mod tests {
                 tau: None,
                 curvature: None,
                 unit: LengthUnit::Metre,
+                heights: Arc::default(),
             };
             Validity::new(&lengths, None, &case(Material::Mirror, 0.0), &spec(), None).unwrap()
         };
@@ -619,7 +759,9 @@ mod tests {
         assert!(shallow.holds == Some(false) && shallow.wavelength_is_assumed);
         let reflected = shallow.reflected.unwrap();
         let phase = reflected.phase_parameter;
-        assert_eq!(reflected.coherent_fraction, (-phase * phase).exp());
+        // A sine of amplitude 2^(1/2) sigma
+        let exact = libm::j0(2_f64.sqrt() * phase).powi(2);
+        assert!((reflected.coherent_fraction - exact).abs() < 1e-3);
         let text = shallow.to_string();
         assert!(
             text.contains("doubtful") && text.contains("550 nm, assumed"),

@@ -29,8 +29,8 @@ pub use height_field::{
 };
 pub use numbers::{short, short_below};
 pub use roughness::{
-    AxisAutocorrelation, FunctionalParameters, Histogram, Iso25178, PowerSpectrum, Roughness,
-    SpatialParameters, SpectralRing, SteepestFacet, Triangle,
+    AxisAutocorrelation, FunctionalParameters, HeightBlocks, Histogram, Iso25178, PowerSpectrum,
+    Roughness, SpatialParameters, SpectralRing, SteepestFacet, Triangle,
 };
 pub use slopes::{RegionSlopes, SlopeMoments};
 pub use spline::{SplineRoughness, SplineSurface};

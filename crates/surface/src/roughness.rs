@@ -1,6 +1,7 @@
 //! Roughness of any surface, generated or measured.
 
 mod correlation;
+mod height_blocks;
 mod histogram;
 mod iso25178;
 mod slopes;
@@ -19,6 +20,7 @@ use crate::height_field::mean_height;
 use crate::{Border, HeightField, LengthUnit};
 
 pub use self::correlation::AxisAutocorrelation;
+pub use self::height_blocks::HeightBlocks;
 pub use self::histogram::Histogram;
 pub use self::iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use self::slopes::{SteepestFacet, Triangle};

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use asperity_surface::{HeightField, SlopeMoments, SplineSurface};
+use asperity_surface::{HeightBlocks, HeightField, SlopeMoments, SplineSurface};
 use asperity_synthesis::{
     FieldSynthesis, GivesUp, Resolution, SplineSynthesis, SurfaceRecipe, Synthesis, SynthesisError,
 };
@@ -25,6 +25,8 @@ pub struct RandomSurfaces {
     spacing: [f64; 2],
     #[serde(skip)]
     planned: Arc<OnceLock<Planned>>,
+    #[serde(skip)]
+    height_blocks: Arc<OnceLock<Arc<[HeightBlocks]>>>,
 }
 
 /// Drawer of random surfaces.
@@ -85,6 +87,7 @@ impl RandomSurfaces {
             shape,
             spacing,
             planned: Arc::new(planned.into()),
+            height_blocks: Arc::default(),
         })
     }
 
@@ -251,6 +254,31 @@ impl RandomSurfaces {
         Ok(samples.concat())
     }
 
+    /// Heights of two surfaces that are none of a run's, drawn by the first call; none of Gaussian ones, whose distribution is known.
+    ///
+    /// # Errors
+    /// Same as [`Synthesis::draw`].
+    pub fn height_blocks(&self) -> Result<Arc<[HeightBlocks]>, SynthesisError> {
+        if let Some(known) = self.height_blocks.get() {
+            return Ok(known.clone());
+        }
+        let numbers = if self.recipe.gaussian().is_some() {
+            0..0
+        } else {
+            0..2
+        };
+        let draw = |number| {
+            Ok(HeightBlocks::of(&self.heights(
+                u64::MAX,
+                number,
+                &|| false,
+            )?))
+        };
+        let drawn: Result<_, SynthesisError> = numbers.map(draw).collect();
+        let drawn = drawn?;
+        Ok(self.height_blocks.get_or_init(|| drawn).clone())
+    }
+
     /// Heights of one surface, for a picture, unless `gives_up` returns `true`: those of its grid, or of one up to four times as fine where
     /// cells are smooth, of at most 512 samples per side.
     ///
@@ -304,6 +332,7 @@ impl From<Synthesis> for RandomSurfaces {
             shape: synthesis.shape(),
             spacing: synthesis.spacing(),
             planned: Arc::new(Planned::Flat(synthesis).into()),
+            height_blocks: Arc::default(),
         }
     }
 }
@@ -316,6 +345,7 @@ impl From<SplineSynthesis> for RandomSurfaces {
             shape: synthesis.shape(),
             spacing: synthesis.spacing(),
             planned: Arc::new(Planned::Smooth(synthesis).into()),
+            height_blocks: Arc::default(),
         }
     }
 }

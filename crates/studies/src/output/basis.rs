@@ -1,7 +1,7 @@
 //! Basis of an estimate: gives a zero-variance estimate, whose samples all agree, its confidence limit.
 
 use asperity_simulate::short;
-use asperity_tally::{Estimate, zero_variance_limit};
+use asperity_tally::{Estimate, is_of_few_rays, zero_variance_limit};
 use serde::Serialize;
 
 use super::number::{NO_SCATTER, two_digits, with_error};
@@ -38,6 +38,9 @@ pub(crate) struct EstimateWithLimit {
     /// `true` if the mean is proven.
     #[serde(rename = "exact", skip_serializing_if = "is_false")]
     is_exact: bool,
+    /// `true` if fewer than 20 surfaces or rays carry the flux: its error is a lower bound.
+    #[serde(skip_serializing_if = "is_false")]
+    few_samples: bool,
     #[serde(skip)]
     basis: Basis,
 }
@@ -61,6 +64,7 @@ impl EstimateWithLimit {
             below: limit.filter(|_| estimate.mean == 0.0),
             above: limit.filter(|_| is_one).map(|limit| 1.0 - limit),
             is_exact: agree && basis == Basis::Proven,
+            few_samples: is_of_few_rays(estimate),
             basis,
         }
     }
@@ -145,6 +149,10 @@ mod tests {
             assert_eq!(found.text(), "0.50 +- 0.10");
             assert_eq!(json!(found), json!({ "mean": 0.5, "se": 0.1 }));
         }
+        let mean = 0.4;
+        let of_few = EstimateWithLimit::new(Estimate { mean, ..scattered }, Basis::Samples(1e4));
+        let marked = json!({ "mean": 0.4, "se": 0.1, "few_samples": true });
+        assert_eq!(json!(of_few), marked);
     }
 
     #[test]

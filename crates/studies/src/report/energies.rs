@@ -5,6 +5,7 @@ use std::fmt::Write;
 use asperity_simulate::{ControlVariateMean, ErrorBudget, SummaryWork, counted, short};
 use asperity_tally::{
     Component, Entry, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
+    is_of_few_rays,
 };
 use asperity_tracer::PathSettings;
 
@@ -63,7 +64,8 @@ pub fn energy_table(statistics: &TallyStatistics, support: &FluxBasis) -> String
     for side in spec.sides() {
         let orders = by_order(statistics, support, side);
         let of_medium = by_medium(statistics, support, side);
-        for line in orders.into_iter().chain(of_medium) {
+        let few = few_samples(statistics, side);
+        for line in orders.into_iter().chain(of_medium).chain(few) {
             let _ = writeln!(out, "{line}");
         }
     }
@@ -84,6 +86,26 @@ fn by_order(statistics: &TallyStatistics, support: &FluxBasis, side: Side) -> Op
         fluxes.push(format!("above: {}", short(above)));
     }
     (!fluxes.is_empty()).then(|| listed(&format!("{side} by order"), &fluxes))
+}
+
+/// Sentence on the components of the light of one side that few samples carry; `None` if there are none.
+pub(crate) fn few_samples(statistics: &TallyStatistics, side: Side) -> Option<String> {
+    let orders = (1..=4).filter(|&order| is_of_few_rays(statistics.order(side, order)));
+    let kept = statistics
+        .spec()
+        .components()
+        .iter()
+        .filter(|&&component| is_of_few_rays(statistics.flux(side, component)));
+    let names: Vec<String> = orders
+        .map(|order| format!("order {order}"))
+        .chain(kept.map(|component| component.label().into_owned()))
+        .collect();
+    (!names.is_empty()).then(|| {
+        wrapped(&format!(
+            "fewer than 20 surfaces or rays carry {side} light of {}: errors of it are lower bounds",
+            names.join(", ")
+        ))
+    })
 }
 
 /// The errors of the energies by their source.

@@ -108,6 +108,7 @@ pub(crate) fn theta(outcome: &Outcome) -> Csv<'_> {
         .columns(fluxes.components(spec.components(), move |c, ring| entry(c)(ring)))
         .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
+        .column(fluxes.few_samples(move |c, ring| entry(c)(ring)))
         .with_rows(places(spec, |side| spec.ring_filter(side).len()))
 }
 
@@ -172,6 +173,7 @@ pub(crate) fn in_plane<'a>(outcome: &'a Outcome, models: &'a [ModelOutcome]) -> 
         }))
         .columns(fluxes.averaging(all))
         .columns(fluxes.errors(all))
+        .column(fluxes.few_samples(move |c, place| entry(c)(place)))
         .with_rows(places(spec, |side| spec.in_plane_filter(side).len()))
 }
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use asperity_simulate::{Errors, Outcome};
-use asperity_tally::{Component, Entry, Measure, Polarimetry, TallyResult};
+use asperity_tally::{Component, Entry, Measure, Polarimetry, TallyResult, is_of_few_rays};
 
 use crate::output::Column;
 
@@ -39,6 +39,28 @@ impl<'a> Fluxes<'a> {
                 entry(component, row)
             })
         })
+    }
+
+    /// A column that names the components, orders included, whose errors are lower bounds.
+    pub(crate) fn few_samples<R: 'a>(
+        self,
+        entry: impl Fn(Component, &R) -> Entry + 'a,
+    ) -> Column<'a, R> {
+        let spec = self.0.statistics.spec();
+        let names = move |row: &R| {
+            let all = Component::ORDERS.iter().chain(spec.components());
+            let few = std::iter::once(&Component::All)
+                .chain(all)
+                .filter(|&&component| is_of_few_rays(self.0.statistics.at(entry(component, row))));
+            few.map(|component| component.name())
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        Column::new(
+            "few_samples",
+            "components with the relative error of fewer than 20 surfaces or rays, or a larger one, which is a lower bound",
+            names,
+        )
     }
 
     /// A column of what tracking polarisation changes, if that is kept.

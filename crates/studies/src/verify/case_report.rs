@@ -20,7 +20,7 @@ use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{
-    endings, errors_table, lost_warning, more_rays_warning, recorded_orders,
+    endings, errors_table, few_samples, lost_warning, more_rays_warning, recorded_orders,
 };
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
@@ -143,6 +143,13 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     out.push_str(&flux_table(case));
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
+    for line in case
+        .spec()
+        .sides()
+        .filter_map(|side| few_samples(&case.outcome.statistics, side))
+    {
+        let _ = writeln!(out, "{line}");
+    }
     out.push_str(&polarised_text(&case.outcome.statistics));
     if let Some(note) = validity.and_then(|validity| validity.note()) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::batches::Estimate;
 use super::sample_groups::{
-    FEW_RAYS, entries_of, expected_samples, flux_groups, measured_groups, raise,
+    FEW_RAYS, entries_of, expected_samples, flux_groups, measured_groups, raise, raise_unseen,
 };
 use crate::spec::filters::Half;
 use crate::values::single_path;
@@ -313,6 +313,12 @@ impl RayErrors<'_> {
                 .collect();
             self.raise(squares, &entries, &samples);
         }
+        raise_unseen(
+            squares,
+            self.squares,
+            |entry| self.equal_rays(entry),
+            FEW_RAYS,
+        );
     }
 
     fn raise(&self, squares: &mut TallyValues, entries: &[Entry], samples: &[f64]) {

@@ -43,6 +43,35 @@ pub(crate) fn raise(
     }
 }
 
+/// Raises squares of errors of orders without any sample in rings and in-plane bins, where few samples carry the order below: one more sample
+/// may scatter once more than any did, with what those of the order below add, into any of the entries.
+pub(crate) fn raise_unseen(
+    least: &mut TallyValues,
+    squares: &TallyValues,
+    samples: impl Fn(Entry) -> f64,
+    few: f64,
+) {
+    let spec = *squares.spec();
+    for (side, score) in spec
+        .sides()
+        .flat_map(|side| [Score::RingFlux, Score::InPlaneFlux].map(|score| (side, score)))
+    {
+        for orders in Component::ORDERS.windows(2) {
+            let [below, above] = [0, 1].map(|i| entries_of(&spec, score, side, orders[i]));
+            let found = || below.iter().map(|&entry| samples(entry));
+            let is_unseen = above.iter().all(|&entry| samples(entry) == 0.0);
+            let count: f64 = found().sum();
+            if is_unseen && count > 0.0 && found().all(|n| n < few) {
+                let sum: f64 = below.iter().map(|&entry| squares[entry]).sum();
+                let square = sum / count / above.len() as f64;
+                above
+                    .iter()
+                    .for_each(|&entry| least[entry] = least[entry].max(square));
+            }
+        }
+    }
+}
+
 /// Groups of entries among which the light of one component of a side is divided: orders, event paths, and the bins, rings or in-plane bins
 /// of `scores`.
 pub(crate) fn flux_groups<const N: usize>(
@@ -92,6 +121,7 @@ pub(crate) fn entries_of(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::HemisphereGrid;
 
     #[test]
     fn empty_entries_share_as_many_samples_as_were_found_alone() {
@@ -104,5 +134,34 @@ mod tests {
         assert_eq!(expected(&[90.0, 0.0, 0.0]), [0.0; 3]);
         assert_eq!(expected(&[1.0, 1.0, 1.0, 0.0]), [1.0; 4]);
         assert_eq!(expected(&[0.25, 30.0]), [0.25, 0.0]);
+    }
+
+    /// Two samples of order three in one of six rings and none of higher orders; order two is carried by many.
+    #[test]
+    fn an_order_without_samples_may_have_one_of_the_order_below() {
+        let spec = TallySpec::new(HemisphereGrid::new(6, 4).unwrap(), 0.2).unwrap();
+        let rings = |order: usize| spec.ring_entries(Side::Reflected, Component::ORDERS[order - 1]);
+        let (mut squares, mut samples) = (TallyValues::zeros(spec), TallyValues::zeros(spec));
+        (squares[rings(3).get(2)], samples[rings(3).get(2)]) = (0.12, 2.0);
+        for ring in 0..6 {
+            (squares[rings(2).get(ring)], samples[rings(2).get(ring)]) = (0.5, 30.0);
+        }
+        let raised = |samples: &TallyValues| {
+            let mut least = TallyValues::zeros(spec);
+            raise_unseen(&mut least, &squares, |entry| samples[entry], FEW_RAYS);
+            least
+        };
+        let least = raised(&samples);
+        for ring in 0..6 {
+            assert!((least[rings(4).get(ring)] - 0.01).abs() < 1e-15);
+        }
+        assert_eq!(least.iter().filter(|&&square| square > 0.0).count(), 6);
+        // What one sample carries has the error of its group
+        samples[rings(4).get(0)] = 1.0;
+        assert!(raised(&samples).iter().all(|&square| square == 0.0));
+        // Many samples without any of the next order tell that there is none
+        samples[rings(4).get(0)] = 0.0;
+        samples[rings(3).get(2)] = 20.0;
+        assert!(raised(&samples).iter().all(|&square| square == 0.0));
     }
 }

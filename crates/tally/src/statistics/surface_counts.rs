@@ -3,7 +3,9 @@
 //! Twenty rays of one surface are one sample of surfaces: where one surface in fifty lights a ring, most runs of 32 find none that does, and
 //! their rays, which agree, say nothing of it.
 
-use super::sample_groups::{FEW_RAYS, entries_of, flux_groups, measured_groups, raise};
+use super::sample_groups::{
+    FEW_RAYS, entries_of, flux_groups, measured_groups, raise, raise_unseen,
+};
 use crate::spec::filters::Half;
 use crate::values::single_path;
 use crate::{Component, Score, TallySpec, TallyValues};
@@ -106,6 +108,7 @@ impl SurfaceCounts {
             let samples: Vec<f64> = entries.iter().map(|&entry| self.lit[entry]).collect();
             raise(&mut least, squares, &entries, &samples, [few; 2]);
         }
+        raise_unseen(&mut least, squares, |entry| self.lit[entry], few);
         if let Some(features) = features {
             self.raise_empty(&mut least, means, self.surfaces * features);
         }
