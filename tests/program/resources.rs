@@ -352,10 +352,10 @@ fn comparisons_with_models_end_with_the_time_of_the_run() {
 
 #[test]
 fn figures_that_there_is_no_time_for_are_left_out_and_counted() {
-    let keep = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let line = "verify --size 32 --tau 4 --insist --models none --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --max-time 0.1";
     let began = Instant::now();
-    let output = asperity(keep.path(), &words(line));
+    let output = folder.run(line);
     let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));
     assert!(
         output.status.success() && seconds < 9.0,
@@ -369,18 +369,13 @@ fn figures_that_there_is_no_time_for_are_left_out_and_counted() {
 
 #[test]
 fn an_estimator_that_needs_known_slopes_is_refused_before_slopes_are_measured() {
-    let keep = tempfile::tempdir().unwrap();
-    for line in [
-        "verify --repose 1 --slip-steps 100000 --estimator controlled -o o",
-        "gonio --repose 1 --slip-steps 100000 --estimator controlled -o o",
-        "converge --repose 1 --slip-steps 100000 --estimators controlled -o o",
-    ] {
-        let error = refused(keep.path(), &words(line), 2);
-        assert!(
-            error.contains("needs the distribution of slopes"),
-            "{error}"
-        );
-    }
+    let folder = Folder::new();
+    let cases = "
+        verify --repose 1 --slip-steps 100000 --estimator controlled -o o => needs the distribution of slopes
+        gonio --repose 1 --slip-steps 100000 --estimator controlled -o o => needs the distribution of slopes
+        converge --repose 1 --slip-steps 100000 --estimators controlled -o o => needs the distribution of slopes
+    ";
+    folder.refuses(cases);
 }
 
 /// Runs whose first direction, cell or group of rays takes far longer than their time.
