@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
-use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown};
+use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown, shown_path};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     known_names, roughness_hint, settings_of, suggestion,
@@ -271,7 +271,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
         if let Some(other) = document.file() {
             return Err(Failure::usage(format!(
                 "`{}` and `{input}` are both configurations; give one",
-                other.display()
+                shown_path(other)
             )));
         }
         let text = read_text(Path::new(input)).map_err(Failure::failed)?;
@@ -444,11 +444,6 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     if !argument.starts_with('-') {
         return format!("unexpected argument `{argument}`; see --help");
     }
-    if argument[1..].starts_with(|first: char| first.is_ascii_digit()) {
-        return format!(
-            "unknown flag {argument}; a value that begins with a minus is given as --flag={argument}"
-        );
-    }
     let settings = settings_of(command.unwrap_or(Command::Trace));
     let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
     let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
@@ -458,7 +453,10 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     }
     match suggestion(&argument, &flags) {
         Some(similar) => format!("unknown flag {argument}; did you mean --{similar}?"),
-        None => format!("unknown flag {argument}; see --help"),
+        None if argument.starts_with("--") => format!("unknown flag {argument}; see --help"),
+        None => format!(
+            "unknown flag {argument}; a value that begins with a minus is given as --flag={argument}"
+        ),
     }
 }
 

@@ -94,7 +94,7 @@ impl Results {
         self.print_file(common, summary, || {
             let mut text = text();
             if let Some(folder) = &self.output {
-                text.push_str(&format!("results in {}\n", folder.display()));
+                text.push_str(&format!("results in {}\n", shown_path(folder)));
             }
             text
         })

@@ -37,6 +37,25 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
     let light = "--theta 0 --models none --rays 2e3";
     let on_ridges = unwrapped(&run(&format!("trace p.exr {light}")));
     assert!(on_ridges.contains("reflected by order 2:"), "{on_ridges}");
+    // The mirror image has the same light, and its file keeps the cells, as it does without the record of how it was drawn
+    run("inspect p.exr --flip -o flipped.exr");
+    run("inspect p.exr --remove plane -o level.exr");
+    for file in [
+        "p.exr --flip",
+        "flipped.exr",
+        "level.exr",
+        "p.exr --l-filter 32",
+        "p.exr --repose 80",
+    ] {
+        let told = unwrapped(&run(&format!("trace {file} {light}")));
+        assert!(!told.contains("reflected by order 1:"), "{file}: {told}");
+    }
+    run(&format!("generate {lattice} -o p.gsf"));
+    let told = unwrapped(&run(&format!("trace p.gsf {light}")));
+    assert!(
+        told.contains("does not keep along which diagonals"),
+        "{told}"
+    );
     let across = unwrapped(&run(&format!("trace p.npy --border periodic {light}")));
     assert!(across.contains("reflected by order 1:"), "{across}");
     for output in ["v", "refined --refine"] {

@@ -116,6 +116,10 @@ fn man_writes_a_page_for_every_command() {
     expected.push("asperity.1".to_owned());
     expected.sort();
     assert_eq!(files(&pages), expected);
+    for page in &expected {
+        let page = fs::read_to_string(pages.join(page)).unwrap();
+        assert!(page.contains(".SH FILES\n.TP\n\\fI"), "{page}");
+    }
     let main = fs::read_to_string(pages.join("asperity.1")).unwrap();
     for command in Named::ALL {
         assert!(main.contains(&escaped(command.about())), "{command}");

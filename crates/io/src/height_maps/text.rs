@@ -92,6 +92,8 @@ struct Matrix {
     blank_columns: [usize; 2],
     /// `true` if the file says that it is a list of points.
     is_list: bool,
+    /// Number of points of a list that begins with it.
+    points: Option<f64>,
 }
 
 impl Matrix {
@@ -135,6 +137,11 @@ impl Matrix {
         let is_missing = |field: &str, number| self.grid.is_nodata(field, number);
         let mut blank = row.read(before_numbers, is_missing, &mut self.heights)?;
         let mut found = self.heights.len() - before;
+        if self.rows == 2 && self.columns == Some(1) && found >= 3 && nx.is_none() {
+            // A list of points begins with their number, as CloudCompare writes it
+            self.points = self.heights.drain(..1).next();
+            (self.rows, self.columns, self.is_list) = (1, None, true);
+        }
         let expected = *self.columns.get_or_insert(match nx {
             Some(w) => usize::try_from(w).unwrap_or(usize::MAX),
             None => found,
@@ -189,6 +196,11 @@ impl Matrix {
                 let (number, text) = (last, "");
                 Line { number, text }.refuse_at(0, what)
             });
+        }
+        if let Some(points) = self.points.filter(|points| *points != rows as f64) {
+            return Err(ReadProblem::malformed(format_args!(
+                "its first line says {points} points, but {rows} rows of numbers follow"
+            )));
         }
         let [first, last] = self.blank_columns;
         if self.claim()[1].is_none() && first + last > 0 {

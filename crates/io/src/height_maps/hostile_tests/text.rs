@@ -460,6 +460,14 @@ fn lists_of_points_have_headings_and_separators_of_many_programs() {
             assert_eq!(heights_of(&text.replace('.', ",")), plain, "{heading}");
         }
     }
+    let counted = |count: usize| format!("//X Y Z\n{count}\n{}\n", list.join("\n"));
+    assert_eq!(heights_of(&counted(20)), plain);
+    assert_eq!(heights_of(&counted(20)["//X Y Z\n".len()..]), plain);
+    refused(
+        HeightMapFormat::Text,
+        counted(21).as_bytes(),
+        "says 21 points, but 20 rows",
+    );
     let more = |heading: &str| {
         let rows: Vec<String> = list.iter().map(|row| format!("{row} 0.5")).collect();
         format!("{heading}{}", rows.join("\n"))
