@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asperity_io::shown_path;
 use asperity_simulate::Observer;
 use asperity_studies::settings::{Document, SettingError};
 use asperity_studies::wrapped;

@@ -33,7 +33,7 @@ pub(crate) fn refuse_input(output: &Path, document: &Document) -> Result<(), Fai
     match inputs.find(|input| is_same_file(output, input)) {
         Some(input) => Err(Failure::usage(format!(
             "{} is the input of this command, which would replace it; choose another output",
-            shown_path(input)
+            shown_path(&input)
         ))),
         None => Ok(()),
     }

@@ -142,7 +142,7 @@ impl<C: Stored> Found<C> {
                 notes.push(format!(
                     "the last {} bytes of {} are damaged or incomplete; what they held is computed again",
                     journal.dropped,
-                    shown_path(path)
+                    shown_path(&path)
                 ));
             }
         }

@@ -14,7 +14,7 @@ use crate::shown::shown_path;
 pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
     if let Some((above, manifest)) = Manifest::above(&path) {
-        let (found, results) = (manifest.command, shown_path(&above));
+        let (found, results) = (manifest.command, shown_path(above));
         let holds = format!("a part of the results of `{found}` in `{results}`");
         return ResultFolderError::OtherResults { folder, holds };
     }
