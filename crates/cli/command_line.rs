@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
-use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown};
+use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown, shown_path};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     known_names, roughness_hint, settings_of, suggestion,
@@ -277,7 +277,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
         if let Some(other) = document.file() {
             return Err(Failure::usage(format!(
                 "`{}` and `{input}` are both configurations; give one",
-                other.display()
+                shown_path(other)
             )));
         }
         let text = read_text(Path::new(input)).map_err(Failure::failed)?;
@@ -463,11 +463,6 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
         let hint = stray_value(&argument).unwrap_or("see --help");
         return format!("unexpected argument `{argument}`; {hint}");
     }
-    if argument[1..].starts_with(|first: char| first.is_ascii_digit()) {
-        return format!(
-            "unknown flag {argument}; a value that begins with a minus is given as --flag={argument}"
-        );
-    }
     let settings = settings_of(command.unwrap_or(Command::Trace));
     let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
     let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
@@ -477,7 +472,10 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
     }
     match suggestion(&argument, &flags) {
         Some(similar) => format!("unknown flag {argument}; did you mean --{similar}?"),
-        None => format!("unknown flag {argument}; see --help"),
+        None if argument.starts_with("--") => format!("unknown flag {argument}; see --help"),
+        None => format!(
+            "unknown flag {argument}; a value that begins with a minus is given as --flag={argument}"
+        ),
     }
 }
 

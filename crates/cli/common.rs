@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use asperity_io::shown_path;
 use asperity_simulate::Observer;
 use asperity_studies::settings::{Document, SettingError};
 use asperity_studies::{Seconds, wrapped};
@@ -110,7 +111,7 @@ impl Results {
         self.print_file(common, summary, || {
             let mut text = text();
             if let Some(folder) = &self.output {
-                text.push_str(&format!("results in {}\n", folder.display()));
+                text.push_str(&format!("results in {}\n", shown_path(folder)));
             }
             text
         })

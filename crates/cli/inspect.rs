@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::{HeightMapFormat, check_ending};
+use asperity_io::{HeightMapFormat, check_ending, shown_path};
 use asperity_studies::settings::Document;
 use asperity_studies::{InspectConfig, inspection_files, names_folder};
 
@@ -34,11 +34,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let mut found = config.inspect(document, common).map_err(refused)?;
     if let Some(path) = plot {
         found.draw(path).map_err(Failure::failed)?;
-        common.say(|| format!("{} drawn", path.display()));
+        common.say(|| format!("{} drawn", shown_path(path)));
     }
     if let Some(path) = map {
         found.write(path).map_err(refused)?;
-        common.say(|| format!("{} written", path.display()));
+        common.say(|| format!("{} written", shown_path(path)));
     }
     let Some(folder) = folder else {
         results.print_file(common, || &found.statistics, || found.text())?;

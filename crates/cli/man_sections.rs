@@ -52,11 +52,9 @@ pub(crate) fn man_sections(name: &str, pages: &[String]) -> String {
             .collect(),
     };
     let mut text = String::new();
-    if let Some(command) = command {
-        text.push_str(".SH FILES\n");
-        for (file, what) in files(command) {
-            text.push_str(&format!(".TP\n\\fI{}\\fR\n{}\n", roff(&file), roff(&what)));
-        }
+    text.push_str(".SH FILES\n");
+    for (file, what) in command.map_or_else(|| other_files(name), files) {
+        text.push_str(&format!(".TP\n\\fI{}\\fR\n{}\n", roff(&file), roff(&what)));
     }
     text.push_str(".SH \"EXIT STATUS\"\n");
     for (code, what) in EXIT_STATUS {
@@ -90,6 +88,22 @@ const EXIT_STATUS: [(u32, &str); 5] = [
     (3, "Interrupted, and the results so far are written."),
     (130, "Interrupted and ended at once."),
 ];
+
+/// Files of the page of the program, and of those of commands without settings.
+fn other_files(name: &str) -> Vec<(String, String)> {
+    let (file, what) = match name.rsplit('-').next() {
+        Some("completions") => (
+            "SHELL",
+            "The script is printed; where it belongs depends on the shell.",
+        ),
+        Some("man") => ("DIR", "Folder for the pages, one file per command."),
+        _ => (
+            "manifest.json",
+            "In each folder of results: the files that a run wrote, which a later run may replace.",
+        ),
+    };
+    vec![(file.to_owned(), what.to_owned())]
+}
 
 /// Files that a command reads and writes: its argument, and the flags that name one.
 fn files(command: Command) -> Vec<(String, String)> {

@@ -33,7 +33,7 @@ pub(crate) fn refuse_input(output: &Path, document: &Document) -> Result<(), Fai
     match inputs.find(|input| is_same_file(output, input)) {
         Some(input) => Err(Failure::usage(format!(
             "{} is the input of this command, which would replace it; choose another output",
-            input.display()
+            shown_path(&input)
         ))),
         None => Ok(()),
     }
@@ -49,7 +49,7 @@ fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
     match all.find(|output| named_before(*output)) {
         Some((_, path)) => Err(Failure::usage(format!(
             "{} is given as two outputs, one of which would replace the other; choose another name",
-            path.display()
+            shown_path(path)
         ))),
         None => Ok(()),
     }

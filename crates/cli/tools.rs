@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{FolderLock, exists, read_text, write_bytes};
+use asperity_io::{FolderLock, exists, read_text, shown_path, write_bytes};
 use clap::builder::{PossibleValuesParser, ValueHint};
 use clap::{Arg, ArgMatches};
 use clap_complete::{Shell, generate};
@@ -162,6 +162,6 @@ fn refuse_other_file(path: &Path) -> Result<(), Failure> {
     }
     Err(Failure::failed(format!(
         "`{}` is not a man page of this program and is not replaced; move it or choose another folder",
-        path.display()
+        shown_path(path)
     )))
 }

@@ -35,6 +35,22 @@ fn pyramids_are_split_along_their_ridges_and_read_back_so() {
     let light = "--theta 0 --models none --rays 2e3";
     let on_ridges = unwrapped(&run(&format!("trace p.exr {light}")));
     on_ridges.must_contain("reflected by order 2:");
+    // The mirror image has the same light, and its file keeps the cells, as it does without the record of how it was drawn
+    run("inspect p.exr --flip -o flipped.exr");
+    run("inspect p.exr --remove plane -o level.exr");
+    for file in [
+        "p.exr --flip",
+        "flipped.exr",
+        "level.exr",
+        "p.exr --l-filter 32",
+        "p.exr --repose 80",
+    ] {
+        let told = unwrapped(&run(&format!("trace {file} {light}")));
+        assert!(!told.contains("reflected by order 1:"), "{file}: {told}");
+    }
+    run(&format!("generate {lattice} -o p.gsf"));
+    let told = unwrapped(&run(&format!("trace p.gsf {light}")));
+    told.must_contain("does not keep along which diagonals");
     let across = unwrapped(&run(&format!("trace p.npy --border periodic {light}")));
     across.must_contain("reflected by order 1:");
     for output in ["v", "refined --refine"] {

@@ -115,6 +115,9 @@ fn man_writes_a_page_for_every_command() {
     expected.push("asperity.1".to_owned());
     expected.sort();
     assert_eq!(files(&pages), expected);
+    for page in &expected {
+        pages.text(page).must_contain(".SH FILES\n.TP\n\\fI");
+    }
     let main = pages.text("asperity.1");
     for command in Named::ALL {
         assert!(main.contains(&escaped(command.about())), "{command}");

@@ -2,10 +2,13 @@
 //! formats share an ending.
 
 mod archive;
+mod cells;
 mod channels;
 mod exr;
 mod gsf;
 mod instruments;
+mod mark;
+mod narrow;
 mod npy;
 mod png;
 mod samples;
@@ -104,7 +107,8 @@ pub(crate) fn read_from<R: BufRead + Seek>(
         HeightMapFormat::Gwyddion => instruments::read(reader, length, gwyddion::measured),
         HeightMapFormat::Png => Err(no_scale()),
     };
-    map.map_err(|problem| problem.in_format(path, format.name()))
+    let checked = map.and_then(narrow::checked);
+    checked.map_err(|problem| problem.in_format(path, format.name()))
 }
 
 fn readable() -> String {
@@ -156,7 +160,7 @@ fn choose(
 /// Written aside and renamed, so that nothing incomplete is ever found under `path`. Row 0 of the
 /// heights is the first row of the file. The bytes depend on `field` alone. What each format keeps:
 ///
-/// | ending | heights | spacing, unit | border | provenance |
+/// | ending | heights | spacing, unit | border | provenance, turned cells |
 /// |---|---|---|---|---|
 /// | .exr | single precision (relative error at most 6e-8) | yes | yes | yes |
 /// | .npy | exact | no | no | no |

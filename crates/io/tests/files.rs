@@ -15,7 +15,7 @@ use asperity_io::{
     ReadProblem, WriteProblem, check_output_file, check_output_folder, create_output_folder,
     read_height_map, write_atomically, write_bytes, write_height_map,
 };
-use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
+use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, TurnedCells};
 use asperity_synthesis::{Provenance, Psd};
 
 /// Not square, unequal spacings, no symmetry: a transposition or flip shows.
@@ -128,6 +128,26 @@ fn x3p_in_metres_is_exact() {
     assert_eq!(read.unit(), LengthUnit::Metre);
     assert_eq!(read.spacing(), micrometres.spacing().map(|x| x / 1e6));
     assert_eq!(read.heights()[5], micrometres.heights()[5] / 1e6);
+}
+
+#[test]
+fn turned_cells_are_kept_or_said_to_be_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let cells = TurnedCells::new([37, 21], |ix, iy| (ix * iy) % 3 == 1);
+    let written = field().with_turned_cells(Some(Arc::new(cells)));
+    for (name, is_kept) in [("a.exr", true), ("a.gsf", false), ("a.x3p", false)] {
+        let path = folder.path().join(name);
+        write_height_map(&path, &field()).unwrap();
+        assert_eq!(read_height_map(&path).unwrap().notes, [""; 0], "{name}");
+        write_height_map(&path, &written).unwrap();
+        let map = read_height_map(&path).unwrap();
+        assert_eq!(map.notes.is_empty(), is_kept, "{name}");
+        let told = |note: &String| note.contains("does not keep along which diagonals");
+        assert!(map.notes.iter().all(told), "{name}");
+        let read = map.into_height_field(MissingPolicy::Refuse, Border::Open);
+        let expected = written.turned_cells().filter(|_| is_kept);
+        assert_eq!(read.unwrap().turned_cells(), expected, "{name}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_io::{ReadError, ResultFolderError, WriteError};
+use asperity_io::{ReadError, ResultFolderError, WriteError, shown_path};
 
 /// Error of storing or reading results.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum ResultsError {
     /// Results of another run, of cases that this one does not plan, or of an earlier version of this program. They are not overwritten.
     #[error(
         "{} holds results of another run ({difference}); choose another folder, or remove that file",
-        path.display()
+        shown_path(path)
     )]
     OtherRun {
         /// The file.
@@ -23,7 +23,7 @@ pub enum ResultsError {
         difference: String,
     },
     /// A damaged file.
-    #[error("{} is damaged ({reason})", path.display())]
+    #[error("{} is damaged ({reason})", shown_path(path))]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal};
+use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal, shown_path};
 use asperity_simulate::{SurfaceKey, SurfaceTallies};
 use serde_json::{Value, json};
 
@@ -142,7 +142,7 @@ impl<C: Stored> Found<C> {
                 notes.push(format!(
                     "the last {} bytes of {} are damaged or incomplete; what they held is computed again",
                     journal.dropped,
-                    path.display()
+                    shown_path(&path)
                 ));
             }
         }
@@ -227,13 +227,13 @@ fn damaged(path: &Path, reason: &str) -> String {
     let reason = reason.replace('\n', " ");
     format!(
         "{} is damaged and is computed again ({reason})",
-        path.display()
+        shown_path(path)
     )
 }
 
 fn other_rounding(path: &Path) -> String {
     format!(
         "{} was computed on a machine that rounds differently and is computed again",
-        path.display()
+        shown_path(path)
     )
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use asperity_io::shown_path;
 use asperity_simulate::{Observer, check_memory, short};
 use asperity_synthesis::{
     DrawnRoughness, FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe,
@@ -143,7 +144,7 @@ impl GeneratedSurface {
         let notes = note_lines(&self.notes);
         wrapped(&format!(
             "{}: {}\n{table}{notes}",
-            path.display(),
+            shown_path(path),
             self.heading
         ))
     }

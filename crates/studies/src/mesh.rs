@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::{MeshFormat, MeshView, WriteError, write_mesh};
+use asperity_io::{MeshFormat, MeshView, WriteError, shown_path, write_mesh};
 use asperity_simulate::{Cells, Observer, check_memory, short};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
 use asperity_tracer::{Surface, TriangleMesh};
@@ -72,7 +72,7 @@ impl MeshedSurface {
         };
         let mut text = format!(
             "{}: {} vertices, {} triangles, lengths in {unit}\n",
-            path.display(),
+            shown_path(path),
             self.mesh.vertices.len(),
             self.mesh.triangles.len(),
         );
@@ -101,7 +101,7 @@ impl MeshConfig {
             let name = format!("{stem}.{}", self.mesh.format);
             if let Some((other, _)) = files.iter().find(|(_, given)| *given == name) {
                 return Err(ConfigError::unsuitable(
-                    format!("{} and {}", other.display(), path.display()),
+                    format!("{} and {}", shown_path(other), shown_path(path)),
                     format!("the meshes of both would be {name}; mesh them one by one"),
                 )
                 .into());

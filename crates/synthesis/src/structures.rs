@@ -442,7 +442,7 @@ impl StructureSynthesis {
         &self,
         seed: u64,
         realisation: u64,
-    ) -> Result<(Vec<f64>, Option<TurnedCells>), StructureError> {
+    ) -> Result<(Vec<f64>, TurnedCells), StructureError> {
         let heights = self.heights(seed, realisation)?;
         let middles = self.heights_between([true, true], seed, realisation)?;
         let [_, nx] = self.grid.shape;
@@ -461,12 +461,11 @@ impl StructureSynthesis {
     pub fn is_exact(&self, seed: u64, realisation: u64) -> Result<bool, StructureError> {
         let [ny, nx] = self.grid.shape;
         let (heights, turned) = self.heights_and_turned_cells(seed, realisation)?;
-        let is_turned = |ix, iy| turned.as_ref().is_some_and(|cells| cells.contains(ix, iy));
         for between in [[true, false], [false, true], [true, true]] {
             let found = self.heights_between(between, seed, realisation)?;
             let [x, y] = between.map(usize::from);
             let is_on_facets = |ix: usize, iy: usize| {
-                let ends = if between == [true, true] && is_turned(ix, iy) {
+                let ends = if between == [true, true] && turned.contains(ix, iy) {
                     [[ix + 1, iy], [ix, iy + 1]]
                 } else {
                     [[ix, iy], [ix + x, iy + y]]
@@ -500,6 +499,6 @@ impl StructureSynthesis {
             *h -= mean;
         }
         let field = HeightField::new(heights, self.grid.shape, self.grid.spacing);
-        Ok(field?.with_turned_cells(turned_cells.map(Arc::new)))
+        Ok(field?.with_turned_cells(Some(Arc::new(turned_cells))))
     }
 }

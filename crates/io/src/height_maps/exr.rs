@@ -5,7 +5,8 @@
 //! the first scan line, which viewers show on top. Attributes of the header: `spacing_x`,
 //! `spacing_y` (double), `unit`, `border` (text) and, of a generated surface, `sigma`, `tau_x`,
 //! `tau_y`, `azimuth` (double), `autocorrelation`, the convention in words, of a Gaussian spectrum, or else `recipe`
-//! (text, JSON), and `seed` and `realisation` (text, since EXR has no 64-bit integers).
+//! (text, JSON), and `seed` and `realisation` (text, since EXR has no 64-bit integers). Beside it, of a structure, a channel of the
+//! [turned cells](asperity_surface::TurnedCells).
 //!
 //! Read: the channel `height`, `Z` or `Y`, the first of all parts, else the only channel, of half or single precision
 //! or of 32-bit whole numbers; a note names the channel if there are others. Scan lines or tiles, of which the finest
@@ -18,12 +19,13 @@ use ::exr::block::reader::ChunksReader;
 use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::math::Vec2;
-use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
+use ::exr::meta::attribute::{AttributeValue, ChannelDescription, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::f16;
-use asperity_surface::{HeightField, RawHeightMap, check_grid};
-use asperity_synthesis::{Provenance, Psd, SurfaceRecipe};
+use asperity_surface::{HeightField, RawHeightMap, TurnedCells, check_grid};
+use asperity_synthesis::{Provenance, Psd, StructureSynthesis, SurfaceRecipe};
 
+use super::cells;
 use super::channels::note_on_channels;
 use crate::encoding::{encode_exr, single};
 use crate::error::{ReadProblem, WriteProblem};
@@ -62,20 +64,28 @@ fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadPr
     let mut heights: Vec<f64> = room(nx, ny)?;
     heights.resize(columns * rows, f64::NAN);
     let mut found = vec![0_usize; rows];
-    let kind = header.channels.list[channel].sample_type;
+    let list = &header.channels.list;
+    let kind = list[channel].sample_type;
+    let turned_channel = list.iter().position(are_turned_cells);
+    let mut turned = vec![false; turned_channel.map_or(0, |_| columns * rows)];
     reader
         .filter_chunks(false, |_, _, block| {
             block.layer == layer && block.level == Vec2(0, 0)
         })?
         .decompress_sequential(false, |_, block| {
             for line in block.lines(&header.channels) {
+                let Vec2(x, y) = line.location.position;
+                let place = y * columns + x..y * columns + x + line.location.sample_count;
+                let outside = || Error::Invalid("a block lies outside the image".into());
+                if Some(line.location.channel) == turned_channel {
+                    let target = turned.get_mut(place).ok_or_else(outside)?;
+                    fill(target, line.read_samples::<f32>(), |sample| sample > 0.0)?;
+                    continue;
+                }
                 if line.location.channel != channel {
                     continue;
                 }
-                let Vec2(x, y) = line.location.position;
-                let target = heights
-                    .get_mut(y * columns + x..y * columns + x + line.location.sample_count)
-                    .ok_or(Error::Invalid("a block lies outside the image".into()))?;
+                let target = heights.get_mut(place).ok_or_else(outside)?;
                 found[y] += target.len();
                 match kind {
                     SampleType::F16 => fill(target, line.read_samples::<f16>(), f16::to_f64)?,
@@ -103,19 +113,37 @@ fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadPr
     if let Some(border) = words(&header, "border")? {
         map.border = Some(border.parse()?);
     }
+    let shape = [rows, columns];
+    let mut is_structure = turned_channel.is_some();
     if let Some(provenance) = provenance(&header)? {
+        if let Some(surface) = provenance.recipe.structured() {
+            is_structure = true;
+            let planned = StructureSynthesis::new(*surface.structure(), shape, spacing, true);
+            planned.map_err(|error| {
+                ReadProblem::malformed(format_args!(
+                    "the surface cannot be what its record says: {error}"
+                ))
+            })?;
+        }
         map.provenance = Some(Arc::new(provenance));
     }
+    map.turned_cells = is_structure
+        .then(|| TurnedCells::new(shape, |ix, iy| turned.get(iy * columns + ix) == Some(&true)));
     Ok(map)
 }
 
-fn fill<T>(
-    target: &mut [f64],
-    samples: impl Iterator<Item = ::exr::error::Result<T>>,
-    convert: fn(T) -> f64,
+/// Returns `true` for the channel of turned cells.
+fn are_turned_cells(channel: &ChannelDescription) -> bool {
+    channel.name.eq(cells::CHANNEL) && channel.sample_type == SampleType::F32
+}
+
+fn fill<S, T>(
+    target: &mut [T],
+    samples: impl Iterator<Item = ::exr::error::Result<S>>,
+    convert: fn(S) -> T,
 ) -> ::exr::error::UnitResult {
-    for (height, sample) in target.iter_mut().zip(samples) {
-        *height = convert(sample?);
+    for (target, sample) in target.iter_mut().zip(samples) {
+        *target = convert(sample?);
     }
     Ok(())
 }
@@ -144,7 +172,8 @@ fn find_channel(headers: &[Header]) -> Result<(usize, usize, Option<String>), Re
                 "it holds deep data, but flat images are needed",
             ));
         }
-        for (channel, description) in header.channels.list.iter().enumerate() {
+        let all = header.channels.list.iter().enumerate();
+        for (channel, description) in all.filter(|(_, channel)| !are_turned_cells(channel)) {
             channels.push((layer, channel, description));
             let part = header.own_attributes.layer_name.as_ref();
             names.push(match part {
@@ -180,7 +209,7 @@ fn find_channel(headers: &[Header]) -> Result<(usize, usize, Option<String>), Re
     Ok((layer, channel, note_on_channels(chosen, &names)))
 }
 
-/// Refuses compression that loses digits of samples.
+/// Refuses compression that loses digits of samples, or has no decoder.
 fn check_compression(method: Compression, samples: SampleType) -> Result<(), ReadProblem> {
     let name = match method {
         Compression::B44 => "B44",
@@ -189,6 +218,11 @@ fn check_compression(method: Compression, samples: SampleType) -> Result<(), Rea
         Compression::DWAB(_) => "DWAB",
         // Whole and half numbers keep all of their bits
         Compression::PXR24 if samples == SampleType::F32 => "PXR24",
+        Compression::HTJ2K32 | Compression::HTJ2K256 => {
+            return Err(ReadProblem::unsupported(
+                "it is compressed by HTJ2K, which is not supported; ZIP, PIZ, RLE or none are read",
+            ));
+        }
         _ => return Ok(()),
     };
     Err(ReadProblem::unsupported(format_args!(
@@ -307,11 +341,13 @@ pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), Wr
             .other
             .insert(Text::from_slice_unchecked(name.as_bytes()), value);
     }
-    let file = encode_exr(
-        [field.nx(), field.ny()],
-        attributes,
-        vec![("height", samples)],
-    );
+    let (nx, ny) = (field.nx(), field.ny());
+    let mut channels = vec![("height", samples)];
+    if let Some(cells) = field.turned_cells() {
+        let is_turned = |k| f32::from(u8::from(cells.contains(k % nx, k / nx)));
+        channels.push((cells::CHANNEL, (0..nx * ny).map(is_turned).collect()));
+    }
+    let file = encode_exr([nx, ny], attributes, channels);
     Ok(out.write_all(&file?)?)
 }
 

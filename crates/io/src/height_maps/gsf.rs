@@ -4,13 +4,14 @@
 //! little-endian single precision heights, NaN where a point is missing. `XReal`, `YReal` are the
 //! extents of all pixels, so that the spacing is `XReal / XRes`; lateral and height units may have
 //! different SI prefixes, and heights are converted to the lateral unit. A field `Border` of our
-//! own (the format allows private fields) keeps what lies beyond the border.
+//! own (the format allows private fields) keeps what lies beyond the border; `Cells = turned` says that turned cells are lost.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, Read, Write};
 
 use asperity_surface::{HeightField, LengthUnit, RawHeightMap};
 
+use super::cells;
 use super::samples::SampleKind;
 use super::unit::PowerOfMetre;
 use crate::encoding::single;
@@ -65,6 +66,9 @@ pub(crate) fn read<R: BufRead>(mut reader: R, length: u64) -> Result<RawHeightMa
     let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
     map.unit = unit;
     map.border = header.border;
+    if header.has_lost_cells {
+        map.notes.push(cells::LOST.to_owned());
+    }
     Ok(match header.states_extent {
         true => map,
         false => map.with_assumed_spacing(),
@@ -80,6 +84,7 @@ struct Header {
     xy_units: String,
     z_units: String,
     border: Option<asperity_surface::Border>,
+    has_lost_cells: bool,
 }
 
 impl Header {
@@ -134,6 +139,7 @@ impl Header {
                 .to_owned(),
             z_units: fields.get("ZUnits").copied().unwrap_or_default().to_owned(),
             border,
+            has_lost_cells: fields.get("Cells") == Some(&"turned"),
         })
     }
 
@@ -204,6 +210,9 @@ pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), Wr
     if field.unit() != LengthUnit::Arbitrary {
         let unit = field.unit();
         header.push_str(&format!("XYUnits = {unit}\nZUnits = {unit}\n"));
+    }
+    if field.turned_cells().is_some() {
+        header.push_str("Cells = turned\n");
     }
     header.push_str(&format!("Border = {}\nTitle = Height\n", field.border()));
     let padding = 4 - header.len() % 4;

@@ -93,10 +93,12 @@ struct Matrix {
     longest: usize,
     /// Lines of separators alone since the last row.
     blank_rows: usize,
-    /// Empty fields that every row ends with.
-    blank_columns: usize,
+    /// Empty fields that every row begins and ends with.
+    blank_columns: [usize; 2],
     /// `true` if the file says that it is a list of points.
     is_list: bool,
+    /// Number of points of a list that begins with it.
+    points: Option<f64>,
 }
 
 impl Matrix {
@@ -137,16 +139,24 @@ impl Matrix {
         self.rows += std::mem::take(&mut self.blank_rows) + 1;
         let before = self.heights.len();
         let row = Row { line, numbers };
-        let is_missing = |field: &str| self.grid.is_nodata(field);
+        let is_missing = |field: &str, number| self.grid.is_nodata(field, number);
         let mut blank = row.read(before_numbers, is_missing, &mut self.heights)?;
         let mut found = self.heights.len() - before;
+        if self.rows == 2 && self.columns == Some(1) && found >= 3 && nx.is_none() {
+            // A list of points begins with their number, as CloudCompare writes it
+            self.points = self.heights.drain(..1).next();
+            (self.rows, self.columns, self.is_list) = (1, None, true);
+        }
         let expected = *self.columns.get_or_insert(match nx {
             Some(w) => usize::try_from(w).unwrap_or(usize::MAX),
             None => found,
         });
-        if nx.is_some() && found > expected && found - blank <= expected {
-            self.heights.truncate(before + expected);
-            blank -= found - expected;
+        let extra = found.saturating_sub(expected);
+        if nx.is_some() && extra > 0 && extra <= blank[0] + blank[1] {
+            let last = extra.min(blank[1]);
+            self.heights.truncate(before + found - last);
+            self.heights.drain(before..before + extra - last);
+            blank = [blank[0] + last - extra, blank[1] - last];
             found = expected;
         }
         self.longest = self.longest.max(found);
@@ -158,7 +168,7 @@ impl Matrix {
         }
         self.blank_columns = match self.rows {
             1 => blank,
-            _ => blank.min(self.blank_columns),
+            _ => [0, 1].map(|end| blank[end].min(self.blank_columns[end])),
         };
         Ok(())
     }
@@ -192,11 +202,17 @@ impl Matrix {
                 Line { number, text }.refuse_at(0, what)
             });
         }
-        if self.claim()[1].is_none() && (1..columns).contains(&self.blank_columns) {
-            let kept = columns - self.blank_columns;
+        if let Some(points) = self.points.filter(|points| *points != rows as f64) {
+            return Err(ReadProblem::malformed(format_args!(
+                "its first line says {points} points, but {rows} rows of numbers follow"
+            )));
+        }
+        let [first, last] = self.blank_columns;
+        if self.claim()[1].is_none() && first + last > 0 {
             let all = self.heights.chunks(columns);
-            self.heights = all.flat_map(|row| &row[..kept]).copied().collect();
-            columns = kept;
+            let kept = all.flat_map(|row| &row[first..columns - last]);
+            self.heights = kept.copied().collect();
+            columns -= first + last;
         }
         let map = |heights, spacing, unit| -> Result<_, ReadProblem> {
             let mut map = RawHeightMap::new(heights, [rows, columns], spacing)?;
@@ -207,7 +223,7 @@ impl Matrix {
         if unit != LengthUnit::Arbitrary {
             return map(self.heights, spacing, unit);
         }
-        if let Some(spacing) = self.grid.apply(&mut self.heights)? {
+        if let Some(spacing) = self.grid.spacing()? {
             return map(self.heights, spacing, unit);
         }
         let stated = self.comments.apply([rows, columns], &mut self.heights)?;

@@ -24,6 +24,7 @@ use asperity_surface::{LengthUnit, RawHeightMap, check_grid};
 use self::directory::{Directory, File, Tag};
 use self::image::Image;
 use self::metadata::Metadata;
+use super::mark::Mark;
 use super::samples::reverse_rows;
 use crate::error::ReadProblem;
 use crate::limits::read_guarded;
@@ -61,7 +62,7 @@ fn decode<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, Rea
     check_grid(shape, spacing)?;
     image.check(length)?;
 
-    let nodata = nodata(&mut file, &page)?.map(|number| image.numbers.rounded(number));
+    let nodata = nodata(&mut file, &page)?;
     let absent = if nodata.is_some() { f64::NAN } else { 0.0 };
     let (mut heights, note) = image.samples(&mut file, absent)?;
     lengths.notes.extend(note);
@@ -81,7 +82,10 @@ fn decode<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, Rea
         reverse_rows(&mut heights, shape[1]);
     }
     for height in &mut heights {
-        *height = match nodata == Some(*height) {
+        let is_missing = |(number, mark): &(f64, Mark)| {
+            image.numbers.rounded(*number) == *height || mark.is_rounded(*height)
+        };
+        *height = match nodata.as_ref().is_some_and(is_missing) {
             true => f64::NAN,
             false => lengths.heights.of(*height),
         };
@@ -95,11 +99,11 @@ fn decode<R: BufRead + Seek>(reader: R, length: u64) -> Result<RawHeightMap, Rea
     Ok(map)
 }
 
-/// The number that marks missing points.
+/// The number that marks missing points, and its text.
 fn nodata<R: Read + Seek>(
     file: &mut File<R>,
     page: &Directory,
-) -> Result<Option<f64>, ReadProblem> {
+) -> Result<Option<(f64, Mark)>, ReadProblem> {
     let text = page.text(file, Tag::GdalNodata)?.unwrap_or_default();
     let text = text.trim();
     if text.is_empty() {
@@ -108,7 +112,7 @@ fn nodata<R: Read + Seek>(
     let number = text.parse().map_err(|_| {
         ReadProblem::malformed(format_args!("GDAL_NODATA is `{}`, no number", short(text)))
     });
-    number.map(Some)
+    Ok(Some((number?, Mark::new(text))))
 }
 
 /// Note on further pages of the file, unless they are overviews; a mask of missing points is refused.

@@ -7,7 +7,7 @@
 //! checksums are verified where they are given. A rotation of the frame is ignored.
 //!
 //! Written: type D, not compressed (roughness hardly is compressible), converted to metres, with
-//! all checksums; the border in the comment of Record2, as `border=periodic`. The date is fixed,
+//! all checksums; the border in the comment of Record2, as `border=periodic`, and `cells=turned` where turned cells are lost. The date is fixed,
 //! so that equal surfaces give equal bytes.
 
 mod grid;
@@ -17,7 +17,7 @@ mod write;
 
 use std::io::{Read, Seek};
 
-use asperity_surface::{Border, LengthUnit, RawHeightMap, check_grid};
+use asperity_surface::{LengthUnit, RawHeightMap, check_grid};
 use md5::{Digest, Md5};
 use roxmltree::Node;
 
@@ -25,6 +25,7 @@ use self::grid::Grid;
 use self::linked::{linked, verify_checksum};
 use self::parts::{CHECKSUM, MAIN};
 use super::archive::Parts;
+use super::cells;
 use super::xml::{self, Split};
 use crate::error::ReadProblem;
 use crate::limits::{check_packed_claim, room};
@@ -83,7 +84,13 @@ pub(crate) fn read<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMa
     }
     let mut map = RawHeightMap::new(heights, [grid.rows, grid.columns], grid.spacing)?;
     map.unit = LengthUnit::Metre;
-    map.border = border(root)?;
+    let comment = comment(root)?;
+    // A comment is free text: what is no border there is no error.
+    let mut words = comment.split_whitespace();
+    map.border = words.find_map(|word| word.strip_prefix("border=")?.parse().ok());
+    if words.next() == Some("cells=turned") {
+        map.notes.push(cells::LOST.to_owned());
+    }
     Ok(map)
 }
 
@@ -113,16 +120,11 @@ fn inline(data: &str, grid: &Grid) -> Result<Vec<f64>, ReadProblem> {
     Ok(heights)
 }
 
-/// The border that our own comment names.
-fn border(root: Node<'_, '_>) -> Result<Option<Border>, ReadProblem> {
+/// The comment of Record2.
+fn comment<'a>(root: Node<'a, '_>) -> Result<&'a str, ReadProblem> {
     let Some(record) = xml::optional(root, "Record2")? else {
-        return Ok(None);
+        return Ok("");
     };
-    let Some(comment) = xml::optional(record, "Comment")? else {
-        return Ok(None);
-    };
-    // A comment is free text: what is no border there is no error.
-    Ok(xml::text(comment)
-        .split_whitespace()
-        .find_map(|word| word.strip_prefix("border=")?.parse().ok()))
+    let comment = xml::optional(record, "Comment")?;
+    Ok(comment.map_or("", xml::text))
 }

@@ -5,7 +5,7 @@ mod source;
 
 use std::path::Path;
 
-use asperity_io::{NumberTable, ReadProblem, read_number_table};
+use asperity_io::{NumberTable, ReadProblem, read_number_table, shown_path};
 use asperity_numerics::fnv1a;
 use asperity_surface::LengthUnit;
 use asperity_synthesis::{HeightTable, Psd, PsdError, RadialTable};
@@ -94,7 +94,7 @@ fn read_table(
         {
             Err(SurfaceFileError::Unknown {
                 setting,
-                name: path.display().to_string(),
+                name: shown_path(path),
                 names,
             })
         }

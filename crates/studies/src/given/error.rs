@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{ReadError, WriteError, WriteProblem};
+use asperity_io::{ReadError, WriteError, WriteProblem, shown_path};
 use asperity_simulate::SimulateError;
 use asperity_surface::{LengthUnit, MissingError};
 use asperity_tracer::MeshSurfaceError;
@@ -30,7 +30,7 @@ pub enum GivenError {
     #[error(transparent)]
     Write(#[from] WriteError),
     /// The file cannot be used as requested.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {problem}", shown_path(path))]
     File {
         /// The file.
         path: PathBuf,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, SurfaceFormat, is_same_file, read_height_map, read_mesh,
-    shown,
+    shown, shown_path,
 };
 use asperity_simulate::{Observer, counted, short};
 use asperity_surface::{Border, Form, HeightField, LengthUnit, MissingPolicy};
@@ -174,7 +174,7 @@ impl MeasuredConfig {
         let [dx, dy] = field.spacing().map(short);
         observer.explain(&format!(
             "{}: {} x {} samples, spacing {dx} x {dy}{}, {} border, {filled} points filled",
-            path.display(),
+            shown_path(path),
             field.nx(),
             field.ny(),
             field.unit().suffix(),
@@ -249,7 +249,7 @@ impl MeasuredConfig {
         let [x, y, z] = mesh.size();
         observer.explain(&format!(
             "{}: {} vertices, {} triangles, extent {x} x {y} x {z}{}, {border} border",
-            path.display(),
+            shown_path(path),
             mesh.vertex_count(),
             mesh.facet_count(),
             unit.suffix(),

@@ -28,10 +28,9 @@ pub(crate) fn write_surface(
             "NPY holds heights alone: read them with --spacing {dx},{dy}{assumed} --border {border}"
         )
     });
-    // Read back, they follow from how the surface was drawn
-    let is_read_back = format == Some(HeightMapFormat::Exr) && field.provenance().is_some();
-    let cells = (field.turned_cells().is_some() && !is_read_back).then(|| {
-        "the file does not tell along which diagonals cells are split at the edges of the structure, as an EXR from generate does: read back, all are split along the same one".to_owned()
+    let keeps_cells = format == Some(HeightMapFormat::Exr);
+    let cells = (field.turned_cells().is_some() && !keeps_cells).then(|| {
+        "the file does not tell along which diagonals cells are split at the edges of the structure, as an EXR does: read back, all are split along the same one".to_owned()
     });
     Ok([spacing, cells]
         .into_iter()

@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use asperity_io::{HeightMapFormat, ResultFolder, check_ending, write_bytes};
+use asperity_io::{HeightMapFormat, ResultFolder, check_ending, shown_path, write_bytes};
 use asperity_simulate::Silent;
 use serde::Serialize;
 use serde_json::Value;
@@ -89,7 +89,7 @@ impl Inspection {
     /// Text: roughness and shadows, then notes.
     #[must_use]
     pub fn text(&self) -> String {
-        let (file, statistics) = (self.file.display(), self.statistics.text());
+        let (file, statistics) = (shown_path(&self.file), self.statistics.text());
         wrapped(&format!(
             "{file}: {statistics}{}",
             note_lines(&self.statistics.notes)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::WriteError;
+use asperity_io::{WriteError, shown_path};
 use serde_json::Value;
 
 use crate::output::wrapped;
@@ -44,7 +44,7 @@ pub trait Evaluation {
         let mut text = format!("{}\n{notes}{}", self.description(), self.text());
         if let Some(path) = file {
             let (count, kind) = self.rows();
-            text.push_str(&format!("{}: {count} {kind}\n", path.display()));
+            text.push_str(&format!("{}: {count} {kind}\n", shown_path(path)));
         }
         wrapped(&text)
     }

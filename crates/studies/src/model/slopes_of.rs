@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asperity_analysis::{
     SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError, SmithSlopes,
 };
-use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table};
+use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table, shown_path};
 use asperity_simulate::short;
 use asperity_surface::{Border, MissingError, MissingPolicy};
 use asperity_tally::Estimate;
@@ -21,7 +21,10 @@ pub enum SlopeFileError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// A table has other columns.
-    #[error("{}: a table of slopes needs the columns x, y and density, but it has {found}", path.display())]
+    #[error(
+        "{}: a table of slopes needs the columns x, y and density, but it has {found}",
+        shown_path(path)
+    )]
     Columns {
         /// The file.
         path: PathBuf,
@@ -29,13 +32,16 @@ pub enum SlopeFileError {
         found: String,
     },
     /// Slopes of a table are missing, there twice or out of order.
-    #[error("{}: the rows x, y are not those of a grid of at least 2 x 2 slopes, each pair once and in order of y, then x", path.display())]
+    #[error(
+        "{}: the rows x, y are not those of a grid of at least 2 x 2 slopes, each pair once and in order of y, then x",
+        shown_path(path)
+    )]
     NoGrid {
         /// The file.
         path: PathBuf,
     },
     /// Missing points of a height map cannot be filled.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_path(path))]
     Missing {
         /// The file.
         path: PathBuf,
@@ -43,7 +49,7 @@ pub enum SlopeFileError {
         error: MissingError,
     },
     /// The numbers do not make a table.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_path(path))]
     Table {
         /// The file.
         path: PathBuf,
@@ -53,7 +59,7 @@ pub enum SlopeFileError {
     /// A flat surface; or grooves, for a model of Gaussian slopes.
     #[error(
         "{}: the slopes lie along one direction at most, which smith-slopes alone takes, unless all are zero",
-        path.display()
+        shown_path(path)
     )]
     OneDirection {
         /// The file.

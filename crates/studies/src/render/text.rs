@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use asperity_io::shown_path;
 use asperity_render::RenderOutcome;
 use asperity_simulate::{counted, short};
 
@@ -60,7 +61,7 @@ impl RenderedPicture {
         }
         text.push_str(&note_lines(&self.notes));
         for path in &self.files {
-            text.push_str(&format!("picture in {}\n", path.display()));
+            text.push_str(&format!("picture in {}\n", shown_path(path)));
         }
         wrapped(&text)
     }

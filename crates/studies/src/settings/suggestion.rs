@@ -6,8 +6,11 @@ use strsim::osa_distance;
 const SYNONYMS: &[(&str, &str)] = &[
     // Commands
     ("trace", "run raytrace simulate"),
-    ("render", "image picture show draw"),
-    ("inspect", "info stats statistics analyse analyze"),
+    ("render", "image picture show draw view"),
+    (
+        "inspect",
+        "info stats statistics analyse analyze plot figure",
+    ),
     ("generate", "create make new"),
     ("gonio", "brdf bsdf btdf scatter goniometer"),
     ("verify", "compare check validate test"),
@@ -28,7 +31,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("smoothness", "s"),
     ("sigma", "rms sq rq rms-height height"),
     ("tau", "correlation-length corr-length cl acl"),
-    ("size", "resolution grid n nx pixels"),
+    ("size", "resolution res grid n nx pixels"),
     ("spacing", "dx pixel-size pitch cell-size"),
     ("wavelength", "lambda wl"),
     ("polarisation", "pol polarized polarised"),
@@ -45,7 +48,8 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("assume-unit", "units length-unit input-unit"),
     ("surface", "geometry heightmap height-map file input"),
     ("side", "hemisphere sides"),
-    ("plot", "figure png"),
+    ("plot", "figure figures plots png"),
+    ("no-plots", "figure figures plots plot png"),
     ("light", "source illumination incident"),
     ("material", "optics interface mat"),
     ("medium", "volume layer scattering"),
@@ -60,13 +64,13 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("ggx", "trowbridge-reitz trowbridge smith-ggx ggx-smith gtr"),
     ("ggx-separable", "walter walter-ggx ggx-walter"),
     ("smith", "beckmann beckmann-smith smith-beckmann microfacet"),
-    ("v-cavity", "cook-torrance torrance-sparrow blinn v-groove"),
+    ("v-cavity", "cook-torrance torrance-sparrow v-groove"),
     ("heitz", "multiple-scattering random-walk smith-multiple"),
     ("oren-nayar", "diffuse lambert lambertian"),
 ];
 
 /// Names of roughness in other programs, which is another quantity than any here.
-const ROUGHNESS: [&str; 4] = ["alpha", "roughness", "alpha-x", "alpha-y"];
+const ROUGHNESS: [&str; 5] = ["alpha", "rough", "roughness", "alpha-x", "alpha-y"];
 
 /// Sentence for who names roughness as other programs do.
 #[must_use]
@@ -92,7 +96,7 @@ fn plain(name: &str) -> String {
 const BEGINNING: usize = 3;
 
 /// The one of `names` that `given` most likely stands for: the same but for case and underscores, that of another program, the one with few
-/// letters changed, or the one that it begins.
+/// letters changed, the one that it begins, the one that has it for a word, or the one that is its first word.
 #[must_use]
 pub fn suggestion<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = plain(given);
@@ -118,7 +122,18 @@ pub fn suggestion<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
         let mut names = names.iter().copied();
         names.find(|name| length >= BEGINNING && plain(name).starts_with(&given))
     };
-    named(&given).or_else(synonym).or_else(near).or_else(begun)
+    let has_word = || {
+        let mut names = names.iter().copied();
+        names.find(|name| plain(name).split('-').any(|word| word == given))
+    };
+    // Words of two names in one, as of a model and its slopes: `heitz-beckmann`
+    let first_word = || named(given.split_once('-')?.0);
+    named(&given)
+        .or_else(synonym)
+        .or_else(near)
+        .or_else(begun)
+        .or_else(has_word)
+        .or_else(first_word)
 }
 
 /// End of a sentence with the suggestion and all names: `; did you mean trace? The commands are ...`. `list` begins with a small letter.
@@ -167,6 +182,8 @@ mod tests {
             ("Max_Order", Some("max-order")),
             ("max-bounces", Some("max-order")),
             ("arr", Some("arrangement")),
+            ("order", Some("max-order")),
+            ("albedo-of-grains", Some("albedo")),
             ("q", None),
             ("frobnicate", None),
             ("", None),

@@ -103,11 +103,11 @@ impl HeightField {
     /// Returns the surface with cells that are split along the other diagonal, those of [`HeightField::turned_cells`].
     #[must_use]
     pub fn with_turned_cells(mut self, turned_cells: Option<Arc<TurnedCells>>) -> Self {
-        self.turned_cells = turned_cells;
+        self.turned_cells = turned_cells.filter(|cells| !cells.is_empty());
         self
     }
 
-    /// Returns a surface of the same grid, unit, border and provenance with other heights, all cells of which are split alike.
+    /// Returns a surface of the same grid, unit, border, provenance and turned cells with other heights.
     ///
     /// # Errors
     /// Errors of [`HeightField::new`].
@@ -115,7 +115,8 @@ impl HeightField {
         Ok(Self::new(heights, self.shape, self.spacing)?
             .with_unit(self.unit)
             .with_border(self.border)
-            .with_provenance(self.provenance.clone()))
+            .with_provenance(self.provenance.clone())
+            .with_turned_cells(self.turned_cells.clone()))
     }
 
     /// Samples in row-major order, `heights[iy * nx + ix]`.

@@ -4,26 +4,12 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::turned_cells::TurnedCells;
-
 /// Record of how a surface was drawn, made and read by the crate that draws.
 ///
 /// A surface carries it along, and drops it when it is no longer the surface that was drawn.
 pub trait ProvenanceRecord: Any + Debug + Send + Sync {
     /// Returns the record with all lengths converted.
     fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Arc<dyn ProvenanceRecord>;
-
-    /// Turned cells of the surface that was drawn, on a grid of its tile, of shape `[ny, nx]` and spacing `[dx, dy]`.
-    ///
-    /// # Errors
-    /// A sentence on why no such surface can be drawn on this grid.
-    fn turned_cells(
-        &self,
-        _shape: [usize; 2],
-        _spacing: [f64; 2],
-    ) -> Result<Option<TurnedCells>, String> {
-        Ok(None)
-    }
 
     /// Returns `true` if `other` is equal to it.
     fn equals(&self, other: &dyn ProvenanceRecord) -> bool;

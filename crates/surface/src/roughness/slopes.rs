@@ -180,8 +180,8 @@ mod tests {
         assert_eq!(field.facet_slopes(2, 1), [[10.0, -1.5], [-10.0, 3.5]]);
 
         // A turned cell has the corners 00, 10, 01 and 10, 11, 01
-        let turned = TurnedCells::new([2, 3], |ix, iy| (ix, iy) == (1, 0)).map(Arc::new);
-        let turned = field.clone().with_turned_cells(turned);
+        let turned = TurnedCells::new([2, 3], |ix, iy| (ix, iy) == (1, 0));
+        let turned = field.clone().with_turned_cells(Some(Arc::new(turned)));
         assert_eq!(turned.facet_slopes(0, 0), field.facet_slopes(0, 0));
         assert_eq!(turned.facet_slopes(1, 0), [[8.0, 3.0], [-18.0, -3.5]]);
 

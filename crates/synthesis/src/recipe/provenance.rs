@@ -3,11 +3,10 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use asperity_surface::{ProvenanceRecord, TurnedCells};
+use asperity_surface::ProvenanceRecord;
 use serde::{Deserialize, Serialize};
 
 use super::surface_recipe::SurfaceRecipe;
-use crate::StructureSynthesis;
 
 /// Recipe and random stream by which a surface was drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,21 +34,6 @@ impl ProvenanceRecord for Provenance {
             recipe: self.recipe.converted(convert),
             ..*self
         })
-    }
-
-    fn turned_cells(
-        &self,
-        shape: [usize; 2],
-        spacing: [f64; 2],
-    ) -> Result<Option<TurnedCells>, String> {
-        let Some(surface) = self.recipe.structured() else {
-            return Ok(None);
-        };
-        let drawn = StructureSynthesis::new(*surface.structure(), shape, spacing, true)
-            .and_then(|synthesis| synthesis.heights_and_turned_cells(self.seed, self.realisation));
-        drawn
-            .map(|(_, cells)| cells)
-            .map_err(|error| error.to_string())
     }
 
     fn equals(&self, other: &dyn ProvenanceRecord) -> bool {

@@ -73,11 +73,13 @@ impl Scratches {
         // A scratch across the tile has as many pieces as the tile is long in widths
         let [x, y] = grid.lengths();
         let pieces = features * (1.0 + length / width.max(grid.coarser_spacing()));
-        if features > limits::MAX_FEATURES as f64 || pieces > 16.0 * limits::MAX_FEATURES as f64 {
-            return Err(StructureError::TooManyFeatures { features });
-        }
         let most = limits::MAX_TILES_PER_FEATURE * x.min(y);
         Check("scratches").that("length", length, Allowed::Up(most))?;
+        // Longer ones than 16 widths count as several
+        let counted = features.max(pieces / 16.0);
+        if counted > limits::MAX_FEATURES as f64 {
+            return Err(StructureError::TooManyFeatures { features: counted });
+        }
         Ok(PlannedScratches {
             scratches: *self,
             number: features as usize,

@@ -74,7 +74,8 @@ mod tests {
         let heights = vec![0.0, 1.0, 2.0, 0.5, -1.0, 0.25];
         for border in [Border::Periodic, Border::Open] {
             let field = HeightField::new(heights.clone(), [2, 3], [0.5, 2.0]).unwrap();
-            let turned = TurnedCells::new([2, 3], |ix, _| ix == 1).map(std::sync::Arc::new);
+            let turned = TurnedCells::new([2, 3], |ix, _| ix == 1);
+            let turned = Some(std::sync::Arc::new(turned));
             let surface = Surface::new(field.with_border(border).with_turned_cells(turned));
             let mesh = TriangleMesh::new(&surface).unwrap();
             assert_eq!(mesh.triangles.len(), surface.facet_count());

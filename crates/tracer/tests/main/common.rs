@@ -30,7 +30,7 @@ pub fn rugged(nx: usize, ny: usize, height: f64, seed: u64, border: Border) -> S
 pub fn turned(field: &HeightField) -> HeightField {
     let is_turned = |ix: usize, iy: usize| (37 * ix * ix + 11 * ix * iy + 5 * iy) % 7 > 3;
     let cells = TurnedCells::new(field.shape(), is_turned);
-    field.clone().with_turned_cells(cells.map(Arc::new))
+    field.clone().with_turned_cells(Some(Arc::new(cells)))
 }
 
 /// A sum of eight waves with random phases that fit the tile: smooth, periodic, about Gaussian.

@@ -8,12 +8,13 @@ use serde_json::Value;
 use crate::error::ResultFolderError;
 use crate::files::manifest::Manifest;
 use crate::files::text::read_json;
+use crate::shown::shown_path;
 
 /// The refusal of a folder with results and without a manifest: they may be a part of those in a folder above.
 pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
     let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
     if let Some((above, manifest)) = Manifest::above(&path) {
-        let (found, results) = (manifest.command, above.display());
+        let (found, results) = (manifest.command, shown_path(above));
         let holds = format!("a part of the results of `{found}` in `{results}`");
         return ResultFolderError::OtherResults { folder, holds };
     }

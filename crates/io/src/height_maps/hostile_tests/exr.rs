@@ -169,6 +169,12 @@ fn compression_that_loses_digits_of_heights_is_refused_by_name() {
         &file(&single, Compression::PXR24),
         "it is compressed by PXR24,",
     );
+    // The encoder has neither: the bytes are those of others with blocks of as many lines
+    for (method, like) in [(10, Compression::DWAB(None)), (11, Compression::PIZ)] {
+        let plain = file(&single, like);
+        let marked = with_attribute(plain, "compression", "compression", &[method]);
+        refused(Exr, &marked, "it is compressed by HTJ2K,");
+    }
     let [packed, plain] = [Compression::PXR24, Compression::Uncompressed]
         .map(|compression| read(Exr, &file(&half, compression)).unwrap());
     assert_eq!(format!("{packed:?}"), format!("{plain:?}"));

@@ -32,6 +32,14 @@ fn npy_headers_are_refused_before_allocation() {
     refused(Npy, &claim("(18446744073709551615, 2)"), "can hold");
     refused(Npy, &claim("(99999999999999999999, 2)"), "can hold");
     refused(Npy, &claim("(2, 3)"), "only 32 bytes");
+    let heights = |shape: &str| {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        npy(&header, &[0; 960])
+    };
+    refused(Npy, &heights("(60, 2)"), "look like a profile");
+    refused(Npy, &heights("(2, 60)"), "look like a profile");
+    refused(Npy, &heights("(40, 3)"), "look like points x, y, z");
+    assert_eq!(read(Npy, &heights("(30, 4)")).unwrap().shape(), [30, 4]);
     refused(Npy, &claim("(2, 1)"), "at least 2 x 2");
     refused(Npy, &claim("(1, 1)"), "at least 2 x 2");
     refused(Npy, &claim("(0, 0)"), "at least 2 x 2");

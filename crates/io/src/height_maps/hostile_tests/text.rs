@@ -226,10 +226,30 @@ fn marks_of_missing_points_of_terrain_are_words_and_rounded_numbers() {
         ("-3.4028235e+38", single),
         ("1e20", "100000002004087734272"),
         ("-9999", "-9999.0"),
+        ("-3.40282e+38", single),
+        ("-3.402823E+38", "-3.4028235e+38"),
+        (single, "-3.403e+38"),
+        ("-1.70141e+38", "-170141183460469231731687303715884105728"),
+        ("-1.797693134862316e+308", "-1.7976931348623157e+308"),
+        ("-9999.9", "-9999.900390625"),
+        ("-9999.900390625", "-9999.9"),
+        ("-9999.9", "-9999.9004"),
     ] {
         let text = TERRAIN.replace("value -1", &format!("value {mark}"));
         let text = text.replace("2 -1", &format!("2 {number}"));
         assert_eq!(heights_of(&text).1, 1, "{mark}");
+    }
+    for (mark, height) in [
+        ("-9999", "-9999.0004"),
+        ("-9999", "-9998.9991"),
+        ("-9999.4", "-9999"),
+        ("-999999", "-999999.4"),
+        ("100000000", "100000003"),
+        ("100000003", "100000000"),
+    ] {
+        let text = TERRAIN.replace("value -1", &format!("value {mark}"));
+        let text = text.replace("2 -1", &format!("2 {height}"));
+        assert_eq!(heights_of(&text).1, 0, "{mark}");
     }
     let default = TERRAIN.replace("NODATA_value -1\n", "");
     let default = default.replace("2 -1", "2 -9999");
@@ -268,7 +288,7 @@ fn profiles_are_refused_in_every_arrangement() {
     let positions: Vec<String> = (0..40).map(|i| format!("{i}.5")).collect();
     texts.push(format!("{}\n{}\n", positions.join(","), heights.join(",")));
     for text in texts {
-        refused(Text, text.as_bytes(), "are a profile");
+        refused(Text, text.as_bytes(), "look like a profile");
     }
     assert_eq!(heights_of("1 2\n3 4\n").2, [2, 2]);
     assert_eq!(heights_of("1 2\n3 4\n0 1\n").2, [3, 2]);
@@ -289,11 +309,7 @@ fn numbers_of_rows_and_columns_are_no_heights() {
             .map(|(y, row)| format!("{y}{separator}{row}"))
             .collect();
         let table = [vec![above(0)], rows.clone()].concat().join("\n");
-        refused(
-            Text,
-            table.as_bytes(),
-            "in its first row are in equal steps",
-        );
+        refused(Text, table.as_bytes(), "in its first row are in ascending");
         refused(
             Text,
             beside.join("\n").as_bytes(),
@@ -313,6 +329,38 @@ fn numbers_of_rows_and_columns_are_no_heights() {
         refused(Text, words.as_bytes(), "a heading above the numbers");
         assert_eq!(heights_of(&rows.join("\n")).2, [12, 16]);
     }
+    // Rounded and uneven steps, with a row of the same kind above or without
+    for step in [
+        |i: usize| format!("{:.2}", i as f64 / 3.0),
+        |i: usize| format!("{:.1}", -(1.4_f64.powi(i as i32))),
+    ] {
+        let rows = rough([16, 12], ",");
+        let beside = rows.iter().enumerate();
+        let beside: Vec<String> = beside
+            .map(|(y, row)| format!("{},{row}", step(y)))
+            .collect();
+        refused(
+            Text,
+            beside.join("\n").as_bytes(),
+            "in its first column are",
+        );
+        let names: Vec<String> = (0..16).map(step).collect();
+        let table = [vec![format!(",{}", names.join(","))], beside].concat();
+        refused(
+            Text,
+            table.join("\n").as_bytes(),
+            "first row and first column",
+        );
+    }
+    // A column of a smooth surface may rise alone.
+    let height = |x: usize, y: usize| (0.45 * (y as f64 - 4.0) + 0.5 * x as f64).sin();
+    let row = |y| {
+        (0..12)
+            .map(|x| format!("{:.4}", height(x, y)))
+            .collect::<Vec<_>>()
+    };
+    let smooth: Vec<String> = (0..8).map(|y| row(y).join(" ")).collect();
+    assert_eq!(heights_of(&smooth.join("\n")).2, [8, 12]);
     let gap = "0 1 2 3\n1 nan 3 4\n2 3 4 5\n";
     assert_eq!(heights_of(gap).1, 1);
     // A plane is a surface.
@@ -327,7 +375,7 @@ fn numbers_of_rows_and_columns_are_no_heights() {
 }
 
 #[test]
-fn separators_at_the_end_are_no_points() {
+fn separators_at_either_end_are_no_points() {
     for (separator, end) in [
         (",", ","),
         (";", ";"),
@@ -336,9 +384,20 @@ fn separators_at_the_end_are_no_points() {
         (";", "; ;"),
     ] {
         let rows = rough([5, 4], separator);
-        let plain = heights_of(&rows.join("\n"));
+        let plain_rows = rows.join("\n");
+        let plain = heights_of(&plain_rows);
         let ended = rows.join(&format!("{end}\n")) + end;
         assert_eq!(heights_of(&ended), plain, "{ended}");
+        if separator != "\t" {
+            for begun in [&plain_rows, &ended] {
+                let begun = format!(
+                    "{separator}{}",
+                    begun.replace('\n', &format!("\n{separator}"))
+                );
+                assert_eq!(heights_of(&begun), plain, "{begun}");
+                assert_eq!(heights_of(&format!("w=5 h=4\n{begun}")), plain, "{begun}");
+            }
+        }
         let below = format!("{ended}\n{}\n", separator.repeat(5));
         assert_eq!(heights_of(&below), plain, "{below}");
         let stated = format!("w=5 h=4\n{ended}");
@@ -346,6 +405,7 @@ fn separators_at_the_end_are_no_points() {
     }
     // A point or row that is missing among others stays missing.
     assert_eq!(heights_of("1,2,\n3,4,5\n0,7,8\n").1, 1);
+    assert_eq!(heights_of(",1,2\n3,4,5\n0,7,8\n").1, 1);
     assert_eq!(heights_of("1,2,7\n,,\n0,7,8\n").1, 3);
 }
 
@@ -418,6 +478,14 @@ fn lists_of_points_have_headings_and_separators_of_many_programs() {
             assert_eq!(heights_of(&text.replace('.', ",")), plain, "{heading}");
         }
     }
+    let counted = |count: usize| format!("//X Y Z\n{count}\n{}\n", list.join("\n"));
+    assert_eq!(heights_of(&counted(20)), plain);
+    assert_eq!(heights_of(&counted(20)["//X Y Z\n".len()..]), plain);
+    refused(
+        HeightMapFormat::Text,
+        counted(21).as_bytes(),
+        "says 21 points, but 20 rows",
+    );
     let more = |heading: &str| {
         let rows: Vec<String> = list.iter().map(|row| format!("{row} 0.5")).collect();
         format!("{heading}{}", rows.join("\n"))
@@ -474,6 +542,11 @@ fn comments_of_gwyddion_are_known_in_every_language() {
             );
         }
         assert_eq!(heights_of(&text), plain);
+        for unit in ["\u{c5}", "Pouces"] {
+            let unknown = text.replace(" \u{b5}m", &format!(" {unit}"));
+            let words = format!("`Width` is `50 {unit}`");
+            refused(HeightMapFormat::Text, unknown.as_bytes(), &words);
+        }
         let volts = text.replace("nm\n", "V\n");
         refused(
             HeightMapFormat::Text,

@@ -11,6 +11,7 @@
 //! anywhere, in the header and in the numbers.
 
 use crate::error::ReadProblem;
+use crate::height_maps::mark::Mark;
 use crate::text_lines::{Line, decimal, short};
 
 /// Mark of a missing point unless the file says.
@@ -22,7 +23,7 @@ pub(super) struct Grid {
     pub(super) columns: Option<u64>,
     pub(super) rows: Option<u64>,
     cell: [Option<f64>; 2],
-    nodata: Option<String>,
+    nodata: Option<Mark>,
 }
 
 impl Grid {
@@ -62,12 +63,13 @@ impl Grid {
             "cellsize" => self.cell = [Some(positive()?); 2],
             "dx" => self.cell[0] = Some(positive()?),
             "dy" => self.cell[1] = Some(positive()?),
-            "nodata_value" | "nodata" => self.nodata = Some(value.to_owned()),
+            "nodata_value" | "nodata" => self.nodata = Some(Mark::new(value)),
             "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" => {
                 decimal(value).ok_or_else(|| refuse("a number"))?;
             }
             _ => return Ok(false),
         }
+        self.nodata.get_or_insert_with(|| Mark::new(DEFAULT_NODATA));
         Ok(true)
     }
 
@@ -76,14 +78,14 @@ impl Grid {
         Some([self.columns?, self.rows?])
     }
 
-    /// Returns `true` for the text of a missing point, which need not be a number.
-    pub(super) fn is_nodata(&self, field: &str) -> bool {
-        let nodata = self.nodata.as_deref();
-        nodata.is_some_and(|mark| mark.eq_ignore_ascii_case(field))
+    /// Returns `true` for the text of a missing point, which need not be a `number`.
+    pub(super) fn is_nodata(&self, field: &str, number: Option<f64>) -> bool {
+        let nodata = self.nodata.as_ref();
+        nodata.is_some_and(|mark| mark.is_stated_by(field, number))
     }
 
-    /// Marks missing points; returns the spacing, or `None` without such a header.
-    pub(super) fn apply(&self, heights: &mut [f64]) -> Result<Option<[f64; 2]>, ReadProblem> {
+    /// The spacing, or `None` without such a header.
+    pub(super) fn spacing(&self) -> Result<Option<[f64; 2]>, ReadProblem> {
         if self.columns.is_none() && self.rows.is_none() {
             return Ok(None);
         }
@@ -92,13 +94,6 @@ impl Grid {
                 "its header has ncols and nrows, but no cellsize, or dx and dy",
             ));
         };
-        let nodata = decimal(self.nodata.as_deref().unwrap_or(DEFAULT_NODATA));
-        for height in heights {
-            // The mark, or the numbers, may have been rounded to single precision
-            if nodata.is_some_and(|nodata| *height as f32 == nodata as f32) {
-                *height = f64::NAN;
-            }
-        }
         Ok(Some([dx, dy]))
     }
 }

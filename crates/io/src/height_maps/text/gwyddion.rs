@@ -18,6 +18,9 @@ use crate::text_lines::{decimal, short};
 /// Names of the comments that say what the numbers are.
 const NAMES: [&str; 3] = ["Width", "Height", "Value units"];
 
+/// Number of comments, with that of the channel.
+const COMMENTS: usize = 4;
+
 /// Most letters of a unit.
 const MAX_UNIT: usize = 4;
 
@@ -51,10 +54,17 @@ impl Comments {
             return named;
         }
         let is_unit = |text: &str| text.chars().count() <= MAX_UNIT;
+        let are_lengths = |values: [&str; 2]| values.iter().all(|value| length(value).is_some());
+        // Beside the channel alone, in a unit that is refused later
+        let have_one_unit = |values: [&str; 2]| {
+            let [first, second] = values.map(number_and_unit);
+            self.0.len() <= COMMENTS && first.zip(second).is_some_and(|(a, b)| a.1 == b.1)
+        };
         let mut all = self.0.windows(3);
         let translated = all.find_map(|three| {
             let [width, height, units] = [0, 1, 2].map(|k| three[k].1.as_str());
-            let are_these = length(width).is_some() && length(height).is_some() && is_unit(units);
+            let extents = [width, height];
+            let are_these = are_lengths(extents) && is_unit(units) || have_one_unit(extents);
             are_these.then_some([width, height, units].map(Some))
         });
         translated.unwrap_or_default()
@@ -92,11 +102,17 @@ impl Comments {
     }
 }
 
-/// A positive number and a unit of length; some languages write a decimal comma.
+/// A positive number and a unit of length.
 fn length(text: &str) -> Option<(f64, PowerOfMetre)> {
+    let (number, unit) = number_and_unit(text)?;
+    Some((number, PowerOfMetre::parse(unit)?))
+}
+
+/// A positive number and a unit; some languages write a decimal comma.
+fn number_and_unit(text: &str) -> Option<(f64, &str)> {
     let (number, unit) = text.split_once(char::is_whitespace)?;
     let number = decimal(number)?;
-    (number.is_finite() && number > 0.0).then_some((number, PowerOfMetre::parse(unit)?))
+    (number.is_finite() && number > 0.0).then_some((number, unit.trim()))
 }
 
 fn refuse(name: &str, what: impl std::fmt::Display) -> ReadProblem {

@@ -23,20 +23,25 @@ pub(super) fn is_blank(text: &str) -> bool {
 }
 
 impl Row<'_> {
-    /// Appends the numbers; returns how many empty fields are at the end. `is_first` if no number came before it;
-    /// `is_missing` tells further words for a missing point.
+    /// Appends the numbers; returns how many empty fields are at the beginning and at the end. `is_first` if no number came before
+    /// it; `is_missing` tells further words and numbers for a missing point.
     pub(super) fn read(
         &self,
         is_first: bool,
-        is_missing: impl Fn(&str) -> bool,
+        is_missing: impl Fn(&str, Option<f64>) -> bool,
         heights: &mut Vec<f64>,
-    ) -> Result<usize, ReadProblem> {
-        let mut empty = 0;
+    ) -> Result<[usize; 2], ReadProblem> {
+        let (mut before, mut empty) = (None, 0);
         let mut push = |field: &str, number: Option<f64>| {
-            empty = if field.is_empty() { empty + 1 } else { 0 };
+            if field.is_empty() {
+                empty += 1;
+            } else {
+                before.get_or_insert(empty);
+                empty = 0;
+            }
             let is_word = || MISSING.iter().any(|word| field.eq_ignore_ascii_case(word));
             heights.push(match number {
-                _ if field.is_empty() || is_missing(field) => f64::NAN,
+                _ if field.is_empty() || is_missing(field, number) => f64::NAN,
                 Some(height) if height.is_infinite() => {
                     let found = short(field);
                     let what = format_args!(
@@ -62,7 +67,7 @@ impl Row<'_> {
             let mut fields = text.split_whitespace();
             fields.try_for_each(|field| push(field, decimal(field)))?;
         }
-        Ok(empty)
+        Ok([before.unwrap_or(0), empty])
     }
 
     fn not_a_number(&self, field: &str, is_first: bool) -> ReadProblem {

@@ -1,11 +1,11 @@
 //! Tables that are no matrix of heights: profiles, and heights beside numbers of rows and columns.
 
+use std::iter::zip;
+
 use crate::error::ReadProblem;
+use crate::height_maps::narrow::profile;
 
-/// Most rows of two columns, and columns of two rows, that may be a map.
-const MAX_NARROW: usize = 15;
-
-/// Fewest numbers in equal steps that are positions or numbers of rows or columns.
+/// Fewest numbers in ascending or descending order that are positions or numbers of rows or columns.
 const MIN_STEPS: usize = 8;
 
 /// Fewest numbers in equal steps, of a row above and of a column beside the heights, that are positions.
@@ -40,21 +40,15 @@ pub(super) fn check_matrix(columns: usize, numbers: &[f64]) -> Result<(), ReadPr
     let row = |y: usize| numbers.iter().skip(y * columns).take(columns).copied();
     let column = |x: usize| numbers.iter().skip(x).step_by(columns).copied();
     let is_profile = match (rows, columns) {
-        (3.., 2) => is_monotonic(column(0)) || is_monotonic(column(1)) || rows > MAX_NARROW,
-        (2, _) => columns > MAX_NARROW && is_monotonic(row(0)),
+        (3.., 2) => is_monotonic(column(0)) || is_monotonic(column(1)),
+        (2, _) => columns > MIN_STEPS && is_monotonic(row(0)),
         _ => false,
     };
     if is_profile {
-        return Err(ReadProblem::unsupported(format_args!(
-            "its {columns} x {rows} numbers (columns x rows) are a profile, positions and heights along a line, but a surface is needed"
-        )));
+        return Err(profile([rows, columns]));
     }
-    let [above, beside] = [steps(row(0)), steps(column(0))];
-    // Heights that rise so in the next row, too, may be those of a plane.
-    let [above, beside] = [
-        above * usize::from(steps(row(1)) == 0),
-        beside * usize::from(steps(column(1)) == 0),
-    ];
+    let above = positions(row(0), (1..rows).map(row));
+    let beside = positions(column(0), (1..columns).map(column));
     let place = if above.min(beside) >= MIN_STEPS_OF_BOTH {
         "first row and first column"
     } else if above >= MIN_STEPS {
@@ -65,7 +59,7 @@ pub(super) fn check_matrix(columns: usize, numbers: &[f64]) -> Result<(), ReadPr
         return Ok(());
     };
     Err(ReadProblem::unsupported(format_args!(
-        "the numbers in its {place} are in equal steps, as those of rows and columns or positions are, but only heights are read from a matrix; leave them out (in pandas: header=False, index=False)"
+        "the numbers in its {place} are in ascending or descending order, as those of rows and columns or positions are, but only heights are read from a matrix; leave them out (in pandas: header=False, index=False)"
     )))
 }
 
@@ -84,6 +78,48 @@ fn steps(numbers: impl Iterator<Item = f64>) -> usize {
     };
     let is_equal = step != 0.0 && steps.all(|other| (other - step).abs() <= EQUAL * step.abs());
     if is_equal { numbers.len() } else { 0 }
+}
+
+/// Fewest numbers in uneven steps that are positions, if those along the other axis are, too.
+const MIN_UNEVEN_OF_BOTH: usize = 5;
+
+/// Largest correlation of positions with the heights beside them. Rows and columns of a smooth surface, a row or column of which
+/// may rise by chance, have a larger one.
+const UNRELATED: f64 = 0.9;
+
+/// Number of numbers that are positions: in equal steps, unlike the next row or column, or all rising or all falling, unlike any
+/// `others`; 0 of others. Heights that rise in the next row, too, may be those of a plane.
+fn positions<I: Iterator<Item = f64> + Clone>(
+    own: I,
+    mut others: impl Iterator<Item = I> + Clone,
+) -> usize {
+    let Some(next) = others.clone().next() else {
+        return 0;
+    };
+    let even = steps(own.clone());
+    if even > 0 {
+        return even * usize::from(steps(next) == 0);
+    }
+    let known = |numbers: I| numbers.skip(1).filter(|x| !x.is_nan());
+    let is_unlike = is_monotonic(known(own.clone()))
+        && !others.any(|other| is_monotonic(known(other)))
+        && correlation(zip(own.clone(), next).skip(1)).abs() < UNRELATED;
+    let count = known(own).count();
+    count * usize::from(is_unlike && count >= MIN_UNEVEN_OF_BOTH)
+}
+
+/// Correlation of the numbers of pairs, without those that are missing.
+fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let pairs = pairs.filter(|(x, y)| !x.is_nan() && !y.is_nan());
+    let (x, y): (Vec<f64>, Vec<f64>) = pairs.unzip();
+    let centred = |numbers: Vec<f64>| {
+        let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
+        numbers.into_iter().map(move |x| x - mean)
+    };
+    let of = zip(centred(x), centred(y)).fold([0.0; 3], |[xx, xy, yy], (x, y)| {
+        [xx + x * x, xy + x * y, yy + y * y]
+    });
+    of[1] / (of[0] * of[2]).sqrt()
 }
 
 fn is_monotonic(numbers: impl Iterator<Item = f64> + Clone) -> bool {

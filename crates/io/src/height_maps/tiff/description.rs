@@ -181,9 +181,20 @@ fn read_ome(lengths: &mut Lengths, tag: &str) -> Result<(), ReadProblem> {
         };
         attribute(name).map(parse).transpose()
     };
-    if let (Some(x), Some(y)) = (size("PhysicalSizeX")?, size("PhysicalSizeY")?) {
-        let unit = |name| attribute(name).unwrap_or("\u{b5}m");
-        let units = [unit("PhysicalSizeXUnit"), unit("PhysicalSizeYUnit")];
+    let sizes = [size("PhysicalSizeX")?, size("PhysicalSizeY")?];
+    let unit = |name| attribute(name).unwrap_or("\u{b5}m");
+    let units = [unit("PhysicalSizeXUnit"), unit("PhysicalSizeYUnit")];
+    if let Some(k) = sizes.iter().position(Option::is_some) {
+        let one = (sizes[k].unwrap_or_default(), units[k]);
+        let [(x, x_unit), (y, y_unit)] =
+            [0, 1].map(|axis| sizes[axis].map_or(one, |size| (size, units[axis])));
+        if sizes.contains(&None) {
+            lengths.notes.push(format!(
+                "the file states a spacing along {} alone: it is taken for both axes",
+                ["x", "y"][k]
+            ));
+        }
+        let units = [x_unit, y_unit];
         lengths.set_spacing([x, y], units);
         lengths.set_height_unit(None, units[0]);
     }

@@ -55,6 +55,7 @@ pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), Wr
 fn main_xml(field: &HeightField, [dx, dy]: [f64; 2], checksum: &str) -> String {
     let [ny, nx] = field.shape();
     let border = field.border();
+    let cells = field.turned_cells().map_or("", |_| " cells=turned");
     let version = env!("CARGO_PKG_VERSION");
     format!(
         r#"<?xml version="1.0" encoding="UTF-8" standalone="no" ?>
@@ -96,7 +97,7 @@ fn main_xml(field: &HeightField, [dx, dy]: [f64; 2], checksum: &str) -> String {
       <Type>Software</Type>
       <Identification>not available</Identification>
     </ProbingSystem>
-    <Comment>border={border}</Comment>
+    <Comment>border={border}{cells}</Comment>
   </Record2>
   <Record3>
     <MatrixDimension>

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_io::ReadError;
+use asperity_io::{ReadError, shown_path};
 use asperity_surface::MissingError;
 use asperity_synthesis::{EstimateError, HeightTableError};
 
@@ -26,7 +26,10 @@ pub enum SurfaceFileError {
         names: &'static str,
     },
     /// The file does not hold what a spectrum or a distribution needs.
-    #[error("{}: {subject} needs {needed}, but the file has {found}", path.display())]
+    #[error(
+        "{}: {subject} needs {needed}, but the file has {found}",
+        shown_path(path)
+    )]
     Content {
         /// The file.
         path: PathBuf,
@@ -38,7 +41,7 @@ pub enum SurfaceFileError {
         found: String,
     },
     /// Its numbers do not make a valid spectrum.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_path(path))]
     Spectrum {
         /// The file.
         path: PathBuf,
@@ -46,7 +49,7 @@ pub enum SurfaceFileError {
         error: EstimateError,
     },
     /// Its numbers do not make a valid distribution.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_path(path))]
     Heights {
         /// The file.
         path: PathBuf,
@@ -54,7 +57,7 @@ pub enum SurfaceFileError {
         error: HeightTableError,
     },
     /// Missing points cannot be filled.
-    #[error("{}: {error}", path.display())]
+    #[error("{}: {error}", shown_path(path))]
     Missing {
         /// The file.
         path: PathBuf,

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use asperity_io::read_height_map;
+use asperity_io::{read_height_map, shown};
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
 use asperity_synthesis::Psd;
 
@@ -60,7 +60,8 @@ impl Source {
             notes.push("its plane of best fit is removed".to_owned());
         }
         notes.push(areas_note(&field, &psd, is_windowed));
-        let name = path.file_name().unwrap_or(path.as_os_str()).display();
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let name = shown(&name.to_string_lossy());
         let notes = notes.iter().map(|note| format!("{name}: {note}")).collect();
         Ok(Self { field, psd, notes })
     }

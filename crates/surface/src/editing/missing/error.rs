@@ -33,9 +33,6 @@ pub enum MissingError {
         /// Estimated error relative to that of the first guess.
         relative: f64,
     },
-    /// The surface is not the structure that its record says.
-    #[error("the surface cannot be what its record says: {0}")]
-    Record(String),
     /// The points that are present make no surface.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::error::MissingError;
 use super::fill::fill;
 use crate::height_field::check_grid;
-use crate::{Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord, short};
+use crate::{
+    Border, HeightField, HeightFieldError, LengthUnit, ProvenanceRecord, TurnedCells, short,
+};
 
 /// Treatment of points that have no height.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,6 +52,8 @@ pub struct RawHeightMap {
     pub border: Option<Border>,
     /// Record of how the surface was drawn, if the source has one.
     pub provenance: Option<Arc<dyn ProvenanceRecord>>,
+    /// Cells of a structure that are split along their other diagonal, perhaps none; `None` of a surface without edges.
+    pub turned_cells: Option<TurnedCells>,
     /// Notes for readers of results on how the source was read, one sentence each.
     pub notes: Vec<String>,
 }
@@ -90,6 +94,7 @@ impl RawHeightMap {
             y_is_north: false,
             border: None,
             provenance: None,
+            turned_cells: None,
             notes: Vec::new(),
         })
     }
@@ -165,6 +170,7 @@ impl RawHeightMap {
             border: self.border,
             notes: self.notes,
             provenance: self.provenance.map(|record| record.converted(&convert)),
+            turned_cells: self.turned_cells,
             ..map
         })
     }
@@ -182,6 +188,7 @@ impl RawHeightMap {
         }
         self.y_is_north = !self.y_is_north;
         self.provenance = None;
+        self.turned_cells = self.turned_cells.map(|cells| cells.flipped());
         self
     }
 
@@ -217,11 +224,8 @@ impl RawHeightMap {
                 });
             }
         };
-        let record = self.provenance.as_ref();
-        let turned_cells = record.map(|record| record.turned_cells(self.shape, self.spacing));
-        let turned_cells = turned_cells.transpose().map_err(MissingError::Record)?;
         Ok(HeightField::new(heights, self.shape, self.spacing)?
-            .with_turned_cells(turned_cells.flatten().map(Arc::new))
+            .with_turned_cells(self.turned_cells.map(Arc::new))
             .with_unit(self.unit)
             .with_border(border)
             .with_provenance(self.provenance))
@@ -298,5 +302,26 @@ mod tests {
         assert_eq!(&flipped.heights[2..], [3.0, 4.0, 1.0, 2.0]);
         let field = flipped.into_height_field(MissingPolicy::Fill, Border::Periodic);
         assert_eq!(field.unwrap().height(0, 0), 5.0);
+    }
+
+    /// Slopes of the facets, steepest along y first: the same with the other sign in a mirror image.
+    #[test]
+    fn facets_of_a_structure_are_mirrored_with_its_rows() {
+        let slopes = |map: RawHeightMap, sign: f64| {
+            let field = map.into_height_field(MissingPolicy::Fill, Border::Periodic);
+            let field = field.unwrap();
+            let facets = (0..6).flat_map(|cell| field.facet_slopes(cell % 2, cell / 2));
+            let mut slopes: Vec<[f64; 2]> = facets.map(|[x, y]| [x, sign * y]).collect();
+            slopes.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+            slopes
+        };
+        let mut map = map(LengthUnit::Metre);
+        map.heights = vec![1.0, 2.0, 3.5, 4.0, 7.0, 5.5];
+        for is_turned in [|_, _| false, |ix, iy| (ix, iy) == (1, 0)] {
+            map.turned_cells = Some(TurnedCells::new([3, 2], is_turned));
+            let plain = slopes(map.clone().with_spacing([1.0, 2.0]).unwrap(), 1.0);
+            let nm = map.clone().with_spacing([1.0, 2.0]).unwrap().flipped();
+            assert_eq!(slopes(nm, -1.0), plain);
+        }
     }
 }

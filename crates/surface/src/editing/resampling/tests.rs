@@ -164,8 +164,8 @@ fn a_refined_surface_is_that_drawn_on_the_finer_grid() {
 fn grids_without_finer_or_coarser_one_are_refused() {
     let open = jumble([4, 4], Border::Open);
     assert_eq!(open.refined(), Err(RefinementError::Open));
-    let turned = TurnedCells::new([4, 4], |ix, _| ix == 1).map(Arc::new);
-    let structure = jumble([4, 4], Border::Periodic).with_turned_cells(turned);
+    let turned = TurnedCells::new([4, 4], |ix, _| ix == 1);
+    let structure = jumble([4, 4], Border::Periodic).with_turned_cells(Some(Arc::new(turned)));
     assert_eq!(structure.refined(), Err(RefinementError::Edges));
     assert_eq!(structure.coarsened(), Err(CoarseningError::Edges));
     let refused = |shape, border| jumble(shape, border).coarsened().unwrap_err();

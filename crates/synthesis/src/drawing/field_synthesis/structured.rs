@@ -90,6 +90,6 @@ impl StructuredSynthesis {
                 });
         }
         let field = HeightField::new(centred(heights, nx), shape, spacing)?;
-        Ok(field.with_turned_cells(turned_cells.map(Arc::new)))
+        Ok(field.with_turned_cells(Some(Arc::new(turned_cells))))
     }
 }

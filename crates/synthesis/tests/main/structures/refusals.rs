@@ -157,14 +157,16 @@ fn surfaces_that_cannot_be_drawn_are_refused() {
     ));
     let insisted = StructureSynthesis::new(Structure::Pits(narrow), [64, 64], [1.0, 1.0], true);
     assert!(insisted.is_ok());
-    let long = Scratches {
-        length: 1e6,
-        ..SCRATCHES
-    };
-    assert!(matches!(
-        refused(Structure::Scratches(long)),
-        StructureError::BadParameter { name: "length", .. }
-    ));
+    for length in [1e6, 1e12] {
+        let long = Scratches {
+            length,
+            ..SCRATCHES
+        };
+        assert!(matches!(
+            refused(Structure::Scratches(long)),
+            StructureError::BadParameter { name: "length", .. }
+        ));
+    }
     let many = Cracks {
         width: 1e-6,
         depth: 1e-6,

@@ -287,6 +287,37 @@ fn scales_of_imagej_and_ome_are_read() {
             assumed("micron"),
         ),
         (
+            format!("{imagej}unit=Micrometres\nyunit=nanometer\n"),
+            [0.4, 8e-4],
+            LengthUnit::Micrometre,
+            10.0,
+            assumed("Micrometres"),
+        ),
+        (
+            format!("{imagej}unit=millimeter\n"),
+            [0.4, 0.8],
+            LengthUnit::Millimetre,
+            10.0,
+            assumed("millimeter"),
+        ),
+        (
+            format!("{imagej}unit=Angstrom\nyunit=\u{c5}\n"),
+            [0.4e-10, 0.8e-10],
+            LengthUnit::Metre,
+            10e-10,
+            assumed("Angstrom"),
+        ),
+        (
+            OME.replace(" PhysicalSizeY=\"0.5\"", ""),
+            [250.0, 250.0],
+            LengthUnit::Nanometre,
+            10.0,
+            format!(
+                "the file states a spacing along x alone: it is taken for both axes{}",
+                assumed("nm")
+            ),
+        ),
+        (
             format!("{imagej}unit=inch\n"),
             [1.016e-2, 2.032e-2],
             LengthUnit::Metre,
