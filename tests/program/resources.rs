@@ -353,7 +353,7 @@ fn comparisons_with_models_end_with_the_time_of_the_run() {
 #[test]
 fn figures_that_there_is_no_time_for_are_left_out_and_counted() {
     let folder = Folder::new();
-    let line = "verify --size 32 --tau 4 --insist --models none --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --max-time 0.1";
+    let line = "verify --size 32 --tau 4 --insist --models none --realisations 2 --rays 200 --smoothness 1,2,3,4,5,6,7,8,9,10 --theta 0,10,20,30,40,50,60,70 --eta 1.5,2 -o o --threads 1 --max-time 0.1";
     let began = Instant::now();
     let output = folder.run(line);
     let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));

@@ -157,7 +157,7 @@ impl CaseModel {
         effort: SamplingEffort,
         observer: &dyn Observer,
     ) -> Result<Expectation, SimulateError> {
-        let gives_up = || observer.gives_up();
+        let gives_up = || observer.gives_up_first();
         if gives_up() {
             return Err(SimulateError::Interrupted);
         }

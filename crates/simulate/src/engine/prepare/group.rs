@@ -37,7 +37,7 @@ use crate::store::Stage;
 
 /// Most cases of the groups that are prepared and traced together but of the last of them. Control variates take long: those of thousands of
 /// cases would fill the memory, and let the first ray wait.
-pub(crate) const CASES_AT_ONCE: usize = 64;
+pub(crate) const CASES_AT_ONCE: usize = 16;
 
 /// Fewest rays per sample of a surface beside which drawing the surface once more takes no time: a ray takes as long as several samples.
 const RAYS_PER_SAMPLE: u64 = 16;
