@@ -132,7 +132,7 @@ fn what_is_for_one_surface_and_surfaces_that_do_not_fit_are_refused() {
     let cases = "
         trace a.exr b.exr ./a.exr => ./a.exr: the file is given twice
         trace a.exr copy.exr => hold the same heights
-        trace a.exr bare.txt => bare.txt: lengths are to be in um
+        trace a.exr bare.txt => bare.txt: the file states no unit, so that its lengths cannot be converted into um
         trace bare.txt a.exr => bare.txt states no unit
         trace a.exr a.ply --assume-unit um => all triangle meshes
         gonio --surface a.exr --surface a.ply --assume-unit um -o x => all triangle meshes

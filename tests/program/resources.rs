@@ -390,7 +390,7 @@ fn every_command_ends_soon_after_its_time_limit() {
         format!("map {random} --models smith -o m"),
         format!("verify {random} --models none -o v"),
         format!("verify {steep} --models none -o s"),
-        "verify --size 8192 --tau 16 --theta 10 --models none --no-plots -o l".to_owned(),
+        "verify --size 4096 --tau 16 --theta 10 --models none --no-plots -o l".to_owned(),
         "trace h.exr --theta 30 --rays 1e12 --no-plots -o t".to_owned(),
         "render h.exr --size 64x48 --samples 1e9 -o r.exr".to_owned(),
     ] {
