@@ -197,7 +197,7 @@ mod tests {
                 ..Settings::default()
             };
             let mut groups = Group::of_cases(&[case], &settings, |_| false).unwrap();
-            let mut group = groups.remove(0).prepared().unwrap();
+            let mut group = groups.remove(0).prepared(&Silent).unwrap();
             group.plan = SurfacePlan {
                 surfaces: 3,
                 rays: 3 * 128,
