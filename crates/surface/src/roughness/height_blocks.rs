@@ -86,8 +86,9 @@ impl HeightBlocks {
     /// ```
     /// use asperity_surface::{HeightBlocks, HeightField};
     ///
-    /// // Half of it is higher by three radians
-    /// let field = HeightField::new(vec![0.0, 1.0, 0.0, 1.0], [2, 2], [1.0, 1.0])?;
+    /// // Half of the columns are higher by three radians
+    /// let heights = (0..64 * 64).map(|i| f64::from(i % 2)).collect();
+    /// let field = HeightField::new(heights, [64, 64], [1.0, 1.0])?;
     /// let fraction = HeightBlocks::of(&field).coherent_fraction(3.0);
     /// assert!((fraction - 1.5_f64.cos().powi(2)).abs() < 1e-12);
     /// # Ok::<(), asperity_surface::HeightFieldError>(())
