@@ -257,3 +257,21 @@ fn every_column_of_every_table_has_a_name_a_unit_and_a_description() {
         fs::remove_dir_all(&out).unwrap();
     }
 }
+
+/// Results of other settings replace those that are there: no figure of theirs stays.
+#[test]
+fn figures_that_a_later_run_has_no_light_for_go() {
+    let folder = Folder::new();
+    let run = |material: &str| {
+        folder.succeed(format!(
+            "verify --material {material} --size 32 --tau 4 --insist --rays 500 --realisations 2 --models none -q -o v"
+        ));
+        files(&folder.join("v"))
+    };
+    let transmitted = |names: Vec<String>| {
+        let names = names.into_iter();
+        names.filter(|name| name.contains("transmitted")).count()
+    };
+    assert_eq!(transmitted(run("dielectric")), 2);
+    assert_eq!(transmitted(run("mirror")), 0);
+}

@@ -180,20 +180,6 @@ impl ResultFolder {
         made_for(self.root.join(name))
     }
 
-    /// Lists several names at once, those of files that an earlier run left and this one keeps included.
-    ///
-    /// # Errors
-    /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim).
-    ///
-    /// # Panics
-    /// If a name is not a relative path inside the folder.
-    pub fn claim_all<'a>(
-        &self,
-        names: impl IntoIterator<Item = &'a str>,
-    ) -> Result<(), ResultFolderError> {
-        self.list(Role::Result, names)
-    }
-
     fn list<'a>(
         &self,
         role: Role,
@@ -211,7 +197,6 @@ impl ResultFolder {
             self.sweep(&files);
         }
         let listed = files.in_place();
-        // A checkpoint stays one when all files are claimed at the end.
         for (name, role) in claimed {
             files.current.entry(name).or_insert(role);
         }
@@ -289,7 +274,7 @@ impl ResultFolder {
     /// [`ResultFolderError`] for the reasons of [`claim`](Self::claim), or if a file cannot be read or removed, or the manifest
     /// not written.
     pub fn finish(&self, is_complete: bool) -> Result<(), ResultFolderError> {
-        self.claim_all([])?;
+        self.list(Role::Result, [])?;
         let mut files = self.files();
         let written = files.written();
         let mut replacing = ListedFiles::new();

@@ -196,8 +196,8 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         Value::Object(tables.collect::<Map<_, _>>())
     }
 
-    /// Writes all files into `folder`, summaries last, and claims those that an earlier run left too. Returns the number of figures that
-    /// are left out, since the run gives up before they are begun.
+    /// Writes all files into `folder`, summaries last; those of earlier runs that are not written again go. Returns the number of figures
+    /// that are left out, since the run gives up before they are begun.
     ///
     /// # Errors
     /// [`ReportError`] if a file cannot be written or a figure drawn.
@@ -207,11 +207,6 @@ impl<'v, J: Sync + 'v> Views<'v, J> {
         found: &J,
         observer: &dyn Observer,
     ) -> Result<usize, ReportError> {
-        folder.claim_all(
-            self.0
-                .iter()
-                .flat_map(|v| v.names.iter().map(String::as_str)),
-        )?;
         let place = Place::root(folder);
         observer.begin("writing", self.0.len() as u64);
         let write = |view: &&View<'v, J>| {
