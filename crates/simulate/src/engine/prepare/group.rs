@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_tally::TallySpec;
-use asperity_tracer::Shape;
+use asperity_tracer::{Geometry, Shape};
 use rayon::prelude::*;
 
 use super::case_run::CaseRun;
@@ -224,6 +224,9 @@ impl Group {
         let meshes = Meshes::new(shape, settings.refine)?;
         let surface = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
         let on_meshes = |run: &CaseRun| {
+            if context.observer.gives_up_first() {
+                return Err(SimulateError::Interrupted);
+            }
             let method = |mesh| {
                 check_shape(mesh, run.case.light.incidence)?;
                 // No control variate covers curved cells or triangle meshes.
@@ -333,15 +336,21 @@ impl Group {
     }
 }
 
-/// Most cases of a group that are prepared before the first of them is traced: those that share surfaces which take long to draw are not divided.
+/// Most cases of a group that are prepared before the first of them is traced: those that share surfaces which take long to draw or to build
+/// are not divided.
 fn most_at_once(source: &SurfaceSource, settings: &Settings) -> usize {
-    let SurfaceSource::Random(surfaces) = source else {
-        return usize::MAX;
+    let samples = match source {
+        SurfaceSource::Random(surfaces) if !surfaces.recipe().is_measured() => {
+            surfaces.shape().iter().product()
+        }
+        SurfaceSource::Given(shapes) => match &shapes[..] {
+            [Shape::HeightField { top, .. }] if settings.regions.is_none() => top.facet_count() / 2,
+            _ => return usize::MAX,
+        },
+        _ => return usize::MAX,
     };
-    let samples: usize = surfaces.shape().iter().product();
     let rays = settings.effort.total_rays() / tallies(source, settings).max(1);
-    let is_soon_drawn = samples as u64 * RAYS_PER_SAMPLE <= rays * CASES_AT_ONCE as u64;
-    match is_soon_drawn && !surfaces.recipe().is_measured() {
+    match samples as u64 * RAYS_PER_SAMPLE <= rays * CASES_AT_ONCE as u64 {
         true => CASES_AT_ONCE,
         false => usize::MAX,
     }
