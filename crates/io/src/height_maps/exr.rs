@@ -114,21 +114,22 @@ fn decode<R: Read + Seek>(reader: R, length: u64) -> Result<RawHeightMap, ReadPr
         map.border = Some(border.parse()?);
     }
     let shape = [rows, columns];
-    let mut is_structure = turned_channel.is_some();
+    map.turned_cells =
+        turned_channel.map(|_| TurnedCells::new(shape, |ix, iy| turned[iy * columns + ix]));
     if let Some(provenance) = provenance(&header)? {
         if let Some(surface) = provenance.recipe.structured() {
-            is_structure = true;
             let planned = StructureSynthesis::new(*surface.structure(), shape, spacing, true);
             planned.map_err(|error| {
                 ReadProblem::malformed(format_args!(
                     "the surface cannot be what its record says: {error}"
                 ))
             })?;
+            if turned_channel.is_none() {
+                map.notes.push(cells::LOST.to_owned());
+            }
         }
         map.provenance = Some(Arc::new(provenance));
     }
-    map.turned_cells = is_structure
-        .then(|| TurnedCells::new(shape, |ix, iy| turned.get(iy * columns + ix) == Some(&true)));
     Ok(map)
 }
 
