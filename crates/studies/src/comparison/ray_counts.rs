@@ -1,7 +1,7 @@
 //! Ray counts: how many rays lie behind each bin, ring and side that a model is tested in.
 
 use asperity_analysis::{Expectation, RayCount};
-use asperity_simulate::{ErrorSource, Outcome};
+use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallySpec, TallyValues};
 use asperity_tracer::Branching;
 
@@ -75,41 +75,13 @@ impl RayCounts<'_> {
         };
         let of_surface = rays / self.outcome.surfaces.len() as f64;
         RayCount {
-            inside: (inside * rays)
-                .min(of_sampled)
-                .min(self.patches(bins, sum_of_fluxes(of_model))),
+            inside: (inside * rays).min(of_sampled),
             elsewhere: elsewhere * rays,
             flux: if found > 0.0 {
                 sum_of_fluxes(means) / found / of_surface
             } else {
                 0.0
             },
-        }
-    }
-
-    /// Rays of equal flux whose sum would be as skewed as the light of the patches of a surface that light these bins, where errors come from its
-    /// regions; any number of rays may come from one patch.
-    ///
-    /// Areas of patches beyond a slope are nearly exponential. With `n` the flux that is found or `expected` over that of a patch, which is the variance
-    /// of the mean over the mean, the skewness is `1.5 n^(-1/2)`, that of `n / 2.25` rays. Separate surfaces are taken to have many patches each.
-    fn patches(&self, bins: &[usize], expected: f64) -> f64 {
-        if self.outcome.errors_from != ErrorSource::Regions {
-            return f64::INFINITY;
-        }
-        let places = self.spec().recorded_entries(self.component);
-        let fluxes = self.outcome.surfaces.iter().map(|region| -> f64 {
-            let of_bins = bins.iter().map(|&bin| region[places.get(bin)]);
-            of_bins.sum()
-        });
-        let fluxes: Vec<f64> = fluxes.collect();
-        let regions = fluxes.len() as f64;
-        let mean = fluxes.iter().sum::<f64>() / regions;
-        let squares: f64 = fluxes.iter().map(|flux| (flux - mean).powi(2)).sum();
-        let of_patch = squares / (regions * (regions - 1.0) * mean);
-        if of_patch > 0.0 {
-            mean.max(expected) / of_patch / 2.25
-        } else {
-            f64::INFINITY
         }
     }
 

@@ -113,9 +113,6 @@ pub(crate) fn distribution_table(
 
 /// Bins that enter the test.
 const fn tested_bins(case: &Judgement<'_>) -> &'static str {
-    if matches!(case.outcome.errors_from, ErrorSource::Regions) {
-        return "bins of enough rays and patches";
-    }
     match (case.free_azimuth, case.outcome.work.control_variate) {
         (true, None) => "bins in rings of 20 rays or more",
         (false, None) => "bins of 20 rays or more",

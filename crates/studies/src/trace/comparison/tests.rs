@@ -187,27 +187,6 @@ fn models_of_other_slopes_are_rejected() {
     }
 }
 
-/// Rays that one patch sends into a bin are no separate evidence: bins that few patches light are not tested, however many rays come from these.
-#[test]
-fn more_rays_on_the_same_patches_do_not_bring_more_bins_into_the_test() {
-    for seed in [3, 4] {
-        let [some, many] = [100_000, 400_000].map(|rays| {
-            let settings = MIRROR.replace("20000", &rays.to_string());
-            let planned = planned(
-                isotropic(SMOOTH, seed),
-                &format!("{settings}models = \"smith\""),
-            );
-            run(planned, |outcome| {
-                let models = &outcome.comparison.as_ref().unwrap().judgement.models;
-                let bins = &models[0].judged().comparison.bins;
-                bins.iter().filter(|bin| bin.tested).count()
-            })
-        });
-        println!("{some} bins, and {many} of four times the rays");
-        assert!(some > 20 && many <= some + 2, "{some} {many}");
-    }
-}
-
 /// On a rough surface V-cavities are wrong, whose slopes are right; so is light scattered once, of all light.
 #[test]
 fn models_of_other_shadowing_are_rejected() {
