@@ -254,7 +254,7 @@ impl RandomSurfaces {
         Ok(samples.concat())
     }
 
-    /// Heights of two surfaces that are none of a run's, drawn by the first call; none of Gaussian ones, whose distribution is known.
+    /// Heights of two surfaces that no run uses, drawn by the first call; empty for Gaussian surfaces, whose distribution is known.
     ///
     /// # Errors
     /// Same as [`Synthesis::draw`].

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::RunConfig;
 
-/// Half width that is none, degrees: the root of the rounding of a variance of one, 1.5e-8 rad, rounded up.
+/// Half width that counts as zero, degrees: rounding of a variance of one leaves its root, 1.5e-8 rad, here rounded up.
 const NO_WIDTH: f64 = 1e-6;
 
 impl RunConfig {

@@ -88,7 +88,7 @@ fn by_order(statistics: &TallyStatistics, support: &FluxBasis, side: Side) -> Op
     (!fluxes.is_empty()).then(|| listed(&format!("{side} by order"), &fluxes))
 }
 
-/// Sentence on the components of the light of one side that few samples carry; `None` if there are none.
+/// Sentence that names the components of one side's light that few samples carry; `None` without any.
 pub(crate) fn few_samples(statistics: &TallyStatistics, side: Side) -> Option<String> {
     let orders = (1..=4).filter(|&order| is_of_few_rays(statistics.order(side, order)));
     let kept = statistics

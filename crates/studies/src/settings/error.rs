@@ -67,7 +67,7 @@ pub enum SettingError {
         first: Given,
         /// The text of the other.
         second: String,
-        /// What to do.
+        /// Advice to the user.
         advice: &'static str,
     },
     /// A model of a name that is not known.

@@ -293,7 +293,7 @@ mod tests {
         }
     }
 
-    /// What a patch of some hundred independent parts leaves is no coherent light; where there is some, its mean is right.
+    /// The speckle of a patch with some hundred independent parts is not taken for coherent light; where there is coherent light, its mean is right.
     #[test]
     fn speckle_of_a_small_patch_is_not_coherent_light() {
         let synthesis =

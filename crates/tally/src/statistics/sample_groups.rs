@@ -159,7 +159,7 @@ mod tests {
         // What one sample carries has the error of its group
         samples[rings(4).get(0)] = 1.0;
         assert!(raised(&samples).iter().all(|&square| square == 0.0));
-        // Many samples without any of the next order tell that there is none
+        // Many samples of an order and none of the next one: there is no light of the next order
         samples[rings(4).get(0)] = 0.0;
         samples[rings(3).get(2)] = 20.0;
         assert!(raised(&samples).iter().all(|&square| square == 0.0));

@@ -78,9 +78,9 @@ pub(crate) struct AnalyticCase {
 }
 
 impl Group {
-    /// The groups of cases with equal surface sources, each in the place of its first case. A group with more results than memory holds
-    /// at once is divided, as is one of so many cases that drawing its surfaces again takes no time beside theirs, as far as its cases do not share an effort. Cases that are complete are left out in the end,
-    /// so that groups do not depend on them.
+    /// The groups of cases with equal surface sources, each in the place of its first case. A group with more results than fit in memory
+    /// is divided, unless its cases share an effort; so is one with so many rays that drawing its surfaces again costs little. Complete cases are
+    /// removed after that, so that the division does not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
         settings: &Settings,
