@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::made_folders::MadeFolders;
-use super::parts::{remove_stale_parts, temporary_in};
+use super::parts::{make_folders, remove_stale_parts, temporary_in};
 use crate::error::{WriteError, WriteProblem};
 use crate::shown::json_text;
 
@@ -81,7 +81,7 @@ fn replace_file(
     // Removed again if nothing is written
     let _made = MadeFolders::missing_of(&folder);
     if !folder.is_dir() {
-        fs::create_dir_all(&folder)?;
+        make_folders(&folder)?;
     }
     let temporary = temporary_in(&folder)?;
     fill(temporary.as_file(), write)?;

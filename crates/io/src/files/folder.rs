@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::atomic::parent;
-use super::parts::{remove_stale_parts, temporary_folder_in, temporary_in};
+use super::parts::{make_folders, remove_stale_parts, temporary_folder_in, temporary_in};
 use crate::error::{WriteError, WriteProblem};
 
 /// Returns `true` if anything exists under the name `path`, dangling links included.
@@ -34,7 +34,7 @@ pub fn names_in(folder: impl AsRef<Path>) -> Vec<String> {
 pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     refuse_files(path)?;
-    fs::create_dir_all(path).map_err(|error| WriteProblem::Folder(error).at(path))
+    make_folders(path).map_err(|error| WriteProblem::Folder(error).at(path))
 }
 
 /// Checks that files can be made in the folder `path`, or that such a folder can be made, and leaves
@@ -65,7 +65,7 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
         let parts = missing.components();
         let down = parts.filter(|part| matches!(part, Component::Normal(_)));
         let rehearsed = stage.path().join(down.collect::<PathBuf>());
-        fs::create_dir_all(&rehearsed)?;
+        make_folders(&rehearsed)?;
         temporary_in(&rehearsed).map(drop)
     };
     rehearse().map_err(|error| WriteProblem::Folder(error).at(path))

@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::sleep;
 use std::time::Duration;
 
-use tempfile::{Builder, NamedTempFile, TempDir};
+use tempfile::{Builder, NamedTempFile};
 
 use super::made_folders::remove_made_folders;
 use crate::part_names::{PREFIX, RANDOM_LENGTH, SUFFIX, is_part};
@@ -28,14 +28,14 @@ const MOMENT: Duration = Duration::from_millis(10);
 /// The temporary files and folders of this process that exist.
 static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Locks the list. One is made, renamed or removed under this lock alone.
+/// Locks the list. Temporary files and folders, and folders inside those, are made, renamed and removed under this lock alone.
 fn own() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     // A path is inserted in one step, so a panic of another thread leaves the list whole.
     OWN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Removes the temporary files of this process, and the folders that it has made and left empty, for a process that exits at once: from then on any thread that
-/// makes, renames or drops one waits forever.
+/// makes, renames or drops one, or makes a folder, waits forever.
 ///
 /// Files that were renamed are complete and stay. What cannot be removed stays too, for a later run to remove.
 ///
@@ -47,7 +47,7 @@ fn own() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 /// ```
 pub fn remove_temporary_files() {
     // The thread that calls this may hold the list itself, where it is out of memory.
-    let mut tries = 0..100;
+    let mut tries = 0..500;
     let own = loop {
         match OWN.try_lock() {
             Ok(own) => break own,
@@ -72,8 +72,18 @@ struct Listed(PathBuf);
 
 impl Drop for Listed {
     fn drop(&mut self) {
-        own().remove(&self.0);
+        let mut own = own();
+        if self.0.is_dir() {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+        own.remove(&self.0);
     }
+}
+
+/// Makes the folder `path` and those above it, which may be inside of a temporary folder: one that was removed as the program ends is not made again.
+pub(super) fn make_folders(path: &Path) -> io::Result<()> {
+    let _own = own();
+    fs::create_dir_all(path)
 }
 
 /// A temporary file, gone when dropped.
@@ -108,14 +118,12 @@ impl TemporaryFile {
 pub(super) struct TemporaryFolder {
     // Dropped before the folder, since some systems remove no open files
     _lock: File,
-    // Dropped before its entry
-    folder: TempDir,
-    _listed: Listed,
+    listed: Listed,
 }
 
 impl TemporaryFolder {
     pub(super) fn path(&self) -> &Path {
-        self.folder.path()
+        &self.listed.0
     }
 }
 
@@ -154,14 +162,14 @@ pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> 
     drop(temporary_in(folder)?);
     let mut own = own();
     let folder = builder().tempdir_in(folder)?;
-    own.insert(folder.path().to_owned());
-    drop(own);
     let lock = new_file(&folder.path().join(LOCK))?;
+    let path = folder.keep();
+    own.insert(path.clone());
+    drop(own);
     let _ = lock.try_lock();
     Ok(TemporaryFolder {
         _lock: lock,
-        _listed: Listed(folder.path().to_owned()),
-        folder,
+        listed: Listed(path),
     })
 }
 
