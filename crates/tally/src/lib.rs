@@ -35,6 +35,7 @@ mod values;
 pub use binning::exit_columns::{ExitColumns, ExitRows};
 pub use exit::{Event, EventPath, Exit, Loss};
 pub use scoring::control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
+pub use scoring::joint::{JointExit, JointTallies};
 pub use scoring::{Azimuth, Tallies, Tally};
 pub use side::{Side, Sides};
 pub use spec::budget::Budget;

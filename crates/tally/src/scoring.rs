@@ -2,6 +2,7 @@
 
 pub(crate) mod closing;
 pub(crate) mod control_variate;
+pub(crate) mod joint;
 
 use std::ops::AddAssign;
 
@@ -150,6 +151,18 @@ impl<'c> Tally<'c> {
         self.control_variate
     }
 
+    /// This tally without sums and batches.
+    fn clone_empty(&self) -> Self {
+        Self {
+            finder: self.finder.clone(),
+            slice: self.slice.clone(),
+            sums: Vec::new(),
+            batches: 0,
+            batch: 0,
+            ..*self
+        }
+    }
+
     /// Adds light that left the surface: to its bins, or, on a side that is not recorded, to the flux
     /// that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
@@ -177,11 +190,7 @@ impl<'c> Tally<'c> {
         } else {
             self.weight(&exit, ring)
         };
-        let at = Direction {
-            ring,
-            half: exits.slice.get(i).and_then(|slice| slice.half()),
-            target: exits.targets[i],
-        };
+        let at = Direction::located(exits, i);
         self.book(&exit, weight * exit.flux, &at);
         if !exits.measures.is_empty() && !exits.is_masked[i] {
             self.book_measures(&exit, &exits.measures, i, &at);
@@ -200,12 +209,8 @@ impl<'c> Tally<'c> {
     /// The factor with which shadowed or masked light counts.
     #[inline(always)]
     fn masked_weight(&self, exit: &Exit, ring: usize) -> f64 {
-        let is_away = match exit.side {
-            Side::Reflected => exit.wo.z > 0.0,
-            Side::Transmitted => exit.wo.z < 0.0,
-        };
         match self.control_variate {
-            Some(one) if is_away => -one.fraction(exit.side, ring),
+            Some(one) if is_away(exit) => -one.fraction(exit.side, ring),
             _ => 0.0,
         }
     }
@@ -233,31 +238,36 @@ impl<'c> Tally<'c> {
         if flux == 0.0 {
             return;
         }
+        self.book_units(exit, self.units(flux), self.hit, at);
+    }
+
+    /// Adds a flux, and the rays that carry it, to all entries that `exit` belongs to.
+    #[inline(always)]
+    fn book_units<U: Units>(&mut self, exit: &Exit, flux: U, hit: U, at: &Direction) {
         let spec = self.spec;
         if !spec.records(exit.side) {
-            self.add_loss(Loss::NotRecorded, flux);
+            self.add_units_of_loss(Loss::NotRecorded, flux);
             return;
         }
         let (target, offsets) = (at.target, spec.offsets());
         let bin = target.bin as usize;
-        let flux = self.units(flux);
         self.add(target.order as usize, flux);
         self.add(target.path as usize, flux);
         self.add(target.ring as usize, flux);
         if self.slice.is_some() {
             self.add(bin, flux);
         }
-        self.add(bin - offsets.bins(0) + offsets.hits(0), self.hit);
+        self.add(bin - offsets.bins(0) + offsets.hits(0), hit);
         if let Some(entry) = at.in_plane_entry(&spec, exit) {
             self.add(entry, flux);
         }
         if !spec.components().is_empty() {
-            self.book_components(exit, flux, at);
+            self.book_components(exit, flux, hit, at);
         }
     }
 
     /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
-    fn book_components(&mut self, exit: &Exit, flux: i128, at: &Direction) {
+    fn book_components<U: Units>(&mut self, exit: &Exit, flux: U, hit: U, at: &Direction) {
         let (offsets, grid) = (self.spec.offsets(), self.spec.grid());
         let side = exit.side.index();
         let bin = at.bin(&self.spec, exit);
@@ -270,7 +280,7 @@ impl<'c> Tally<'c> {
             let start = |score| offsets.of_component(number, score);
             self.add(start(Score::Flux) + side, flux);
             self.add(start(Score::RingFlux) + ring, flux);
-            self.add(start(Score::BinHits) + bin, self.hit);
+            self.add(start(Score::BinHits) + bin, hit);
             if self.slice.is_some() {
                 self.add(start(Score::BinFlux) + bin, flux);
             }
@@ -285,9 +295,20 @@ impl<'c> Tally<'c> {
 
     /// Adds the measures of exit number `i`, which no control variate has a part in.
     fn book_measures(&mut self, exit: &Exit, measures: &[Vec<f64>], i: usize, at: &Direction) {
+        let starts = self.measure_entries(exit, at);
+        for (measure, column) in measures.iter().enumerate() {
+            let units = self.units(column[i] * exit.flux);
+            for start in starts.into_iter().flatten() {
+                self.add(start + measure, units);
+            }
+        }
+    }
+
+    /// Entries of the first measure of an exit.
+    fn measure_entries(&self, exit: &Exit, at: &Direction) -> [Option<usize>; 4] {
         let spec = self.spec;
         if !spec.records(exit.side) {
-            return;
+            return [None; 4];
         }
         let offsets = spec.offsets();
         let group = Component::order_group(exit.path.order()) as usize;
@@ -297,18 +318,12 @@ impl<'c> Tally<'c> {
             .is_some()
             .then(|| all_light + at.bin(&spec, exit));
         let start = |flux| offsets.measures_at(offsets.bin_position(flux));
-        let starts = [
+        [
             Some(offsets.measures_at(BinOffsets::flux_position(exit.side, group))),
             Some(start(at.target.ring as usize)),
             at.in_plane_entry(&spec, exit).map(start),
             bin.map(start),
-        ];
-        for (measure, column) in measures.iter().enumerate() {
-            let units = self.units(column[i] * exit.flux);
-            for start in starts.into_iter().flatten() {
-                self.add(start + measure, units);
-            }
-        }
+        ]
     }
 
     /// Adds flux that was absorbed at the first interaction.
@@ -330,8 +345,12 @@ impl<'c> Tally<'c> {
 
     /// Adds flux that ended without an exit.
     pub fn add_loss(&mut self, loss: Loss, flux: f64) {
+        self.add_units_of_loss(loss, self.units(flux));
+    }
+
+    #[inline(always)]
+    fn add_units_of_loss<U: Units>(&mut self, loss: Loss, flux: U) {
         let budget = TallySpec::BUDGET;
-        let flux = self.units(flux);
         match loss {
             Loss::Absorbed => self.add(budget.absorbed.0, flux),
             Loss::Truncated => self.add(budget.truncated.0, flux),
@@ -355,9 +374,8 @@ impl<'c> Tally<'c> {
 
     /// Adds units to the sum of an entry.
     #[inline(always)]
-    fn add(&mut self, entry: usize, units: i128) {
-        let sum = &mut self.sums[entry * self.batches + self.batch];
-        *sum += units;
+    fn add<U: Units>(&mut self, entry: usize, units: U) {
+        units.add_to(&mut self.sums[entry * self.batches + self.batch..]);
     }
 
     /// Closes the tally: fractions of the incident flux, for a batch of `rays` rays of flux one.
@@ -388,6 +406,14 @@ impl AddAssign<&Self> for Tally<'_> {
     }
 }
 
+/// Returns `true` if an exit leads away from the surface on its side.
+const fn is_away(exit: &Exit) -> bool {
+    match exit.side {
+        Side::Reflected => exit.wo.z > 0.0,
+        Side::Transmitted => exit.wo.z < 0.0,
+    }
+}
+
 /// A flux in units, with `scale` high parts in a flux of one: what is below one unit is cut off.
 ///
 /// # Panics
@@ -401,6 +427,27 @@ fn units(flux: f64, scale: f64) -> i128 {
     (i128::from(high) << LOW_DIGITS) + i128::from(low)
 }
 
+/// Units that are added to the sums of an entry: of one batch, or of several side by side.
+trait Units: Copy {
+    /// Adds them to the first sums.
+    fn add_to(self, sums: &mut [i128]);
+}
+
+impl Units for i128 {
+    #[inline(always)]
+    fn add_to(self, sums: &mut [i128]) {
+        sums[0] += self;
+    }
+}
+
+impl Units for &[i128] {
+    #[inline(always)]
+    fn add_to(self, sums: &mut [i128]) {
+        let pairs = sums[..self.len()].iter_mut().zip(self);
+        pairs.for_each(|(sum, units)| *sum += units);
+    }
+}
+
 /// Direction of an exit: its ring, the half of the in-plane slice that holds it, and its entries.
 #[derive(Clone, Copy)]
 struct Direction {
@@ -410,6 +457,16 @@ struct Direction {
 }
 
 impl Direction {
+    /// That of exit number `i`, which [`Tally::locate`] has found.
+    #[inline(always)]
+    fn located(exits: &ExitColumns, i: usize) -> Self {
+        Self {
+            ring: exits.ring[i] as usize,
+            half: exits.slice.get(i).and_then(|slice| slice.half()),
+            target: exits.targets[i],
+        }
+    }
+
     /// Number of its bin among those of both sides.
     fn bin(&self, spec: &TallySpec, exit: &Exit) -> usize {
         let multiple = usize::from(exit.path.order() > 1);

@@ -44,18 +44,20 @@ pub trait PreparedSurface: Send + Sync {
     /// The instructions with which it searches, where there is a choice.
     fn instructions(&self) -> Option<String>;
 
-    /// The tracer of a case.
+    /// The tracer of a case, or of cases that differ in a conductor alone.
     ///
     /// # Errors
     /// [`TracedLayerError`] if the layer does not fit below the surface.
-    fn tracer(&self, case: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError>;
+    fn tracer(&self, case: &TracedPaths<'_>)
+    -> Result<Box<dyn BatchTracer + '_>, TracedLayerError>;
 }
 
 /// Materials that paths meet on a surface, and the settings by which paths are followed.
 #[derive(Clone, Copy, Debug)]
-pub struct TracedPaths {
-    /// The material of the interface; its indices are relative to the medium that the light comes from.
-    pub material: Material,
+pub struct TracedPaths<'a> {
+    /// The material of the interface; its indices are relative to the medium that the light comes from. Or several conductors, up
+    /// to [`MAX_CONDUCTORS`](crate::MAX_CONDUCTORS), which are traced together, and over no layer.
+    pub materials: &'a [Material],
     /// The half space that the light comes from.
     pub incident: HalfSpace,
     /// Branching, limits, and polarisation of paths.
@@ -66,12 +68,12 @@ pub struct TracedPaths {
     pub max_scatterings: u32,
 }
 
-/// Traces batches of paths of one case on one surface. Called from any thread, for several groups of batches at a time.
+/// Traces batches of paths on one surface, of one case or of cases that differ in a conductor alone. Called from any thread, for several groups of batches at a time.
 pub trait BatchTracer: Sync {
-    /// Traces rays of several batches together, as [`Tracer::batches`]: sums in a tally of each batch, and the work done;
-    /// `None` once `gives_up` returns `true`, which is to be asked several times a second.
+    /// Traces rays of several batches together, as [`Tracer::batches_of_each`]: sums in a tally of each batch, and the work done, for each
+    /// material under its control variate; `None` once `gives_up` returns `true`, which is to be asked several times a second.
     ///
-    /// Equal arguments give the bytes of [`Tracer::batches`], whatever is traced at the same time: random numbers are
+    /// Equal arguments give the bytes of [`Tracer::batches`] for each material, whatever is traced at the same time: random numbers are
     /// functions of `stream`, path and step, and hits are those of brute force. Counts of work are part of that, since
     /// the effort of runs is planned by them.
     fn batches<'c>(
@@ -79,10 +81,10 @@ pub trait BatchTracer: Sync {
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&'c ControlVariate>,
+        controls: &[Option<&'c ControlVariate>],
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
-    ) -> Option<(Tallies<'c>, Work)>;
+    ) -> Option<Vec<(Tallies<'c>, Work)>>;
 }
 
 impl<G: Geometry> BatchTracer for Tracer<'_, G> {
@@ -91,11 +93,11 @@ impl<G: Geometry> BatchTracer for Tracer<'_, G> {
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&'c ControlVariate>,
+        controls: &[Option<&'c ControlVariate>],
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
-    ) -> Option<(Tallies<'c>, Work)> {
-        self.batches_unless(illumination, rays, spec, control, stream, gives_up)
+    ) -> Option<Vec<(Tallies<'c>, Work)>> {
+        self.batches_of_each(illumination, rays, spec, controls, stream, gives_up)
     }
 }
 
@@ -164,15 +166,19 @@ impl<G: Geometry> PreparedSurface for OnCpu<G> {
         self.top.accelerator.instructions()
     }
 
-    fn tracer(&self, case: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError> {
+    fn tracer(
+        &self,
+        case: &TracedPaths<'_>,
+    ) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError> {
         let top = self.top.get();
         let TracedPaths {
-            material,
+            materials,
             incident,
             settings,
             ..
         } = *case;
-        let mut tracer = Tracer::new(top.geometry, top.accelerator, material, incident, settings);
+        let mut tracer =
+            Tracer::of_each(top.geometry, top.accelerator, materials, incident, settings);
         if let Some(layer) = &case.layer {
             let bottom = self.bottom.as_ref().map(Searched::get);
             tracer = tracer.over(layer.traced(top, bottom, case.max_scatterings)?);

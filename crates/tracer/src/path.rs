@@ -27,5 +27,6 @@ mod tracer;
 mod travel;
 
 pub use illumination::{Illumination, Starts, Window};
+pub use state::conductors::MAX_CONDUCTORS;
 pub use state::work::Work;
 pub use tracer::Tracer;

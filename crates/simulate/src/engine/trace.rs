@@ -2,6 +2,7 @@
 
 pub(crate) mod block_run;
 pub(crate) mod blocks;
+pub(crate) mod joint;
 pub(crate) mod rounds;
 pub(crate) mod stage;
 mod surface_run;

@@ -18,12 +18,18 @@ use asperity_tracer::{
 use crate::resuming::numbers;
 use crate::support::{Rough, effort, glass, target};
 
-/// Surfaces that were prepared, and rays that were traced.
+/// Surfaces that were prepared, rays of all cases, and rays that were traced for them.
 #[derive(Default)]
-struct Counts([AtomicU64; 2]);
+pub(crate) struct Counts([AtomicU64; 3]);
+
+impl Counts {
+    pub(crate) fn get(&self) -> [u64; 3] {
+        self.0.each_ref().map(|count| count.load(Ordering::Relaxed))
+    }
+}
 
 /// A part of an engine, and what it counts.
-struct Counted<T>(T, Arc<Counts>);
+pub(crate) struct Counted<T>(pub(crate) T, pub(crate) Arc<Counts>);
 
 impl Engine for Counted<CpuEngine> {
     fn prepare(
@@ -47,7 +53,10 @@ impl PreparedSurface for Counted<Box<dyn PreparedSurface>> {
         self.0.instructions()
     }
 
-    fn tracer(&self, paths: &TracedPaths) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError> {
+    fn tracer(
+        &self,
+        paths: &TracedPaths<'_>,
+    ) -> Result<Box<dyn BatchTracer + '_>, TracedLayerError> {
         let tracer = self.0.tracer(paths)?;
         Ok(Box::new(Counted(tracer, self.1.clone())))
     }
@@ -59,14 +68,18 @@ impl BatchTracer for Counted<Box<dyn BatchTracer + '_>> {
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&'c ControlVariate>,
+        controls: &[Option<&'c ControlVariate>],
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
-    ) -> Option<(Tallies<'c>, Work)> {
+    ) -> Option<Vec<(Tallies<'c>, Work)>> {
         let found = self
             .0
-            .batches(illumination, rays, spec, control, stream, gives_up)?;
-        self.1.0[1].fetch_add(found.1.rays, Ordering::Relaxed);
+            .batches(illumination, rays, spec, controls, stream, gives_up)?;
+        for (number, (_, work)) in found.iter().enumerate() {
+            self.1.0[1].fetch_add(work.rays, Ordering::Relaxed);
+            let traced = if number == 0 { work.rays } else { 0 };
+            self.1.0[2].fetch_add(traced, Ordering::Relaxed);
+        }
         Some(found)
     }
 }
@@ -118,10 +131,7 @@ fn the_given_engine_prepares_each_surface_once_and_traces_all_rays() {
         let expected = simulation.clone().run(&Silent).unwrap();
         let found = simulation.on(engine).run(&Silent).unwrap();
         assert!(numbers(&found) == numbers(&expected), "other numbers");
-        let [prepared, traced] = counts
-            .0
-            .each_ref()
-            .map(|count| count.load(Ordering::Relaxed));
+        let [prepared, traced, _] = counts.get();
         assert_eq!(prepared, surfaces * meshes);
         let rays: u64 = found.iter().map(|one| one.work.rays).sum();
         // A pilot run has rays of its own.

@@ -8,6 +8,7 @@
 
 mod after;
 mod budget;
+mod conductors;
 mod engines;
 mod ensembles;
 mod fold;

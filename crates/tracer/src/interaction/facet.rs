@@ -78,9 +78,7 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
 ) -> Scattered<N> {
     let &Incident { k, m, light, .. } = incident;
     let wi = -k;
-    let cos_theta_i = wi.dot(m);
-    let cos_theta_i = if cos_theta_i > 0.0 { cos_theta_i } else { 0.0 };
-    let cos_theta_i = if cos_theta_i < 1.0 { cos_theta_i } else { 1.0 };
+    let cos_theta_i = incident.cos_theta_i();
 
     // Compute the Fresnel terms, and the index of the other medium relative to that of the light
     let (fresnel, eta) = match material {
@@ -92,9 +90,6 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
                 etas[1]
             };
             (polarised_dielectric(cos_theta_i, eta), eta)
-        }
-        Material::Conductor { eta, kappa } if N > 0 => {
-            (polarised_conductor(cos_theta_i, eta, kappa), 1.0)
         }
         Material::Lambertian { reflectance } => {
             return Scattered {
@@ -115,17 +110,13 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
                 absorbed: 1.0 - reflectance,
             };
         }
-        // Conductors for averaged light, whose reflectance is rounded otherwise than that of polarised light, and mirrors
-        material => {
-            let m00 = match material {
-                Material::Conductor { eta, kappa } => conductor(cos_theta_i, eta, kappa).reflected,
-                _ => 1.0,
+        opaque => {
+            let reflected = match opaque {
+                Material::Conductor { eta, kappa } => conductor_facet::<N>(cos_theta_i, eta, kappa),
+                _ => FacetMueller::MIRROR,
             };
             let fresnel = PolarisedFresnel {
-                reflected: FacetMueller {
-                    m00,
-                    ..FacetMueller::MIRROR
-                },
+                reflected,
                 transmitted: FacetMueller::NONE,
                 cos_theta_t: 0.0,
             };
@@ -148,7 +139,41 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
     }
 }
 
+/// Reflection by a conductor of relative index `eta + i kappa`, of light that carries `N` numbers.
+///
+/// The reflectance of averaged light is rounded otherwise than that of polarised light.
+#[inline(always)]
+pub(crate) fn conductor_facet<const N: usize>(
+    cos_theta_i: f64,
+    eta: f64,
+    kappa: f64,
+) -> FacetMueller {
+    if N > 0 {
+        return polarised_conductor(cos_theta_i, eta, kappa).reflected;
+    }
+    FacetMueller {
+        m00: conductor(cos_theta_i, eta, kappa).reflected,
+        ..FacetMueller::MIRROR
+    }
+}
+
 impl<const N: usize> Incident<N> {
+    /// Cosine of the angle of incidence, `[0, 1]`.
+    #[inline(always)]
+    pub(crate) fn cos_theta_i(&self) -> f64 {
+        let cos_theta_i = (-self.k).dot(self.m);
+        let cos_theta_i = if cos_theta_i > 0.0 { cos_theta_i } else { 0.0 };
+        if cos_theta_i < 1.0 { cos_theta_i } else { 1.0 }
+    }
+
+    /// Passage of the light that is reflected, by a facet yet to be set.
+    #[inline(always)]
+    pub(crate) fn reflection(&self) -> Passage {
+        let axis = incidence_axis(self.k, self.m);
+        let rays = [self.k, reflect(-self.k, self.m)];
+        Passage::new(rays, axis, FacetMueller::NONE, self.handedness)
+    }
+
     /// The light that leaves along `direction`, in the plane of incidence of normal `axis`.
     #[inline(always)]
     fn leave<L: CarriedLight<N>>(

@@ -3,4 +3,5 @@
 pub(crate) mod branch;
 pub(crate) mod facets;
 pub(crate) mod interaction;
+pub(crate) mod joint;
 pub(crate) mod roulette;

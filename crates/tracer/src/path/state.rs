@@ -2,6 +2,7 @@
 
 pub(crate) mod arrivals;
 pub(crate) mod batch;
+pub(crate) mod conductors;
 pub(crate) mod flights;
 pub(crate) mod light_state;
 pub(crate) mod path_state;

@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, ControlVariate, Tallies, Tally, TallySpec, TallyValues};
+use asperity_tally::{
+    Azimuth, ControlVariate, JointTallies, Tallies, Tally, TallySpec, TallyValues,
+};
 
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
@@ -11,6 +13,7 @@ use crate::interaction::layer::{Interface, TracedLayer};
 use crate::path::beam::Beam;
 use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::batch::Batch;
+use crate::path::state::conductors::{Conductors, MAX_CONDUCTORS};
 use crate::path::state::work::Work;
 use crate::random::PathStream;
 use crate::ray::HalfSpace;
@@ -51,6 +54,8 @@ pub struct Tracer<'a, G: Geometry> {
     pub(super) incident: HalfSpace,
     pub(super) settings: PathSettings,
     pub(super) layer: Option<TracedLayer<'a, G>>,
+    /// Indices `[eta, kappa]` of the conductors that are traced together; empty for a single material.
+    conductors: Vec<[f64; 2]>,
     instructions: Instructions,
 }
 
@@ -73,6 +78,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             incident,
             settings,
             layer: None,
+            conductors: Vec::new(),
             instructions: Instructions::best(),
         }
     }
@@ -90,6 +96,36 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         Self {
             layer: Some(layer),
             ..self
+        }
+    }
+
+    /// A tracer for several materials, each of which gets the bytes of a tracer of its own: see [`Tracer::batches_of_each`].
+    ///
+    /// # Panics
+    /// Unless there is one material, or up to [`MAX_CONDUCTORS`] that are conductors.
+    #[must_use]
+    pub fn of_each(
+        geometry: &'a G,
+        accelerator: &'a dyn Accelerator<G>,
+        materials: &[Material],
+        incident: HalfSpace,
+        settings: PathSettings,
+    ) -> Self {
+        if let &[material] = materials {
+            return Self::new(geometry, accelerator, material, incident, settings);
+        }
+        let index = |material: &Material| match *material {
+            Material::Conductor { eta, kappa } => [eta, kappa],
+            other => panic!("{other:?} is traced alone"),
+        };
+        assert!(
+            (1..=MAX_CONDUCTORS).contains(&materials.len()),
+            "{} conductors at a time",
+            materials.len()
+        );
+        Self {
+            conductors: materials.iter().map(index).collect(),
+            ..Self::new(geometry, accelerator, Material::Mirror, incident, settings)
         }
     }
 
@@ -143,20 +179,40 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         control: Option<&'c ControlVariate>,
         stream: PathStream,
     ) -> (Tallies<'c>, Work) {
-        let found = self.batches_unless(illumination, rays, spec, control, stream, &|| false);
-        found.expect("nothing gives it up")
+        assert!(
+            self.conductors.is_empty(),
+            "several conductors have several tallies"
+        );
+        let found = self.batches_of_each(illumination, rays, spec, &[control], stream, &|| false);
+        found.expect("nothing gives it up").remove(0)
     }
 
-    /// Traces rays as [`Tracer::batches`]; `None` once `gives_up` returns `true`, which is asked in every round.
-    pub(crate) fn batches_unless<'c>(
+    /// Traces rays of several batches together, as [`Tracer::batches`], for each material of [`Tracer::of_each`] under its own of the
+    /// `controls`; `None` once `gives_up` returns `true`, which is asked in every round.
+    ///
+    /// # Panics
+    /// For the reasons of [`Tracer::batches`], if there are not as many controls as materials, or some materials have a control with
+    /// another [`ControlVariate::shadow_probability`] than others.
+    pub fn batches_of_each<'c>(
         &self,
         illumination: &Illumination,
         rays: &BatchedRays,
         spec: TallySpec,
-        control: Option<&'c ControlVariate>,
+        controls: &[Option<&'c ControlVariate>],
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
-    ) -> Option<(Tallies<'c>, Work)> {
+    ) -> Option<Vec<(Tallies<'c>, Work)>> {
+        let materials = self.conductors.len().max(1);
+        assert_eq!(controls.len(), materials, "a control for each material");
+        let control = controls[0];
+        let probability =
+            |control: &Option<&ControlVariate>| control.map(ControlVariate::shadow_probability);
+        assert!(
+            controls
+                .iter()
+                .all(|one| probability(one) == probability(&control)),
+            "shadows are traced for all materials alike"
+        );
         assert!(
             self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
@@ -180,13 +236,20 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let tally = Tally::new(spec, azimuth)
             .with_control_variate(control)
             .with_largest_weight(self.largest_weight(&beam, illumination.starts, control));
-        let tallies = Tallies::new(tally, rays.batches() as usize);
+        let batches = rays.batches() as usize;
+        let polarisation = self.settings.polarisation;
+        let conductors = (!self.conductors.is_empty()).then(|| {
+            let tallies = JointTallies::new(tally.clone(), batches, controls.to_vec());
+            Conductors::new(&self.conductors, tallies, polarisation)
+        });
+        let batches = if conductors.is_some() { 0 } else { batches };
         let mut batch = Batch::new(
-            tallies,
+            Tallies::new(tally, batches),
+            conductors,
             stream,
             self.instructions,
             illumination,
-            self.settings.polarisation,
+            polarisation,
         );
         loop {
             self.start_paths(&beam, illumination.starts, &mut places, &mut batch);
@@ -197,13 +260,17 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 return None;
             }
             self.search(&mut batch);
+            if batch.conductors.is_some() {
+                // Masked light is tallied before its path interacts, which changes what its row holds.
+                self.tally_exits(&mut batch);
+            }
             self.interact_at_surface(&mut batch);
             self.trace_flights(&mut batch);
             self.escape(&mut batch);
             self.tally_exits(&mut batch);
         }
         self.tally_exits(&mut batch);
-        Some((batch.tallies, batch.work))
+        Some(batch.into_tallies())
     }
 
     /// Upper bound of the flux that a path adds to an entry at a time: that with which it starts, which branches share and Russian

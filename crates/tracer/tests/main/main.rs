@@ -8,6 +8,7 @@
 
 mod accelerators;
 mod common;
+mod conductors;
 mod control_variates;
 mod diffuse;
 mod layers;

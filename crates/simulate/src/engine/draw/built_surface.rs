@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use asperity_optics::Material;
 use asperity_surface::{Border, SlopeMoments};
 use asperity_tracer::{AcceleratorKind, Engine, PreparedSurface, Shape, Surface, TracedPaths};
 
@@ -10,6 +11,7 @@ use crate::engine::trace::block_run::LitMesh;
 use crate::error::SimulateError;
 use crate::input::limits::check_shape;
 use crate::input::settings::Settings;
+use crate::methods::method::Method;
 use crate::output::work::Used;
 
 /// The meshes of one surface, the one whose results are reported first: the given one alone; or, if it is refined, the finer
@@ -111,18 +113,23 @@ impl BuiltSurface {
         self.meshes[0].shape.border()
     }
 
-    /// The meshes with the light of a case.
+    /// The meshes with the light of cases that are traced together.
     pub(crate) fn lit<'a>(
         &'a self,
-        run: &'a CaseRun,
+        runs: &[&'a CaseRun],
         settings: &Settings,
     ) -> Result<Vec<LitMesh<'a>>, SimulateError> {
-        let case = &run.case;
+        let [first, ..] = runs else {
+            return Ok(Vec::new());
+        };
+        let case = &first.case;
+        let materials: Vec<Material> = runs.iter().map(|run| run.case.material).collect();
         let lit = |(i, mesh): (usize, &'a BuiltMesh)| {
             check_shape(&mesh.shape, case.light.incidence)?;
-            let method = run.method_on(i);
+            let method = first.method_on(i);
+            let methods = runs.iter().map(|run| run.method_on(i));
             let paths = TracedPaths {
-                material: case.material,
+                materials: &materials,
                 incident: case.light.from,
                 settings: method.paths,
                 layer: case.layer,
@@ -132,8 +139,8 @@ impl BuiltSurface {
                 tracer: mesh.prepared.tracer(&paths)?,
                 spec: settings.spec_of(case),
                 light: method.illumination(&case.light, settings.sampling),
-                control_variate: method.control_variate(),
-                mirror: method.mirror,
+                control_variates: methods.clone().map(Method::control_variate).collect(),
+                mirrors: methods.map(|method| method.mirror).collect(),
             })
         };
         self.meshes.iter().enumerate().map(lit).collect()

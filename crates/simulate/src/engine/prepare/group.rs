@@ -2,7 +2,7 @@
 //!
 //! The surfaces are random ones, several given ones, regions of a given one, or one given surface. A *batch* yields the tallies whose
 //! scatter gives the errors: a surface, a region, or a block of rays on the one surface. Cases on one surface without regions are
-//! groups of their own, since each takes its own number of blocks.
+//! groups of their own, since each takes its own number of blocks, but for those that are traced together.
 //!
 //! Rays fall on one region; what they meet afterwards is the whole surface, so that shadows and multiple scattering are those of its
 //! true neighbourhood. Regions have equally many rays, so that the mean of their tallies is that of the surface.
@@ -20,6 +20,7 @@ use crate::engine::context::Context;
 use crate::engine::draw::built_surface::{BuiltSurface, Meshes};
 use crate::engine::plan::pilot;
 use crate::engine::plan::spacings::PilotSurfaces;
+use crate::engine::trace::joint::joint_sets;
 use crate::engine::trace::stage::{StageRun, SurfacePlan};
 use crate::engine::trace::surfaces::Surfaces;
 use crate::error::SimulateError;
@@ -37,7 +38,7 @@ use crate::store::Stage;
 
 /// Most cases of the groups that are prepared and traced together but of the last of them. Control variates take long: those of thousands of
 /// cases would fill the memory, and let the first ray wait.
-pub(crate) const CASES_AT_ONCE: usize = 16;
+pub(crate) const CASES_AT_ONCE: usize = 32;
 
 /// Fewest rays per sample of a surface beside which drawing the surface once more takes no time: a ray takes as long as several samples.
 const RAYS_PER_SAMPLE: u64 = 16;
@@ -203,7 +204,7 @@ impl Group {
     }
 
     /// Prepares cases on random surfaces, and builds a surface that is given alone, on which each case becomes a group of its own unless
-    /// the surface has regions.
+    /// the surface has regions, or cases are traced together.
     pub(crate) fn build(self, context: Context<'_>) -> Result<Vec<Self>, SimulateError> {
         match self.source.shapes() {
             [shape] => {
@@ -237,13 +238,17 @@ impl Group {
                 Ok(Arc::new(method))
             };
             let methods = surface.shapes().map(method);
-            Ok(vec![run.by(methods.collect::<Result<_, SimulateError>>()?)])
+            Ok(run.by(methods.collect::<Result<_, SimulateError>>()?))
         };
         let groups: Vec<Vec<CaseRun>> = match settings.regions {
             Some(_) => vec![self.cases.clone()],
             None => {
                 let cases = self.cases.iter().map(on_meshes);
-                cases.collect::<Result<_, SimulateError>>()?
+                let cases = cases.collect::<Result<Vec<CaseRun>, SimulateError>>()?;
+                // With a target error each case takes rays of its own.
+                let sets = joint_sets(&cases, |_, _| settings.target().is_none());
+                let set = |set: Vec<usize>| set.into_iter().map(|i| cases[i].clone()).collect();
+                sets.into_iter().map(set).collect()
             }
         };
         context.observer.end();

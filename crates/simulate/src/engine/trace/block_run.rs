@@ -9,13 +9,14 @@ use crate::input::limits::TALLY_BUDGET;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
 
-/// One mesh of a surface with the light that falls on it.
+/// One mesh of a surface with the light that falls on it, for the cases that are traced together.
 pub(crate) struct LitMesh<'a> {
     pub(crate) tracer: Box<dyn BatchTracer + 'a>,
     pub(crate) spec: TallySpec,
     pub(crate) light: Illumination,
-    pub(crate) control_variate: Option<&'a ControlVariate>,
-    pub(crate) mirror: Option<Mirror>,
+    /// By case.
+    pub(crate) control_variates: Vec<Option<&'a ControlVariate>>,
+    pub(crate) mirrors: Vec<Option<Mirror>>,
 }
 
 /// Parts per thread that are traced side by side, if the tallies of their groups fit: at the end threads wait for the
@@ -29,15 +30,19 @@ const MIN_BLOCKS: u64 = 2;
 pub(crate) struct FinishedGroup {
     /// Number of the first block.
     pub(crate) first: u64,
-    /// Tallies by block and mesh.
-    pub(crate) blocks: Vec<Vec<TallyValues>>,
-    pub(crate) work: Work,
+    /// Tallies by case, block and mesh.
+    pub(crate) blocks: Vec<Vec<Vec<TallyValues>>>,
+    /// By case.
+    pub(crate) work: Vec<Work>,
 }
+
+/// Sums and work by mesh and case.
+type Traced<'a> = Vec<Vec<(Tallies<'a>, Work)>>;
 
 /// Traces the blocks of one surface in parallel and hands each group to `each`, in the order of their number.
 ///
-/// Each block is traced on all meshes of the surface with the same random numbers,
-/// and has a tally of each; the work counted is that of the first.
+/// Each block is traced on all meshes of the surface with the same random numbers, and has a tally of each mesh for each of the cases that
+/// are traced together; the work counted is that on the first mesh.
 ///
 /// If the run is to stop, the groups that are under way are finished, and the first blocks in any case, unless the run gives them up.
 pub(crate) fn run_blocks(
@@ -54,7 +59,8 @@ pub(crate) fn run_blocks(
         first: blocks.first,
         observer,
     };
-    let values = meshes.iter().map(|mesh| mesh.spec.len()).sum();
+    let values = |mesh: &LitMesh<'_>| mesh.spec.len() * mesh.mirrors.len();
+    let values = meshes.iter().map(values).sum();
     let mut groups = blocks.groups(settings.sampling, values).peekable();
     // Waves bound how many tallies are held at once; those of one are added while the next is traced.
     let tallies = TALLY_BUDGET / (2 * values * size_of::<f64>());
@@ -87,7 +93,7 @@ struct BlockRun<'a> {
     observer: &'a dyn Observer,
 }
 
-impl BlockRun<'_> {
+impl<'a> BlockRun<'a> {
     /// Returns `true` for the first blocks, from which alone there is an error.
     const fn are_first(&self, group: &BlockGroup) -> bool {
         group.first - self.first < MIN_BLOCKS
@@ -114,19 +120,23 @@ impl BlockRun<'_> {
     fn trace_group(&self, group: BlockGroup) -> Option<FinishedGroup> {
         let parts = (0..group.parts()).into_par_iter().with_max_len(1);
         let traced = parts.map(|part| self.trace_part(group, part));
-        let (tallies, work) =
-            traced.try_reduce_with(|(mut sums, mut work), (part, of_part)| {
-                sums.iter_mut()
-                    .zip(&part)
-                    .for_each(|(sum, part)| *sum += part);
-                work += of_part;
-                Some((sums, work))
-            })??;
-        let mut blocks = vec![Vec::with_capacity(self.meshes.len()); group.count as usize];
-        for (mesh, tallies) in self.meshes.iter().zip(tallies) {
-            let fractions = tallies.into_fractions(group.rays_of_block());
-            for (block, tally) in blocks.iter_mut().zip(fractions) {
-                block.push(complete(mesh, tally));
+        let traced = traced.try_reduce_with(|mut sums, part| {
+            let pairs = sums.iter_mut().flatten().zip(part.iter().flatten());
+            for ((sum, work), (part, of_part)) in pairs {
+                *sum += part;
+                *work += *of_part;
+            }
+            Some(sums)
+        })??;
+        let work: Vec<Work> = traced[0].iter().map(|(_, work)| *work).collect();
+        let of_case = vec![Vec::with_capacity(self.meshes.len()); group.count as usize];
+        let mut blocks = vec![of_case; work.len()];
+        for (mesh, cases) in self.meshes.iter().zip(traced) {
+            for (case, (tallies, _)) in cases.into_iter().enumerate() {
+                let fractions = tallies.into_fractions(group.rays_of_block());
+                for (block, tally) in blocks[case].iter_mut().zip(fractions) {
+                    block.push(complete(mesh, case, tally));
+                }
             }
         }
         Some(FinishedGroup {
@@ -136,37 +146,36 @@ impl BlockRun<'_> {
         })
     }
 
-    /// The sums on each mesh, and the work on the first; `None` if the run gives them up.
-    fn trace_part(&self, group: BlockGroup, part: u32) -> Option<(Vec<Tallies<'_>>, Work)> {
+    /// Traces a part of a group on each mesh; `None` if the run gives it up.
+    fn trace_part(&self, group: BlockGroup, part: u32) -> Option<Traced<'a>> {
         let rays = group.part(part);
         let stream = self.stream.from_batch(group.first);
         let gives_up = || match self.are_first(&group) {
             true => self.observer.gives_up_first(),
             false => self.observer.gives_up(),
         };
-        let (mut tallies, mut work) = (Vec::new(), Work::default());
-        for (number, mesh) in self.meshes.iter().enumerate() {
-            let (light, control) = (&mesh.light, mesh.control_variate);
-            let found = mesh
-                .tracer
-                .batches(light, &rays, mesh.spec, control, stream, &gives_up);
-            let (of_mesh, work_on_mesh) = found?;
-            tallies.push(of_mesh);
-            if number == 0 {
-                work = work_on_mesh;
-            }
-        }
-        self.observer.advance(work.rays);
-        Some((tallies, work))
+        let on_mesh = |mesh: &LitMesh<'a>| {
+            let (light, controls) = (&mesh.light, &mesh.control_variates);
+            mesh.tracer
+                .batches(light, &rays, mesh.spec, controls, stream, &gives_up)
+        };
+        let traced = self
+            .meshes
+            .iter()
+            .map(on_mesh)
+            .collect::<Option<Traced<'a>>>()?;
+        let rays = traced[0].iter().map(|(_, work)| work.rays);
+        self.observer.advance(rays.sum());
+        Some(traced)
     }
 }
 
-/// Adds what a control variate has subtracted, and folds bins.
-fn complete(mesh: &LitMesh<'_>, mut tally: TallyValues) -> TallyValues {
-    if let Some(control_variate) = mesh.control_variate {
+/// Adds what the control variate of a case has subtracted, and folds bins.
+fn complete(mesh: &LitMesh<'_>, case: usize, mut tally: TallyValues) -> TallyValues {
+    if let Some(control_variate) = mesh.control_variates[case] {
         control_variate.complete(&mut tally);
     }
-    if let Some(mirror) = mesh.mirror {
+    if let Some(mirror) = mesh.mirrors[case] {
         mirror.fold(&mut tally);
     }
     tally
@@ -234,8 +243,8 @@ mod tests {
                 stokes: [0.0; 3],
                 window: Window::WHOLE,
             },
-            control_variate: None,
-            mirror: None,
+            control_variates: vec![None],
+            mirrors: vec![None],
         };
         let blocks = Blocks {
             first: 0,
@@ -251,7 +260,7 @@ mod tests {
         let mut found = CaseOnSurface::new(strategy, settings.tally, 1);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
-            found.push(&group.blocks, group.work);
+            found.push(&group.blocks[0], group.work[0]);
         });
         let traced = found.tally.batches();
         assert_eq!(found.work.rays, 9 * traced);

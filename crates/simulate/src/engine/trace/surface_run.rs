@@ -7,6 +7,7 @@ use asperity_surface::SlopeMoments;
 
 use super::block_run::run_blocks;
 use super::blocks::Blocks;
+use super::joint::joint_sets;
 use super::stage::{Part, StageRun};
 use super::surfaces::{Surfaces, have_independent_bottom};
 use crate::engine::context::Context;
@@ -151,17 +152,24 @@ impl StageRun<'_> {
             seconds,
             used: built.used(),
         };
-        for (i, run) in self.cases.iter().enumerate() {
-            if i > 0 && context.observer.gives_up_first() {
+        let done = |i: usize| (found.cases[i].tally.batches(), found.cases[i].work.rays);
+        let sets = joint_sets(self.cases, |a, b| done(a) == done(b));
+        for (number, set) in sets.iter().enumerate() {
+            if number > 0 && context.observer.gives_up_first() {
                 break;
             }
-            let mut lit = built.lit(run, &self.settings)?;
-            let resumed = found.cases[i].work.rays - part.rays_before;
-            context.observer.advance(resumed);
+            let runs: Vec<&CaseRun> = set.iter().map(|&i| &self.cases[i]).collect();
+            let mut lit = built.lit(&runs, &self.settings)?;
+            let first_case = set[0];
+            let resumed = found.cases[first_case].work.rays - part.rays_before;
+            context.observer.advance(resumed * set.len() as u64);
             for (window, place) in (0..).zip(self.surfaces.windows(part.surface)) {
                 lit.iter_mut().for_each(|mesh| mesh.light.window = place);
                 let first = window * part.blocks.count;
-                let done = found.cases[i].tally.batches().saturating_sub(first);
+                let done = found.cases[first_case]
+                    .tally
+                    .batches()
+                    .saturating_sub(first);
                 let blocks = Blocks {
                     first,
                     ..part.blocks
@@ -173,12 +181,13 @@ impl StageRun<'_> {
                     blocks.after(done.min(blocks.count)),
                     context.observer,
                     |group| {
-                        let case = &mut found.cases[i];
                         // Blocks behind one that a stop left out are of no use to a later run.
-                        if group.first != case.tally.batches() {
+                        if group.first != found.cases[first_case].tally.batches() {
                             return;
                         }
-                        case.push(&group.blocks, group.work);
+                        for ((&i, blocks), work) in set.iter().zip(&group.blocks).zip(group.work) {
+                            found.cases[i].push(blocks, work);
+                        }
                         if context.store.is_some_and(|store| store.is_due()) {
                             found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
                             save(part.key, &found, context);

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use crate::geometry::{CullingClass, Geometry};
 use crate::interaction::layer::Interface;
 use crate::path::state::batch::Batch;
+use crate::path::state::conductors::Conductors;
 use crate::path::state::path_state::{Departure, RayKind, Region};
 use crate::path::state::segments::{Segments, gather_column};
 use crate::path::state::work::Work;
@@ -91,9 +92,13 @@ impl Stage for Leave<'_> {
         gather_column(wz, dz, which);
         gather_column(rows.flux, &segments.flux, which);
         gather_column(rows.scatterings, &segments.scatterings, which);
-        gather_column(rows.batch, &segments.ray, which);
-        for batch in rows.batch {
-            *batch = PathStream::batch_of(*batch);
+        if segments.kept.slot {
+            gather_column(rows.batch, &segments.slot, which);
+        } else {
+            gather_column(rows.batch, &segments.ray, which);
+            for batch in rows.batch {
+                *batch = PathStream::batch_of(*batch);
+            }
         }
         let mut measures = rows.measures;
         measure(&mut measures, segments, which);
@@ -197,14 +202,31 @@ impl<G: Geometry> Tracer<'_, G> {
             ],
             &mut batch.work,
         );
-        self.leave(batch);
+        self.leave(batch, Work::of_skipped);
         for k in 0..batch.elsewhere.len() {
             self.begin_elsewhere(batch.elsewhere[k] as usize, batch);
         }
     }
 
-    /// Adds the segments that have escaped to the exits.
-    pub(crate) fn leave(&self, batch: &mut Batch<'_, G::Facet>) {
+    /// Adds the segments that have escaped to the exits. `counted`: the work that has been counted for each, by its culling class.
+    pub(crate) fn leave(
+        &self,
+        batch: &mut Batch<'_, G::Facet>,
+        counted: impl Fn(CullingClass) -> Work,
+    ) {
+        if batch.conductors.is_some() {
+            for k in 0..batch.escaped.len() {
+                let i = batch.escaped[k] as usize;
+                let class = batch.classes.get(i).copied();
+                let counted = counted(class.unwrap_or(CullingClass::Unknown));
+                let departure = self.departure(batch, i);
+                if let Some(conductors) = &mut batch.conductors {
+                    let slot = self.row_at_exit(&departure, conductors);
+                    batch.segments.slot[i] = slot;
+                    conductors.end(slot, counted);
+                }
+            }
+        }
         batch.instructions.run(Leave {
             segments: &batch.segments,
             which: &batch.escaped,
@@ -230,7 +252,8 @@ impl<G: Geometry> Tracer<'_, G> {
                 let state = &departure.state;
                 batch.add_loss(state, Loss::NotRecorded, state.flux);
                 self.tally_masked(&departure, batch);
-                batch.work.branches_not_recorded += 1;
+                batch.work += Work::NOT_RECORDED;
+                batch.end_path(&departure.state, Work::NOT_RECORDED);
                 batch.segments.flux[i] = 0.0;
             }
         }
@@ -258,17 +281,40 @@ impl<G: Geometry> Tracer<'_, G> {
             tallies: &batch.tallies,
             exits: &mut batch.exits,
         });
-        batch.tallies.add_located(&mut batch.exits);
+        match &mut batch.conductors {
+            Some(conductors) => conductors.tally(&mut batch.exits),
+            None => batch.tallies.add_located(&mut batch.exits),
+        }
+    }
+
+    /// The row of a path of several conductors that leaves for good, with the measures of the tally.
+    fn row_at_exit(&self, departure: &Departure, conductors: &mut Conductors<'_>) -> u32 {
+        let mut state = departure.state;
+        if state.events.order() == 0 {
+            state.slot = conductors.begin(state.ray, state.flux, &state.light);
+        }
+        conductors.set_measures(&state, self.upright(departure.direction));
+        state.slot
+    }
+
+    /// A direction in the world, with +z on the incident side.
+    fn upright(&self, direction: DVec3) -> DVec3 {
+        direction * DVec3::new(1.0, 1.0, self.incident.sign())
     }
 
     /// Adds light that departs to the exits.
     pub(crate) fn push_exit(&self, departure: &Departure, batch: &mut Batch<'_, G::Facet>) {
         let polarisation = self.settings.polarisation;
-        let upright = DVec3::new(1.0, 1.0, self.incident.sign());
-        let wo = departure.direction * upright;
+        let wo = self.upright(departure.direction);
         let light = departure.state.light_that_leaves(wo, polarisation);
         let measures = light.measures(polarisation);
-        let number = PathStream::batch_of(departure.state.ray);
+        let mut number = batch.number_of(&departure.state);
+        if let Some(conductors) = &mut batch.conductors {
+            number = self.row_at_exit(departure, conductors);
+            if departure.state.events.order() == 0 {
+                conductors.end(number, Work::NONE);
+            }
+        }
         batch
             .exits
             .push_measured(&self.exit(departure), number, &measures);

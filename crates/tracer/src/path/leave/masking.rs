@@ -44,7 +44,7 @@ impl<G: Geometry> Tracer<'_, G> {
     pub(crate) fn tally_masked(&self, departure: &Departure, batch: &mut Batch<'_, G::Facet>) {
         if departure.state.events.order() == 1 && batch.tallies.control_variate().is_some() {
             let exit = self.exit(departure);
-            let number = PathStream::batch_of(departure.state.ray);
+            let number = batch.number_of(&departure.state);
             batch.exits.push_masked(&exit, number);
         }
     }
@@ -64,6 +64,18 @@ impl<G: Geometry> Tracer<'_, G> {
         let m = half_space.sign() * self.geometry.normal_at(at.facet, at.heading.origin);
         let light = Incident::averaged(half_space == self.incident, -at.heading.direction, m);
         let scattered = scatter::<AveragedLight, 0>(self.material, &light);
+        if let Some(conductors) = &mut batch.conductors {
+            let slot = conductors.begin_shadowed(state, light.cos_theta_i());
+            let exit = self.exit(&Departure {
+                region: at.region,
+                direction: at.heading.to_world(scattered.reflected.direction),
+                state: PathState {
+                    events: state.events.then(Event::Reflection),
+                    ..*state
+                },
+            });
+            return batch.exits.push_masked(&exit, slot);
+        }
         for (event, out) in scattered.branches() {
             if out.passed.fraction > 0.0 {
                 let exit = self.exit(&Departure {

@@ -153,10 +153,8 @@ impl<const N: usize> Rows<N> {
         if let Some(numbers) = numbers.get(block.clone()) {
             self.numbers[..len].copy_from_slice(numbers);
         }
-        for (handedness, mirrored) in self.handedness.iter_mut().zip(&at.mirrored[block]) {
-            // Images that are mirrored along both axes are turned, not mirrored.
-            let is_mirrored = (mirrored ^ mirrored >> 1) & 1 == 1;
-            *handedness = if is_mirrored { -incident } else { incident };
+        for (row, mirrored) in self.handedness.iter_mut().zip(&at.mirrored[block]) {
+            *row = handedness(*mirrored, incident);
         }
     }
 
@@ -176,6 +174,14 @@ impl<const N: usize> Rows<N> {
             light,
         }
     }
+}
+
+/// Handedness of directions of which some axes are mirrored, for light through a half space of the sign `incident`.
+#[inline(always)]
+pub(super) fn handedness(mirrored: u32, incident: f64) -> f64 {
+    // Images that are mirrored along both axes are turned, not mirrored.
+    let is_mirrored = (mirrored ^ mirrored >> 1) & 1 == 1;
+    if is_mirrored { -incident } else { incident }
 }
 
 /// Transmitted or reflected light of some arrivals, field by field.

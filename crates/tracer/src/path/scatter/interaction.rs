@@ -1,7 +1,7 @@
 //! Interaction: scatters light at the interfaces at which it has arrived, and decides which branches continue.
 
 use asperity_optics::{Bottom, Material};
-use asperity_tally::{Loss, Tallies};
+use asperity_tally::Loss;
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
@@ -13,6 +13,7 @@ use crate::path::state::batch::{Batch, Interactions};
 use crate::path::state::path_state::{Arrival, PathState, Region};
 use crate::path::state::random_numbers::DrawPairs;
 use crate::path::state::segments::{Gather, Segments};
+use crate::path::state::work::Work;
 use crate::path::tracer::Tracer;
 use crate::random::{PathStream, Use};
 use crate::ray::HalfSpace;
@@ -83,7 +84,9 @@ impl<G: Geometry> Tracer<'_, G> {
 
         // Make the branches that survive
         let divides = material.transmitting_index().is_some();
-        if !divides {
+        if batch.conductors.is_some() {
+            self.scatter_jointly(at, normal, batch);
+        } else if !divides {
             absorb(at, batch);
         }
         if divides && self.settings.branching == Branching::Pick {
@@ -111,9 +114,9 @@ impl<G: Geometry> Tracer<'_, G> {
     fn truncate_at_highest_order(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
         for i in 0..at.len {
             if at.order[i] >= self.settings.max_order {
-                batch
-                    .tally_of(at.ray[i])
-                    .add_loss(Loss::Truncated, at.flux[i]);
+                let state = at.state(i);
+                batch.add_loss(&state, Loss::Truncated, state.flux);
+                batch.end_path(&state, Work::SEARCHED);
                 at.flux[i] = 0.0;
             }
         }
@@ -121,6 +124,7 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Continues along one branch of each interaction, which is picked by its fraction and carries all flux.
     fn pick_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        let roulette = self.roulette(batch);
         let Interactions {
             scattered,
             which,
@@ -141,7 +145,6 @@ impl<G: Geometry> Tracer<'_, G> {
             scattered,
             pairs,
         });
-        let roulette = self.roulette(&batch.tallies);
         for (i, [_, u]) in pairs.iter().enumerate() {
             if roulette.decides(at.flux[i], at.order[i] == 1) {
                 let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
@@ -152,6 +155,7 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Continues along both branches of each interaction.
     fn split_branches(&self, at: &mut Segments, batch: &mut Batch<'_, G::Facet>) {
+        let roulette = self.roulette(batch);
         let Interactions {
             scattered,
             which,
@@ -170,7 +174,6 @@ impl<G: Geometry> Tracer<'_, G> {
         }
 
         // Decide by Russian roulette over branches of little flux
-        let roulette = self.roulette(&batch.tallies);
         which.clear();
         which.extend((0..n as u32).filter(|&i| {
             let i = i as usize;
@@ -231,11 +234,14 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Russian roulette of this tracer.
-    fn roulette(&self, tallies: &Tallies<'_>) -> Roulette {
+    /// Russian roulette over the flux of segments; none over that of several conductors, over which [`Tracer::scatter_jointly`] decides.
+    fn roulette(&self, batch: &Batch<'_, G::Facet>) -> Roulette {
         Roulette {
-            threshold: self.settings.roulette_below,
-            spares_first: tallies.control_variate().is_some(),
+            threshold: match batch.conductors {
+                Some(_) => 0.0,
+                None => self.settings.roulette_below,
+            },
+            spares_first: batch.tallies.control_variate().is_some(),
         }
     }
 

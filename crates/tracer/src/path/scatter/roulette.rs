@@ -23,9 +23,14 @@ impl Roulette {
         if flux == 0.0 || flux >= self.threshold {
             return flux;
         }
-        let survives = u * self.threshold < flux;
-        let kept = if survives { self.threshold } else { 0.0 };
+        let kept = self.kept(flux, u);
         tally.add_loss(Loss::Truncated, flux - kept);
         kept
+    }
+
+    /// What is left of a flux below the threshold.
+    pub(crate) fn kept(&self, flux: f64, u: f64) -> f64 {
+        let survives = u * self.threshold < flux;
+        if survives { self.threshold } else { 0.0 }
     }
 }

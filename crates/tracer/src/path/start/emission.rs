@@ -149,6 +149,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 events: EventPath::default(),
                 scatterings: 0,
                 ray: start.ray,
+                slot: 0,
                 turn: DVec2::new(turn.x, -turn.y),
                 light: self.incident_light(beam, turn, batch.stokes),
             },

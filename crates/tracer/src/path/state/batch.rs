@@ -5,6 +5,7 @@ use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 use crate::geometry::CullingClass;
 use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::arrivals::{Arrivals, BottomArrivals};
+use crate::path::state::conductors::Conductors;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{PathState, SingleSegment};
 use crate::path::state::random_numbers::Numbers;
@@ -56,7 +57,10 @@ impl<F> Default for SingleSearch<F> {
 
 /// The state of one batch, or of several that are traced together.
 pub(crate) struct Batch<'r, F> {
+    /// Without batches for several conductors, which have tallies of their own.
     pub(crate) tallies: Tallies<'r>,
+    /// `None` for a single material.
+    pub(crate) conductors: Option<Conductors<'r>>,
     pub(crate) work: Work,
     pub(crate) stream: PathStream,
     pub(crate) instructions: Instructions,
@@ -104,6 +108,7 @@ pub(crate) struct Batch<'r, F> {
 impl<'r, F: Copy> Batch<'r, F> {
     pub(crate) fn new(
         tallies: Tallies<'r>,
+        conductors: Option<Conductors<'r>>,
         stream: PathStream,
         instructions: Instructions,
         illumination: &Illumination,
@@ -112,11 +117,13 @@ impl<'r, F: Copy> Batch<'r, F> {
         let kept = Kept {
             turn: illumination.turns(polarisation),
             polarisation,
+            slot: conductors.is_some(),
         };
         let traces_shadows =
             tallies.control_variate().is_some() && illumination.starts == Starts::FromAbove;
         Self {
             tallies,
+            conductors,
             work: Work::default(),
             stream,
             instructions,
@@ -152,9 +159,37 @@ impl<'r, F: Copy> Batch<'r, F> {
         self.tallies.of(PathStream::batch_of(ray))
     }
 
+    /// What stands for the number of the batch of an exit: that number, or the row of a path of several conductors.
+    pub(crate) const fn number_of(&self, path: &PathState) -> u32 {
+        match self.conductors {
+            Some(_) => path.slot,
+            None => PathStream::batch_of(path.ray),
+        }
+    }
+
     /// Tallies flux of a path that ended without an exit.
     pub(crate) fn add_loss(&mut self, of: &PathState, loss: Loss, flux: f64) {
-        self.tally_of(of.ray).add_loss(loss, flux);
+        match &mut self.conductors {
+            Some(conductors) => conductors.add_loss(of, loss),
+            None => self.tally_of(of.ray).add_loss(loss, flux),
+        }
+    }
+
+    /// Ends a path of several conductors. `counted`: the work since its last interaction.
+    pub(crate) fn end_path(&mut self, path: &PathState, counted: Work) {
+        if let Some(conductors) = &mut self.conductors
+            && path.events.order() > 0
+        {
+            conductors.end(path.slot, counted);
+        }
+    }
+
+    /// The tallies of each material, and the work done on it.
+    pub(crate) fn into_tallies(self) -> Vec<(Tallies<'r>, Work)> {
+        match self.conductors {
+            Some(conductors) => conductors.into_tallies(self.work),
+            None => vec![(self.tallies, self.work)],
+        }
     }
 
     /// Number of segments in flight, without the visibility rays.

@@ -20,12 +20,15 @@ pub(crate) struct Kept {
     pub(crate) turn: bool,
     /// Polarisation that paths carry.
     pub(crate) polarisation: Polarisation,
+    /// Rows of a table that holds the light of several conductors.
+    pub(crate) slot: bool,
 }
 
 impl Kept {
     pub(crate) const NOTHING: Self = Self {
         turn: false,
         polarisation: Polarisation::Averaged,
+        slot: false,
     };
 }
 
@@ -58,6 +61,8 @@ pub(crate) struct Segments {
     pub(crate) scatterings: Vec<u32>,
     /// Number of the path in its batch.
     pub(crate) ray: Vec<u32>,
+    /// Row of a path among those of several conductors, from its first interaction on; without rows for a single material.
+    pub(crate) slot: Vec<u32>,
     /// Axes that are mirrored against the world, a bit each.
     pub(crate) mirrored: Vec<u32>,
     /// The numbers of [`LightState`], as many as are kept.
@@ -86,6 +91,7 @@ impl Segments {
             events: Vec::new(),
             scatterings: Vec::new(),
             ray: Vec::new(),
+            slot: Vec::new(),
             mirrored: Vec::new(),
             light: vec![Vec::new(); LightState::len(kept.polarisation)],
             kept,
@@ -124,27 +130,31 @@ impl Segments {
         rays.chain(turn).chain(&mut self.light)
     }
 
-    /// All columns of integers, [`Segments::mirrored`] last.
+    /// All columns of integers that have rows.
     #[inline(always)]
-    const fn integers(&self) -> [&Vec<u32>; 5] {
-        [
+    fn integers(&self) -> impl Iterator<Item = &Vec<u32>> {
+        let slot = self.kept.slot.then_some(&self.slot);
+        let columns = [
             &self.order,
             &self.events,
             &self.scatterings,
             &self.ray,
             &self.mirrored,
-        ]
+        ];
+        columns.into_iter().chain(slot)
     }
 
     #[inline(always)]
-    const fn integers_mut(&mut self) -> [&mut Vec<u32>; 5] {
-        [
+    fn integers_mut(&mut self) -> impl Iterator<Item = &mut Vec<u32>> {
+        let slot = self.kept.slot.then_some(&mut self.slot);
+        let columns = [
             &mut self.order,
             &mut self.events,
             &mut self.scatterings,
             &mut self.ray,
             &mut self.mirrored,
-        ]
+        ];
+        columns.into_iter().chain(slot)
     }
 
     /// All rays, as physical directions over a tile of the given aspect ratio.
@@ -180,6 +190,7 @@ impl Segments {
             events: EventPath::from_code(self.order[i], self.events[i]),
             scatterings: self.scatterings[i],
             ray: self.ray[i],
+            slot: if self.kept.slot { self.slot[i] } else { 0 },
             turn: if self.kept.turn {
                 DVec2::new(self.turn[0][i], self.turn[1][i])
             } else {
@@ -210,6 +221,9 @@ impl Segments {
         self.events[i] = state.events.code();
         self.scatterings[i] = state.scatterings;
         self.ray[i] = state.ray;
+        if self.kept.slot {
+            self.slot[i] = state.slot;
+        }
         if self.kept.turn {
             (self.turn[0][i], self.turn[1][i]) = (state.turn.x, state.turn.y);
         }
@@ -311,7 +325,7 @@ impl Stage for Gather<'_> {
         for (into, from) in into.floats_mut().zip(from.floats()) {
             gather_column(&mut into[rows.clone()], from, which);
         }
-        for (into, from) in into.integers_mut().into_iter().zip(from.integers()) {
+        for (into, from) in into.integers_mut().zip(from.integers()) {
             gather_column(&mut into[rows.clone()], from, which);
         }
     }

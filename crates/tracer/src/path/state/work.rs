@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::geometry::Escape;
+use crate::geometry::{CullingClass, Escape};
 use crate::periodic::TraversalEnd;
 
 /// Counts of the work done.
@@ -26,6 +26,49 @@ pub struct Work {
 }
 
 impl Work {
+    /// A segment that was searched.
+    pub(crate) const SEARCHED: Self = Self {
+        segments: 1,
+        ..Self::NONE
+    };
+
+    /// A segment that was not followed.
+    pub(crate) const NOT_RECORDED: Self = Self {
+        branches_not_recorded: 1,
+        ..Self::NONE
+    };
+
+    pub(crate) const NONE: Self = Self {
+        rays: 0,
+        segments: 0,
+        segments_skipped: 0,
+        segments_skipped_nearby: 0,
+        branches_not_recorded: 0,
+        scatterings: 0,
+        max_scatterings: 0,
+    };
+
+    /// This work less that on some segments of it.
+    pub(crate) const fn without(self, segments: &Self) -> Self {
+        Self {
+            segments: self.segments - segments.segments,
+            segments_skipped: self.segments_skipped - segments.segments_skipped,
+            segments_skipped_nearby: self.segments_skipped_nearby
+                - segments.segments_skipped_nearby,
+            branches_not_recorded: self.branches_not_recorded - segments.branches_not_recorded,
+            ..self
+        }
+    }
+
+    /// A segment that escapes without a search, by its culling class.
+    pub(crate) fn of_skipped(class: CullingClass) -> Self {
+        Self {
+            segments_skipped: 1,
+            segments_skipped_nearby: u64::from(class == CullingClass::AboveHorizon),
+            ..Self::NONE
+        }
+    }
+
     /// Counts a segment that met nothing, by how its traversal ended.
     pub(crate) fn count(&mut self, end: TraversalEnd) {
         if let TraversalEnd::EscapedUnsearched(escape) = end {

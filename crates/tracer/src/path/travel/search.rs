@@ -6,6 +6,7 @@ use crate::interaction::layer::Interface;
 use crate::path::state::batch::{Batch, SingleSearch};
 use crate::path::state::path_state::{Arrival, Departure, RayKind, Region, SingleSegment};
 use crate::path::state::segments::{Gather, Segments};
+use crate::path::state::work::Work;
 use crate::path::tracer::Tracer;
 use crate::periodic::{Traversal, leaves_heights_in_tile};
 use crate::ray::Hit;
@@ -109,7 +110,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         batch.elsewhere = gone;
         batch.work.segments += batch.escaped.len() as u64;
-        self.leave(batch);
+        self.leave(batch, |_| Work::SEARCHED);
     }
 
     /// Continues a segment in the tile after its first.

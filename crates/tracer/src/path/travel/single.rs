@@ -9,6 +9,7 @@ use crate::path::state::batch::Batch;
 use crate::path::state::path_state::{
     Arrival, Departure, PathRay, PathState, RayKind, Region, SingleSegment,
 };
+use crate::path::state::work::Work;
 use crate::path::tracer::Tracer;
 use crate::periodic::{Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;
@@ -117,7 +118,9 @@ impl<G: Geometry> Tracer<'_, G> {
         kind: &RayKind<G::Facet>,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        batch.work.count(end);
+        let mut counted = Work::default();
+        counted.count(end);
+        batch.work += counted;
         let state = &departure.state;
         match (kind, end) {
             (RayKind::BehindFirstFacet, _) => {}
@@ -133,6 +136,9 @@ impl<G: Geometry> Tracer<'_, G> {
                 batch.add_loss(state, Loss::Lost, state.flux);
                 self.tally_masked(departure, batch);
             }
+        }
+        if matches!(kind, RayKind::Path) {
+            batch.end_path(state, counted);
         }
     }
 }

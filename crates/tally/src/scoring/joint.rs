@@ -1,0 +1,210 @@
+//! Joint tallies: those of several materials, whose light leaves along the same paths with fluxes of its own.
+//!
+//! The sums of all materials in one entry of one batch stand side by side, so that the bins of an exit are found once, and its fluxes are
+//! added in one loop. Each material gets the sums that a [`Tally`] of its own would have, bit by bit.
+
+use super::{Direction, Tallies, Tally, is_away, units};
+use crate::binning::exit_columns::ExitColumns;
+use crate::{ControlVariate, Exit, Loss, Side};
+
+/// Tallies of several materials and batches, all of the same spec, azimuth and largest weight.
+#[derive(Clone, Debug)]
+pub struct JointTallies<'c> {
+    /// Its batches are pairs of a batch and a material, the material fastest.
+    pairs: Tally<'c>,
+    batches: usize,
+    /// By material.
+    controls: Vec<Option<&'c ControlVariate>>,
+    /// Fractions of the control variates by side, ring and material; empty without them.
+    fractions: Vec<f64>,
+    /// Fractions that they absorb, by material.
+    absorbed: Vec<f64>,
+    /// Units of flux and rays by material, about to be added.
+    units: Vec<i128>,
+    hits: Vec<i128>,
+}
+
+/// Light of several materials that leaves along one path.
+#[derive(Clone, Copy, Debug)]
+pub struct JointExit<'a> {
+    /// Number of the batch.
+    pub batch: u32,
+    /// Flux of each material; what follows those is ignored.
+    pub fluxes: &'a [f64],
+    /// Measures over the flux: for each of [`crate::Polarimetry`] as many numbers as there are fluxes.
+    pub measures: &'a [f64],
+}
+
+impl<'c> JointTallies<'c> {
+    /// Empty tallies like `empty`, for several batches, of a material per control variate: all have one, or none has.
+    ///
+    /// # Panics
+    /// If there is no material, or some have a control variate and others have none.
+    #[must_use]
+    pub fn new(
+        empty: Tally<'c>,
+        batches: usize,
+        controls: Vec<Option<&'c ControlVariate>>,
+    ) -> Self {
+        let grid = empty.spec.grid();
+        let all: Vec<&ControlVariate> = controls.iter().copied().flatten().collect();
+        assert!(
+            !controls.is_empty() && (all.is_empty() || all.len() == controls.len()),
+            "control variates for all materials or for none"
+        );
+        let directions = Side::BOTH
+            .into_iter()
+            .flat_map(|side| (0..grid.n_theta()).map(move |ring| (side, ring)));
+        let fractions =
+            directions.flat_map(|(side, ring)| all.iter().map(move |one| one.fraction(side, ring)));
+        let absorbed = |control: &Option<&ControlVariate>| {
+            control.map_or(0.0, ControlVariate::absorbed_fraction)
+        };
+        let Tallies(pairs) = Tallies::new(empty, batches * controls.len());
+        Self {
+            batches,
+            fractions: fractions.collect(),
+            absorbed: controls.iter().map(absorbed).collect(),
+            units: vec![0; controls.len()],
+            hits: vec![0; controls.len()],
+            controls,
+            pairs,
+        }
+    }
+
+    /// Number of materials.
+    #[must_use]
+    pub const fn materials(&self) -> usize {
+        self.controls.len()
+    }
+
+    /// Adds exits to the bins that [`Tallies::locate`] has found, and removes them: as [`Tallies::add_located`] for each material. `light`
+    /// returns the light of an exit by what stands for the number of its batch.
+    #[inline(always)]
+    pub fn add_located<'a>(
+        &mut self,
+        exits: &mut ExitColumns,
+        light: impl Fn(u32) -> JointExit<'a>,
+    ) {
+        for i in 0..exits.len() {
+            self.add_exit(exits, i, light(exits.batch[i]));
+        }
+        exits.clear();
+    }
+
+    /// Adds exit number `i`.
+    #[inline(always)]
+    fn add_exit(&mut self, exits: &ExitColumns, i: usize, light: JointExit<'_>) {
+        let JointExit {
+            batch,
+            fluxes,
+            measures,
+        } = light;
+        let materials = self.materials();
+        let (exit, at) = (exits.exit(i), Direction::located(exits, i));
+        let is_masked = exits.is_masked[i];
+        self.select(batch);
+        let rings = self.pairs.spec.grid().n_theta();
+        let first = (exit.side.index() * rings + at.ring) * materials;
+        let fractions = self.fractions.get(first..first + materials);
+        let (scale, hit) = (self.pairs.scale, self.pairs.hit);
+        let sums = self.units.iter_mut().zip(&mut self.hits).zip(fluxes);
+        for (j, ((into, hits), flux)) in sums.enumerate() {
+            let flux = weight(fractions, j, &exit, is_masked) * flux;
+            *into = units(flux, scale);
+            *hits = if flux == 0.0 { 0 } else { hit };
+        }
+        self.pairs
+            .book_units(&exit, &self.units[..], &self.hits[..], &at);
+        if exits.measures.is_empty() || is_masked {
+            return;
+        }
+        let entries = self.pairs.measure_entries(&exit, &at);
+        for (number, ratios) in measures.chunks_exact(fluxes.len()).enumerate() {
+            for (j, units) in self.units.iter_mut().enumerate() {
+                *units = self.pairs.units(ratios[j] * fluxes[j]);
+            }
+            for entry in entries.into_iter().flatten() {
+                self.pairs.add(entry + number, &self.units[..]);
+            }
+        }
+    }
+
+    /// Adds flux of each material that ended without an exit: as [`Tally::add_loss`].
+    #[inline(always)]
+    pub fn add_loss(&mut self, batch: u32, loss: Loss, fluxes: &[f64]) {
+        self.select(batch);
+        for (units, flux) in self.units.iter_mut().zip(fluxes) {
+            *units = self.pairs.units(*flux);
+        }
+        self.pairs.add_units_of_loss(loss, &self.units[..]);
+    }
+
+    /// Adds flux of one material that ended without an exit.
+    pub fn add_loss_of(&mut self, material: usize, batch: u32, loss: Loss, flux: f64) {
+        self.select(batch);
+        self.pairs.batch += material;
+        self.pairs.add_loss(loss, flux);
+    }
+
+    /// Adds flux of each material that was absorbed at the first interaction: as [`Tally::add_first_absorbed`].
+    #[inline(always)]
+    pub fn add_first_absorbed(&mut self, batch: u32, fluxes: &[f64]) {
+        self.add_absorbed(batch, fluxes, |fraction| 1.0 - fraction);
+    }
+
+    /// Subtracts flux that a shadowed facet would absorb if it were lit: as [`Tally::add_shadowed_absorbed`].
+    pub fn add_shadowed_absorbed(&mut self, batch: u32, fluxes: &[f64]) {
+        self.add_absorbed(batch, fluxes, |fraction| -fraction);
+    }
+
+    #[inline(always)]
+    fn add_absorbed(&mut self, batch: u32, fluxes: &[f64], weight: impl Fn(f64) -> f64) {
+        self.select(batch);
+        let pairs = self.units.iter_mut().zip(&self.absorbed).zip(fluxes);
+        for ((units, fraction), flux) in pairs {
+            *units = self.pairs.units(weight(*fraction) * flux);
+        }
+        self.pairs
+            .add_units_of_loss(Loss::Absorbed, &self.units[..]);
+    }
+
+    /// Adds what follows to a batch.
+    #[inline(always)]
+    fn select(&mut self, batch: u32) {
+        let batch = batch as usize;
+        assert!(batch < self.batches, "no tallies of batch {batch}");
+        self.pairs.batch = batch * self.materials();
+    }
+
+    /// The tallies of each material.
+    #[must_use]
+    pub fn into_each(self) -> Vec<Tallies<'c>> {
+        let materials = self.materials();
+        let of_material = |(number, control)| {
+            let mut own = self.pairs.clone_empty();
+            own.batches = self.batches;
+            own.control_variate = control;
+            own.sums = self.pairs.sums[number..]
+                .iter()
+                .step_by(materials)
+                .copied()
+                .collect();
+            Tallies(own)
+        };
+        let controls = self.controls.iter().copied().enumerate();
+        controls.map(of_material).collect()
+    }
+}
+
+/// The factor with which light of material `j` counts: as of [`Tally::weight`] and [`Tally::masked_weight`]. `fractions`: those of its ring,
+/// by material.
+#[inline(always)]
+fn weight(fractions: Option<&[f64]>, j: usize, exit: &Exit, is_masked: bool) -> f64 {
+    match fractions {
+        Some(fractions) if is_masked && is_away(exit) => -fractions[j],
+        _ if is_masked => 0.0,
+        Some(fractions) if exit.path.order() == 1 => 1.0 - fractions[j],
+        _ => 1.0,
+    }
+}
