@@ -22,6 +22,7 @@
 
 mod direction;
 mod elementary;
+mod film;
 mod fresnel;
 mod interface;
 mod layer;
@@ -32,6 +33,7 @@ mod polarisation;
 
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};
+pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
 pub use layer::{Bottom, Layer, LayerError, Slab};
