@@ -19,8 +19,10 @@ pub enum ColourObserver {
     Cie1964,
 }
 
-/// Longest first and shortest last wavelength of a spectrum that has a colour, and its largest step, nm.
+/// Longest first and shortest last wavelength of a spectrum that has a colour, nm.
 const COVERED_NM: [f64; 2] = [400.0, 700.0];
+
+/// Largest step of a spectrum that has a colour, nm.
 const MAX_STEP_NM: f64 = 20.0;
 
 /// Weights `[X, Y, Z]` of the values of a spectrum at these wavelengths, nm, increasing.

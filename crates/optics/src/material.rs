@@ -205,7 +205,9 @@ impl Material {
     pub const fn transmitting_index(&self) -> Option<f64> {
         match *self {
             Self::Dielectric { eta } => Some(eta),
-            Self::Coated { eta, kappa, .. } if kappa == 0.0 => Some(eta),
+            Self::Coated {
+                eta, kappa: 0.0, ..
+            } => Some(eta),
             Self::Conductor { .. }
             | Self::Mirror
             | Self::Lambertian { .. }
@@ -219,10 +221,14 @@ impl Material {
     pub const fn reversed(self) -> Self {
         match self {
             Self::Dielectric { eta } => Self::Dielectric { eta: 1.0 / eta },
-            Self::Coated { films, eta, kappa } if kappa == 0.0 => Self::Coated {
+            Self::Coated {
+                films,
+                eta,
+                kappa: 0.0,
+            } => Self::Coated {
                 films: films.reversed(eta),
                 eta: 1.0 / eta,
-                kappa,
+                kappa: 0.0,
             },
             opaque => opaque,
         }
