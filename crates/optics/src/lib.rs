@@ -20,8 +20,10 @@
 //! turns counter-clockwise. Mueller matrices give *flux* per incident flux: transmission has the factor
 //! `eta cos(theta_t) / cos(theta_i)`, and none for radiance.
 
+mod colour;
 mod direction;
 mod elementary;
+mod film;
 mod fresnel;
 mod interface;
 mod layer;
@@ -30,8 +32,10 @@ mod participating;
 mod phase;
 mod polarisation;
 
+pub use colour::{Colour, ColourObserver, colour_weights};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};
+pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
 pub use layer::{Bottom, Layer, LayerError, Slab};

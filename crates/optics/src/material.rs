@@ -1,9 +1,9 @@
-//! Surface material: dielectric, conductor, mirror or Lambertian, with the fractions that a facet reflects and transmits.
+//! Surface material: dielectric, conductor, either of them coated, mirror or Lambertian, with the fractions that a facet reflects and transmits.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    FacetMueller, Fresnel, PolarisedFresnel, conductor, dielectric, polarised_conductor,
+    FacetMueller, Films, Fresnel, PolarisedFresnel, conductor, dielectric, polarised_conductor,
     polarised_dielectric,
 };
 
@@ -45,6 +45,16 @@ pub enum Material {
         /// Reflected fraction of the light, `[0, 1]`.
         reflectance: f64,
     },
+    /// Coherent stack of thin films on a substrate of relative index `eta + i kappa`: a clear medium if `kappa` is zero, else an
+    /// absorbing conductor.
+    Coated {
+        /// Layers, the first of which the light meets first.
+        films: Films,
+        /// Real part of the relative index of the substrate, above zero.
+        eta: f64,
+        /// Imaginary part, zero or more.
+        kappa: f64,
+    },
 }
 
 /// Error of an invalid material.
@@ -60,6 +70,12 @@ pub enum MaterialError {
     /// The reflectance is out of range.
     #[error("reflectance is {0:?}; the reflectance of a facet must be from 0 to 1")]
     BadReflectance(f64),
+    /// The stack has too many thin films.
+    #[error("{0} thin films are too many; at most {max} are allowed", max = Films::MAX_LAYERS)]
+    TooManyFilms(usize),
+    /// The phase of a thin film is out of range.
+    #[error("the phase 2 pi d / lambda of a thin film is {0:?}; it must be from 0 to {max:e}", max = Films::MAX_PHASE)]
+    BadPhase(f64),
 }
 
 impl Material {
@@ -78,12 +94,21 @@ impl Material {
     /// # Errors
     /// [`MaterialError`] unless `eta` is from 1e-6 to 1e6 and `kappa` from 0 to 1e6.
     pub fn conductor(eta: f64, kappa: f64) -> Result<Self, MaterialError> {
-        if !(0.0..=MAX_INDEX).contains(&kappa) {
-            return Err(MaterialError::BadKappa(kappa));
-        }
         Ok(Self::Conductor {
+            kappa: valid_kappa(kappa)?,
             eta: valid_eta(eta)?,
-            kappa,
+        })
+    }
+
+    /// A substrate of relative index `eta + i kappa` under thin films; it transmits light if `kappa` is zero.
+    ///
+    /// # Errors
+    /// [`MaterialError`] unless `eta` is from 1e-6 to 1e6 and `kappa` from 0 to 1e6.
+    pub fn coated(films: Films, eta: f64, kappa: f64) -> Result<Self, MaterialError> {
+        Ok(Self::Coated {
+            films,
+            kappa: valid_kappa(kappa)?,
+            eta: valid_eta(eta)?,
         })
     }
 
@@ -117,6 +142,40 @@ impl Material {
                 transmitted: 1.0 - reflectance,
                 ..Fresnel::TOTAL_REFLECTION
             },
+            Self::Coated { films, eta, kappa } => {
+                let fresnel = films.fresnel(cos_theta_i, eta, kappa);
+                let reflected = fresnel.reflected.m00;
+                Fresnel {
+                    reflected,
+                    transmitted: if kappa == 0.0 {
+                        fresnel.transmitted.m00
+                    } else {
+                        1.0 - reflected
+                    },
+                    cos_theta_t: fresnel.cos_theta_t,
+                }
+            }
+        }
+    }
+
+    /// Returns `true` if an interface absorbs light: not one between clear media, or of a mirror, or under clear films.
+    #[must_use]
+    pub fn absorbs(&self) -> bool {
+        match *self {
+            Self::Dielectric { .. } | Self::Mirror => false,
+            Self::Conductor { .. } => true,
+            Self::Lambertian { reflectance } => reflectance < 1.0,
+            Self::Coated { films, kappa, .. } => kappa > 0.0 || films.absorbs(),
+        }
+    }
+
+    /// Fraction of the light that the interface absorbs, of the fractions of [`Self::fresnel`].
+    #[must_use]
+    pub fn absorbed(&self, fresnel: &Fresnel) -> f64 {
+        match self.transmitting_index() {
+            None => fresnel.transmitted,
+            Some(_) if self.absorbs() => (1.0 - fresnel.reflected - fresnel.transmitted).max(0.0),
+            Some(_) => 0.0,
         }
     }
 
@@ -137,6 +196,7 @@ impl Material {
                 },
                 ..PolarisedFresnel::MIRROR
             },
+            Self::Coated { films, eta, kappa } => films.fresnel(cos_theta_i, eta, kappa),
         }
     }
 
@@ -145,16 +205,31 @@ impl Material {
     pub const fn transmitting_index(&self) -> Option<f64> {
         match *self {
             Self::Dielectric { eta } => Some(eta),
-            Self::Conductor { .. } | Self::Mirror | Self::Lambertian { .. } => None,
+            Self::Coated {
+                eta, kappa: 0.0, ..
+            } => Some(eta),
+            Self::Conductor { .. }
+            | Self::Mirror
+            | Self::Lambertian { .. }
+            | Self::Coated { .. } => None,
         }
     }
 
-    /// This interface for light from the other side: a dielectric has the inverse index, an opaque material is
-    /// unchanged.
+    /// This interface for light from the other side: a dielectric has the inverse index, its films are in reverse order, an opaque
+    /// material is unchanged.
     #[must_use]
     pub const fn reversed(self) -> Self {
         match self {
             Self::Dielectric { eta } => Self::Dielectric { eta: 1.0 / eta },
+            Self::Coated {
+                films,
+                eta,
+                kappa: 0.0,
+            } => Self::Coated {
+                films: films.reversed(eta),
+                eta: 1.0 / eta,
+                kappa: 0.0,
+            },
             opaque => opaque,
         }
     }
@@ -168,6 +243,14 @@ pub(crate) fn valid_eta(eta: f64) -> Result<f64, MaterialError> {
         Ok(eta)
     } else {
         Err(MaterialError::BadEta(eta))
+    }
+}
+
+pub(crate) fn valid_kappa(kappa: f64) -> Result<f64, MaterialError> {
+    if (0.0..=MAX_INDEX).contains(&kappa) {
+        Ok(kappa)
+    } else {
+        Err(MaterialError::BadKappa(kappa))
     }
 }
 

@@ -189,7 +189,7 @@ mod tests {
             let (eta, kappa) = match self.material {
                 Material::Dielectric { eta } => (eta, 0.0),
                 Material::Conductor { eta, kappa } => (eta, kappa),
-                Material::Mirror | Material::Lambertian { .. } => unreachable!(),
+                _ => unreachable!(),
             };
             let [a_s, a_p] = if self.is_transmitted {
                 let cos_t = dielectric(cos, eta).cos_theta_t;

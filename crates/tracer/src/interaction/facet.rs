@@ -91,6 +91,15 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
             };
             (polarised_dielectric(cos_theta_i, eta), eta)
         }
+        Material::Coated { .. } => {
+            let facing = if incident.is_entering {
+                material
+            } else {
+                material.reversed()
+            };
+            let eta = facing.transmitting_index().unwrap_or(1.0);
+            (facing.polarised_fresnel(cos_theta_i), eta)
+        }
         Material::Lambertian { reflectance } => {
             return Scattered {
                 transmitted: Outgoing {
@@ -128,12 +137,14 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
     let axis = incidence_axis(k, m);
     let reflected = incident.leave::<L>(reflect(wi, m), axis, fresnel.reflected);
     let wt = refract(wi, m, eta, fresnel.cos_theta_t);
+    let transmitted = incident.leave::<L>(wt, axis, fresnel.transmitted);
     let absorbed = match material {
         Material::Dielectric { .. } => 0.0,
-        _ => 1.0 - reflected.passed.fraction,
+        Material::Coated { .. } if !material.absorbs() => 0.0,
+        _ => 1.0 - reflected.passed.fraction - transmitted.passed.fraction,
     };
     Scattered {
-        transmitted: incident.leave::<L>(wt, axis, fresnel.transmitted),
+        transmitted,
         reflected,
         absorbed,
     }

@@ -3,7 +3,7 @@
 //! # Source
 //! Born and Wolf, Principles of Optics, Secs. 1.5 and 14.2, with `r_p = -r_s` at normal incidence.
 
-use asperity_optics::{FresnelAmplitudes, Material, conductor_amplitudes};
+use asperity_optics::{FilmAmplitudes, FresnelAmplitudes, Material, conductor_amplitudes};
 use num_complex::Complex64;
 
 /// Amplitudes of an interface for fields along s and p, `[s, p]`, whose squares are fluxes.
@@ -24,6 +24,17 @@ impl Amplitudes {
                 reflection: reflection(cos_theta_i, eta, kappa),
                 transmission: [Complex64::ZERO; 2],
             },
+            Material::Coated { films, eta, kappa } => {
+                let FilmAmplitudes { r, t, flux } = films.amplitudes(cos_theta_i, eta, kappa);
+                let is_opaque = kappa > 0.0;
+                Self {
+                    reflection: r,
+                    transmission: [0, 1].map(|i| match is_opaque {
+                        true => Complex64::ZERO,
+                        false => t[i] * flux[i].sqrt(),
+                    }),
+                }
+            }
             _ => Self {
                 reflection: [(-1.0).into(), 1.0.into()],
                 transmission: [Complex64::ZERO; 2],

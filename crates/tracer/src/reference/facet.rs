@@ -52,9 +52,12 @@ impl Scattered {
         match material.transmitting_index() {
             Some(eta) if fresnel.transmitted > 0.0 => {
                 let wt = refract(wi, m, eta, fresnel.cos_theta_t);
-                Self::new([(fresnel.transmitted, wt), reflected], 0.0)
+                Self::new(
+                    [(fresnel.transmitted, wt), reflected],
+                    material.absorbed(&fresnel),
+                )
             }
-            _ => Self::new([(0.0, DVec3::ZERO), reflected], fresnel.transmitted),
+            _ => Self::new([(0.0, DVec3::ZERO), reflected], material.absorbed(&fresnel)),
         }
     }
 
@@ -116,10 +119,19 @@ impl Scattered {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use asperity_optics::{Film, Films};
+
     use super::*;
     use crate::interaction::facet::{Incident, scatter};
     use crate::interaction::polarised::AveragedLight;
+
+    /// A substrate of that index under two films, the first of which absorbs by `kappa`.
+    pub(crate) fn coated([n, k]: [f64; 2], kappa: f64) -> Material {
+        let layers = [(2.3, kappa, 0.9), (1.38, 0.0, 1.1)];
+        let films = layers.map(|(eta, kappa, phase)| Film { eta, kappa, phase });
+        Material::coated(Films::new(&films).unwrap(), n, k).unwrap()
+    }
 
     #[test]
     fn the_path_engine_scatters_averaged_light_to_the_bit_as_the_reference() {
@@ -131,6 +143,9 @@ mod tests {
                 kappa: 2.455,
             },
             Material::Mirror,
+            coated([1.5, 0.0], 0.0),
+            coated([1.5, 0.0], 0.3),
+            coated([0.43, 2.455], 0.3),
         ];
         let m = DVec3::new(0.48, -0.6, 0.64);
         for material in materials {

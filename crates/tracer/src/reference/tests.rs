@@ -131,6 +131,9 @@ fn fields_agree_with_mueller_matrices_along_random_paths() {
             kappa: 2.455,
         },
         Material::Mirror,
+        coated([1.5, 0.0], 0.0),
+        coated([1.5, 0.0], 0.3),
+        coated([0.43, 2.455], 0.3),
     ];
     for number in 0..3000 {
         let tilt = [0.0, 1e-16, 1e-12, 1e-8, 1.0];
@@ -141,7 +144,7 @@ fn fields_agree_with_mueller_matrices_along_random_paths() {
         for _ in 0..4 {
             let m = tilted(-path.k, tilt[rng.random_range(0..5)], &mut rng);
             let m = if path.k.dot(m) > 0.0 { -m } else { m };
-            let material = materials[rng.random_range(0..5)];
+            let material = materials[rng.random_range(0..materials.len())];
             let fresnel = material.polarised_fresnel(-path.k.dot(m).max(-1.0));
             let is_transmitted = rng.random_bool(0.5) && fresnel.transmitted.m00 > 0.0;
             let k_out = match material.transmitting_index() {

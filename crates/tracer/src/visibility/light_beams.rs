@@ -7,7 +7,7 @@
 //! refracting surface. Beams end after some tiles, so that few of them contain any one point; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
-use asperity_optics::{Material, dielectric, refract};
+use asperity_optics::{Material, refract};
 use asperity_surface::Border;
 use glam::DVec3;
 
@@ -238,7 +238,7 @@ impl<G: Geometry> LightBeams<G> {
         if cos_theta_i <= 0.0 || !self.is_up {
             return None;
         }
-        let fresnel = dielectric(cos_theta_i.min(1.0), eta);
+        let fresnel = self.material.fresnel(cos_theta_i.min(1.0));
         if fresnel.transmitted <= 0.0 {
             return None;
         }

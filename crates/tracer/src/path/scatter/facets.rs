@@ -71,6 +71,9 @@ impl<L: CarriedLight<N>, const N: usize> Stage for ScatterLight<'_, L, N> {
             Material::Lambertian { reflectance } => {
                 self.scatter(Material::Lambertian { reflectance });
             }
+            Material::Coated { films, eta, kappa } => {
+                self.scatter(Material::Coated { films, eta, kappa });
+            }
             _ => self.scatter(Material::Mirror),
         }
     }

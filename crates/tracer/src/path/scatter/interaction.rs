@@ -84,12 +84,16 @@ impl<G: Geometry> Tracer<'_, G> {
 
         // Make the branches that survive
         let divides = material.transmitting_index().is_some();
+        let picks = divides && self.settings.branching == Branching::Pick;
         if batch.conductors.is_some() {
             self.scatter_jointly(at, normal, batch);
-        } else if !divides {
+        } else if !divides || material.absorbs() {
             absorb(at, batch);
+            if picks {
+                renormalise(at, batch);
+            }
         }
-        if divides && self.settings.branching == Branching::Pick {
+        if picks {
             self.pick_branches(at, batch);
         } else {
             self.split_branches(at, batch);
@@ -261,16 +265,39 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 }
 
-/// Tallies the light that an opaque material absorbs.
+/// Tallies the light that an interface absorbs: all that it neither reflects nor transmits.
 fn absorb<F: Copy>(at: &Segments, batch: &mut Batch<'_, F>) {
-    let reflected = &batch.interactions.scattered.reflected.flux;
-    for (i, reflected) in reflected.iter().enumerate() {
-        let absorbed = at.flux[i] * (1.0 - reflected);
+    let scattered = &batch.interactions.scattered;
+    let fractions = scattered
+        .reflected
+        .flux
+        .iter()
+        .zip(&scattered.transmitted.flux);
+    for (i, (reflected, transmitted)) in fractions.enumerate() {
+        let absorbed = at.flux[i] * (1.0 - reflected - transmitted);
         let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
         if at.order[i] == 0 {
             tally.add_first_absorbed(absorbed);
         } else {
             tally.add_loss(Loss::Absorbed, absorbed);
+        }
+    }
+}
+
+/// Takes absorbed light out of the flux of the segments, and makes the fractions of their branches add to one.
+fn renormalise<F: Copy>(at: &mut Segments, batch: &mut Batch<'_, F>) {
+    let scattered = &mut batch.interactions.scattered;
+    let branches = [
+        &mut scattered.reflected.flux,
+        &mut scattered.transmitted.flux,
+    ];
+    let [reflected, transmitted] = branches;
+    for (i, (reflected, transmitted)) in reflected.iter_mut().zip(transmitted).enumerate() {
+        let kept = *reflected + *transmitted;
+        at.flux[i] *= kept;
+        if kept > 0.0 {
+            *reflected /= kept;
+            *transmitted /= kept;
         }
     }
 }
