@@ -21,6 +21,7 @@
 //! `eta cos(theta_t) / cos(theta_i)`, and none for radiance.
 
 mod direction;
+mod dispersion;
 mod elementary;
 mod fresnel;
 mod interface;
@@ -31,6 +32,7 @@ mod phase;
 mod polarisation;
 
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
+pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
