@@ -22,6 +22,7 @@
 
 mod colour;
 mod direction;
+mod dispersion;
 mod elementary;
 mod film;
 mod fresnel;
@@ -34,6 +35,7 @@ mod polarisation;
 
 pub use colour::{Colour, ColourObserver, colour_weights};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
+pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};
 pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
