@@ -10,6 +10,7 @@ mod accelerators;
 mod common;
 mod control_variates;
 mod diffuse;
+mod films;
 mod layers;
 mod layers_against_reference;
 mod light_beams;
