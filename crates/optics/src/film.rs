@@ -25,7 +25,7 @@
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-use crate::material::{MaterialError, valid_eta, valid_kappa};
+use crate::material_error::{MAX_FILM_PHASE, MAX_FILMS, MaterialError, valid_eta, valid_kappa};
 use crate::{FacetMueller, PolarisedFresnel, dielectric};
 
 /// Homogeneous layer of a stack of thin films.
@@ -61,10 +61,10 @@ pub struct Films {
 
 impl Films {
     /// Most layers of a stack.
-    pub const MAX_LAYERS: usize = 8;
+    pub const MAX_LAYERS: usize = MAX_FILMS;
 
-    /// Largest phase of a layer, radians: phases keep ten digits.
-    pub const MAX_PHASE: f64 = 1e6;
+    /// Largest phase of a layer, radians.
+    pub const MAX_PHASE: f64 = MAX_FILM_PHASE;
 
     /// Layer in the place of none.
     const NONE: Film = Film {

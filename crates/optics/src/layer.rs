@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::material::valid_eta;
+use crate::material_error::valid_eta;
 use crate::{MaterialError, ParticipatingMedium};
 
 /// Lower boundary of a layer.

@@ -29,6 +29,7 @@ mod fresnel;
 mod interface;
 mod layer;
 mod material;
+mod material_error;
 mod participating;
 mod phase;
 mod polarisation;
@@ -41,7 +42,8 @@ pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
 pub use layer::{Bottom, Layer, LayerError, Slab};
-pub use material::{Material, MaterialError};
+pub use material::Material;
+pub use material_error::MaterialError;
 pub use participating::{ParticipatingMedium, ParticipatingMediumError};
 pub use phase::{PhaseFunction, PhaseFunctionError};
 pub use polarisation::{

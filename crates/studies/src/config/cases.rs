@@ -132,7 +132,9 @@ pub fn check_sides(
     }
     match material.transmitting_index() {
         Some(_) => Ok(()),
-        None => Err(ConfigError::NothingTransmitted { by: Some(material) }),
+        None => Err(ConfigError::NothingTransmitted {
+            by: Some(Box::new(material)),
+        }),
     }
 }
 

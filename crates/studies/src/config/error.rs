@@ -70,10 +70,10 @@ pub enum ConfigError {
     #[error(transparent)]
     LayerModel(#[from] FlatLayerError),
     /// Transmitted light alone, of a material or a layer below it that transmits none.
-    #[error("nothing {}; take side reflected or both", not_transmitted(*.by))]
+    #[error("nothing {}; take side reflected or both", not_transmitted(.by.as_deref()))]
     NothingTransmitted {
         /// The material; `None` if it is the layer.
-        by: Option<Material>,
+        by: Option<Box<Material>>,
     },
     /// No simulation is possible: no memory, or no control variate.
     #[error(transparent)]
@@ -183,9 +183,9 @@ fn model_and_medium(has_medium: bool) -> String {
 }
 
 /// The end of a sentence on a material or a layer that transmits no light.
-fn not_transmitted(by: Option<Material>) -> String {
+fn not_transmitted(by: Option<&Material>) -> String {
     match by {
-        Some(material) => format!("is transmitted by {}", opaque(material)),
+        Some(material) => format!("is transmitted by {}", opaque(*material)),
         None => "leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom".to_owned(),
     }
 }
@@ -195,6 +195,7 @@ const fn opaque(material: Material) -> &'static str {
     match material {
         Material::Conductor { .. } => "a conductor",
         Material::Lambertian { .. } => "Lambertian facets",
+        Material::Coated { .. } => "a coated conductor",
         _ => "a mirror",
     }
 }

@@ -98,6 +98,10 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
 /// Kind of an interface that a path has come to.
 #[derive(Clone, Copy)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one exists at a time, and is not stored"
+)]
 enum Face {
     /// A facet that reflects and refracts, of that material for the light that comes.
     Smooth(Material),

@@ -11,6 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 
 use super::amplitudes::Amplitudes;
+use super::facet::tests::coated;
 use super::fields::{Deflection, Fields};
 
 /// Unpolarised light, then light that is polarised along s, along s + p, and circularly.

@@ -11,6 +11,7 @@ mod common;
 mod conductors;
 mod control_variates;
 mod diffuse;
+mod films;
 mod layers;
 mod layers_against_reference;
 mod light_beams;
