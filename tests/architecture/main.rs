@@ -22,7 +22,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("synthesis", &["numerics", "surface"]),
     ("tracer", &["optics", "surface", "tally"]),
     ("analysis", &["numerics", "optics", "tally"]),
-    ("io", &["surface", "synthesis"]),
+    ("io", &["optics", "surface", "synthesis"]),
     ("plot", &[]),
     (
         "simulate",

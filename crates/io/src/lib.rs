@@ -36,6 +36,7 @@ mod files;
 mod formats;
 mod height_maps;
 mod limits;
+mod materials;
 mod meshes;
 mod number_table;
 mod part_names;
@@ -57,6 +58,7 @@ pub use files::{
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};
+pub use materials::{MaterialLookupError, MaterialRecord, material, materials, names_file};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
 pub use number_table::{NumberTable, read_number_table};
 pub use pictures::{Picture, PictureFormat, write_picture};

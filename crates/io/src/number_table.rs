@@ -78,11 +78,15 @@ impl NumberTable {
 /// finite number.
 pub fn read_number_table(path: impl AsRef<Path>) -> Result<NumberTable, ReadError> {
     let path = path.as_ref();
-    let read = || read_from(path, BufReader::new(open(path)?.0));
+    let read = || number_table_of(path, BufReader::new(open(path)?.0));
     read().map_err(|problem| problem.at(path))
 }
 
-fn read_from(path: &Path, mut reader: impl BufRead) -> Result<NumberTable, ReadProblem> {
+/// The table in a text, with the `path` that [`NumberTable::path`] tells.
+pub(crate) fn number_table_of(
+    path: &Path,
+    mut reader: impl BufRead,
+) -> Result<NumberTable, ReadProblem> {
     let mut table = NumberTable {
         path: path.to_owned(),
         names: Vec::new(),
@@ -164,7 +168,7 @@ mod tests {
 
     fn read(text: &[u8]) -> Result<NumberTable, String> {
         let path = Path::new("psd.csv");
-        read_from(path, text).map_err(|problem| problem.at(path).to_string())
+        number_table_of(path, text).map_err(|problem| problem.at(path).to_string())
     }
 
     #[test]
