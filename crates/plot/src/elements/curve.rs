@@ -66,6 +66,8 @@ pub enum Colour {
     Nth(usize),
     /// A place, 0 to 1, on a ramp from dark to bright, for curves in an order.
     Ramp(f64),
+    /// A colour of sRGB.
+    Rgb([u8; 3]),
 }
 
 /// Style of a curve. Numbers of markers and dash patterns wrap around.
@@ -85,6 +87,8 @@ pub enum Style {
     Guide,
     /// A thin line in light grey, whatever the colour.
     Faint,
+    /// Nothing but a filled rectangle in the legend.
+    Swatch,
 }
 
 /// One curve.
@@ -213,6 +217,7 @@ impl Curve {
                 marker,
                 pen: self.pen(),
             },
+            Style::Swatch => Key::Swatch(colour),
             _ => Key::Line(self.pen()),
         }
     }
@@ -260,6 +265,7 @@ impl Curve {
                 self.draw_line(scene, plane);
             }
             Style::Band(_) | Style::Guide | Style::Faint => self.draw_line(scene, plane),
+            Style::Swatch => {}
         }
     }
 
@@ -334,6 +340,7 @@ impl Colour {
             Colour::Model(i) => nth(&theme::MODEL_COLOURS, i),
             Colour::Nth(i) => nth(&theme::PLAIN_COLOURS, i),
             Colour::Ramp(place) => ViridisRGB.get_color(RAMP_END * place.clamp(0.0, 1.0)),
+            Colour::Rgb([r, g, b]) => RGBColor(r, g, b),
         }
     }
 }

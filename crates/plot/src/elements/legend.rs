@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::geometry::Xy;
+use super::geometry::{Rect, Xy};
 use super::scene::{Align, Level, Marker, Pen, Scene, TextStyle};
 use super::text::{text_width, wrap};
 use super::theme;
@@ -27,6 +27,8 @@ pub(crate) enum Key {
     Arrow(Pen),
     /// Whatever the function draws about a place.
     Sign(fn(&mut Scene, Xy)),
+    /// A filled rectangle.
+    Swatch(RGBColor),
     /// Nothing: a remark in smaller type.
     Note,
 }
@@ -62,6 +64,8 @@ impl Entry {
 
 const KEY_WIDTH: f64 = 34.0;
 const KEY_GAP: f64 = 9.0;
+/// Half the height of a swatch.
+const SWATCH: f64 = 8.0;
 const ROW: f64 = 20.0;
 const LINE: f64 = 16.0;
 /// Least width of a column: that of a few words of a remark.
@@ -157,6 +161,11 @@ fn draw_key(scene: &mut Scene, key: Key, (left, y): Xy) {
         Key::Line(pen) => scene.line(&[(left, y), (right, y)], pen),
         Key::Arrow(pen) => scene.arrow((left, y), (right, y), pen),
         Key::Sign(draw) => draw(scene, (middle, y)),
+        Key::Swatch(colour) => {
+            let rect = Rect::at((left, y - SWATCH), KEY_WIDTH, 2.0 * SWATCH);
+            scene.rect(rect, colour);
+            scene.rect_outline(rect, Pen::faint());
+        }
         Key::Note => {}
     }
 }
