@@ -50,4 +50,5 @@ mod surface_files;
 mod tools;
 mod verbose;
 mod verify;
+mod wavelengths;
 mod width;

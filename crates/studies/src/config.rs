@@ -8,7 +8,9 @@ pub(crate) mod error;
 pub(crate) mod filtering;
 pub(crate) mod isotropy;
 pub(crate) mod lobes;
+pub(crate) mod material;
 pub(crate) mod measured;
+pub(crate) mod media;
 pub(crate) mod medium;
 mod memo;
 pub(crate) mod structure;
@@ -23,13 +25,13 @@ pub(crate) mod trace;
 pub(crate) mod values;
 
 use asperity_analysis::DEFAULT_LEVEL;
-use asperity_optics::Material;
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Polarisation, Sampling};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
+pub use crate::config::material::MaterialConfig;
 use crate::config::medium::MediumConfig;
 use crate::config::sun::SunConfig;
 pub use crate::config::surface::SurfaceConfig;
@@ -39,60 +41,6 @@ pub use crate::config::surface_choices::{
 pub use crate::config::surface_files::SurfaceFileError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};
-
-/// `[material]`: the material of the surface.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum MaterialConfig {
-    /// Reflects and transmits.
-    Dielectric {
-        /// Relative refractive index, one or several; 1.5 unless given.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        eta: Option<OneOrMany<Number>>,
-    },
-    /// Reflects and absorbs.
-    Conductor {
-        /// Real part of the index, one or several.
-        eta: OneOrMany<Number>,
-        /// Absorption index.
-        kappa: Number,
-    },
-    /// Reflects everything.
-    Mirror,
-    /// Reflects diffusely and absorbs.
-    Lambertian {
-        /// Fraction of the light that facets reflect.
-        reflectance: Number,
-    },
-}
-
-impl MaterialConfig {
-    /// Returns the material of a configuration without lists.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range, or a list has not one value.
-    pub fn material(&self) -> Result<Material, ConfigError> {
-        Ok(match self {
-            Self::Dielectric { eta: None } => Material::dielectric(GLASS)?,
-            Self::Dielectric { eta: Some(eta) } => Material::dielectric(eta.one("eta")?.0)?,
-            Self::Conductor { eta, kappa } => Material::conductor(eta.one("eta")?.0, kappa.0)?,
-            Self::Mirror => Material::Mirror,
-            Self::Lambertian { reflectance } => Material::lambertian(reflectance.0)?,
-        })
-    }
-
-    /// Returns the list of indices, if there is one.
-    pub(crate) const fn eta_mut(&mut self) -> Option<&mut OneOrMany<Number>> {
-        match self {
-            Self::Dielectric { eta } => eta.as_mut(),
-            Self::Conductor { eta, .. } => Some(eta),
-            Self::Mirror | Self::Lambertian { .. } => None,
-        }
-    }
-}
-
-/// Index of a dielectric unless one is given.
-const GLASS: f64 = 1.5;
 
 /// The side that light comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -136,9 +84,9 @@ pub struct LightConfig {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
-    /// Wavelength, nanometres, against which lengths of the surface are judged.
+    /// Wavelength in vacuum, nanometres, one or several: that of named materials, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wavelength: Option<Number>,
+    pub wavelength: Option<OneOrMany<Number>>,
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,
@@ -155,9 +103,49 @@ impl LightConfig {
         }
     }
 
-    /// The wavelength, nanometres, if one is given.
+    /// The list of wavelengths, where they make cases: those of named materials.
+    pub(crate) const fn wavelength_of(
+        &mut self,
+        material: &MaterialConfig,
+    ) -> Option<&mut OneOrMany<Number>> {
+        match material.media() {
+            Some(_) => self.wavelength.as_mut(),
+            None => None,
+        }
+    }
+
+    /// Leaves out a wavelength that changes nothing that is traced.
+    pub(crate) fn forget_wavelength(&mut self, material: &MaterialConfig) {
+        if material.media().is_none() {
+            self.wavelength = None;
+        }
+    }
+
+    /// Returns `true` if the material absorbs along the path of light inside, at one of the wavelengths.
+    pub(crate) fn enters_body(&self, material: &MaterialConfig) -> bool {
+        let wavelengths = self.wavelength.iter().flat_map(OneOrMany::as_slice);
+        let mut resolved = wavelengths.filter_map(|one| material.resolved(Some(one.0)).ok());
+        material.media().is_some() && resolved.any(|one| one.has_body())
+    }
+
+    /// Refuses several wavelengths of a material that does not depend on them.
+    pub(crate) fn check_wavelengths(&self, material: &MaterialConfig) -> Result<(), ConfigError> {
+        let count = self
+            .wavelength
+            .as_ref()
+            .map_or(0, |list| list.as_slice().len());
+        if count > 1 && material.media().is_none() {
+            let given = format!("{count} wavelengths");
+            let reason =
+                "change nothing unless the material is a named one, such as --material gold";
+            return Err(ConfigError::unsuitable(given, reason));
+        }
+        Ok(())
+    }
+
+    /// The first wavelength, nanometres, if one is given.
     pub(crate) fn wavelength_nm(&self) -> Option<f64> {
-        self.wavelength.map(|wavelength| wavelength.0)
+        Some(self.wavelength.as_ref()?.first()?.0)
     }
 
     /// Returns `true` if a Stokes vector of polarised light is given.
@@ -438,7 +426,7 @@ mod tests {
                 assert_eq!(words, Some(default), "{path}");
             }
         };
-        says("material.eta", &short(GLASS));
+        says("material.eta", &short(material::GLASS));
         says("run.of", &Quantity::default().to_string());
         says("run.bins", &HemisphereGrid::default().to_string());
     }

@@ -116,6 +116,7 @@ impl StudyError {
             Self::Config(ConfigError::Synthesis { error, .. }) | Self::Synthesis(error) => {
                 error.is_usage()
             }
+            Self::Config(ConfigError::Record(_)) => false,
             Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
             Self::Render(error) => matches!(
                 error,

@@ -5,6 +5,7 @@
 mod components;
 mod config;
 mod distinction;
+mod emissivity;
 mod figures;
 mod files;
 mod json;

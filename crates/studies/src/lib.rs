@@ -93,7 +93,7 @@ pub use report::summary::Summary;
 pub use report::views::Views;
 pub use study::{Findings, Study};
 pub use surface_lengths::SurfaceLengths;
-pub use trace::{TraceComparison, TraceOutcome, TraceStudy};
+pub use trace::{PlannedTrace, TraceComparison, TraceOutcome, TraceOutcomes, TraceStudy};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::plan::Plan;
 pub use verify::{VerifyOutcome, VerifyStudy};

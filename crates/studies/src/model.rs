@@ -67,7 +67,7 @@ fn evaluate_single(
     resolution: Resolution,
 ) -> Result<Box<dyn Evaluation>, EvaluationError> {
     let name = config.name()?;
-    let material = config.material.material()?;
+    let material = config.material()?.material;
     let incidence = config.incidence()?;
     let resolution = match config.run.bins {
         Some(_) => Resolution::Bins,
@@ -244,7 +244,7 @@ fn layer_model(
     let medium = config.medium.as_ref().ok_or_else(|| {
         lacks("a medium: give --mean-free-path and --albedo, or --absorption and --scattering")
     })?;
-    let layer = medium.layer(material)?;
+    let layer = medium.layer(material, 0.0)?;
     let Material::Dielectric { eta } = material else {
         return Err(lacks("a dielectric: give --eta"));
     };

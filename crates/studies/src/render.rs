@@ -85,9 +85,9 @@ impl RenderPlan {
     pub fn render(&self, observer: &dyn Observer) -> Result<RenderedPicture, StudyError> {
         let config = &self.config;
         let time = config.run.max_time.and_then(Seconds::duration);
-        let material = config.material.material()?;
-        let layer = config.medium.as_ref().map(|medium| medium.layer(material));
-        let layer = layer.transpose()?;
+        let resolved = config.material.resolved(config.light.wavelength)?;
+        let material = resolved.material;
+        let layer = resolved.layer(config.medium.as_ref(), self.surface.unit)?;
         let observer = Deadline::new(observer, time);
         let outcome = render(
             &self.shape,

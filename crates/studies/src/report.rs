@@ -2,6 +2,7 @@
 
 pub(crate) mod areal_parameters;
 pub(crate) mod case_views;
+pub(crate) mod colours;
 pub(crate) mod config_json;
 pub(crate) mod disc_bins;
 pub(crate) mod distribution_table;
@@ -16,6 +17,7 @@ pub(crate) mod polarised;
 pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
 pub(crate) mod shown_case;
+pub(crate) mod spectrum;
 mod structure;
 pub(crate) mod summary;
 pub(crate) mod views;

@@ -18,6 +18,7 @@ mod document;
 mod entry;
 mod error;
 mod file;
+pub(crate) mod film_text;
 mod flags;
 mod group;
 mod input_files;

@@ -10,27 +10,57 @@ mod plan;
 mod region_plan;
 mod text;
 
+use std::time::Instant;
+
 use asperity_results::{CaseResult, Header, ResultSet, Stored};
-use asperity_simulate::{Observer, SimulateError, StoppedBy};
+use asperity_simulate::{Case, Observer, SimulateError, StoppedBy, counted};
 use serde::Serialize;
 use serde_json::json;
 
 pub use self::comparison::TraceComparison;
-use self::files::trace_summary;
-pub use self::outcome::TraceOutcome;
-pub use self::plan::TraceStudy;
-use self::text::trace_table;
+use self::files::traces_summary;
+pub use self::outcome::{TraceOutcome, TraceOutcomes};
+pub use self::plan::PlannedTrace;
+use self::text::traces_table;
 use crate::config::OutputConfig;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
+use crate::given::{GivenSurface, GivenSurfaces};
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, tracing};
+use crate::study::{Findings, Study, finished, tracing};
+
+/// Light on given surfaces: every combination of the lists of its configuration.
+pub struct TraceStudy {
+    config: TraceConfig,
+    each: Vec<PlannedTrace>,
+    /// The cases, which share their surfaces.
+    cases: Vec<Case>,
+}
+
+impl TraceStudy {
+    /// Plans every combination of the lists of a configuration on given surfaces.
+    ///
+    /// # Errors
+    /// [`StudyError`] if the configuration makes no sense on these surfaces.
+    pub fn new(
+        config: TraceConfig,
+        tops: &GivenSurfaces,
+        bottom: Option<GivenSurface>,
+    ) -> Result<Self, StudyError> {
+        let each = PlannedTrace::all(&config, tops, bottom)?;
+        Ok(Self {
+            cases: each.iter().map(|one| one.case.clone()).collect(),
+            config,
+            each,
+        })
+    }
+}
 
 impl Study for TraceStudy {
     type Kept = CaseResult;
-    type Findings<'a> = TraceOutcome<'a>;
+    type Findings<'a> = TraceOutcomes<'a>;
 
     fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError> {
         let config: TraceConfig = document.read()?;
@@ -42,24 +72,24 @@ impl Study for TraceStudy {
             .read_with_bottom(medium, document, observer)?;
         let mut config: TraceConfig = document.clone().in_unit(tops.first.unit)?.read()?;
         config.light.take_sun(tops.first.y_is_north);
-        Self::new(config, tops, bottom)
+        Self::new(config, &tops, bottom)
     }
 
-    fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
-        self.config.views()
+    fn views<'a>(&self) -> Result<Views<'a, TraceOutcomes<'a>>, ConfigError> {
+        self.config.views(&self.cases)
     }
 
-    /// The time that a run is given, its plots and paths, and the wavelength, which changes nothing that is traced, do not belong to the header.
+    /// The time that a run is given, its plots and paths, and a wavelength that changes nothing that is traced, do not belong to the header.
     fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
-        settings.light.wavelength = None;
+        settings.light.forget_wavelength(&settings.material);
         settings.output = OutputConfig {
             plots: true,
             paths: None,
         };
         let mut settings = json!(settings);
-        settings["points"] = json!(self.case.surface);
+        settings["points"] = json!(self.cases[0].surface);
         Ok(Header::new("trace", self.config.run.seed, settings))
     }
 
@@ -67,26 +97,55 @@ impl Study for TraceStudy {
         &'a self,
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<TraceOutcome<'a>, StudyError> {
-        let follows = self.comparison.is_some() || self.config.output.plots;
+    ) -> Result<TraceOutcomes<'a>, StudyError> {
+        let began = Instant::now();
+        let compares = |one: &PlannedTrace| one.comparison.is_some();
+        let follows = self.config.output.plots || self.each.iter().any(compares);
         let tracing = &tracing(observer, self.config.run.max_time, follows);
-        let cases = std::slice::from_ref(&self.case);
-        found.run_missing(0, cases, &self.settings, tracing)?;
-        if let (Some(planned), Some(whole)) = (&self.comparison, found.case(0)) {
-            let rays = whole.outcome.work.rays;
-            if !whole.is_cut_short() {
-                // All regions together have as many rays.
-                let settings = planned.settings(rays);
-                match found.run_missing(1, cases, &settings, tracing) {
-                    Err(SimulateError::Interrupted) => {}
-                    run => run?,
-                }
+        let settings = &self.each[0].settings;
+        found.run_missing(0, &self.cases, settings, tracing)?;
+        for (number, one) in self.each.iter().enumerate() {
+            let (Some(planned), Some(whole)) = (&one.comparison, found.case(number)) else {
+                continue;
+            };
+            if whole.is_cut_short() {
+                continue;
+            }
+            // All regions together have as many rays.
+            let settings = planned.settings(whole.outcome.work.rays);
+            let case = std::slice::from_ref(&one.case);
+            match found.run_missing(self.each.len() + number, case, &settings, tracing) {
+                Err(SimulateError::Interrupted) => break,
+                run => run?,
             }
         }
         found.close()?;
         let found = &*found;
-        let whole = found.case(0).ok_or(SimulateError::Interrupted)?;
-        let compared = self.comparison.as_ref().zip(found.case(1));
+        let each = self.each.iter().enumerate().filter_map(|(number, one)| {
+            let regions = found.case(self.each.len() + number);
+            Some(one.judge(found.case(number)?, regions, observer))
+        });
+        let each = each.collect::<Result<Vec<_>, StudyError>>()?;
+        if each.is_empty() {
+            return Err(SimulateError::Interrupted.into());
+        }
+        Ok(TraceOutcomes {
+            each,
+            planned: self.each.len(),
+            seconds: began.elapsed().as_secs_f64(),
+        })
+    }
+}
+
+impl PlannedTrace {
+    /// The results of the case, and those of its regions against the models.
+    fn judge<'a>(
+        &'a self,
+        whole: &'a CaseResult,
+        regions: Option<&'a CaseResult>,
+        observer: &dyn Observer,
+    ) -> Result<TraceOutcome<'a>, StudyError> {
+        let compared = self.comparison.as_ref().zip(regions);
         let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
         let comparison = compared.map(|(planned, regions)| {
             let seed = self.config.run.seed;
@@ -111,21 +170,32 @@ impl Study for TraceStudy {
     }
 }
 
-impl Findings for TraceOutcome<'_> {
+impl Findings for TraceOutcomes<'_> {
     fn summary(&self) -> impl Serialize {
-        trace_summary(self)
+        traces_summary(self)
     }
 
     fn text(&self) -> String {
-        trace_table(self)
+        traces_table(self)
     }
 
     fn stopped_by(&self) -> Option<StoppedBy> {
-        self.stopped_by
+        let stopped = self.each.iter().find_map(|one| one.stopped_by);
+        let is_missing = self.each.len() < self.planned;
+        stopped.or(is_missing.then_some(StoppedBy::Interrupt))
+    }
+
+    fn progress(&self) -> Option<String> {
+        let done = self.each.iter().filter(|one| one.stopped_by.is_none());
+        (self.planned > 1).then(|| finished(done.count(), self.planned, "case"))
     }
 
     fn work(&self) -> Option<String> {
-        let work = &self.outcome.work.machine;
+        let [one] = self.each.as_slice() else {
+            let cases = counted(self.each.len() as u64, "case");
+            return Some(format!("{cases} in {:.1} s", self.seconds));
+        };
+        let work = &one.outcome.work.machine;
         let (build, trace) = (work.build_seconds, work.trace_seconds);
         Some(format!("built in {build:.3} s, traced in {trace:.3} s"))
     }

@@ -96,15 +96,37 @@ fn index_text(eta: f64) -> String {
 }
 
 /// The words for a material: kind as in files, in text, in figures, and as a part of a folder's name.
-struct MaterialWords {
-    kind: &'static str,
+struct MaterialWords<'a> {
+    kind: &'a str,
     in_text: CasePart,
     in_figures: CasePart,
     tag: String,
 }
 
-impl MaterialWords {
-    fn of(material: Material) -> Self {
+impl<'a> MaterialWords<'a> {
+    /// Words for the material of a case: its name, or its kind and index.
+    fn of(case: &'a Case) -> Self {
+        let by_index = Self::of_material(case.material);
+        let Some(name) = &case.at.material else {
+            return by_index;
+        };
+        let part = CasePart::bare(CaseGroup::Material, "material", name.clone());
+        let tag = name.chars().map(|c| {
+            if c.is_alphanumeric() || c == '.' {
+                c
+            } else {
+                '-'
+            }
+        });
+        Self {
+            kind: name,
+            in_figures: part.clone(),
+            in_text: part,
+            tag: tag.collect(),
+        }
+    }
+
+    fn of_material(material: Material) -> Self {
         let index = |value| CasePart::new(CaseGroup::Material, "n", value);
         let words = |kind, in_text: CasePart, tag| Self {
             kind,
@@ -256,7 +278,7 @@ impl Case {
     /// The parts of a label: surface, material, further quantities, light, layer.
     fn label_parts(&self) -> Vec<String> {
         let part = |name, value| CasePart::new(CaseGroup::Surface, name, value).text();
-        let material = MaterialWords::of(self.material).in_text;
+        let material = MaterialWords::of(self).in_text;
         let roughness = self.roughness_part().map(|part| part.text());
         let mut parts: Vec<String> = roughness.into_iter().chain(self.grooves()).collect();
         parts.push(material.text());
@@ -276,7 +298,7 @@ impl Case {
     /// Material and further quantities in titles of figures and panels, as in `n = 1/1.5`.
     #[must_use]
     pub fn panel_label(&self) -> String {
-        let material = MaterialWords::of(self.material).in_figures.text();
+        let material = MaterialWords::of(self).in_figures.text();
         let others = self.at.others.iter().map(Coordinate::text);
         let parts: Vec<String> = std::iter::once(material).chain(others).collect();
         parts.join(", ")
@@ -321,7 +343,7 @@ impl Case {
         });
         let parts = roughness
             .into_iter()
-            .chain([MaterialWords::of(self.material).tag])
+            .chain([MaterialWords::of(self).tag])
             .chain(before)
             .chain(others.map(|one| format!("{}{}", one.name, short(one.value))))
             .chain([theta])
@@ -351,7 +373,7 @@ impl Case {
             asperity_optics::Material::Lambertian { reflectance } => {
                 part(Material, "reflectance", short(reflectance))
             }
-            material => MaterialWords::of(material).in_figures,
+            _ => MaterialWords::of(self).in_figures,
         });
         if let Some(layer) = self.layer() {
             let length = |length| format!("{}{}", short(length), self.at.unit.suffix());
@@ -408,7 +430,7 @@ impl Case {
         // That of a clear medium is infinite, which no field holds.
         let path = medium.map(|medium| medium.mean_free_path());
         let path = path.filter(|path| path.is_finite());
-        let kind = MaterialWords::of(self.material).kind;
+        let kind = MaterialWords::of(self).kind;
         let incidence = self.light.incidence;
         let roughness = self.roughness().map(|(name, [first, _])| (name, first));
         let roughness = match roughness {
@@ -422,7 +444,13 @@ impl Case {
         };
         let mut columns = vec![
             roughness,
-            column(Material, "material", "", "kind of material", json!(kind)),
+            column(
+                Material,
+                "material",
+                "",
+                "kind of material, or its name",
+                json!(kind),
+            ),
             column(
                 Material,
                 "eta",
@@ -526,7 +554,9 @@ impl Case {
         let unit = is_physical.then(|| ("unit", json!(self.at.unit)));
         let layer = self.layer().map(|layer| ("layer", json!(layer)));
         let material = Some(("material", json!(self.material)));
-        let members = [surface, unit, material, layer];
+        let name = self.at.material.as_ref();
+        let name = name.map(|name| ("material_name", json!(name)));
+        let members = [surface, unit, name, material, layer];
         let members = members.into_iter().flatten();
         out.extend(members.map(|(key, value)| (key.to_owned(), value)));
         if let Some((GGX_ALPHA, [alpha, _])) = self.roughness() {

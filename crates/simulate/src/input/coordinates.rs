@@ -14,8 +14,21 @@ pub struct Coordinates {
     pub smoothness: Option<f64>,
     /// Unit of the lengths of the surface and of the layer below it.
     pub unit: LengthUnit,
+    /// Name of the material, where it has one, as in `gold`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Further quantities.
     pub others: Vec<Coordinate>,
+}
+
+impl Coordinates {
+    /// The wavelength in vacuum, nanometres, where the material depends on it.
+    #[must_use]
+    pub fn wavelength_nm(&self) -> Option<f64> {
+        let mut others = self.others.iter();
+        let found = others.find(|one| one.name == Coordinate::WAVELENGTH)?;
+        Some(found.value)
+    }
 }
 
 /// The value of a further quantity.
@@ -34,6 +47,21 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
+    /// Name of the wavelength.
+    const WAVELENGTH: &str = "wavelength";
+
+    /// The wavelength in vacuum, nanometres, at which the index of a material is taken.
+    #[must_use]
+    pub fn wavelength(nanometres: f64) -> Self {
+        Self {
+            name: Self::WAVELENGTH.to_owned(),
+            symbol: "lambda".to_owned(),
+            value: nanometres,
+            unit: "nm".to_owned(),
+            about: "wavelength in vacuum".to_owned(),
+        }
+    }
+
     /// Value and unit.
     pub(crate) fn value_text(&self) -> String {
         match self.unit.as_str() {

@@ -11,6 +11,8 @@ pub(crate) struct Described<'a> {
     pub(crate) surface: &'a SurfaceConfig,
     pub(crate) material: &'a MaterialConfig,
     pub(crate) medium: Option<&'a MediumConfig>,
+    /// `true` if the material absorbs along the path of light inside.
+    pub(crate) has_body: bool,
     /// `true` if polarised light falls on it.
     pub(crate) is_polarised: bool,
 }
@@ -18,6 +20,7 @@ pub(crate) struct Described<'a> {
 impl Described<'_> {
     /// The models in place of those of isotropic surfaces of mirrors or refracting facets; `None` where these hold.
     ///
+    /// No model is of rough surfaces of a body that absorbs inside.
     /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Isotropic Lambertian facets get Oren and
     /// Nayar; anisotropic ones have no default. Anisotropic surfaces of other materials get Smith and Heitz, since the model of Xu and Sun is
     /// isotropic. No model is of polarised light. Surfaces of GGX slopes get GGX with Smith's masking, once and for all orders, and Smith's model of the slopes that they have.
@@ -29,6 +32,7 @@ impl Described<'_> {
         let names: &[&str] = match (self.medium, self.material) {
             (Some(medium), _) if medium.bottom == Some(BottomKind::Lambertian) => &[],
             (Some(_), _) => &[LayerPaths::All.name()],
+            (None, _) if self.has_body => &[],
             (None, MaterialConfig::Lambertian { .. }) if is_isotropic => &[OrenNayar::NAME],
             (None, MaterialConfig::Lambertian { .. }) => &[],
             (None, _) if self.surface.has_ggx_slopes() => {
@@ -57,6 +61,7 @@ impl VerifyConfig {
             surface: &self.surface,
             material: &self.material,
             medium: self.medium.as_ref(),
+            has_body: self.light.enters_body(&self.material),
             is_polarised: self.light.is_polarised(),
         };
         described.choose(&mut self.compare, document);

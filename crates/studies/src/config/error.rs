@@ -95,6 +95,9 @@ pub enum ConfigError {
     /// The material is invalid.
     #[error(transparent)]
     Material(#[from] MaterialError),
+    /// A record of a material that cannot be read.
+    #[error("{0}")]
+    Record(String),
     /// The phase function of a medium is out of range.
     #[error(transparent)]
     Phase(#[from] PhaseFunctionError),

@@ -145,15 +145,29 @@ impl Interactions {
 }
 
 impl MediumConfig {
-    /// Returns the layer of a configuration without lists, below a surface of `material`.
+    /// The shape of the bottom of a layer that follows from the surface above; flat without a medium.
+    pub(crate) fn bottom_surface(medium: Option<&Self>) -> BottomSurface {
+        medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named())
+    }
+
+    /// Returns the layer of a configuration without lists, below a surface of `material`; `absorption`: that of the material itself,
+    /// 1 / length unit.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range, or the material transmits no light.
-    pub fn layer(&self, material: Material) -> Result<Layer, ConfigError> {
-        let Material::Dielectric { eta } = material else {
+    pub fn layer(&self, material: Material, absorption: f64) -> Result<Layer, ConfigError> {
+        let Some(eta) = material.transmitting_index() else {
             return Err(ConfigError::medium_below(material));
         };
         let medium = self.participating_medium()?;
+        let medium = match absorption > 0.0 {
+            false => medium,
+            true => ParticipatingMedium::from_coefficients(
+                medium.extinction() * (1.0 - medium.albedo()) + absorption,
+                medium.extinction() * medium.albedo(),
+                medium.phase(),
+            )?,
+        };
         match &self.thickness {
             None => Ok(Layer::half_space(medium)),
             Some(thickness) => {

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
 use crate::config::values::{Number, OneOrMany};
 
 /// Most cases of a sweep.
@@ -18,7 +19,7 @@ const MAX_CASES: f64 = 20_000.0;
 pub(crate) type Dimension<C> = fn(&mut C) -> Option<&mut OneOrMany<Number>>;
 
 /// The lists that are expanded, the last one fastest. Of the two pairs of names for a medium one is missing.
-const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 11] = [
+const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 13] = [
     ("roughness", |config| {
         Some(config.surface.roughness.as_mut()?.list_mut())
     }),
@@ -26,6 +27,7 @@ const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 11] = [
         config.surface.structure.as_mut()?.depth.as_mut()
     }),
     ("eta", |config| config.material.eta_mut()),
+    ("kappa", |config| config.material.kappa_mut()),
     ("mean_free_path", |config| interactions(config)?[0].take()),
     ("albedo", |config| interactions(config)?[1].take()),
     ("absorption", |config| interactions(config)?[2].take()),
@@ -33,6 +35,9 @@ const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 11] = [
     ("g", |config| config.medium.as_mut()?.g.as_mut()),
     ("thickness", |config| {
         config.medium.as_mut()?.thickness.as_mut()
+    }),
+    ("wavelength", |config| {
+        config.light.wavelength_of(&config.material)
     }),
     ("theta", |config| Some(&mut config.light.theta)),
     ("phi", |config| Some(&mut config.light.phi)),
@@ -88,6 +93,7 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
+        self.light.check_wavelengths(&self.material)?;
         expanded(self, &DIMENSIONS)
     }
 
@@ -103,6 +109,7 @@ impl VerifyConfig {
         let mut document = settings.document();
         // A list that is not given is that of its default.
         document["material"]["eta"] = json!([]);
+        document["material"]["kappa"] = json!([]);
         if let Some(measured) = measured {
             document["surface"] = json!({ "cells": self.surface.cells.of_given() });
             document["measured"] = measured.clone();
@@ -110,12 +117,12 @@ impl VerifyConfig {
         document
     }
 
-    /// The settings that the results depend on: neither the time that a run is given, nor plots, nor the wavelength, which changes nothing
-    /// that is traced.
+    /// The settings that the results depend on: neither the time that a run is given, nor plots, nor a wavelength that changes nothing that
+    /// is traced.
     pub(crate) fn document(&self) -> Value {
         let mut settings = self.clone();
         settings.run.max_time = None;
-        settings.light.wavelength = None;
+        settings.light.forget_wavelength(&settings.material);
         settings.output.plots = true;
         json!(settings)
     }
@@ -129,24 +136,26 @@ impl VerifyConfig {
         surface: SurfaceSource,
         at: Coordinates,
     ) -> Result<Case, ConfigError> {
-        let material = self.material.material()?;
-        let below = self.medium.as_ref().map(|medium| {
-            Ok::<_, ConfigError>(LayerBelow {
-                layer: medium.layer(material)?,
-                bottom: medium.bottom_surface.named(),
-            })
-        });
+        let from = self.light.from.into();
+        let material = self
+            .material
+            .resolved(self.light.wavelength_nm())?
+            .lit(from)?;
+        let layer = material.layer(self.medium.as_ref(), at.unit)?;
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
         let light = Light {
             incidence: Incidence::from_degrees(theta.0, phi.0)?,
-            from: self.light.from.into(),
+            from,
             random_azimuth: self.any_azimuth(),
             stokes: self.light.stokes(self.run.polarisation)?,
         };
         Ok(Case {
-            layer: below.transpose()?,
-            at,
-            ..Case::new(surface, material, light)
+            layer: layer.map(|layer| LayerBelow {
+                layer,
+                bottom: MediumConfig::bottom_surface(self.medium.as_ref()),
+            }),
+            at: material.coordinates(at),
+            ..Case::new(surface, material.material, light)
         })
     }
 }

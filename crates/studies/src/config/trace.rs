@@ -12,8 +12,10 @@ use super::measured::MeasuredConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::cases::{check_light, check_models, check_sides, check_unpolarised};
 use crate::config::error::ConfigError;
+use crate::config::media::Resolved;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
+use crate::config::sweep::{Dimension, expanded};
 use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
 };
@@ -49,6 +51,15 @@ pub struct TraceConfig {
     pub output: OutputConfig,
 }
 
+/// The lists that are expanded into cases, the last one fastest.
+const DIMENSIONS: [(&str, Dimension<TraceConfig>); 3] = [
+    ("eta", |config| config.material.eta_mut()),
+    ("kappa", |config| config.material.kappa_mut()),
+    ("wavelength", |config| {
+        config.light.wavelength_of(&config.material)
+    }),
+];
+
 impl TraceConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
@@ -58,47 +69,43 @@ impl TraceConfig {
         Ok(Document::of_text(Command::Trace, text)?.read()?)
     }
 
-    /// The material.
+    /// The configurations of every combination of the lists, each with one value per list.
     ///
     /// # Errors
-    /// [`ConfigError`] if a key is missing, superfluous or out of range.
-    pub fn material(&self) -> Result<Material, ConfigError> {
-        self.material.material()
+    /// [`ConfigError`] if a list is empty or makes no difference, or there are too many combinations.
+    pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
+        self.light.check_wavelengths(&self.material)?;
+        expanded(self, &DIMENSIONS)
     }
 
-    /// The layer below, if there is one.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if two values contradict each other.
-    pub fn layer(&self) -> Result<Option<Layer>, ConfigError> {
-        let material = self.material()?;
-        self.medium
-            .as_ref()
-            .map(|medium| medium.layer(material))
-            .transpose()
+    /// The material of a configuration without lists.
+    fn resolved(&self) -> Result<Resolved, ConfigError> {
+        let wavelength = self.light.wavelength_nm();
+        self.material
+            .resolved(wavelength)?
+            .lit(self.light.from.into())
     }
 
-    /// The case of this configuration on its surfaces, whose lengths are in `unit`.
+    /// The case of this configuration without lists on its surfaces, whose lengths are in `unit`.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn case(&self, surfaces: Vec<Shape>, unit: LengthUnit) -> Result<Case, ConfigError> {
-        self.check()?;
-        let bottom = self
-            .medium
-            .as_ref()
-            .map(|medium| medium.bottom_surface.named());
+        self.check_in(unit)?;
+        let material = self.resolved()?;
+        let layer = material.layer(self.medium.as_ref(), unit)?;
+        let at = Coordinates {
+            unit,
+            ..Coordinates::default()
+        };
         let mut case = Case {
             bins: None,
-            at: Coordinates {
-                unit,
-                ..Coordinates::default()
-            },
+            at: material.coordinates(at),
             surface: SurfaceSource::Given(surfaces),
-            material: self.material()?,
-            layer: self.layer()?.map(|layer| LayerBelow {
+            material: material.material,
+            layer: layer.map(|layer| LayerBelow {
                 layer,
-                bottom: bottom.unwrap_or_default(),
+                bottom: MediumConfig::bottom_surface(self.medium.as_ref()),
             }),
             light: Light {
                 incidence: self.incidence()?,
@@ -116,7 +123,16 @@ impl TraceConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn check(&self) -> Result<(), ConfigError> {
-        let (material, layer) = (self.material()?, self.layer()?);
+        // The unit of the surface is not known yet.
+        let check = |single: Self| single.check_in(LengthUnit::Nanometre);
+        self.singles()?.into_iter().try_for_each(check)
+    }
+
+    /// Checks a configuration without lists for surfaces with lengths in `unit`.
+    fn check_in(&self, unit: LengthUnit) -> Result<(), ConfigError> {
+        let material = self.resolved()?;
+        let layer = material.layer(self.medium.as_ref(), unit)?;
+        let material = material.material;
         self.incidence()?;
         self.light.stokes(self.run.polarisation)?;
         if layer.is_some() {
@@ -128,7 +144,11 @@ impl TraceConfig {
         }
         check_sides(self.run.side, material, layer.as_ref())?;
         self.check_comparison(material, layer)?;
-        self.ray_settings().map(drop)
+        let settings = self.ray_settings()?;
+        if let Some(target) = settings.target() {
+            target.check(&settings.tally, material, layer.as_ref())?;
+        }
+        Ok(())
     }
 
     /// Checks the models and the light that they are compared with, as far as the slopes of the surface do not matter.
@@ -163,10 +183,6 @@ impl TraceConfig {
         if let Some(medium) = &self.medium {
             settings.tally = settings.tally.with_medium();
             settings.max_scatterings = medium.max_scatterings;
-        }
-        if let Some(target) = settings.target() {
-            let layer = self.layer()?;
-            target.check(&settings.tally, self.material()?, layer.as_ref())?;
         }
         Ok(settings)
     }

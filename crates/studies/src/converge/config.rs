@@ -165,7 +165,7 @@ impl ConvergeConfig {
         let mut settings = self.clone();
         settings.converge.errors = OneOrMany::Many(Vec::new());
         settings.converge.peer_rate = None;
-        settings.light.wavelength = None;
+        settings.light.forget_wavelength(&settings.material);
         settings.output.plots = true;
         Header::new("converge", self.converge.seed, json!(settings))
     }

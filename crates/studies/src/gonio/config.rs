@@ -37,9 +37,9 @@ pub struct GonioLight {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
-    /// Wavelength, nanometres, against which lengths of the surface are judged.
+    /// Wavelength in vacuum, nanometres, one or several: that of named materials, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub wavelength: Option<Number>,
+    pub wavelength: Option<OneOrMany<Number>>,
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,
@@ -56,9 +56,9 @@ impl GonioLight {
         }
     }
 
-    /// The wavelength, nanometres, if one is given.
+    /// The first wavelength, nanometres, if one is given.
     pub(super) fn wavelength_nm(&self) -> Option<f64> {
-        self.wavelength.map(|wavelength| wavelength.0)
+        Some(self.wavelength.as_ref()?.first()?.0)
     }
 
     /// Polar angles and azimuths, degrees; every pair is a direction.
@@ -182,7 +182,7 @@ impl GonioConfig {
                     false => self.light.azimuth,
                 },
                 from: self.light.from,
-                wavelength: None,
+                wavelength: self.light.wavelength.clone(),
                 stokes: self.light.stokes.clone(),
                 sun: SunConfig::default(),
             },

@@ -4,6 +4,8 @@ use asperity_io::write_array;
 use asperity_tally::Side;
 
 use super::config::GonioConfig;
+use super::distinction::Distinction;
+use super::emissivity::{SettingEmissivity, emissivity_figure, emissivity_table};
 use super::json::gonio_summary;
 use super::outcome::GonioOutcome;
 use super::summary::gonio_table;
@@ -12,6 +14,7 @@ use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
 use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
+use crate::report::spectrum::add_spectra;
 use crate::report::views::Views;
 use crate::verify::plan::Plan;
 
@@ -66,6 +69,19 @@ impl GonioConfig {
             let names = names.map(|file| format!("{PLOTS}{file}"));
             views.other(names.collect(), |outcome, place, observer| {
                 figures::draw(&place.join(PLOTS), outcome, observer)
+            });
+        }
+        add_spectra(&mut views, &plan.cases, self.output.plots, |outcome| {
+            outcome.directions().filter_map(|one| one.outcome).collect()
+        });
+        views.csv("emissivity.csv", |outcome| {
+            emissivity_table(&SettingEmissivity::of(outcome))
+        });
+        if self.output.plots {
+            views.figure("emissivity", |outcome| {
+                let common = Distinction::of(outcome.settings()).common;
+                let settings = SettingEmissivity::of(outcome);
+                Ok(emissivity_figure(&settings, common)?)
             });
         }
         views.text("report.txt", |outcome| Some(gonio_table(outcome)));

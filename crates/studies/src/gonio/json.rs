@@ -1,8 +1,10 @@
 //! The contents of summary.json of a measurement.
 
+use asperity_simulate::Outcome;
 use serde_json::{Map, Value, json};
 
 use super::components::{component_names, components};
+use super::emissivity::{SettingEmissivity, emissivity_table};
 use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
 use super::summary::{notes, warnings};
@@ -13,6 +15,7 @@ use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
+use crate::report::spectrum::{colour_columns, spectrum_columns};
 use crate::report::views::Views;
 
 /// The contents of summary.json.
@@ -45,6 +48,20 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
         },
         "warnings": notes_and_warnings,
     });
+    let outcomes: Vec<&Outcome> = measured(outcome).filter_map(|one| one.outcome).collect();
+    let further = [
+        ("spectrum.csv", spectrum_columns(outcomes.iter().copied())),
+        ("colour.csv", colour_columns(outcomes)),
+        (
+            "emissivity.csv",
+            emissivity_table(&SettingEmissivity::of(outcome)).map(|table| table.description),
+        ),
+    ];
+    for (name, columns) in further {
+        if let Some(columns) = columns {
+            summary["columns"][name] = columns;
+        }
+    }
     if let Some(case) = first.and_then(|first| outcome.shown(&first)) {
         let mut views = Views::new();
         CaseViews::of(spec).add_polarised(&mut views, "directions/*/", |case: &ShownCase<'_>| {

@@ -7,11 +7,13 @@ use asperity_simulate::counted;
 use asperity_tally::HemisphereGrid;
 
 use super::distinction::Distinction;
+use super::emissivity::{SettingEmissivity, emissivity_lines};
 use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
 use crate::output::{cut_short, wrapped};
 use crate::report::energies::{lost_warning, more_rays_warning};
+use crate::report::spectrum::EMISSIVITY;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
 
 /// The summary as text: report.txt.
@@ -51,6 +53,10 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
         out.push_str(&report(outcome.spec()).keys(2).text(directions));
+    }
+    let emissivities = SettingEmissivity::of(outcome);
+    for line in emissivity_lines(&emissivities) {
+        let _ = writeln!(out, "\n{line}");
     }
     if let Some(note) = validity_note(outcome) {
         let _ = writeln!(out, "\n{}", wrapped(&format!("note: {note}")));
@@ -122,6 +128,9 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
     }
     let wavelength = outcome.config.light.wavelength_nm();
     notes.extend(wavelength_warnings(wavelength, outcome.unit()));
+    if !SettingEmissivity::of(outcome).is_empty() {
+        notes.push(EMISSIVITY.to_owned());
+    }
     notes
 }
 

@@ -76,6 +76,7 @@ impl MapConfig {
             surface: &self.surface,
             material: &self.material,
             medium: None,
+            has_body: self.light.enters_body(&self.material),
             is_polarised: self.light.is_polarised(),
         };
         described.choose(&mut self.compare, document);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use asperity_analysis::{Ggx, Heitz, SlopeCovariance, SlopeDistribution, Smith, SmithSlopes};
 use asperity_optics::Incidence;
+use asperity_simulate::short;
 use asperity_synthesis::Psd;
 use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
 use serde::Deserialize;
@@ -13,6 +14,7 @@ use super::error::EvaluationError;
 use super::slopes_of::FileSlopes;
 use crate::config::MaterialConfig;
 use crate::config::error::ConfigError;
+use crate::config::media::Resolved;
 use crate::config::medium::MediumConfig;
 use crate::config::sweep::{Dimension, expanded};
 use crate::config::values::{Number, OneOrMany};
@@ -64,6 +66,8 @@ struct Roughness {
 struct LightDirection {
     theta: OneOrMany<Number>,
     phi: OneOrMany<Number>,
+    /// Wavelength in vacuum of named materials, nanometres.
+    wavelength: Option<OneOrMany<Number>>,
 }
 
 /// Bins, and the effort of a model that follows rays.
@@ -75,9 +79,10 @@ pub(super) struct Sampling {
 }
 
 /// The lists that are expanded, by the names of their columns, the last one fastest.
-const DIMENSIONS: [(&str, Dimension<ModelConfig>); 10] = [
+const DIMENSIONS: [(&str, Dimension<ModelConfig>); 12] = [
     ("smoothness", |config| config.surface.smoothness.as_mut()),
     ("eta", |config| config.material.eta_mut()),
+    ("kappa", |config| config.material.kappa_mut()),
     ("mean_free_path", |config| interactions(config)?[0].take()),
     ("albedo", |config| interactions(config)?[1].take()),
     ("absorption", |config| interactions(config)?[2].take()),
@@ -86,6 +91,7 @@ const DIMENSIONS: [(&str, Dimension<ModelConfig>); 10] = [
     ("thickness", |config| {
         config.medium.as_mut()?.thickness.as_mut()
     }),
+    ("wavelength_nm", |config| config.light.wavelength.as_mut()),
     ("theta_i_deg", |config| Some(&mut config.light.theta)),
     ("phi_i_deg", |config| Some(&mut config.light.phi)),
 ];
@@ -127,6 +133,18 @@ impl ModelConfig {
 
     pub(super) fn name(&self) -> Result<&str, EvaluationError> {
         self.model.name.as_deref().ok_or(EvaluationError::NoName)
+    }
+
+    /// The material of a configuration without lists.
+    pub(super) fn material(&self) -> Result<Resolved, ConfigError> {
+        let wavelength = self.light.wavelength.as_ref();
+        let wavelength = wavelength.map(|one| one.one("wavelength")).transpose()?;
+        if let (Some(one), None) = (wavelength, self.material.media()) {
+            let given = format!("wavelength {} nm", short(one.0));
+            let reason = "changes nothing unless the material is a named one, such as gold";
+            return Err(ConfigError::unsuitable(given, reason));
+        }
+        self.material.resolved(wavelength.map(|one| one.0))
     }
 
     pub(super) fn incidence(&self) -> Result<Incidence, ConfigError> {

@@ -28,6 +28,8 @@ pub struct RenderConfig {
     pub material: MaterialConfig,
     /// The medium below, if there is one.
     pub medium: Option<MediumConfig>,
+    /// The wavelength of named materials.
+    pub light: WavelengthConfig,
     /// The direction towards the camera.
     pub view: ViewConfig,
     /// The camera.
@@ -38,6 +40,13 @@ pub struct RenderConfig {
     pub picture: PictureConfig,
     /// The effort.
     pub run: RenderRun,
+}
+
+/// `[light]` of a picture.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct WavelengthConfig {
+    /// Wavelength in vacuum of named materials, nanometres.
+    pub wavelength: Option<f64>,
 }
 
 /// `[view]`: the direction towards the camera, degrees.

@@ -348,7 +348,8 @@ impl Document {
     }
 
     /// Puts a layer above all others, and clears what does not go with it there.
-    fn add_layer(&mut self, layer: Vec<Entry>) -> Result<(), SettingError> {
+    fn add_layer(&mut self, mut layer: Vec<Entry>) -> Result<(), SettingError> {
+        self.name_medium_below(&mut layer);
         self.check_layer(&layer)?;
         for (holder, held) in HELD_BY {
             let is_new = |entry: &Entry| {
@@ -396,6 +397,26 @@ impl Document {
         Ok(())
     }
 
+    /// Makes of the medium below the material of the surface, which is air where the medium above alone is named.
+    fn name_medium_below(&self, layer: &mut Vec<Entry>) {
+        let Some(material) = setting_of(self.command, "material.kind") else {
+            return;
+        };
+        for entry in layer.iter_mut().filter(|entry| entry.is("material.below")) {
+            entry.setting = material;
+        }
+        let is_named =
+            self.is_given("material.kind") || layer.iter().any(|e| e.is("material.kind"));
+        let above = layer.iter().find(|entry| entry.is("material.above"));
+        if let Some(above) = above.filter(|_| !is_named) {
+            layer.push(Entry {
+                setting: material,
+                value: AIR.into(),
+                given: above.given.clone(),
+            });
+        }
+    }
+
     /// Refuses a layer with values that exclude each other, or with one case twice.
     fn check_layer(&self, layer: &[Entry]) -> Result<(), SettingError> {
         let excluded = |first: &Entry, second: &Entry, advice| {
@@ -412,8 +433,9 @@ impl Document {
             }
             let repeats =
                 |values: &Vec<Value>| (1..values.len()).any(|i| values[..i].contains(&values[i]));
-            let makes_cases =
-                CASES.contains(&entry.setting.section) && entry.setting.is_list(self.command);
+            let makes_cases = CASES.contains(&entry.setting.section)
+                && entry.setting.kind != Kind::Film
+                && entry.setting.is_list(self.command);
             if makes_cases && entry.value.as_array().is_some_and(repeats) {
                 return Err(SettingError::Invalid {
                     given: entry.given.clone(),
@@ -443,6 +465,9 @@ const CHOICES_OF_SURFACES: &[&str] = &[
     "surface.structure",
     "surface.slopes",
 ];
+
+/// The medium below the surface where the one above alone is named.
+const AIR: &str = "air";
 
 /// Sections whose lists are expanded into cases.
 const CASES: [&str; 5] = ["surface", "material", "medium", "light", "view"];

@@ -15,6 +15,9 @@ use super::setting::Setting;
 /// Name of the variant of a kind that names a file.
 pub(super) const A_FILE: &str = "a file";
 
+/// Name of the variant of a kind that names a material, or a file of one.
+pub(super) const NAMED: &str = "a named material";
+
 /// Variants of which one holds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group {
@@ -118,8 +121,11 @@ impl Group {
         }
         let name = entry.value.as_str().filter(|_| entry.is(self.kind))?;
         let choices = entry.setting.kind.choices();
-        let is_file = !choices.iter().any(|choice| choice.name == name);
-        variants.find(|variant| variant.name == if is_file { A_FILE } else { name })
+        let is_choice = choices.iter().any(|choice| choice.name == name);
+        variants.find(|variant| match is_choice {
+            true => variant.name == name,
+            false => [A_FILE, NAMED].contains(&variant.name),
+        })
     }
 
     /// Returns `true` if a setting of this value belongs to one of the variants.

@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use asperity_io::names_file;
+
 use super::definitions::settings_of;
 use super::document::Document;
+use super::film_text::{FilmMaterial, FilmText};
 use super::kind::Kind;
 
 /// Sections whose files are written.
@@ -21,23 +24,35 @@ impl Document {
         let settings = settings_of(self.command());
         let inputs = settings.filter(|setting| !OUTPUTS.contains(&setting.section));
         let named = inputs.flat_map(|setting| {
-            let choices = match setting.kind {
-                Kind::Path => &[][..],
-                Kind::ChoiceOrFile(choices) => choices,
-                _ => return Vec::new(),
-            };
             let values = match self.value(&setting.path()) {
                 Some(Value::Array(values)) => values,
                 value => value.into_iter().collect(),
             };
-            let files = values.iter().filter_map(Value::as_str);
-            let files = files.filter(|text| choices.iter().all(|choice| choice.name != *text));
-            let files = files.map(|text| text.strip_prefix(LIKE).unwrap_or(text).into());
-            files.collect::<Vec<PathBuf>>()
+            let texts = values.iter().filter_map(Value::as_str);
+            texts
+                .filter_map(|text| file_of(setting.kind, text))
+                .collect::<Vec<PathBuf>>()
         });
         let configuration = self.file().map(Path::to_owned);
         configuration.into_iter().chain(named).collect()
     }
+}
+
+/// The file that the value of a setting of this kind names, if it is one.
+fn file_of(kind: Kind, text: &str) -> Option<PathBuf> {
+    let is_choice = kind.choices().iter().any(|choice| choice.name == text);
+    let material = match kind {
+        Kind::Path | Kind::ChoiceOrFile(_) if !is_choice => {
+            return Some(text.strip_prefix(LIKE).unwrap_or(text).into());
+        }
+        Kind::ChoiceOrMaterial(_) | Kind::Material if !is_choice => text.to_owned(),
+        Kind::Film => match FilmText::parse(text)?.material {
+            FilmMaterial::Named(name) => name,
+            FilmMaterial::Index { .. } => return None,
+        },
+        _ => return None,
+    };
+    names_file(&material).then(|| material.into())
 }
 
 #[cfg(test)]

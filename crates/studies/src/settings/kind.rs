@@ -1,10 +1,12 @@
 //! Kind: what a value is, and how its text is read.
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
+use asperity_io::{MaterialRecord, material, materials, names_file};
 use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
+use super::film_text::{FilmMaterial, FilmText};
 use super::length::Length;
 use super::range::Range;
 use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
@@ -34,6 +36,12 @@ pub enum Kind {
     Choice(&'static [Choice]),
     /// One of several names, or a file.
     ChoiceOrFile(&'static [Choice]),
+    /// One of several names, a material by its name, or a file of one.
+    ChoiceOrMaterial(&'static [Choice]),
+    /// A material by its name, or a file of one.
+    Material,
+    /// A layer of a thin film: [`FilmText`].
+    Film,
     /// Names of models, or `none`.
     Models,
     /// The name of a model.
@@ -78,9 +86,25 @@ impl Kind {
         match self {
             Self::Choice(choices)
             | Self::ChoiceOrFile(choices)
+            | Self::ChoiceOrMaterial(choices)
             | Self::NumberOrChoice(choices)
             | Self::GridOrChoice(choices) => choices,
             _ => &[],
+        }
+    }
+
+    /// Names among which a wrong one may have been meant.
+    pub(super) fn known_names(self) -> Vec<&'static str> {
+        let choices = self.choices().iter().map(|choice| choice.name);
+        match self {
+            Self::ChoiceOrMaterial(_) | Self::Material | Self::Film => {
+                let names = |record: &'static MaterialRecord| {
+                    let aliases = record.aliases.iter().map(String::as_str);
+                    std::iter::once(record.name.as_str()).chain(aliases)
+                };
+                choices.chain(materials().iter().flat_map(names)).collect()
+            }
+            _ => choices.collect(),
         }
     }
 
@@ -149,10 +173,17 @@ impl Kind {
                 names_of_models().contains(&text).then(|| Value::from(text))
             }
             // A file has an ending, or lies in a folder
-            Self::ChoiceOrFile(choices) => Self::Choice(choices).parse(text, range).or_else(|| {
-                let is_path = text.contains(['.', '/', '\\', ':']);
-                is_path.then(|| Value::from(text))
-            }),
+            Self::ChoiceOrFile(choices) => Self::Choice(choices)
+                .parse(text, range)
+                .or_else(|| is_path(text).then(|| Value::from(text))),
+            Self::ChoiceOrMaterial(choices) => Self::Choice(choices)
+                .parse(text, range)
+                .or_else(|| Self::Material.parse(text, range)),
+            Self::Material => is_material(text).then(|| Value::from(text)),
+            Self::Film => match FilmText::parse(text)?.material {
+                FilmMaterial::Named(name) if !is_material(&name) => None,
+                _ => Some(Value::from(text)),
+            },
             Self::Path => (!text.is_empty()).then(|| Value::from(text)),
         }
     }
@@ -180,6 +211,11 @@ impl Kind {
             Self::Duration => "a time above 0, in seconds or with s, m or h".to_owned(),
             Self::Choice(choices) => one_of(choices, None),
             Self::ChoiceOrFile(choices) => one_of(choices, Some("a file")),
+            Self::ChoiceOrMaterial(choices) => {
+                format!("{}, {MATERIALS}", one_of(choices, None))
+            }
+            Self::Material => MATERIALS.to_owned(),
+            Self::Film => "a layer as MATERIAL:THICKNESS or INDEX:THICKNESS, from above".to_owned(),
             Self::Models => "names of models, or none".to_owned(),
             Self::Model => "the name of a model".to_owned(),
             Self::Path => "a path".to_owned(),
@@ -203,6 +239,7 @@ impl Kind {
             Self::Models => &["smith"],
             Self::Grid | Self::GridOrChoice(_) => &["18x36"],
             Self::Pixels => &["640x480"],
+            Self::Film => &["MgF2:100nm", "1.38:100nm", "2.1+0.05i:20nm"],
             _ => &[],
         };
         let candidates = candidates.iter().copied();
@@ -210,6 +247,19 @@ impl Kind {
             .filter(|text| self.parse(text, range).is_some())
             .collect()
     }
+}
+
+/// Materials in a sentence on what is allowed.
+const MATERIALS: &str = "a material that `asperity materials` lists, or a file .yml or .csv of one";
+
+/// Returns `true` if a text names a material, or a file of one.
+fn is_material(text: &str) -> bool {
+    names_file(text) || material(text).is_ok()
+}
+
+/// Returns `true` if a text is a file and no name: it has an ending, or lies in a folder.
+fn is_path(text: &str) -> bool {
+    text.contains(['.', '/', '\\', ':'])
 }
 
 /// Names of all models: of surfaces, and of layers.

@@ -346,14 +346,19 @@ impl Setting {
                 };
             }
         }
-        let choices: Vec<&str> = self
-            .kind
-            .choices()
-            .iter()
-            .map(|choice| choice.name)
-            .collect();
-        let unknown = words().find(|word| !choices.contains(word));
-        let hint = unknown.map_or_else(String::new, |word| did_you_mean(word, &choices));
+        let choices = self.kind.known_names();
+        let unknown = words().map(|word| match self.kind {
+            Kind::Film => word.rsplit_once(':').map_or(word, |(name, _)| name),
+            _ => word,
+        });
+        let unknown = unknown.into_iter().find(|word| !choices.contains(word));
+        let hint = match (command, self.key) {
+            // Its flag was that of a radiance once.
+            (Command::Render, "below") if self.kind == Kind::Material => {
+                "; the radiance from below is --radiance-below".to_owned()
+            }
+            _ => unknown.map_or_else(String::new, |word| did_you_mean(word, &choices)),
+        };
         let lists = match self.arity {
             Arity::ListIn(commands) if words().count() > 1 && !self.is_list(command) => {
                 match command == Command::Trace && commands.contains(Command::Gonio) {

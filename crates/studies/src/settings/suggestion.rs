@@ -57,7 +57,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("compare", "comparison models model"),
     // Values
     ("dielectric", "glass bk7 water"),
-    ("conductor", "metal gold silver aluminium aluminum copper"),
+    ("conductor", "metal"),
     ("mirror", "specular perfect pec"),
     ("lambertian", "diffuse lambert matte"),
     // Models
@@ -196,7 +196,7 @@ mod tests {
         );
         let materials = ["dielectric", "conductor"];
         assert_eq!(
-            known_names("gold", &materials, "the materials are"),
+            known_names("metal", &materials, "the materials are"),
             "; did you mean conductor? The materials are dielectric, conductor"
         );
         assert_eq!(

@@ -125,7 +125,7 @@ fn groups_name_settings_and_their_values() {
             if let Some(kind) = kind {
                 let names = kind.kind.choices().iter().map(|choice| choice.name);
                 let known = names
-                    .chain([group::A_FILE])
+                    .chain([group::A_FILE, group::NAMED])
                     .any(|name| name == variant.name);
                 assert!(known, "{}: {}", group.kind, variant.name);
             }

@@ -56,6 +56,10 @@ impl Surfaces {
             "sampling": run.sampling,
             "refine": run.refine,
         });
+        if let (Some(name), Some(wavelength)) = (&case.at.material, case.at.wavelength_nm()) {
+            described["material_name"] = json!(name);
+            described["light"]["wavelength_nm"] = json!(wavelength);
+        }
         if !config.compare.models.is_empty() {
             described["compare"] = json!(config.compare);
         }

@@ -1,45 +1,72 @@
 //! The files of traced surfaces.
 
+use asperity_simulate::Case;
+use serde_json::{Value, json};
+
 use super::comparison::TraceComparison;
 use super::light_paths::{paths_figure, paths_table};
-use super::outcome::TraceOutcome;
-use super::plan::TraceStudy;
+use super::outcome::{TraceOutcome, TraceOutcomes};
+use super::plan::PlannedTrace;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
+use crate::output::{CaseInFolder, Head, SummaryOfCases};
 use crate::report::case_views::CaseViews;
+use crate::report::config_json::config_json;
 use crate::report::figures::height_map_figure;
 use crate::report::shown_case::ShownCase;
+use crate::report::spectrum::add_spectra;
 use crate::report::summary::Summary;
-use crate::report::views::Views;
+use crate::report::views::{Views, case_folders};
 
 impl TraceConfig {
     /// The files of traced surfaces.
-    pub(super) fn views<'a>(&self) -> Result<Views<'a, TraceOutcome<'a>>, ConfigError> {
+    pub(super) fn views<'a>(
+        &self,
+        cases: &[Case],
+    ) -> Result<Views<'a, TraceOutcomes<'a>>, ConfigError> {
         let of_case = CaseViews {
             spec: &self.ray_settings()?.tally,
             compared: !self.compare.models.is_empty(),
             figures: self.output.plots,
         };
-        let mut views: Views<'a, TraceOutcome<'a>> = Views::new();
-        of_case.add(&mut views, "", |outcome| Some(outcome.shown()));
+        let mut views: Views<'a, TraceOutcomes<'a>> = Views::new();
+        for (number, folder) in case_folders(cases).iter().enumerate() {
+            of_case.add(&mut views, folder, move |found| {
+                Some(found.case(number)?.shown())
+            });
+            if self.output.paths.is_some() {
+                views.csv(format!("{folder}paths.csv"), move |found| {
+                    paths_table(found.case(number)?)
+                });
+                if self.output.plots {
+                    views.figure(format!("{folder}paths"), move |found| {
+                        let one = found.case(number);
+                        Ok(one.map_or(Ok(None), paths_figure)?)
+                    });
+                }
+            }
+            if cases.len() > 1 {
+                views.json(format!("{folder}summary.json"), move |found| {
+                    Some(trace_summary(found.case(number)?))
+                });
+            }
+        }
         if self.output.plots {
-            views.figure("height_map", |outcome| {
+            views.figure("height_map", |found| {
                 // That of the first surface.
-                let field = outcome.outcome.case.surface.heights();
-                let TraceStudy {
+                let one = &found.each[0];
+                let field = one.outcome.case.surface.heights();
+                let PlannedTrace {
                     first, y_is_north, ..
-                } = outcome.study;
+                } = one.study;
                 let figure = field.map(|field| height_map_figure(&field, first, *y_is_north));
                 Ok(figure.transpose()?)
             });
         }
-        if self.output.paths.is_some() {
-            views.csv("paths.csv", |outcome| paths_table(outcome));
-            if self.output.plots {
-                views.figure("paths", |outcome| Ok(paths_figure(outcome)?));
-            }
-        }
-        views.json("summary.json", |outcome| Some(trace_summary(outcome)));
+        add_spectra(&mut views, cases, self.output.plots, |found| {
+            found.each.iter().map(|one| one.outcome).collect()
+        });
+        views.json("summary.json", |found| Some(traces_summary(found)));
         Ok(views)
     }
 }
@@ -57,8 +84,27 @@ impl TraceOutcome<'_> {
     }
 }
 
-/// The contents of summary.json.
-pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
+/// The contents of summary.json: those of the case, or, of several, a list of all with their folders.
+pub(super) fn traces_summary(found: &TraceOutcomes) -> Value {
+    if let ([one], 1) = (found.each.as_slice(), found.planned) {
+        return json!(trace_summary(one));
+    }
+    let cases = found.each.iter().map(|one| CaseInFolder {
+        folder: one.outcome.case.folder(),
+        summary: trace_summary(one),
+    });
+    let config = &found.each[0].study.config;
+    json!(SummaryOfCases {
+        head: Head::of("trace"),
+        seed: config.run.seed,
+        config: config_json(config, &config.run, &[]),
+        cases: cases.collect(),
+        seconds: found.seconds,
+    })
+}
+
+/// The contents of summary.json of one case.
+fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let config = outcome.study.described.clone();
     let tables = CaseViews {
         spec: outcome.spec(),

@@ -4,14 +4,30 @@ use asperity_simulate::{LightPaths, Outcome, StoppedBy, Stopping};
 use asperity_tally::TallySpec;
 
 use super::comparison::TraceComparison;
-use super::plan::TraceStudy;
+use super::plan::PlannedTrace;
 use crate::config::lobes::BinnedLobe;
 use crate::report::energies::{lost_warning, more_rays_warning};
 
-/// Results on given surfaces.
+/// Results of all cases on given surfaces.
+pub struct TraceOutcomes<'a> {
+    /// The results of each case, as far as there are any.
+    pub each: Vec<TraceOutcome<'a>>,
+    /// Number of cases that were planned.
+    pub(super) planned: usize,
+    pub(super) seconds: f64,
+}
+
+impl<'a> TraceOutcomes<'a> {
+    /// The results of the case of that number; `None` if a stop came before it.
+    pub(super) fn case(&self, number: usize) -> Option<&TraceOutcome<'a>> {
+        self.each.iter().find(|one| one.outcome.number == number)
+    }
+}
+
+/// Results of one case on given surfaces.
 pub struct TraceOutcome<'a> {
-    /// The study.
-    pub study: &'a TraceStudy,
+    /// The case, as it was planned.
+    pub study: &'a PlannedTrace,
     /// Results of the engine.
     pub outcome: &'a Outcome,
     /// The surface against models; `None` without any, or if a stop came before.

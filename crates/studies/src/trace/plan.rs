@@ -1,6 +1,6 @@
 //! Plan: light on given surfaces, checked and ready to be traced.
 
-use asperity_simulate::{Case, LightPaths, Lobe, Settings, SimulateError};
+use asperity_simulate::{Case, LightPaths, Lobe, Settings, Shape, SimulateError};
 use serde_json::Value;
 
 use super::comparison::PlannedComparison;
@@ -13,8 +13,8 @@ use crate::validity::{Validity, wavelength_warnings};
 /// Correlation lengths of the section over which single rays are followed.
 const SECTION: f64 = 8.0;
 
-/// Light on given surfaces, checked and ready to be traced.
-pub struct TraceStudy {
+/// One case on given surfaces, checked and ready to be traced.
+pub struct PlannedTrace {
     /// The configuration.
     pub config: TraceConfig,
     /// Names of the surfaces.
@@ -36,25 +36,37 @@ pub struct TraceStudy {
     pub(super) described: Value,
 }
 
-impl TraceStudy {
-    /// Checks everything that can be before a ray is traced.
+impl PlannedTrace {
+    /// Plans every combination of the lists of a configuration, and checks everything that can be before a ray is traced.
     ///
     /// # Errors
     /// [`StudyError`] if the configuration makes no sense on these surfaces.
-    pub fn new(
-        config: TraceConfig,
-        tops: GivenSurfaces,
+    pub(super) fn all(
+        config: &TraceConfig,
+        tops: &GivenSurfaces,
         bottom: Option<GivenSurface>,
-    ) -> Result<Self, StudyError> {
+    ) -> Result<Vec<Self>, StudyError> {
         for surface in tops.iter().filter(|_| config.run.refine) {
             surface.height_map("--refine")?;
         }
+        let cells = config.surface.cells.of_given();
+        let shapes = tops.clone().simulated(bottom.clone(), cells)?;
+        let singles = config.singles()?.into_iter();
+        let planned = |single| Self::new(single, tops, bottom.as_ref(), shapes.clone());
+        singles.map(planned).collect()
+    }
+
+    /// Plans a configuration without lists.
+    fn new(
+        config: TraceConfig,
+        tops: &GivenSurfaces,
+        bottom: Option<&GivenSurface>,
+        shapes: Vec<Shape>,
+    ) -> Result<Self, StudyError> {
         let settings = config.ray_settings()?;
         let mut warnings = tops.warnings();
-        let description = Surfaces::of(&tops, bottom.as_ref(), &config);
-        let cells = config.surface.cells.of_given();
-        let of_bottom = bottom.as_ref().map(GivenSurface::lengths);
-        let shapes = tops.clone().simulated(bottom, cells)?;
+        let description = Surfaces::of(tops, bottom, &config);
+        let of_bottom = bottom.map(GivenSurface::lengths);
         let case = config.case(shapes, tops.first.unit)?;
         let wavelength = config.light.wavelength_nm();
         warnings.extend(wavelength_warnings(wavelength, tops.first.unit));
@@ -67,7 +79,7 @@ impl TraceStudy {
             &settings.tally,
             wavelength,
         );
-        let comparison = PlannedComparison::new(&config, &tops, &case, &settings)?;
+        let comparison = PlannedComparison::new(&config, tops, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());
         Ok(Self {
@@ -75,7 +87,7 @@ impl TraceStudy {
             config,
             name: tops.name(),
             y_is_north: tops.first.y_is_north,
-            first: tops.first.name,
+            first: tops.first.name.clone(),
             validity,
             lobes: Lobe::of_case(&case),
             case,

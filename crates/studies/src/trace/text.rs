@@ -6,14 +6,33 @@ use asperity_simulate::{Case, CasePart};
 use asperity_tracer::HalfSpace;
 
 use super::comparison_text::comparison_text;
-use super::outcome::TraceOutcome;
+use super::outcome::{TraceOutcome, TraceOutcomes};
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
+use crate::report::spectrum::{EMISSIVITY, spectra, spectra_text};
+
+/// The report of the case; of several their spectra, and the notes on the first.
+pub(super) fn traces_table(found: &TraceOutcomes) -> String {
+    let [first, _, ..] = found.each.as_slice() else {
+        return found.each.first().map(trace_table).unwrap_or_default();
+    };
+    let spectra = spectra(found.each.iter().map(|one| one.outcome));
+    if spectra.is_empty() {
+        let each = found.each.iter().map(trace_table);
+        return each.collect::<Vec<_>>().join("\n");
+    }
+    let mut text = format!("{}\n{}", first.study.name, spectra_text(&spectra));
+    let _ = writeln!(text, "note: {EMISSIVITY}");
+    for warning in first.warnings() {
+        let _ = writeln!(text, "note: {}: {warning}", first.outcome.case.label());
+    }
+    wrapped(&text)
+}
 
 /// Surfaces and light, then energies, errors and notes.
-pub(super) fn trace_table(outcome: &TraceOutcome) -> String {
+fn trace_table(outcome: &TraceOutcome) -> String {
     let found = outcome.outcome;
     let validity = outcome.study.validity;
     let first_lines = validity.and_then(|validity| validity.first_lines(&found.statistics));

@@ -56,6 +56,7 @@ impl Validity {
         spec: &TallySpec,
         wavelength_nm: Option<f64>,
     ) -> Option<Self> {
+        let wavelength_nm = case.at.wavelength_nm().or(wavelength_nm);
         let nanometres = wavelength_nm.unwrap_or(DEFAULT_WAVELENGTH_NM);
         let wavelength = LengthUnit::Nanometre.conversion(lengths.unit)?(nanometres);
         if lengths.sigma == 0.0 {

@@ -16,6 +16,7 @@ use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures;
 use crate::report::shown_case::ShownCase;
+use crate::report::spectrum::add_spectra;
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 
@@ -56,6 +57,9 @@ impl VerifyConfig {
         if cases.len() > 1 {
             views.text("report.txt", |outcome| Some(verify_table(outcome)));
         }
+        add_spectra(&mut views, cases, self.output.plots, |outcome| {
+            outcome.cases.iter().map(|case| case.outcome).collect()
+        });
         views.json("summary.json", |outcome| Some(verify_summary(outcome)));
         Ok(views)
     }

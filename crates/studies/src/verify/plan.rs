@@ -92,7 +92,7 @@ impl VerifyConfig {
             let at = Coordinates {
                 smoothness: Some(smoothness),
                 unit: single.surface.unit,
-                others: Vec::new(),
+                ..Coordinates::default()
             };
             cases.push(single.case(surface, at)?);
         }

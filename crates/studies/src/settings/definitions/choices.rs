@@ -98,7 +98,7 @@ pub(super) const FORM: Kind = Kind::Choice(&[
     choice("parabola", "the least-squares paraboloid"),
 ]);
 
-pub(super) const MATERIAL: Kind = Kind::Choice(&[
+pub(super) const MATERIAL: Kind = Kind::ChoiceOrMaterial(&[
     choice(
         "dielectric",
         "reflects and transmits; --eta is n_transmitted / n_incident",

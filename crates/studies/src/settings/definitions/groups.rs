@@ -1,6 +1,6 @@
 //! Groups: which settings go together, which exclude each other, and which need others.
 
-use crate::settings::group::{A_FILE, Group, group, group_by, variant};
+use crate::settings::group::{A_FILE, Group, NAMED, group, group_by, variant};
 
 /// Name of the variant of random surfaces.
 pub(in crate::settings) const RANDOM_SURFACES: &str = "random surfaces";
@@ -210,6 +210,11 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             variant("conductor").needs(&["material.eta", "material.kappa"]),
             variant("mirror"),
             variant("lambertian").needs(&["material.reflectance"]),
+            variant(NAMED).needs(&["light.wavelength"]).allows(&[
+                "material.above",
+                "material.film",
+                "material.kappa",
+            ]),
         ],
     ),
     group(&[
@@ -329,7 +334,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
 /// Settings whose values hold for one value of another, which stands first: a layer with another value of that clears them.
 pub(in crate::settings) static HELD_BY: &[(&str, &[&str])] = &[
     ("measured.file", &["measured.*"]),
-    ("material.kind", &["material.eta"]),
+    ("material.kind", &["material.eta", "material.kappa"]),
     ("surface.sigma", &["output.models_at_sigma"]),
     ("light.theta", &["output.over_sigma_at_theta"]),
 ];

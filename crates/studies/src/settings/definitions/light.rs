@@ -74,8 +74,9 @@ pub(super) const LIGHT: &[Setting] = &table(
             .commands(TRACING.and(CONVERGE))
             .default("above"),
         setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
-            .help("Wavelength against which the lengths of the surface are judged")
-            .commands(TRACING)
+            .help("Wavelength of named materials, and to judge lengths against")
+            .commands(TRACING.and(CONVERGE).and(MODEL).and(RENDER))
+            .arity(Arity::ListIn(TRACING.and(CONVERGE).and(MODEL)))
             .unit("nm")
             .range(Range::FromTo(1e-3, 1e12))
             .otherwise("550 where the unit of the surface is known"),

@@ -15,22 +15,41 @@ const COMMANDS: Commands = TRACE
     .and(CONVERGE)
     .and(MODEL);
 
+/// Commands with lists of indices.
+const LISTS_OF_INDICES: Commands = SWEEPS.and(TRACE).and(MODEL);
+
 pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
     "material",
     COMMANDS,
     [
         basic("kind", MATERIAL)
-            .help("Material")
+            .help("Kind of material, or a named one: the medium below")
             .flag(Flag::Named("material"))
+            .value_name("KIND|NAME|FILE")
             .default("dielectric"),
+        setting("below", Kind::Material)
+            .help("Medium below the surface, in place of material")
+            .value_name("NAME|FILE")
+            .otherwise("air where above is given"),
+        setting("above", Kind::Material)
+            .help("Medium above the surface, which is clear")
+            .value_name("NAME|FILE")
+            .otherwise("index 1"),
+        setting("film", Kind::Film)
+            .help("Thin film on every facet, layer by layer from above")
+            .value_name("MATERIAL:THICKNESS")
+            .arity(Arity::ListIn(COMMANDS))
+            .otherwise("none"),
         basic("eta", Kind::Number)
             .help("Relative refractive index n_transmitted / n_incident")
             .range(Range::FromTo(0.01, 1e6))
-            .arity(Arity::ListIn(SWEEPS.and(MODEL)))
+            .arity(Arity::ListIn(LISTS_OF_INDICES))
             .otherwise("1.5 for a dielectric"),
         basic("kappa", Kind::Number)
             .help("Absorption index of a conductor")
-            .range(Range::FromTo(0.0, 1e6)),
+            .range(Range::FromTo(0.0, 1e6))
+            .otherwise("that of the record of a named material, if it has one")
+            .arity(Arity::ListIn(LISTS_OF_INDICES)),
         basic("reflectance", Kind::Number)
             .help("Fraction of light that a Lambertian facet reflects")
             .range(Range::FromTo(0.0, 1.0))

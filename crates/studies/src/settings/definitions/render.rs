@@ -75,6 +75,7 @@ pub(super) const LIGHTS: &[Setting] = &flags(
             .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
             .otherwise("the whole plane"),
         setting("below", Kind::Number)
+            .flag(Flag::Named("radiance-below"))
             .help("Radiance from below, as seen through a flat ideal interface")
             .value_name("RADIANCE")
             .range(RADIANCE)

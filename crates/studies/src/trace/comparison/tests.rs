@@ -40,13 +40,13 @@ fn planned(surface: GivenSurface, settings: &str) -> TraceStudy {
         first: surface,
         others: Vec::new(),
     };
-    TraceStudy::new(config, tops, None).unwrap()
+    TraceStudy::new(config, &tops, None).unwrap()
 }
 
 /// Returns the value that `read` takes from the outcome of a run.
 fn run<T>(plan: TraceStudy, read: impl Fn(&TraceOutcome<'_>) -> T) -> T {
     let mut found = ResultSet::in_memory(plan.header().unwrap());
-    read(&plan.run(&mut found, &Silent).unwrap())
+    read(&plan.run(&mut found, &Silent).unwrap().each[0])
 }
 
 /// The p value of the component that each model is judged by.
@@ -174,7 +174,7 @@ fn models_of_other_slopes_are_rejected() {
             panic!("a height field");
         };
         let mut planned = planned(surface, &format!("{MIRROR}models = \"smith\""));
-        let Slopes { plan, shifts, .. } = &mut planned.comparison.as_mut().unwrap().slopes;
+        let Slopes { plan, shifts, .. } = &mut planned.each[0].comparison.as_mut().unwrap().slopes;
         let mut regions = centred(field.border(), field.region_slopes([8, 8]));
         assert_eq!([plan.regions.columns, plan.regions.rows], [8, 8]);
         for region in &mut regions {
@@ -213,7 +213,7 @@ fn slopes_of_the_surface_are_those_of_its_ensemble_within_their_errors() {
             surface(psd.clone(), seed),
             &format!("[surface]\ncells = \"smooth\"\n{MIRROR}models = \"smith\""),
         );
-        let found = planned
+        let found = planned.each[0]
             .comparison
             .as_ref()
             .unwrap()

@@ -1,0 +1,201 @@
+//! Emissivity of opaque bodies: against the polar angle, and over the hemisphere.
+//!
+//! The hemispherical emissivity is the mean of the directional one over `sin^2 theta`. Each polar angle counts for the part of the hemisphere that
+//! is nearest to it, and azimuths count alike: the midpoint rule, exact to second order in the distance between angles.
+
+use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
+use asperity_tally::Estimate;
+
+use super::distinction::Distinction;
+use super::outcome::GonioOutcome;
+use super::summary::labelled;
+use crate::output::{Column, EstimateWithLimit, Table};
+use crate::report::spectrum::emissivity;
+use crate::report::views::Csv;
+
+/// Fewest polar angles of which the hemisphere is made.
+const MIN_ANGLES: usize = 3;
+
+/// Emissivity of one setting.
+pub(super) struct SettingEmissivity {
+    number: usize,
+    label: String,
+    /// Wavelength in vacuum, nanometres, where the material depends on it.
+    wavelength: Option<f64>,
+    /// Mean over the azimuths of the light, by polar angle in degrees, ascending.
+    by_theta: Vec<(f64, Estimate)>,
+}
+
+impl SettingEmissivity {
+    /// The emissivity of each opaque setting that was measured at [`MIN_ANGLES`] polar angles or more.
+    pub(super) fn of(outcome: &GonioOutcome<'_>) -> Vec<Self> {
+        let distinction = Distinction::of(outcome.settings());
+        let settings = distinction.labels.iter().enumerate();
+        let settings = settings.filter_map(|(number, label)| {
+            let case = outcome.settings().nth(number)?;
+            let by_theta = by_theta(outcome, number)?;
+            (by_theta.len() >= MIN_ANGLES).then(|| Self {
+                number,
+                label: labelled(&distinction.title, label),
+                wavelength: case.at.wavelength_nm(),
+                by_theta,
+            })
+        });
+        settings.collect()
+    }
+
+    /// Hemispherical emissivity. Standard errors add, since directions share their surfaces.
+    fn hemispherical(&self) -> Estimate {
+        let angles: Vec<f64> = self.by_theta.iter().map(|(theta, _)| *theta).collect();
+        let edge = |i: usize| match i {
+            0 => 0.0,
+            i if i == angles.len() => 90.0,
+            i => 0.5 * (angles[i - 1] + angles[i]),
+        };
+        let part = |i: usize| edge(i).to_radians().sin().powi(2);
+        let weight = |i: usize| part(i + 1) - part(i);
+        weighted_sum(self.by_theta.iter().map(|(_, one)| *one), weight)
+    }
+}
+
+/// The emissivity by polar angle; `None` where a direction is missing or the body is not opaque.
+fn by_theta(outcome: &GonioOutcome<'_>, setting: usize) -> Option<Vec<(f64, Estimate)>> {
+    let phis = outcome.phis.len();
+    let of_theta = |theta: usize| {
+        let directions = (0..phis).map(|phi| outcome.direction(setting, theta, phi).outcome);
+        let found = directions.map(|found| emissivity(found?));
+        let found = found.collect::<Option<Vec<Estimate>>>()?;
+        let mean = weighted_sum(found.into_iter(), |_| 1.0 / phis as f64);
+        Some((outcome.thetas[theta], mean))
+    };
+    let all = (0..outcome.thetas.len()).map(of_theta);
+    let mut all = all.collect::<Option<Vec<_>>>()?;
+    all.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    Some(all)
+}
+
+/// A weighted sum, with the sum of the weighted errors for its error.
+fn weighted_sum(
+    estimates: impl Iterator<Item = Estimate>,
+    weight: impl Fn(usize) -> f64,
+) -> Estimate {
+    let none = Estimate {
+        mean: 0.0,
+        se: Some(0.0),
+    };
+    estimates.enumerate().fold(none, |sum, (i, one)| Estimate {
+        mean: sum.mean + weight(i) * one.mean,
+        se: sum.se.zip(one.se).map(|(sum, se)| sum + weight(i) * se),
+    })
+}
+
+/// One row of emissivity.csv.
+struct Row {
+    setting: usize,
+    wavelength: Option<f64>,
+    theta: f64,
+    emissivity: Estimate,
+    hemispherical: Estimate,
+}
+
+/// emissivity.csv: a row per opaque setting and polar angle.
+pub(super) fn emissivity_table<'a>(settings: &[SettingEmissivity]) -> Option<Csv<'a>> {
+    let rows: Vec<Row> = settings
+        .iter()
+        .flat_map(|one| {
+            let hemispherical = one.hemispherical();
+            one.by_theta.iter().map(move |&(theta, emissivity)| Row {
+                setting: one.number,
+                wavelength: one.wavelength,
+                theta,
+                emissivity,
+                hemispherical,
+            })
+        })
+        .collect();
+    let table = Table::new()
+        .column(Column::new(
+            "setting",
+            "number of the setting",
+            |row: &Row| row.setting,
+        ))
+        .column(
+            Column::new("wavelength", "wavelength in vacuum", |row: &Row| {
+                row.wavelength
+            })
+            .unit("nm"),
+        )
+        .column(Column::new("theta_deg", "polar angle", |row: &Row| row.theta).unit("deg"))
+        .column(Column::estimate(
+            "emissivity",
+            "1 less the directional-hemispherical reflectance, mean over azimuths",
+            |row: &Row| Some(row.emissivity),
+        ))
+        .column(Column::estimate(
+            "hemispherical_emissivity",
+            "mean over sin^2 theta of all polar angles",
+            |row: &Row| Some(row.hemispherical),
+        ));
+    (!rows.is_empty()).then(|| table.with_rows(rows))
+}
+
+/// Lines of the report, one per setting.
+pub(super) fn emissivity_lines(settings: &[SettingEmissivity]) -> Vec<String> {
+    let line = |one: &SettingEmissivity| {
+        let hemispherical = EstimateWithLimit::from(one.hemispherical());
+        let angles = one.by_theta.len();
+        let label = match one.label.as_str() {
+            "" => String::new(),
+            label => format!("{label}: "),
+        };
+        format!(
+            "{label}hemispherical emissivity {} from {angles} polar angles",
+            hemispherical.text()
+        )
+    };
+    settings.iter().map(line).collect()
+}
+
+/// The emissivity of opaque settings against the polar angle.
+pub(super) fn emissivity_figure(
+    settings: &[SettingEmissivity],
+    subtitle: String,
+) -> Result<Option<Figure>, PlotError> {
+    if settings.is_empty() {
+        return Ok(None);
+    }
+    let place = |i: usize| i as f64 / (settings.len() - 1).max(1) as f64;
+    let curves = settings.iter().enumerate().map(|(i, one)| Curve {
+        name: match one.label.as_str() {
+            "" => "emissivity".to_owned(),
+            label => label.to_owned(),
+        },
+        colour: Colour::Ramp(place(i)),
+        style: Style::Joined(i),
+        points: one
+            .by_theta
+            .iter()
+            .map(|(theta, emissivity)| Point {
+                se: emissivity.se,
+                ..Point::exact(*theta, emissivity.mean)
+            })
+            .collect(),
+    });
+    let figure = Curves {
+        title: "Directional emissivity: 1 less the directional-hemispherical reflectance"
+            .to_owned(),
+        subtitle,
+        x: CurveAxis {
+            label: "polar angle (degrees)".to_owned(),
+            range: Some([0.0, 90.0]),
+        },
+        y: CurveAxis {
+            label: "emissivity".to_owned(),
+            range: Some([0.0, 1.0]),
+        },
+        log_from: None,
+        curves: curves.collect(),
+        notes: Vec::new(),
+    };
+    figure.draw().map(Some)
+}

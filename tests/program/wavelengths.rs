@@ -1,0 +1,146 @@
+//! Named materials and wavelengths: spectra in every study, films, bodies that absorb, colours and emissivity.
+
+use crate::support::{Folder, InFolder, MustContain, Table, assert_same_bytes, json, with_surface};
+
+/// A surface with lengths in micrometres.
+fn with_lengths() -> Folder {
+    let folder = Folder::new();
+    folder.succeed("generate --tau 16um --sigma 3um --spacing 1um --size 64 --seed 3 -o h.exr");
+    folder
+}
+
+#[test]
+fn one_trace_of_many_wavelengths_has_the_numbers_of_separate_ones() {
+    let folder = with_surface();
+    let light = "--material gold --theta 30 --rays 2e4 --no-plots --quiet";
+    folder.succeed(format!(
+        "trace h.exr {light} --wavelength 450,550nm,0.65um -o all"
+    ));
+    for nm in [450, 550, 650] {
+        folder.succeed(format!("trace h.exr {light} --wavelength {nm} -o w{nm}"));
+        for file in ["histogram.csv", "theta.csv", "in_plane.csv"] {
+            let of_all = folder.join(format!("all/gold_wavelength{nm}_theta30/{file}"));
+            assert_same_bytes(&of_all, &folder.join(format!("w{nm}/{file}")));
+        }
+    }
+    let spectrum = Table::read(&folder.join("all/spectrum.csv"));
+    let reflectance = [0, 1, 2].map(|row| spectrum.number(row, "reflectance"));
+    assert!(reflectance.is_sorted(), "gold reflects red light best");
+    for (row, reflectance) in reflectance.into_iter().enumerate() {
+        let absorptance = spectrum.number(row, "absorptance");
+        assert!((reflectance + absorptance - 1.0).abs() < 1e-12);
+        assert_eq!(spectrum.number(row, "emissivity"), 1.0 - reflectance);
+        assert!(spectrum.number(row, "reflectance_se") > 0.0);
+    }
+    // It resumes, and another list is another run.
+    folder.succeed(format!(
+        "trace h.exr {light} --wavelength 450,550,650 -o all"
+    ));
+}
+
+#[test]
+fn every_study_takes_wavelengths() {
+    let folder = with_lengths();
+    let gold = "--material gold --wavelength 500:700:100nm --theta 30 --quiet";
+    let few = "--rays 1e3 --realisations 2 --size 64 --no-plots";
+    let random = "--tau 8um --sigma 1um --spacing 0.5um";
+    for line in [
+        format!("verify {random} {gold} {few} --models smith -o v"),
+        format!("gonio {random} {gold} {few} -o g"),
+        format!("gonio --surface h.exr {gold} --rays 1e3 --no-plots -o gs"),
+        format!("trace h.exr {gold} --rays 1e3 --no-plots -o t"),
+    ] {
+        folder.succeed(&line);
+    }
+    for out in ["v", "g", "gs", "t"] {
+        let spectrum = Table::read(&folder.join(format!("{out}/spectrum.csv")));
+        let wavelengths = [0, 1, 2].map(|row| spectrum.number(row, "wavelength"));
+        assert_eq!(wavelengths, [500.0, 600.0, 700.0], "{out}");
+    }
+    folder.succeed(format!("map {random} {gold} {few} --models smith -o m"));
+    let cells = Table::read(&folder.join("m/cells.csv"));
+    assert_eq!(cells.number(0, "wavelength"), 500.0);
+    let model = folder.succeed(
+        "model smith --smoothness 3 --material gold --wavelength 500,600 --theta 30 --json",
+    );
+    model.must_contain("wavelength_nm");
+    folder.succeed(
+        "converge --tau 8um --sigma 1um --spacing 1um --size 32 --material gold --wavelength 550 --theta 30 --rays 256,1024 --no-plots --quiet -o c",
+    );
+    folder.succeed(
+        "render h.exr --material gold --wavelength 550 --size 16x12 --samples 1 -o p.png --quiet",
+    );
+}
+
+#[test]
+fn thin_films_and_absorbing_bodies_change_what_is_reflected() {
+    let folder = with_lengths();
+    let run = |more: &str| {
+        let line = format!("trace h.exr --theta 0 --rays 2e4 --no-plots --quiet --json {more}");
+        let found = json(&folder.succeed(line));
+        let mean = |name: &str| found["energy"][name]["mean"].as_f64().unwrap();
+        [mean("reflected"), mean("transmitted"), mean("absorbed")]
+    };
+    let [bare, transmitted, absorbed] = run("--below silicon --wavelength 600nm");
+    assert_eq!(transmitted, 0.0);
+    assert!((bare + absorbed - 1.0).abs() < 1e-9 && bare > 0.3);
+    // A quarter wave of index 1.97 on silicon
+    let [coated, ..] = run("--below silicon --wavelength 600nm --film Si3N4:75nm --kappa 0");
+    assert!(coated < 0.3 * bare, "{coated} {bare}");
+    let [mirror, ..] = run("--material gold --wavelength 600nm --film 1+0i:100nm");
+    let [same, ..] = run("--material gold --wavelength 600nm");
+    assert!((mirror - same).abs() < 1e-9);
+    let [reflected, transmitted, absorbed] = run("--above BK7 --wavelength 550nm");
+    assert!(absorbed == 0.0 && (reflected + transmitted - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn visible_spectra_have_colours_and_opaque_ones_an_emissivity() {
+    let folder = with_lengths();
+    let gold = "--material gold --rays 1e3 --no-plots --quiet";
+    folder.succeed(format!(
+        "trace h.exr {gold} --theta 10 --wavelength 400:700:20nm -o t"
+    ));
+    let colours = Table::read(&folder.join("t/colour.csv"));
+    assert!(colours.text(0, "observer").contains("CIE 1931"));
+    assert!(
+        colours.number(0, "X") > colours.number(0, "Z"),
+        "gold is yellow"
+    );
+    assert!(colours.text(0, "srgb").starts_with('#'));
+    let line = format!("gonio --surface h.exr {gold} --wavelength 1064 --theta 5:85:10 -o g");
+    let report = folder.succeed(&line);
+    report.must_contain("hemispherical emissivity");
+    report.must_contain("1 less the directional-hemispherical reflectance");
+    let emissivity = Table::read(&folder.join("g/emissivity.csv"));
+    assert_eq!(emissivity.number(0, "theta_deg"), 5.0);
+    let hemispherical = emissivity.number(0, "hemispherical_emissivity");
+    assert!((0.0..0.2).contains(&hemispherical), "{hemispherical}");
+}
+
+#[test]
+fn wrong_materials_and_wavelengths_get_a_sentence() {
+    let folder = with_surface();
+    folder.refuses(
+        "
+        trace h.exr --material gold => needs --wavelength
+        trace h.exr --material golld --wavelength 550 => did you mean gold?
+        trace h.exr --material gold --wavelength 20nm => must be
+        trace h.exr --material gold --kappa 3 --wavelength 550 => leave out kappa
+        trace h.exr --material gold --eta 3 --wavelength 550 => --eta 3
+        trace h.exr --material SiO2 --wavelength 550 => 0 for a clear one
+        trace h.exr --material mirror --film SiO2:100nm => a named material
+        trace h.exr --material gold --film 100nm --wavelength 550 => MATERIAL:THICKNESS
+        trace h.exr --material gold --below silver --wavelength 550 => give one or the other
+        trace h.exr --below silicon --wavelength 800 => have no unit
+        trace h.exr --eta 1.5 --wavelength 500,600 => change nothing
+        trace h.exr --above silver --below gold --wavelength 500 => no light comes through
+        trace h.exr --material gold --wavelength 500 --from below => does not absorb
+        render h.exr --below 0.5 -o p.png => --radiance-below
+        model smith --smoothness 3 --eta 1.5 --wavelength 500 => changes nothing
+        ",
+    );
+    folder.write("bad.csv", "wavelength,n\n1,2\n");
+    let message = folder.failed("trace h.exr --material bad.csv --wavelength 550");
+    message.must_contain("unit");
+}
