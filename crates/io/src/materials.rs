@@ -5,11 +5,11 @@
 
 mod csv;
 mod embedded;
+mod material_record;
 mod record;
 
 use std::path::Path;
 
-use asperity_optics::OpticalConstants;
 use strsim::osa_distance;
 
 use crate::error::{ReadError, ReadProblem};
@@ -17,28 +17,13 @@ use crate::files::open;
 use crate::limits::guarded;
 use crate::shown::shown;
 
+pub use material_record::MaterialRecord;
+
 /// Most bytes of a file of optical constants; the largest record of the database has under 1 MB.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// Most names that are suggested for an unknown one.
 const MAX_SUGGESTIONS: usize = 3;
-
-/// A material with its optical constants and where they come from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MaterialRecord {
-    /// Name, such as `Au`; of a file without a name that of the file.
-    pub name: String,
-    /// Other names.
-    pub aliases: Vec<String>,
-    /// Record of the refractiveindex.info database, `shelf/book/page`; empty if unknown.
-    pub record: String,
-    /// Reference as text, its lines separated by line feeds; empty if unknown.
-    pub source: String,
-    /// DOI of the reference; `None` if unknown.
-    pub doi: Option<String>,
-    /// `n` and `k` against the wavelength.
-    pub constants: OpticalConstants,
-}
 
 /// Error of a material that is asked for by name or file.
 #[derive(Debug, thiserror::Error)]

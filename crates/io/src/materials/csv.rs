@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_optics::{DispersionCurve, OpticalConstants};
 
-use super::MaterialRecord;
+use super::material_record::MaterialRecord;
 use crate::error::ReadProblem;
 use crate::number_table::{NumberTable, number_table_of};
 use crate::text_lines::short;

@@ -2,7 +2,8 @@
 
 use std::sync::OnceLock;
 
-use super::{MaterialRecord, record};
+use super::material_record::MaterialRecord;
+use super::record;
 
 /// Text of each file, in the order of the list.
 const FILES: &[&str] = &[
@@ -24,7 +25,6 @@ const FILES: &[&str] = &[
     include_str!("../../materials/Zn.yml"),
     include_str!("../../materials/stainless-steel.yml"),
     include_str!("../../materials/ferritic-steel.yml"),
-    include_str!("../../materials/brass.yml"),
     include_str!("../../materials/TiN.yml"),
     include_str!("../../materials/Si.yml"),
     include_str!("../../materials/Ge.yml"),
@@ -41,7 +41,6 @@ const FILES: &[&str] = &[
     include_str!("../../materials/PC.yml"),
     include_str!("../../materials/PDMS.yml"),
     include_str!("../../materials/PET.yml"),
-    include_str!("../../materials/PS.yml"),
     include_str!("../../materials/TiO2.yml"),
     include_str!("../../materials/Al2O3.yml"),
     include_str!("../../materials/ZnO.yml"),

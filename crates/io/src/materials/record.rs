@@ -6,7 +6,7 @@
 use asperity_optics::{DispersionCurve, OpticalConstants};
 use serde::Deserialize;
 
-use super::MaterialRecord;
+use super::material_record::MaterialRecord;
 use crate::error::ReadProblem;
 use crate::text_lines::short;
 
