@@ -155,7 +155,6 @@ impl<'c> Tally<'c> {
     fn clone_empty(&self) -> Self {
         Self {
             finder: self.finder.clone(),
-            slice: self.slice.clone(),
             sums: Vec::new(),
             batches: 0,
             batch: 0,
@@ -243,7 +242,7 @@ impl<'c> Tally<'c> {
 
     /// Adds a flux, and the rays that carry it, to all entries that `exit` belongs to.
     #[inline(always)]
-    fn book_units<U: Units>(&mut self, exit: &Exit, flux: U, hit: U, at: &Direction) {
+    fn book_units<U: Units>(&mut self, exit: &Exit, flux: U, hit: impl Units, at: &Direction) {
         let spec = self.spec;
         if !spec.records(exit.side) {
             self.add_units_of_loss(Loss::NotRecorded, flux);
@@ -267,7 +266,7 @@ impl<'c> Tally<'c> {
     }
 
     /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
-    fn book_components<U: Units>(&mut self, exit: &Exit, flux: U, hit: U, at: &Direction) {
+    fn book_components<U: Units>(&mut self, exit: &Exit, flux: U, hit: impl Units, at: &Direction) {
         let (offsets, grid) = (self.spec.offsets(), self.spec.grid());
         let side = exit.side.index();
         let bin = at.bin(&self.spec, exit);

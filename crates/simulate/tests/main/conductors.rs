@@ -10,8 +10,9 @@ use asperity_surface::HeightField;
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tracer::CpuEngine;
 
+use crate::after::After;
 use crate::engines::{Counted, Counts};
-use crate::resuming::numbers;
+use crate::resuming::{Keeper, numbers, resume};
 use crate::support::{Rough, effort, glass};
 
 /// Cases of one surface: five conductors and glass at two angles of incidence, in turns.
@@ -70,5 +71,27 @@ fn conductors_on_one_surface_are_traced_once_and_give_the_bytes_of_each_alone() 
         let [_, rays, traced] = counts.get();
         let of_case = together[0].work.rays * meshes;
         assert_eq!([rays, traced], [12 * of_case, 4 * of_case]);
+    }
+}
+
+/// A run that is ended again and again goes on from what all of them have.
+#[test]
+fn conductors_on_one_given_surface_resume_to_the_same_numbers() {
+    let cases = cases(&SurfaceSource::height_field(given(32)));
+    let settings = effort(1, 20_000);
+    let whole = simulate(&cases, &settings, &Silent).unwrap();
+    let all: u64 = whole.iter().map(|one| one.work.rays).sum();
+    let keeper = Keeper::default();
+    for runs in 1.. {
+        // The rays that are resumed count as well.
+        let after = After::rays(runs * all / 5);
+        let resumed = resume(&cases, &settings, &keeper, &after);
+        let is_whole = resumed.iter().all(|one| !one.stopping.is_cut_short());
+        if is_whole && resumed.len() == whole.len() {
+            assert!(numbers(&resumed) == numbers(&whole), "other numbers");
+            assert!(runs > 2);
+            break;
+        }
+        assert!(runs < 20);
     }
 }

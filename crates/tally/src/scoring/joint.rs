@@ -3,14 +3,14 @@
 //! The sums of all materials in one entry of one batch stand side by side, so that the bins of an exit are found once, and its fluxes are
 //! added in one loop. Each material gets the sums that a [`Tally`] of its own would have, bit by bit.
 
-use super::{Direction, Tallies, Tally, is_away, units};
+use super::{Direction, Tallies, Tally, Units, is_away, units};
 use crate::binning::exit_columns::ExitColumns;
 use crate::{ControlVariate, Exit, Loss, Side};
 
 /// Tallies of several materials and batches, all of the same spec, azimuth and largest weight.
 #[derive(Clone, Debug)]
 pub struct JointTallies<'c> {
-    /// Its batches are pairs of a batch and a material, the material fastest.
+    /// Its batches are pairs of a batch and a material, the material fastest; behind the last material stands what all have in common.
     pairs: Tally<'c>,
     batches: usize,
     /// By material.
@@ -19,7 +19,8 @@ pub struct JointTallies<'c> {
     fractions: Vec<f64>,
     /// Fractions that they absorb, by material.
     absorbed: Vec<f64>,
-    /// Units of flux and rays by material, about to be added.
+    /// Fluxes by material as they count, and units of flux and rays, about to be added.
+    weighted: Vec<f64>,
     units: Vec<i128>,
     hits: Vec<i128>,
 }
@@ -60,11 +61,12 @@ impl<'c> JointTallies<'c> {
         let absorbed = |control: &Option<&ControlVariate>| {
             control.map_or(0.0, ControlVariate::absorbed_fraction)
         };
-        let Tallies(pairs) = Tallies::new(empty, batches * controls.len());
+        let Tallies(pairs) = Tallies::new(empty, batches * (controls.len() + 1));
         Self {
             batches,
             fractions: fractions.collect(),
             absorbed: controls.iter().map(absorbed).collect(),
+            weighted: vec![0.0; controls.len()],
             units: vec![0; controls.len()],
             hits: vec![0; controls.len()],
             controls,
@@ -107,23 +109,34 @@ impl<'c> JointTallies<'c> {
         let rings = self.pairs.spec.grid().n_theta();
         let first = (exit.side.index() * rings + at.ring) * materials;
         let fractions = self.fractions.get(first..first + materials);
-        let (scale, hit) = (self.pairs.scale, self.pairs.hit);
-        let sums = self.units.iter_mut().zip(&mut self.hits).zip(fluxes);
-        for (j, ((into, hits), flux)) in sums.enumerate() {
-            let flux = weight(fractions, j, &exit, is_masked) * flux;
-            *into = units(flux, scale);
-            *hits = if flux == 0.0 { 0 } else { hit };
+        for (j, (weighted, flux)) in self.weighted.iter_mut().zip(fluxes).enumerate() {
+            *weighted = weight(fractions, j, &exit, is_masked) * flux;
         }
-        self.pairs
-            .book_units(&exit, &self.units[..], &self.hits[..], &at);
+        find_units(&self.weighted, self.pairs.scale, &mut self.units);
+        let (flux, hit) = (&self.units[..], self.pairs.hit);
+        if self.weighted.contains(&0.0) {
+            // Not every material has a ray there.
+            for (hits, flux) in self.hits.iter_mut().zip(&self.weighted) {
+                *hits = if *flux == 0.0 { 0 } else { hit };
+            }
+            self.pairs.book_units(&exit, flux, &self.hits[..], &at);
+        } else {
+            let all = Common {
+                place: materials,
+                units: hit,
+            };
+            self.pairs.book_units(&exit, flux, all, &at);
+        }
         if exits.measures.is_empty() || is_masked {
             return;
         }
         let entries = self.pairs.measure_entries(&exit, &at);
         for (number, ratios) in measures.chunks_exact(fluxes.len()).enumerate() {
-            for (j, units) in self.units.iter_mut().enumerate() {
-                *units = self.pairs.units(ratios[j] * fluxes[j]);
+            for (weighted, (ratio, flux)) in self.weighted.iter_mut().zip(ratios.iter().zip(fluxes))
+            {
+                *weighted = ratio * flux;
             }
+            find_units(&self.weighted, self.pairs.scale, &mut self.units);
             for entry in entries.into_iter().flatten() {
                 self.pairs.add(entry + number, &self.units[..]);
             }
@@ -134,9 +147,7 @@ impl<'c> JointTallies<'c> {
     #[inline(always)]
     pub fn add_loss(&mut self, batch: u32, loss: Loss, fluxes: &[f64]) {
         self.select(batch);
-        for (units, flux) in self.units.iter_mut().zip(fluxes) {
-            *units = self.pairs.units(*flux);
-        }
+        find_units(fluxes, self.pairs.scale, &mut self.units);
         self.pairs.add_units_of_loss(loss, &self.units[..]);
     }
 
@@ -161,10 +172,11 @@ impl<'c> JointTallies<'c> {
     #[inline(always)]
     fn add_absorbed(&mut self, batch: u32, fluxes: &[f64], weight: impl Fn(f64) -> f64) {
         self.select(batch);
-        let pairs = self.units.iter_mut().zip(&self.absorbed).zip(fluxes);
-        for ((units, fraction), flux) in pairs {
-            *units = self.pairs.units(weight(*fraction) * flux);
+        let pairs = self.weighted.iter_mut().zip(&self.absorbed).zip(fluxes);
+        for ((weighted, fraction), flux) in pairs {
+            *weighted = weight(*fraction) * flux;
         }
+        find_units(&self.weighted, self.pairs.scale, &mut self.units);
         self.pairs
             .add_units_of_loss(Loss::Absorbed, &self.units[..]);
     }
@@ -174,7 +186,7 @@ impl<'c> JointTallies<'c> {
     fn select(&mut self, batch: u32) {
         let batch = batch as usize;
         assert!(batch < self.batches, "no tallies of batch {batch}");
-        self.pairs.batch = batch * self.materials();
+        self.pairs.batch = batch * (self.materials() + 1);
     }
 
     /// The tallies of each material.
@@ -185,17 +197,67 @@ impl<'c> JointTallies<'c> {
             let mut own = self.pairs.clone_empty();
             own.batches = self.batches;
             own.control_variate = control;
-            own.sums = self.pairs.sums[number..]
-                .iter()
-                .step_by(materials)
-                .copied()
-                .collect();
+            let sums = self.pairs.sums.chunks_exact(materials + 1);
+            own.sums = sums.map(|sums| sums[number] + sums[materials]).collect();
             Tallies(own)
         };
         let controls = self.controls.iter().copied().enumerate();
         controls.map(of_material).collect()
     }
 }
+
+/// Units that all materials have in common, and the place behind these where they are added.
+#[derive(Clone, Copy)]
+struct Common {
+    place: usize,
+    units: i128,
+}
+
+impl Units for Common {
+    #[inline(always)]
+    fn add_to(self, sums: &mut [i128]) {
+        sums[self.place] += self.units;
+    }
+}
+
+/// Parts into which the low part of a flux in units is divided: whole numbers of 32 bits.
+const HALF: f64 = (1_u64 << HALF_DIGITS) as f64;
+const HALF_DIGITS: u32 = super::LOW_DIGITS / 2;
+
+/// Finds the [`units`] of as many fluxes as there are places for, by conversions to 32 bits, which vector instructions have.
+#[inline(always)]
+fn find_units(fluxes: &[f64], scale: f64, into: &mut [i128]) {
+    let fluxes = &fluxes[..into.len()];
+    let are_small = fluxes
+        .iter()
+        .fold(true, |all, flux| all & ((flux * scale).abs() < HALF));
+    if !are_small {
+        for (into, flux) in into.iter_mut().zip(fluxes) {
+            *into = units(*flux, scale);
+        }
+        return;
+    }
+    for (into, fluxes) in into.chunks_mut(LANES).zip(fluxes.chunks(LANES)) {
+        let mut scaled = [0.0; LANES];
+        scaled[..fluxes.len()].copy_from_slice(fluxes);
+        let mut parts = [[0_i32; LANES]; 3];
+        for j in 0..LANES {
+            let scaled = scaled[j] * scale;
+            parts[0][j] = scaled as i32;
+            let rest = (scaled - f64::from(parts[0][j])) * HALF;
+            parts[1][j] = rest as i32;
+            parts[2][j] = ((rest - f64::from(parts[1][j])) * HALF) as i32;
+        }
+        for (j, into) in into.iter_mut().enumerate() {
+            let [high, middle, low] = [0, 1, 2].map(|part| i64::from(parts[part][j]));
+            let low = (middle << HALF_DIGITS) + low;
+            *into = (i128::from(high) << super::LOW_DIGITS) + i128::from(low);
+        }
+    }
+}
+
+/// Fluxes that are converted together.
+const LANES: usize = 8;
 
 /// The factor with which light of material `j` counts: as of [`Tally::weight`] and [`Tally::masked_weight`]. `fractions`: those of its ring,
 /// by material.
@@ -206,5 +268,28 @@ fn weight(fractions: Option<&[f64]>, j: usize, exit: &Exit, is_masked: bool) -> 
         _ if is_masked => 0.0,
         Some(fractions) if exit.path.order() == 1 => 1.0 - fractions[j],
         _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scoring::HIGH;
+
+    #[test]
+    fn units_of_many_fluxes_are_those_of_each() {
+        let scale = HIGH / 4.0;
+        let fluxes: Vec<f64> = (0..3000)
+            .map(|i| (0.37 * f64::from(i)).sin() * 0.93_f64.powi(i % 700))
+            .chain([0.0, -0.0, 1.0, -1.0, 4.0, 1e-300, 0.1, 1.0 / 3.0])
+            .collect();
+        for (large, len) in [(1.0, 3008), (1.0, 5), (1e9, 3008)] {
+            let fluxes: Vec<f64> = fluxes.iter().map(|flux| large * flux).collect();
+            let mut found = vec![0; len];
+            find_units(&fluxes, scale, &mut found);
+            for (found, flux) in found.into_iter().zip(&fluxes) {
+                assert_eq!(found, units(*flux, scale), "{flux:e}");
+            }
+        }
     }
 }

@@ -113,9 +113,10 @@ impl<'c> Conductors<'c> {
     pub(crate) fn begin_shadowed(&mut self, light: &PathState, cos_theta_i: f64) -> u32 {
         let slot = self.begin(light.ray, 0.0, &LightState::NONE);
         let mut absorbed = [0.0; MAX_CONDUCTORS];
-        for j in 0..self.tallies.materials() {
+        let conductors = self.tallies.materials();
+        for (j, absorbed) in absorbed.iter_mut().enumerate().take(conductors) {
             let fraction = conductor_facet::<0>(cos_theta_i, self.eta[j], self.kappa[j]).m00;
-            absorbed[j] = light.flux * (1.0 - fraction);
+            *absorbed = light.flux * (1.0 - fraction);
             self.fluxes(slot)[j] = light.flux * fraction;
         }
         let batch = PathStream::batch_of(light.ray);
