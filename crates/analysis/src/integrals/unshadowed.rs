@@ -62,16 +62,16 @@ pub fn unshadowed_fluxes(
     })
 }
 
-/// `int w (1 - F)` over all facets that face the light, of an opaque material.
+/// `int w A` over all facets that face the light, of the fraction A that a facet absorbs; zero for diffuse facets, which have no control variate.
 fn absorbed(slopes: &SlopeCovariance, material: Material, incidence: Incidence) -> f64 {
-    if !matches!(material, Material::Conductor { .. }) {
+    if !material.absorbs() || material.is_diffuse() {
         return 0.0;
     }
     let wi = incidence.wi();
     let distribution = Beckmann::new(*slopes);
     over_facing_normals(slopes, wi, &Edges::none(wi), |m| {
         let cos_theta_i = wi.dot(m).clamp(0.0, 1.0);
-        let lost = material.fresnel(cos_theta_i).transmitted;
+        let lost = material.absorbed(&material.fresnel(cos_theta_i));
         cos_theta_i * lost * distribution.d(m) / wi.z
     })
 }

@@ -187,6 +187,11 @@ pub enum ModelError {
         "Lambertian facets reflect in all directions, and this model describes facets that reflect as mirrors or refract; take oren-nayar"
     )]
     Diffuse,
+    /// A film that absorbs on an interface that transmits.
+    #[error(
+        "no model describes a film that absorbs on an interface that transmits; take films without absorption, or no models"
+    )]
+    AbsorbingFilm,
     /// A material of facets that reflect as mirrors or refract, for a model of diffuse ones.
     #[error(
         "the model {0} is defined for Lambertian facets; for facets that reflect as mirrors or refract use another, such as smith or heitz"
@@ -263,7 +268,11 @@ pub(crate) fn check_material(material: Material) -> Result<(), ModelError> {
             Material::conductor(eta, kappa)?;
         }
         Material::Lambertian { .. } => return Err(ModelError::Diffuse),
-        _ => {}
+        coated => match coated.transmitting_index() {
+            Some(eta) if (eta - 1.0).abs() < 1e-5 => return Err(ModelError::MatchedIndices(eta)),
+            Some(_) if coated.absorbs() => return Err(ModelError::AbsorbingFilm),
+            _ => {}
+        },
     }
     Ok(())
 }

@@ -79,7 +79,7 @@ impl Lobe {
         let cos_i = incidence.theta().cos();
         let (theta, turns) = match side {
             // Equal indices reflect nothing.
-            Side::Reflected if material.transmitting_index() == Some(1.0) => return None,
+            Side::Reflected if *material == Material::Dielectric { eta: 1.0 } => return None,
             Side::Reflected => (incidence.theta(), [2.0, 2.0 * cos_i]),
             Side::Transmitted => {
                 let eta = material.transmitting_index()?;

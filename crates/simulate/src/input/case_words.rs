@@ -150,6 +150,17 @@ impl<'a> MaterialWords<'a> {
                 let part = bare(format!("Lambertian {reflectance}"));
                 words("lambertian", part, format!("lambertian{reflectance}"))
             }
+            Material::Coated { films, eta, kappa } => {
+                let layers = films.layers().iter();
+                let layers = layers.map(|film| {
+                    let [eta, kappa, phase] = [film.eta, film.kappa, film.phase].map(short);
+                    format!("_n{eta}k{kappa}d{phase}")
+                });
+                let [eta, kappa] = [eta, kappa].map(short);
+                let part = index(format!("{eta} + {kappa}i under a film"));
+                let tag = format!("n{eta}k{kappa}{}", layers.collect::<String>());
+                words("coated", part, tag)
+            }
             _ => words("mirror", bare("mirror".to_owned()), "mirror".to_owned()),
         }
     }
@@ -418,11 +429,13 @@ impl Case {
         };
         let eta = match self.material {
             asperity_optics::Material::Dielectric { eta }
-            | asperity_optics::Material::Conductor { eta, .. } => Some(eta),
+            | asperity_optics::Material::Conductor { eta, .. }
+            | asperity_optics::Material::Coated { eta, .. } => Some(eta),
             _ => None,
         };
         let kappa = match self.material {
-            asperity_optics::Material::Conductor { kappa, .. } => Some(kappa),
+            asperity_optics::Material::Conductor { kappa, .. }
+            | asperity_optics::Material::Coated { kappa, .. } => Some(kappa),
             _ => None,
         };
         let medium: Option<ParticipatingMedium> = self.layer().map(|layer| layer.medium());

@@ -125,7 +125,9 @@ impl Quantity {
             (Self::Transmitted, _) if layer.is_some_and(|layer| !layer.transmits()) => {
                 "nothing leaves below this medium"
             }
-            (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) if layer.is_none() => {
+            (Self::Absorbed, _)
+                if layer.is_none() && !material.absorbs() && !material.is_diffuse() =>
+            {
                 "nothing is absorbed by a dielectric or a mirror"
             }
             (Self::Reflected, _) if !spec.records(Side::Reflected) => {

@@ -2,7 +2,6 @@
 //! error that is good enough, so that no rays are traced.
 
 use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
-use asperity_optics::Material;
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Polarimetry, TallyResult, TallySpec, TallyStatistics, TallyValues};
 
@@ -76,7 +75,7 @@ impl AnalyticResult {
         if case.material.transmitting_index().is_none() {
             errors[TallySpec::BUDGET.transmitted] = 0.0;
         }
-        if !matches!(case.material, Material::Conductor { .. }) {
+        if !case.material.absorbs() {
             errors[TallySpec::BUDGET.absorbed] = 0.0;
         }
         errors.clear_hits();

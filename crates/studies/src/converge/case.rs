@@ -210,8 +210,9 @@ impl<'a> ConvergedCase<'a> {
             exact: exact_fluxes(case, &plan.spec)?.and_then(|fluxes| Target::new(&fluxes)),
             returns_all_light: match case.material {
                 Material::Mirror => plan.spec.records(Side::Reflected),
-                Material::Dielectric { .. } => {
-                    Side::BOTH.iter().all(|&side| plan.spec.records(side))
+                Material::Dielectric { .. } | Material::Coated { kappa: 0.0, .. } => {
+                    !case.material.absorbs()
+                        && Side::BOTH.iter().all(|&side| plan.spec.records(side))
                 }
                 _ => false,
             },

@@ -26,7 +26,7 @@ pub(super) fn exact_fluxes(case: &Case, spec: &TallySpec) -> Result<Option<Vec<f
     let model = of(case.material)?;
     // What a conductor absorbs is none of the light that facets hide; a mirror in its place tells.
     let lossless = match case.material {
-        Material::Conductor { .. } => of(Material::Mirror)?,
+        opaque if opaque.transmitting_index().is_none() => of(Material::Mirror)?,
         _ => model,
     };
     let energy = hemispherical_energy(&lossless, wi);

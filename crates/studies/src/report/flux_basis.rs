@@ -59,11 +59,7 @@ impl FluxBasis {
         Self {
             zero,
             nonzero,
-            absorbs: match material {
-                Material::Conductor { .. } => true,
-                Material::Lambertian { reflectance } => reflectance < 1.0,
-                _ => false,
-            },
+            absorbs: material.absorbs(),
             transmits: material.transmitting_index().is_some(),
         }
     }

@@ -308,7 +308,13 @@ impl Document {
         let mut entries = self.entries.values();
         let within = entries.find(|entry| entry.is(group.only_with));
         let Some((variant, by)) = self.chosen(group) else {
-            return match !group.required.is_empty() && self.has(group.only_with) {
+            let is_met = || {
+                self.entries
+                    .values()
+                    .any(|entry| entry.is_any(group.unless))
+            };
+            let is_missing = !group.required.is_empty() && self.has(group.only_with);
+            return match is_missing && !is_met() {
                 true => Err(without_choice(self.command, group, within)),
                 false => Ok(()),
             };

@@ -207,6 +207,16 @@ impl File<'_> {
         {
             return read_text(setting, self.command, &[text.to_string()]);
         }
+        // Even steps
+        if let DeValue::String(text) = value
+            && setting.is_list(self.command)
+            && matches!(
+                setting.kind,
+                Kind::Number | Kind::Length | Kind::LengthIn(_)
+            )
+        {
+            return read_text(setting, self.command, &[text.to_string()]);
+        }
         if let (Kind::Models, DeValue::String(text)) = (setting.kind, value)
             && text == "none"
         {

@@ -27,6 +27,8 @@ pub(super) struct Group {
     pub(super) only_with: &'static str,
     /// Name of what is missing where no variant is chosen; empty where none is needed.
     pub(super) required: &'static str,
+    /// Settings with which none is missing.
+    pub(super) unless: &'static [&'static str],
     /// Advice to who gives settings of two variants.
     pub(super) advice: &'static str,
     /// `true` if defaults of other variants hold as well.
@@ -62,6 +64,7 @@ pub(super) const fn group_by(kind: &'static str, variants: &'static [Variant]) -
         kind,
         only_with: "",
         required: "",
+        unless: &[],
         advice: "give one or the other",
         keeps_all_defaults: false,
         variants,
@@ -88,6 +91,11 @@ impl Group {
 
     pub(super) const fn required(mut self, name: &'static str) -> Self {
         self.required = name;
+        self
+    }
+
+    pub(super) const fn unless(mut self, settings: &'static [&'static str]) -> Self {
+        self.unless = settings;
         self
     }
 

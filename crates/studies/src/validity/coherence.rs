@@ -1,6 +1,6 @@
 //! Coherence: phase and coherent fraction of each component of the light.
 
-use asperity_optics::{Bottom, Material};
+use asperity_optics::Bottom;
 use asperity_simulate::{BottomSurface, Case};
 use asperity_tracer::HalfSpace;
 use serde::Serialize;
@@ -36,15 +36,13 @@ impl Components {
     ) -> Self {
         let incidence = case.light.incidence;
         let sigma = top.sigma;
-        let index = match case.material {
-            // Equal indices deflect nothing
-            Material::Dielectric { eta } if eta != 1.0 || case.layer.is_some() => Some(eta),
-            _ => None,
-        };
-        let (n_i, n_t) = match (case.light.from, case.material) {
+        // Equal indices deflect nothing
+        let transmitting = case.material.transmitting_index();
+        let index = transmitting.filter(|&eta| eta != 1.0 || case.layer.is_some());
+        let (n_i, n_t) = match (case.light.from, transmitting) {
             (HalfSpace::Above, _) => (1.0, index),
-            (HalfSpace::Below, Material::Dielectric { eta }) => (eta, index.map(|_| 1.0)),
-            (HalfSpace::Below, _) => (1.0, None),
+            (HalfSpace::Below, Some(eta)) => (eta, index.map(|_| 1.0)),
+            (HalfSpace::Below, None) => (1.0, None),
         };
         let along = n_i * incidence.theta().sin();
         let across = n_i * incidence.theta().cos();

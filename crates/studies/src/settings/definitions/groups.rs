@@ -210,11 +210,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             variant("conductor").needs(&["material.eta", "material.kappa"]),
             variant("mirror"),
             variant("lambertian").needs(&["material.reflectance"]),
-            variant(NAMED).needs(&["light.wavelength"]).allows(&[
-                "material.above",
-                "material.film",
-                "material.kappa",
-            ]),
+            variant(NAMED).allows(&["material.above", "material.film", "material.kappa"]),
         ],
     ),
     group(&[
@@ -224,7 +220,14 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("absorption and scattering").when(&["medium.absorption", "medium.scattering"]),
     ])
     .only_with("medium.*")
-    .required("a medium"),
+    .required("a medium")
+    .unless(&[
+        "material.kind",
+        "-material.kind=dielectric",
+        "-material.kind=conductor",
+        "-material.kind=mirror",
+        "-material.kind=lambertian",
+    ]),
     group(&[
         variant("a medium that absorbs or scatters")
             .when(&[
