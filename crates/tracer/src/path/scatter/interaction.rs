@@ -5,6 +5,7 @@ use asperity_tally::Loss;
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::absorbed_cells::AbsorbedCells;
 use crate::path::scatter::branch::{PickBranches, SplitBranches};
 use crate::path::scatter::facets::Scatter;
 use crate::path::scatter::roulette::Roulette;
@@ -88,6 +89,9 @@ impl<G: Geometry> Tracer<'_, G> {
             self.scatter_jointly(at, normal, batch);
         } else if !divides {
             absorb(at, batch);
+            if let (Some(cells), Interface::Top) = (self.absorbed, interface) {
+                self.record_absorbed(at, batch, cells);
+            }
         }
         if divides && self.settings.branching == Branching::Pick {
             self.pick_branches(at, batch);
@@ -212,6 +216,16 @@ impl<G: Geometry> Tracer<'_, G> {
             scattered,
             transmitted: &transmitting[..count],
         });
+    }
+
+    /// Adds the light that facets of the upper surface absorb to their cells.
+    fn record_absorbed(&self, at: &Segments, batch: &Batch<'_, G::Facet>, cells: &AbsorbedCells) {
+        let reflected = &batch.interactions.scattered.reflected.flux;
+        for (i, (facet, reflected)) in batch.arrivals.facets.iter().zip(reflected).enumerate() {
+            if let Some(cell) = self.geometry.cell_number(*facet) {
+                cells.add(cell, at.flux[i] * (1.0 - reflected));
+            }
+        }
     }
 
     /// Takes what has entered the layer out of the segments.
