@@ -1,5 +1,6 @@
 //! Light on given surfaces.
 
+mod absorbed;
 mod comparison;
 mod comparison_text;
 mod description;
@@ -49,7 +50,7 @@ impl Study for TraceStudy {
         self.config.views()
     }
 
-    /// The time that a run is given, its plots and paths, and the wavelength, which changes nothing that is traced, do not belong to the header.
+    /// The time that a run is given, its plots, paths and map of absorbed light, and the wavelength, which changes nothing that is traced, do not belong to the header.
     fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
@@ -57,6 +58,7 @@ impl Study for TraceStudy {
         settings.output = OutputConfig {
             plots: true,
             paths: None,
+            absorbed_map: false,
         };
         let mut settings = json!(settings);
         settings["points"] = json!(self.case.surface);
@@ -68,7 +70,8 @@ impl Study for TraceStudy {
         found: &'a mut ResultSet<'_>,
         observer: &dyn Observer,
     ) -> Result<TraceOutcome<'a>, StudyError> {
-        let follows = self.comparison.is_some() || self.config.output.plots;
+        let output = &self.config.output;
+        let follows = self.comparison.is_some() || output.plots || output.absorbed_map;
         let tracing = &tracing(observer, self.config.run.max_time, follows);
         let cases = std::slice::from_ref(&self.case);
         found.run_missing(0, cases, &self.settings, tracing)?;
@@ -98,11 +101,12 @@ impl Study for TraceStudy {
             outcome: &whole.outcome,
             comparison: comparison.filter(|compared| !compared.judgement.models.is_empty()),
             paths: self.light_paths()?,
+            absorbed: self.absorbed_map(whole, observer)?,
             stopped_by: None,
         };
         outcome.stopped_by = if whole.is_cut_short() {
             Some(whole.outcome.stopping.stopped_by)
-        } else if outcome.lacks_comparison() {
+        } else if outcome.lacks_comparison() || outcome.lacks_absorbed_map() {
             observer.stop().or(Some(StoppedBy::Interrupt))
         } else {
             None

@@ -133,6 +133,7 @@ impl MapConfig {
             output: OutputConfig {
                 plots: true,
                 paths: None,
+                absorbed_map: false,
             },
         })
     }

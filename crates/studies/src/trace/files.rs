@@ -1,5 +1,6 @@
 //! The files of traced surfaces.
 
+use super::absorbed::{add_absorbed_map, describe_absorbed_map};
 use super::comparison::TraceComparison;
 use super::light_paths::{paths_figure, paths_table};
 use super::outcome::TraceOutcome;
@@ -39,6 +40,9 @@ impl TraceConfig {
                 views.figure("paths", |outcome| Ok(paths_figure(outcome)?));
             }
         }
+        if self.output.absorbed_map {
+            add_absorbed_map(&mut views, self.output.plots);
+        }
         views.json("summary.json", |outcome| Some(trace_summary(outcome)));
         Ok(views)
     }
@@ -70,6 +74,9 @@ pub(super) fn trace_summary(outcome: &TraceOutcome) -> Summary {
     summary.columns = tables.columns(outcome.shown());
     if let Some(paths) = paths_table(outcome) {
         summary.columns["paths.csv"] = paths.description;
+    }
+    if outcome.absorbed.is_some() {
+        describe_absorbed_map(&mut summary.columns);
     }
     summary.lobes = outcome.lobes();
     summary.warnings = outcome.warnings();
