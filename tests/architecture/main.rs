@@ -234,7 +234,7 @@ const ANALYSIS: [(&str, &[&str]); 5] = [
 ];
 
 /// Folders and files of the engine, each with those that it may use.
-const SIMULATE: [(&str, &[&str]); 13] = [
+const SIMULATE: [(&str, &[&str]); 14] = [
     ("text", &[]),
     ("slopes", &[]),
     ("stream", &[]),
@@ -247,6 +247,10 @@ const SIMULATE: [(&str, &[&str]); 13] = [
     ("output", &["errors", "input", "methods", "text"]),
     ("store", &["errors", "output"]),
     ("observer", &["output"]),
+    (
+        "absorbed_map",
+        &["error", "input", "methods", "observer", "output"],
+    ),
     (
         "engine",
         &[

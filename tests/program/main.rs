@@ -6,6 +6,7 @@
     reason = "tests fail as their helpers do, and say what they skip"
 )]
 
+mod absorbed_map;
 mod areal;
 mod attenuation;
 mod attenuation_files;

@@ -2,7 +2,7 @@
 //!
 //! From below: [`theme`] (sizes, colours), [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
 //! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`curve_axis`], [`legend`], [`colour_scale`]; [`panel`],
-//! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand. [`series`], [`directions`], [`lobe_axes`], [`disc`],
+//! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand, and [`tile_map`], which is most of one. [`series`], [`directions`], [`lobe_axes`], [`disc`],
 //! [`units`] and [`verdict`] show light and directions in the plane of incidence, light over a hemisphere, lengths and verdicts.
 
 pub(crate) mod axis;
@@ -26,5 +26,6 @@ pub(crate) mod scene;
 pub(crate) mod series;
 pub(crate) mod text;
 pub(crate) mod theme;
+pub(crate) mod tile_map;
 pub(crate) mod units;
 pub(crate) mod verdict;

@@ -1,4 +1,4 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, grids of them, hemispheres, plain curves, errors over
+//! Figures of the project: height maps, maps of cells, polar lobes, in-plane curves, grids of them, hemispheres, plain curves, errors over
 //! run time, validity maps, and diagrams.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
@@ -8,6 +8,7 @@
 //! | figure | input | shows |
 //! |---|---|---|
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
+//! | [`CellMapFigure`] | fractions by cell `[ny, nx]`, row-major | a quantity over the surface from above, in colours from zero |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over roughness and angle |
@@ -65,6 +66,7 @@ pub use elements::series::{Series, Side, Source};
 pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
 pub use figures::angle_grid::{AngleGrid, AnglePanel};
+pub use figures::cell_map::CellMapFigure;
 pub use figures::curves::Curves;
 pub use figures::diagram::{Diagram, DiagramLabel, DiagramPanel, DiagramPath, Stroke};
 pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};

@@ -12,6 +12,7 @@
 //! # Random streams
 //! Random numbers are functions of seed, surface, path and step, and results are reduced in the order of their number. The same cases and settings give the same bytes, whatever the number of threads.
 
+mod absorbed_map;
 mod bins;
 mod engine;
 mod error;
@@ -26,6 +27,7 @@ mod store;
 mod stream;
 mod text;
 
+pub use absorbed_map::AbsorbedMap;
 pub use asperity_tracer::{BottomSurface, LayerBelow, SearchedSurface, Shape};
 pub use bins::core_slopes::CoreSlopes;
 pub use bins::lobe::{Lobe, MAX_SHORTFALL};

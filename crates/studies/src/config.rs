@@ -324,6 +324,9 @@ pub struct OutputConfig {
     /// Rays whose paths are listed and drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,
+    /// Write a map of the light that each cell absorbs.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub absorbed_map: bool,
 }
 
 /// A verification: surfaces, material, light, effort and models. Every key has a default.

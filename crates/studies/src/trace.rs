@@ -1,5 +1,6 @@
 //! Light on given surfaces.
 
+mod absorbed;
 mod comparison;
 mod comparison_text;
 mod description;
@@ -79,7 +80,8 @@ impl Study for TraceStudy {
         self.config.views(&self.cases)
     }
 
-    /// The time that a run is given, its plots and paths, and a wavelength that changes nothing that is traced, do not belong to the header.
+    /// The time that a run is given, its plots, paths and map of absorbed light, and a wavelength that changes nothing that is traced, do not
+    /// belong to the header.
     fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
@@ -87,6 +89,7 @@ impl Study for TraceStudy {
         settings.output = OutputConfig {
             plots: true,
             paths: None,
+            absorbed_map: false,
         };
         let mut settings = json!(settings);
         settings["points"] = json!(self.cases[0].surface);
@@ -100,7 +103,8 @@ impl Study for TraceStudy {
     ) -> Result<TraceOutcomes<'a>, StudyError> {
         let began = Instant::now();
         let compares = |one: &PlannedTrace| one.comparison.is_some();
-        let follows = self.config.output.plots || self.each.iter().any(compares);
+        let output = &self.config.output;
+        let follows = output.plots || output.absorbed_map || self.each.iter().any(compares);
         let tracing = &tracing(observer, self.config.run.max_time, follows);
         let settings = &self.each[0].settings;
         found.run_missing(0, &self.cases, settings, tracing)?;
@@ -157,11 +161,12 @@ impl PlannedTrace {
             outcome: &whole.outcome,
             comparison: comparison.filter(|compared| !compared.judgement.models.is_empty()),
             paths: self.light_paths()?,
+            absorbed: self.absorbed_map(whole, observer)?,
             stopped_by: None,
         };
         outcome.stopped_by = if whole.is_cut_short() {
             Some(whole.outcome.stopping.stopped_by)
-        } else if outcome.lacks_comparison() {
+        } else if outcome.lacks_comparison() || outcome.lacks_absorbed_map() {
             observer.stop().or(Some(StoppedBy::Interrupt))
         } else {
             None

@@ -56,6 +56,11 @@ pub trait Geometry: Sized + Send + Sync {
     /// The facet of number `index`, in the order of names.
     fn facet(&self, index: usize) -> Self::Facet;
 
+    /// Number of the cell that a facet lies in, row by row of the grid; `None` where there is no grid.
+    fn cell_number(&self, _facet: Self::Facet) -> Option<usize> {
+        None
+    }
+
     /// A box around a facet: its lowest and its highest coordinates.
     fn bounds(&self, facet: Self::Facet) -> [DVec3; 2];
 

@@ -16,6 +16,7 @@
 //! numbers are functions of path and step ([`crate::random`]), so that no order of work changes them. The same
 //! light, one path at a time, is in `reference`.
 
+mod absorbed_cells;
 mod beam;
 mod illumination;
 mod layer;
@@ -26,6 +27,7 @@ mod state;
 mod tracer;
 mod travel;
 
+pub use absorbed_cells::AbsorbedCells;
 pub use illumination::{Illumination, Starts, Window};
 pub use state::conductors::MAX_CONDUCTORS;
 pub use state::work::Work;

@@ -5,6 +5,7 @@
 )]
 
 mod angle_grid;
+mod cell_map;
 mod curves;
 mod diagram;
 mod error_over_time;

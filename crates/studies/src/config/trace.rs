@@ -143,12 +143,34 @@ impl TraceConfig {
             return Err(ConfigError::unsuitable("paths", reason));
         }
         check_sides(self.run.side, material, layer.as_ref())?;
+        self.check_absorbed_map(material, layer.is_some())?;
         self.check_comparison(material, layer)?;
         let settings = self.ray_settings()?;
         if let Some(target) = settings.target() {
             target.check(&settings.tally, material, layer.as_ref())?;
         }
         Ok(())
+    }
+
+    /// Checks that facets absorb light whose map is requested, on the mesh that is given.
+    fn check_absorbed_map(&self, material: Material, has_layer: bool) -> Result<(), ConfigError> {
+        let absorbs = match material {
+            Material::Dielectric { .. } | Material::Mirror => false,
+            Material::Lambertian { reflectance } => reflectance < 1.0,
+            _ => true,
+        };
+        let reason = if !self.output.absorbed_map {
+            return Ok(());
+        } else if has_layer {
+            "maps the light that facets absorb, not a medium below them; leave out the medium, or absorbed_map"
+        } else if !absorbs {
+            "maps the light that facets absorb, and these absorb none; take a conductor, or lambertian with a reflectance below 1"
+        } else if self.run.refine {
+            "maps the cells of the given mesh; leave out refine, or absorbed_map"
+        } else {
+            return Ok(());
+        };
+        Err(ConfigError::unsuitable("absorbed_map", reason))
     }
 
     /// Checks the models and the light that they are compared with, as far as the slopes of the surface do not matter.

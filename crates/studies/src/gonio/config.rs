@@ -191,6 +191,7 @@ impl GonioConfig {
             output: OutputConfig {
                 plots: true,
                 paths: None,
+                absorbed_map: false,
             },
         })
     }

@@ -134,6 +134,7 @@ impl MapConfig {
             output: OutputConfig {
                 plots: true,
                 paths: None,
+                absorbed_map: false,
             },
         })
     }

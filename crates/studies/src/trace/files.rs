@@ -3,6 +3,7 @@
 use asperity_simulate::Case;
 use serde_json::{Value, json};
 
+use super::absorbed::{add_absorbed_map, describe_absorbed_map};
 use super::comparison::TraceComparison;
 use super::light_paths::{paths_figure, paths_table};
 use super::outcome::{TraceOutcome, TraceOutcomes};
@@ -63,6 +64,11 @@ impl TraceConfig {
                 Ok(figure.transpose()?)
             });
         }
+        if self.output.absorbed_map {
+            for (number, folder) in case_folders(cases).iter().enumerate() {
+                add_absorbed_map(&mut views, folder, number, self.output.plots);
+            }
+        }
         add_spectra(&mut views, cases, self.output.plots, |found| {
             found.each.iter().map(|one| one.outcome).collect()
         });
@@ -116,6 +122,9 @@ fn trace_summary(outcome: &TraceOutcome) -> Summary {
     summary.columns = tables.columns(outcome.shown());
     if let Some(paths) = paths_table(outcome) {
         summary.columns["paths.csv"] = paths.description;
+    }
+    if outcome.absorbed.is_some() {
+        describe_absorbed_map(&mut summary.columns);
     }
     summary.lobes = outcome.lobes();
     summary.warnings = outcome.warnings();

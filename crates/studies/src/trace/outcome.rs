@@ -1,6 +1,6 @@
 //! Outcome of traced surfaces: results of the engine, and the comparison with models.
 
-use asperity_simulate::{LightPaths, Outcome, StoppedBy, Stopping};
+use asperity_simulate::{AbsorbedMap, LightPaths, Outcome, StoppedBy, Stopping};
 use asperity_tally::TallySpec;
 
 use super::comparison::TraceComparison;
@@ -34,6 +34,8 @@ pub struct TraceOutcome<'a> {
     pub comparison: Option<TraceComparison<'a>>,
     /// Paths of single rays on the first surface, if they were requested.
     pub paths: Option<LightPaths>,
+    /// Light that each cell absorbs; `None` if it was not requested, or a stop came before.
+    pub absorbed: Option<AbsorbedMap>,
     /// Reason that ended the run before all that was planned was done.
     pub stopped_by: Option<StoppedBy>,
 }
@@ -79,6 +81,7 @@ impl TraceOutcome<'_> {
                     .to_owned(),
             );
         }
+        warnings.extend(self.absorbed_map_warning());
         warnings.extend(self.outcome.errors.mesh_warning().map(str::to_owned));
         warnings.extend(self.lobes().iter().filter_map(BinnedLobe::warning));
         warnings

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::comparison::PlannedComparison;
 use super::description::Surfaces;
+use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
@@ -48,6 +49,9 @@ impl PlannedTrace {
     ) -> Result<Vec<Self>, StudyError> {
         for surface in tops.iter().filter(|_| config.run.refine) {
             surface.height_map("--refine")?;
+        }
+        if config.output.absorbed_map {
+            check_absorbed_map(tops)?;
         }
         let cells = config.surface.cells.of_given();
         let shapes = tops.clone().simulated(bottom.clone(), cells)?;
@@ -106,4 +110,15 @@ impl PlannedTrace {
         let length = self.tau.map_or(f64::INFINITY, |tau| SECTION * tau);
         LightPaths::of(&self.case, &self.settings, length, count)
     }
+}
+
+/// Refuses surfaces of which there is no map of absorbed light.
+fn check_absorbed_map(surfaces: &GivenSurfaces) -> Result<(), StudyError> {
+    if !surfaces.others.is_empty() {
+        let reason =
+            "maps one given surface; trace each of several by itself, or leave out absorbed_map";
+        return Err(ConfigError::unsuitable("absorbed_map", reason).into());
+    }
+    surfaces.first.height_map("--absorbed-map")?;
+    Ok(())
 }

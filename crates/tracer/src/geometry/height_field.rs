@@ -300,6 +300,11 @@ impl Geometry for Surface {
         }
     }
 
+    fn cell_number(&self, facet: Facet) -> Option<usize> {
+        let [columns, _] = self.cells();
+        Some(facet.iy as usize * columns + facet.ix as usize)
+    }
+
     #[inline]
     fn bounds(&self, facet: Facet) -> [DVec3; 2] {
         bounds_of(self.corners(facet))

@@ -229,6 +229,11 @@ impl Geometry for SmoothSurface {
         }
     }
 
+    fn cell_number(&self, cell: SmoothCell) -> Option<usize> {
+        let [columns, _] = self.spline.cells();
+        Some(cell.iy as usize * columns + cell.ix as usize)
+    }
+
     fn bounds(&self, cell: SmoothCell) -> [DVec3; 2] {
         let (x, y) = (f64::from(cell.ix), f64::from(cell.iy));
         let [low, high] = self.cell_range([cell.ix, cell.iy]);

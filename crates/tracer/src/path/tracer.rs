@@ -10,6 +10,7 @@ use asperity_tally::{
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::absorbed_cells::AbsorbedCells;
 use crate::path::beam::Beam;
 use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::batch::Batch;
@@ -54,6 +55,8 @@ pub struct Tracer<'a, G: Geometry> {
     pub(super) incident: HalfSpace,
     pub(super) settings: PathSettings,
     pub(super) layer: Option<TracedLayer<'a, G>>,
+    /// Sums of the flux that facets of the upper surface absorb, if they are recorded.
+    pub(super) absorbed: Option<&'a AbsorbedCells>,
     /// Indices `[eta, kappa]` of the conductors that are traced together; empty for a single material.
     conductors: Vec<[f64; 2]>,
     instructions: Instructions,
@@ -78,6 +81,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             incident,
             settings,
             layer: None,
+            absorbed: None,
             conductors: Vec::new(),
             instructions: Instructions::best(),
         }
@@ -95,6 +99,25 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         );
         Self {
             layer: Some(layer),
+            ..self
+        }
+    }
+
+    /// This tracer, which also adds the flux that each facet absorbs to its cell of `cells`.
+    ///
+    /// The sum over all cells is the absorbed flux of the tallies without a control variate. Tracing panics if a facet lies in a cell
+    /// that is not there; facets of triangle meshes lie in none and add nothing.
+    ///
+    /// # Panics
+    /// If several conductors are traced together.
+    #[must_use]
+    pub fn recording(self, cells: &'a AbsorbedCells) -> Self {
+        assert!(
+            self.conductors.is_empty(),
+            "several conductors absorb differently"
+        );
+        Self {
+            absorbed: Some(cells),
             ..self
         }
     }

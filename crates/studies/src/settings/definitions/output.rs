@@ -23,6 +23,9 @@ pub(super) const FIGURES: &[Setting] = &table(
             .commands(TRACE)
             .range(Range::FromTo(1.0, 1000.0))
             .otherwise("none"),
+        setting("absorbed_map", Kind::Switch)
+            .help("Map of the light that each cell absorbs")
+            .commands(TRACE),
         setting("scale", SCALE)
             .help("Discs of a figure that share a colour scale")
             .commands(GONIO)

@@ -5,6 +5,7 @@ use asperity_tally::Loss;
 
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::path::absorbed_cells::AbsorbedCells;
 use crate::path::scatter::branch::{PickBranches, SplitBranches};
 use crate::path::scatter::facets::Scatter;
 use crate::path::scatter::roulette::Roulette;
@@ -89,6 +90,9 @@ impl<G: Geometry> Tracer<'_, G> {
             self.scatter_jointly(at, normal, batch);
         } else if !divides || material.absorbs() {
             absorb(at, batch);
+            if let (Some(cells), Interface::Top) = (self.absorbed, interface) {
+                self.record_absorbed(at, batch, cells);
+            }
             if picks {
                 renormalise(at, batch);
             }
@@ -216,6 +220,17 @@ impl<G: Geometry> Tracer<'_, G> {
             scattered,
             transmitted: &transmitting[..count],
         });
+    }
+
+    /// Adds the light that facets of the upper surface absorb to their cells.
+    fn record_absorbed(&self, at: &Segments, batch: &Batch<'_, G::Facet>, cells: &AbsorbedCells) {
+        let scattered = &batch.interactions.scattered;
+        let (reflected, transmitted) = (&scattered.reflected.flux, &scattered.transmitted.flux);
+        for (i, facet) in batch.arrivals.facets.iter().enumerate() {
+            if let Some(cell) = self.geometry.cell_number(*facet) {
+                cells.add(cell, at.flux[i] * (1.0 - reflected[i] - transmitted[i]));
+            }
+        }
     }
 
     /// Takes what has entered the layer out of the segments.
