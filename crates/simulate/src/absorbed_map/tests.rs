@@ -188,16 +188,16 @@ impl Observer for Stopped {
 }
 
 #[test]
-fn there_is_no_map_of_a_run_that_is_stopped_nor_of_triangles() {
+fn there_is_no_map_of_a_run_that_is_stopped_nor_of_several_surfaces() {
     let case = case(SurfaceSource::height_field(rough()), GOLD, 60.0);
     let settings = settings(Estimator::Plain, 10_000);
     let (_, outcome) = run(&case, &settings);
     let stopped = AbsorbedMap::of(&case, &settings, &outcome, &Stopped).unwrap();
-    assert_eq!(stopped, None);
+    assert!(stopped.is_none());
     let several = Case {
         surface: SurfaceSource::Given([case.surface.shapes(), case.surface.shapes()].concat()),
         ..case
     };
     let of_several = AbsorbedMap::of(&several, &settings, &outcome, &Silent).unwrap();
-    assert_eq!(of_several, None);
+    assert!(of_several.is_none());
 }
