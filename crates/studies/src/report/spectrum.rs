@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
-use asperity_simulate::{Case, CaseGroup, CasePart, Outcome, short};
+use asperity_simulate::{Case, CaseGroup, Outcome, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult};
 use serde_json::Value;
 
@@ -69,7 +69,7 @@ fn is_opaque(case: &Case) -> bool {
 /// Emissivity of an opaque body, into the direction that light comes from; `None` of another, or where reflected light is not recorded.
 pub(crate) fn emissivity(outcome: &Outcome) -> Option<Estimate> {
     let reflected = Quantity::Reflectance.of(outcome)?.estimate();
-    is_opaque(&outcome.case).then(|| Estimate {
+    is_opaque(&outcome.case).then_some(Estimate {
         mean: 1.0 - reflected.mean,
         se: reflected.se,
     })
@@ -106,19 +106,22 @@ pub(crate) fn spectra<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Ve
     spectra
 }
 
-/// A case in words without its wavelength.
+/// A case in words without its wavelength, and without the absorption of a body, which follows from that.
 fn label(case: &Case) -> String {
     let mut without = case.clone();
     without.at.others.clear();
-    let parts = without
-        .setting_parts()
-        .iter()
-        .map(CasePart::text)
-        .collect::<Vec<_>>();
+    let medium = without.layer.map(|below| below.layer.medium());
+    let is_body = medium.is_some_and(|medium| medium.albedo() == 0.0);
+    let parts = without.setting_parts().into_iter();
+    let parts = parts.filter(|part| !(is_body && BODY.contains(&part.name.as_str())));
+    let parts: Vec<String> = parts.map(|part| part.text()).collect();
     let incidence = case.light.incidence;
     let [theta, phi] = [incidence.theta_deg(), incidence.phi_deg()].map(short);
     format!("{}, theta = {theta} deg, phi = {phi} deg", parts.join(", "))
 }
+
+/// Quantities of a body that absorbs, by the names of their parts.
+const BODY: [&str; 3] = ["mean free path", "albedo", "g"];
 
 /// Adds the files of spectra to those of a study that finds `J`, where `cases` are of named materials.
 pub(crate) fn add_spectra<'v, J, F>(
