@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, MODEL_NAMES};
-use asperity_io::{HeightMapFormat, MeshFormat, read_text, shown, shown_path};
+use asperity_io::{HeightMapFormat, MeshFormat, materials, read_text, shown, shown_path};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
     known_names, roughness_hint, settings_of, suggestion,
@@ -128,8 +128,10 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
             Command::Trace | Command::Mesh => {
                 argument.num_args(1..).value_hint(ValueHint::FilePath)
             }
-            Command::Model => argument.value_parser(Offered(names_of_models())),
-            _ => argument.value_hint(ValueHint::FilePath),
+            _ => match named_by_argument(command) {
+                Some(setting) => argument.value_parser(Offered(setting)),
+                None => argument.value_hint(ValueHint::FilePath),
+            },
         }
     });
     clap::Command::new(command.name())
@@ -139,7 +141,17 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
         .args(positional)
 }
 
-fn argument(setting: &Setting, command: Command) -> Arg {
+/// The setting that the argument of a command names, if that is no file of a surface.
+fn named_by_argument(command: Command) -> Option<&'static Setting> {
+    let path = match command {
+        Command::Model => "model.name",
+        Command::Materials => "materials.name",
+        _ => return None,
+    };
+    settings_of(command).find(|setting| setting.path() == path)
+}
+
+fn argument(setting: &'static Setting, command: Command) -> Arg {
     let flag = setting.flag_name().unwrap_or_default();
     let action = match (setting.takes_value(), setting.arity) {
         (false, _) => ArgAction::SetTrue,
@@ -154,7 +166,7 @@ fn argument(setting: &Setting, command: Command) -> Arg {
     let argument = match setting.takes_value() {
         true => argument
             .value_name(setting.placeholder(command))
-            .value_parser(Offered(offered(setting)))
+            .value_parser(Offered(setting))
             .value_hint(hint(setting))
             .allow_negative_numbers(true),
         false => argument,
@@ -179,6 +191,10 @@ fn offered(setting: &Setting) -> Vec<PossibleValue> {
         // A shell offers names or files, not both.
         Kind::ChoiceOrFile(_) => Vec::new(),
         Kind::Models | Kind::Model => names_of_models(),
+        Kind::Material => {
+            let names = materials().iter().map(|material| material.name.as_str());
+            names.map(PossibleValue::new).collect()
+        }
         kind => {
             let choices = kind.choices().iter();
             choices
@@ -202,9 +218,9 @@ fn hint(setting: &Setting) -> ValueHint {
     }
 }
 
-/// Reads any text that is not empty: the definitions of the settings check it. Shells offer these names.
+/// Reads any text that is not empty: the definitions of the settings check it. Shells offer the names of the setting.
 #[derive(Clone)]
-struct Offered(Vec<PossibleValue>);
+struct Offered(&'static Setting);
 
 impl TypedValueParser for Offered {
     type Value = String;
@@ -219,10 +235,8 @@ impl TypedValueParser for Offered {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        match self.0.as_slice() {
-            [] => None,
-            names => Some(Box::new(names.iter().cloned())),
-        }
+        let names = offered(self.0);
+        (!names.is_empty()).then(|| Box::new(names.into_iter()) as Box<dyn Iterator<Item = _>>)
     }
 }
 
@@ -246,6 +260,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
         Some(_) => matches.get_many::<String>(POSITIONAL),
         None => None,
     };
+    let named = named_by_argument(command);
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
         let path = Path::new(input);
@@ -255,16 +270,12 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
             )));
         }
         // Of a name with an ending the reader says so
-        if command != Command::Model && path.extension().is_none() && path.is_dir() {
+        if named.is_none() && path.extension().is_none() && path.is_dir() {
             return Err(Failure::usage(format!(
                 "`{input}` is a folder; {command} takes a file"
             )));
         }
-        if command != Command::Model
-            && !command.has_configuration()
-            && is_toml(path)
-            && path.is_file()
-        {
+        if named.is_none() && !command.has_configuration() && is_toml(path) && path.is_file() {
             return Err(Failure::usage(format!(
                 "`{input}` is a configuration, and {command} takes a surface{}",
                 run_by(input)
@@ -290,11 +301,8 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
                 error => Failure::usage(error),
             })?;
     }
-    let setting = match command {
-        Command::Model => "model.name",
-        _ => "measured.file",
-    };
-    let positional = (!texts.is_empty()).then_some((setting, texts.as_slice()));
+    let setting = named.map_or_else(|| "measured.file".to_owned(), Setting::path);
+    let positional = (!texts.is_empty()).then_some((setting.as_str(), texts.as_slice()));
     document
         .add_flags(&flags(command, matches), positional)
         .map_err(Failure::usage)?;

@@ -10,6 +10,7 @@ mod help;
 mod inspect;
 mod interrupt;
 mod man_sections;
+mod materials;
 mod mesh;
 mod model;
 mod output;
@@ -72,6 +73,7 @@ fn run(document: &Document) -> Result<End, Failure> {
         Command::Converge => study::run::<ConvergeStudy>(document, common),
         Command::Attenuation => study::run::<AttenuationStudy>(document, common),
         Command::Model => model::run(document, common),
+        Command::Materials => materials::run(document, common),
     }
 }
 

@@ -34,6 +34,11 @@ pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
             "asperity model ggx --slopes ggx --ggx-alpha 0.3 --bins 18x36 -o ggx.csv",
             "asperity model --list",
         ],
+        Command::Materials => &[
+            "asperity materials",
+            "asperity materials gold --wavelength 450,550,650",
+            "asperity materials silicon -o silicon.csv --plot silicon.svg",
+        ],
     }
 }
 

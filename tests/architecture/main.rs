@@ -261,7 +261,7 @@ const SIMULATE: [(&str, &[&str]); 14] = [
 ];
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 21] = [
+const STUDIES: [(&str, &[&str]); 22] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
@@ -276,6 +276,7 @@ const STUDIES: [(&str, &[&str]); 21] = [
         "generate",
         &["config", "error", "given", "output", "report", "settings"],
     ),
+    ("materials", &["config", "output", "report"]),
     ("mesh", &["config", "error", "given", "output", "settings"]),
     (
         "render",

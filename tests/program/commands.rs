@@ -440,7 +440,7 @@ fn refusals_suggest_the_name_that_is_likely_meant() {
         verify --angle 30 => --angle; did you mean --theta?
         verify --ior 1.5 => --ior; did you mean --eta?
         verify --max-bounces 3 => did you mean --max-order?
-        verify --material gold -o q => did you mean conductor?
+        verify --material metal -o q => did you mean conductor?
         verify --slopes gauss -o q => did you mean gaussian?
         verify --models smiht -o q => unknown model `smiht`; did you mean smith? The models
         model trowbridge-reitz => did you mean ggx?

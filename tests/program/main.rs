@@ -30,6 +30,7 @@ mod lambertian;
 mod layer_models;
 mod lobes;
 mod map;
+mod materials;
 mod media;
 mod meshes;
 mod models;

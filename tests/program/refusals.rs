@@ -280,6 +280,7 @@ fn foreign_text_in_messages_is_seen_and_short() {
             "@",
             "inspect h.exr @",
             "model @",
+            "materials @",
             "verify @.toml -o out",
             "verify @ -o out",
             "completions @",

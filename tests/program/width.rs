@@ -28,6 +28,14 @@ fn help_and_lists_fit() {
         fits(&folder, &format!("{name} --help"));
     }
     fits(&folder, "model --list");
+    for line in [
+        "materials",
+        "materials gold",
+        "materials silica --wavelength 400,700",
+        "materials TiN",
+    ] {
+        fits(&folder, line);
+    }
 }
 
 #[test]

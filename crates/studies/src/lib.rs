@@ -15,6 +15,7 @@ mod given;
 mod gonio;
 mod inspect;
 mod map;
+mod materials;
 mod mesh;
 mod model;
 mod output;
@@ -75,6 +76,10 @@ pub use inspect::{
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
     JudgedCell, MapCell, MapConfig, MapOutcome, MapStudy, ModelSummary, ToleranceConfig,
+};
+pub use materials::{
+    ListedMaterial, MaterialSheet, MaterialsConfig, MaterialsError, material_list,
+    material_list_text,
 };
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{

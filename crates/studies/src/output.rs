@@ -12,7 +12,7 @@ mod table;
 
 pub(crate) use align::TEXT_WIDTH;
 pub use align::wrapped;
-pub(crate) use align::{aligned, indented, listed, note_lines};
+pub(crate) use align::{aligned, folded, indented, listed, note_lines};
 pub(crate) use basis::{Basis, EstimateWithLimit};
 pub(crate) use by_side::BySide;
 pub(crate) use columns::{

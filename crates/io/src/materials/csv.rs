@@ -1,5 +1,6 @@
 //! Optical constants as CSV: `wavelength_nm,n,k`, with the unit of the wavelength in the header.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use asperity_optics::{DispersionCurve, OpticalConstants};
@@ -43,12 +44,15 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
     })?;
     let wavelengths: Vec<f64> = column_of(&table, wavelength)?;
     let wavelengths: Vec<f64> = wavelengths.iter().map(|w| w / per_micrometre).collect();
-    let curve = |values: &[f64]| {
-        let curve = DispersionCurve::table(wavelengths.clone(), values.to_vec());
+    let curve = |rows: RangeInclusive<usize>, values: &[f64]| {
+        let curve =
+            DispersionCurve::table(wavelengths[rows.clone()].to_vec(), values[rows].to_vec());
         curve.map_err(ReadProblem::malformed)
     };
-    let k = column("k").map(curve).transpose()?;
-    let constants = OpticalConstants::new(curve(n)?, k).map_err(ReadProblem::malformed)?;
+    let k = column("k").and_then(|k| Some(curve(known(k)?, k)));
+    let n = DispersionCurve::table(wavelengths.clone(), n.to_vec());
+    let constants = OpticalConstants::new(n.map_err(ReadProblem::malformed)?, k.transpose()?)
+        .map_err(ReadProblem::malformed)?;
     Ok(MaterialRecord {
         name: String::new(),
         aliases: Vec::new(),
@@ -57,6 +61,12 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         doi: None,
         constants,
     })
+}
+
+/// The rows between the first and the last value; values that are empty before or after them are unknown.
+fn known(values: &[f64]) -> Option<RangeInclusive<usize>> {
+    let is_known = |value: &f64| !value.is_nan();
+    Some(values.iter().position(is_known)?..=values.iter().rposition(is_known)?)
 }
 
 fn column_of(table: &NumberTable, name: &str) -> Result<Vec<f64>, ReadProblem> {

@@ -147,6 +147,20 @@ fn files_of_users_are_read() {
     }
     let clear = read("wavelength_um,n\n0.4,1.5\n", "CSV").unwrap();
     assert!(clear.constants.k().is_none());
+    // Unknown before the first and after the last value, and missing between them
+    let rows = "wavelength_um,n,k\n0.4,1.5,\n0.5,1.5,0.1\n0.6,1.5,0.2\n0.7,1.5,\n";
+    let partly = read(rows, "csv").unwrap();
+    assert_eq!(partly.constants.range(), [0.4, 0.7]);
+    assert_eq!(partly.constants.extinction_range(), Some([0.5, 0.6]));
+    let gap = read(
+        &rows
+            .replace("0.7,1.5,", "0.7,1.5,0.2")
+            .replace("0.6,1.5,0.2", "0.6,1.5,"),
+        "csv",
+    );
+    assert!(gap.unwrap_err().contains("k is NaN"));
+    let unknown = read("wavelength_um,n,k\n0.4,1.5,\n", "csv").unwrap();
+    assert!(unknown.constants.k().is_none());
 }
 
 #[test]

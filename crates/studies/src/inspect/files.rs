@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
-use asperity_io::{HeightMapFormat, ResultFolder, check_ending, shown_path, write_bytes};
+use asperity_io::{HeightMapFormat, ResultFolder, shown_path};
 use asperity_simulate::Silent;
 use serde::Serialize;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use crate::error::StudyError;
 use crate::given::{file_name, write_surface};
 use crate::output::{Head, note_lines, wrapped};
 use crate::report::error::ReportError;
-use crate::report::figures::height_map_figure;
+use crate::report::figures::{height_map_figure, write_by_ending};
 use crate::report::views::Views;
 
 /// The tables and figures of an inspected surface.
@@ -55,11 +55,7 @@ impl Inspection {
     /// [`ReportError`] if the file cannot be written or the figure drawn.
     pub fn draw(&self, path: &Path) -> Result<(), ReportError> {
         let figure = height_map_figure(&self.field, &file_name(&self.file), self.y_is_north)?;
-        let bytes = match check_ending(path, "plots", &["svg", "png"])? {
-            "svg" => figure.svg()?.into_bytes(),
-            _ => figure.png()?,
-        };
-        Ok(write_bytes(path, &bytes)?)
+        write_by_ending(path, &figure)
     }
 
     /// Writes the heights, and notes what the format leaves out.

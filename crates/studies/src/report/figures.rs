@@ -1,7 +1,9 @@
 //! The plots of a run, as SVG and PNG.
 
+use std::path::Path;
+
 use asperity_analysis::{BsdfModel, in_plane_flux};
-use asperity_io::write_bytes;
+use asperity_io::{check_ending, write_bytes};
 use asperity_optics::Incidence;
 use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
@@ -38,6 +40,15 @@ pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result
         || write(&png, &figure.png()?),
     );
     svg.and(png)
+}
+
+/// Writes a figure to `path`, as SVG or PNG by its ending.
+pub(crate) fn write_by_ending(path: &Path, figure: &Figure) -> Result<(), ReportError> {
+    let bytes = match check_ending(path, "plots", &["svg", "png"])? {
+        "svg" => figure.svg()?.into_bytes(),
+        _ => figure.png()?,
+    };
+    Ok(write_bytes(path, &bytes)?)
 }
 
 /// Draws a figure, if there is one, and writes it, unless the run gives up. Returns the number of figures that are left out.

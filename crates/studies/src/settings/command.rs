@@ -31,11 +31,13 @@ pub enum Command {
     Attenuation,
     /// Evaluates a model.
     Model,
+    /// Lists materials, or shows the optical constants of one.
+    Materials,
 }
 
 impl Command {
     /// All commands, in the order of the help.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Generate,
         Self::Inspect,
         Self::Mesh,
@@ -47,6 +49,7 @@ impl Command {
         Self::Converge,
         Self::Attenuation,
         Self::Model,
+        Self::Materials,
     ];
 
     /// Its name on the command line.
@@ -64,6 +67,7 @@ impl Command {
             Self::Converge => "converge",
             Self::Attenuation => "attenuation",
             Self::Model => "model",
+            Self::Materials => "materials",
         }
     }
 
@@ -82,6 +86,7 @@ impl Command {
             Self::Converge => "Measure run time against error of the estimators",
             Self::Attenuation => "Compare shadowing and masking with Smith and V-cavities",
             Self::Model => "Evaluate a scattering model",
+            Self::Materials => "List materials, or show n and k of one",
         }
     }
 
@@ -107,6 +112,10 @@ impl Command {
                 ("CONFIG", "Configuration (.toml); flags override it")
             }
             Self::Model => ("NAME", "Model, as --list names it"),
+            Self::Materials => (
+                "NAME|FILE",
+                "Material: a name of the list, which is printed without one, or a file .yml or .csv",
+            ),
         };
         Some((name, about.to_owned()))
     }

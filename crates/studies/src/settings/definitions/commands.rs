@@ -37,6 +37,7 @@ pub(super) const GENERATE: Commands = Commands::of(&[Command::Generate]);
 pub(super) const GONIO: Commands = Commands::of(&[Command::Gonio]);
 pub(super) const INSPECT: Commands = Commands::of(&[Command::Inspect]);
 pub(super) const MAP: Commands = Commands::of(&[Command::Map]);
+pub(super) const MATERIALS: Commands = Commands::of(&[Command::Materials]);
 pub(super) const MESH: Commands = Commands::of(&[Command::Mesh]);
 pub(super) const MODEL: Commands = Commands::of(&[Command::Model]);
 pub(super) const RENDER: Commands = Commands::of(&[Command::Render]);

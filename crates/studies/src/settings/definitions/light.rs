@@ -26,6 +26,11 @@ pub(super) const SUN_AZIMUTH: Setting = setting("sun_azimuth", Kind::Number)
     .unit(DEGREES)
     .otherwise("not given");
 
+/// Wavelength in vacuum.
+pub(super) const WAVELENGTH: Setting = setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
+    .unit("nm")
+    .range(Range::FromTo(1e-3, 1e12));
+
 pub(super) const LIGHT: &[Setting] = &table(
     "light",
     COMMANDS,
@@ -73,12 +78,10 @@ pub(super) const LIGHT: &[Setting] = &table(
             .help("The side that light comes from")
             .commands(TRACING.and(CONVERGE))
             .default("above"),
-        setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
+        WAVELENGTH
             .help("Wavelength of named materials, and to judge lengths against")
             .commands(TRACING.and(CONVERGE).and(MODEL).and(RENDER))
             .arity(Arity::ListIn(TRACING.and(CONVERGE).and(MODEL)))
-            .unit("nm")
-            .range(Range::FromTo(1e-3, 1e12))
             .otherwise("550 where the unit of the surface is known"),
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")

@@ -2,7 +2,8 @@
 
 use super::choices::SCALE;
 use super::commands::{
-    ATTENUATION, CONVERGE, GENERATE, GONIO, INSPECT, MAP, MESH, MODEL, SWEEPS, TRACE, TRACING,
+    ATTENUATION, CONVERGE, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS, TRACE,
+    TRACING,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -81,6 +82,15 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE)
             .otherwise("standard output"),
+        basic("output", Kind::Path)
+            .help("Table of n and k to write: .csv, which --material reads")
+            .commands(MATERIALS)
+            .short('o')
+            .value_name(FILE),
+        basic("plot", Kind::Path)
+            .help("Figure of n and k over all wavelengths to write: .svg or .png")
+            .commands(MATERIALS)
+            .value_name(FILE),
         basic("plot", Kind::Path)
             .help("Figure of the height map to write: .svg or .png")
             .commands(INSPECT)
@@ -94,7 +104,8 @@ pub(super) const RESULTS: &[Setting] = &flags(
                     .and(ATTENUATION)
                     .and(GENERATE)
                     .and(INSPECT)
-                    .and(MODEL),
+                    .and(MODEL)
+                    .and(MATERIALS),
             ),
     ],
 );

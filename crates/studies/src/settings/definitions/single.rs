@@ -1,10 +1,11 @@
-//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, and `model`.
+//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model` and `materials`.
 
 use super::choices::{MESH_FORMAT, SURFACE_FORMAT};
-use super::commands::{DEGREES, GENERATE, MESH, MODEL};
+use super::commands::{DEGREES, GENERATE, MATERIALS, MESH, MODEL};
+use super::light::WAVELENGTH;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, basic, flags, setting};
+use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting};
 
 pub(super) const GENERATE_SETTINGS: &[Setting] = &flags(
     "generate",
@@ -53,5 +54,21 @@ pub(super) const MODEL_SETTINGS: &[Setting] = &flags(
             .help("attenuation.csv with counted shadowing and masking")
             .value_name("FILE")
             .otherwise("that of the model"),
+    ],
+);
+
+pub(super) const MATERIALS_SETTINGS: &[Setting] = &flags(
+    "materials",
+    MATERIALS,
+    [
+        basic("name", Kind::Material)
+            .help("Material whose optical constants are shown")
+            .flag(Flag::None)
+            .otherwise("all are listed"),
+        WAVELENGTH
+            .help("Wavelengths at which n and k are shown, and written by -o")
+            .basic(MATERIALS)
+            .arity(Arity::ListIn(MATERIALS))
+            .otherwise("visible ones; all points of the data with -o"),
     ],
 );
