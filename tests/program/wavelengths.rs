@@ -32,7 +32,8 @@ fn one_trace_of_many_wavelengths_has_the_numbers_of_separate_ones() {
     assert!(reflectance.is_sorted(), "gold reflects red light best");
     for (row, reflectance) in reflectance.into_iter().enumerate() {
         let absorptance = spectrum.number(row, "absorptance");
-        assert!((reflectance + absorptance - 1.0).abs() < 1e-12);
+        // Russian roulette ends some of the light.
+        assert!((reflectance + absorptance - 1.0).abs() < 1e-3);
         assert_eq!(spectrum.number(row, "emissivity"), 1.0 - reflectance);
         assert!(spectrum.number(row, "reflectance_se") > 0.0);
     }
@@ -46,7 +47,7 @@ fn one_trace_of_many_wavelengths_has_the_numbers_of_separate_ones() {
 fn every_study_takes_wavelengths() {
     let folder = with_lengths();
     let gold = "--material gold --wavelength 500:700:100nm --theta 30 --quiet";
-    let few = "--rays 1e3 --realisations 2 --size 64 --no-plots";
+    let few = "--rays 1e3 --realisations 2 --size 128 --no-plots";
     let random = "--tau 8um --sigma 1um --spacing 0.5um";
     for line in [
         format!("verify {random} {gold} {few} --models smith -o v"),
@@ -69,7 +70,7 @@ fn every_study_takes_wavelengths() {
     );
     model.must_contain("wavelength_nm");
     folder.succeed(
-        "converge --tau 8um --sigma 1um --spacing 1um --size 32 --material gold --wavelength 550 --theta 30 --rays 256,1024 --no-plots --quiet -o c",
+        "converge --tau 8um --sigma 1um --spacing 1um --size 64 --material gold --wavelength 550 --theta 30 --rays 256,1024 --no-plots --quiet -o c",
     );
     folder.succeed(
         "render h.exr --material gold --wavelength 550 --size 16x12 --samples 1 -o p.png --quiet",
@@ -105,13 +106,15 @@ fn visible_spectra_have_colours_and_opaque_ones_an_emissivity() {
     folder.succeed(format!(
         "trace h.exr {gold} --theta 10 --wavelength 400:700:20nm -o t"
     ));
-    let colours = Table::read(&folder.join("t/colour.csv"));
-    assert!(colours.text(0, "observer").contains("CIE 1931"));
-    assert!(
-        colours.number(0, "X") > colours.number(0, "Z"),
-        "gold is yellow"
-    );
-    assert!(colours.text(0, "srgb").starts_with('#'));
+    let colours = folder.text("t/colour.csv");
+    for words in [
+        "CIE 1931 2 degrees",
+        "CIE 1964 10 degrees",
+        "reflected",
+        "#f",
+    ] {
+        colours.must_contain(words);
+    }
     let line = format!("gonio --surface h.exr {gold} --wavelength 1064 --theta 5:85:10 -o g");
     let report = folder.succeed(&line);
     report.must_contain("hemispherical emissivity");

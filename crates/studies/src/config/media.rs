@@ -31,6 +31,9 @@ const OPAQUE_DEPTH: f64 = 10.0;
 /// Depth in nanometres at which 1/e of the light is left, beyond which a medium without end is clear: 0.1 m.
 const CLEAR_NM: f64 = 1e8;
 
+/// Medium that is clear, though its record has no absorption index.
+const AIR: &str = "air";
+
 /// Absorption index beyond which no light comes through the medium above.
 const MAX_KAPPA_ABOVE: f64 = 1e-4;
 
@@ -156,7 +159,10 @@ impl Media {
         };
         let given = self.kappa.as_ref().map(|kappa| kappa.one("kappa"));
         let given = given.transpose()?.map(|kappa| kappa.0);
-        let below = self.below.index(wavelength)?;
+        let mut below = self.below.index(wavelength)?;
+        if self.below.name == AIR {
+            below.k = Some(0.0);
+        }
         let mut is_needed = below.k.is_none();
         let mut films = Vec::new();
         for film in self.films() {

@@ -74,8 +74,8 @@ impl SideColour {
 
     const fn observer(&self) -> &'static str {
         match self.observer {
-            ColourObserver::Cie1931 => "CIE 1931, 2 degrees",
-            ColourObserver::Cie1964 => "CIE 1964, 10 degrees",
+            ColourObserver::Cie1931 => "CIE 1931 2 degrees",
+            ColourObserver::Cie1964 => "CIE 1964 10 degrees",
         }
     }
 

@@ -83,7 +83,7 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .value_name(FILE)
             .otherwise("standard output"),
         basic("output", Kind::Path)
-            .help("Table of n and k to write: .csv, which --material reads")
+            .help("Table of n and k to write: .csv")
             .commands(MATERIALS)
             .short('o')
             .value_name(FILE),
