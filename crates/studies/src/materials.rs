@@ -98,8 +98,13 @@ impl MaterialsConfig {
         shown.sort_by(f64::total_cmp);
         shown.dedup();
         Ok(Some(MaterialSheet {
-            rows: rows(&record, &shown)?,
-            points: rows(&record, &tabulated(&record))?,
+            rows: rows(&record, shown.into_iter().map(|nm| (nm, nm / NM)))?,
+            points: rows(
+                &record,
+                tabulated(&record)
+                    .into_iter()
+                    .map(|um| (nanometres(um), um)),
+            )?,
             is_given,
             record,
         }))
@@ -316,9 +321,13 @@ fn table() -> Table<'static, Row> {
         }))
 }
 
-fn rows(record: &MaterialRecord, wavelengths_nm: &[f64]) -> Result<Vec<Row>, MaterialsError> {
-    let row = |&wavelength_nm: &f64| {
-        let index = record.constants.at(wavelength_nm / NM);
+/// Constants at wavelengths, each in nanometres and, to the digit of the data, in micrometres.
+fn rows(
+    record: &MaterialRecord,
+    wavelengths: impl Iterator<Item = (f64, f64)>,
+) -> Result<Vec<Row>, MaterialsError> {
+    let row = |(wavelength_nm, micrometres)| {
+        let index = record.constants.at(micrometres);
         let index = index.map_err(|error| match error {
             DispersionError::OutOfRange { .. } => MaterialsError::OutOfRange {
                 name: record.name.clone(),
@@ -336,7 +345,7 @@ fn rows(record: &MaterialRecord, wavelengths_nm: &[f64]) -> Result<Vec<Row>, Mat
             k: index.k,
         })
     };
-    wavelengths_nm.iter().map(row).collect()
+    wavelengths.map(row).collect()
 }
 
 /// Visible wavelengths within the data, or as many from end to end where none or one is, nanometres.
@@ -359,7 +368,7 @@ fn default_wavelengths(record: &MaterialRecord) -> Vec<f64> {
     (0..=steps).map(at).collect()
 }
 
-/// All wavelengths of the tables of a record, and those at which its formula is tabulated, nanometres, ascending.
+/// All wavelengths of the tables of a record, and those at which its formula is tabulated, micrometres, ascending.
 fn tabulated(record: &MaterialRecord) -> Vec<f64> {
     let n = record.constants.n();
     let [first, last] = n.range();
@@ -376,7 +385,6 @@ fn tabulated(record: &MaterialRecord) -> Vec<f64> {
     let within = of_k.iter().filter(|point| (first..=last).contains(*point));
     points.extend(within);
     points.sort_by(f64::total_cmp);
-    let mut points: Vec<f64> = points.into_iter().map(nanometres).collect();
     points.dedup();
     points
 }
@@ -385,12 +393,12 @@ fn range_nm(micrometres: [f64; 2]) -> [f64; 2] {
     micrometres.map(nanometres)
 }
 
-/// A wavelength in nanometres, with the digits that it has in micrometres.
+/// A wavelength in nanometres, without the digits that the conversion from micrometres rounds.
 fn nanometres(micrometres: f64) -> f64 {
     const DIGITS: f64 = 1e9;
     let nm = micrometres * NM;
     let rounded = (nm * DIGITS).round() / DIGITS;
-    match rounded / NM == micrometres {
+    match (rounded - nm).abs() <= 4.0 * f64::EPSILON * nm {
         true => rounded,
         false => nm,
     }
@@ -454,15 +462,16 @@ mod tests {
     #[test]
     fn nanometres_keep_the_digits_of_micrometres() {
         for (um, nm) in [
-            (0.2066, 206.6),
-            (0.1879, 187.9),
+            (0.2096, 209.6),
+            (0.2098, 209.8),
             (1.937, 1937.0),
-            (0.5, 500.0),
+            (0.123_456_789_012_3, 123.456_789_012_3),
         ] {
             assert_eq!(nanometres(um), nm);
         }
         for record in materials() {
-            for nm in tabulated(record) {
+            for um in tabulated(record) {
+                let nm = nanometres(um);
                 assert!(record.constants.at(nm / NM).is_ok(), "{} {nm}", record.name);
             }
         }
