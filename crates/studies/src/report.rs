@@ -18,6 +18,7 @@ pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
 pub(crate) mod shown_case;
 pub(crate) mod spectrum;
+pub(crate) mod spectrum_views;
 mod structure;
 pub(crate) mod summary;
 pub(crate) mod views;

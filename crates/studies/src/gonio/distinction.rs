@@ -42,3 +42,12 @@ impl Distinction {
         }
     }
 }
+
+/// A label with the name of what it is a value of; labels of several values name them already.
+pub(super) fn labelled(title: &str, label: &str) -> String {
+    if label.contains(" = ") || title.is_empty() {
+        label.to_owned()
+    } else {
+        format!("{title} = {label}")
+    }
+}

@@ -6,9 +6,8 @@
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
 use asperity_tally::Estimate;
 
-use super::distinction::Distinction;
+use super::distinction::{Distinction, labelled};
 use super::outcome::GonioOutcome;
-use super::summary::labelled;
 use crate::output::{Column, EstimateWithLimit, Table};
 use crate::report::spectrum::emissivity;
 use crate::report::views::Csv;

@@ -14,7 +14,7 @@ use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
 use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
-use crate::report::spectrum::add_spectra;
+use crate::report::spectrum_views::add_spectra;
 use crate::report::views::Views;
 use crate::verify::plan::Plan;
 

@@ -15,7 +15,7 @@ use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum::{colour_columns, spectrum_columns};
+use crate::report::spectrum_views::{colour_columns, spectrum_columns};
 use crate::report::views::Views;
 
 /// The contents of summary.json.

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use asperity_simulate::counted;
 use asperity_tally::HemisphereGrid;
 
-use super::distinction::Distinction;
+use super::distinction::{Distinction, labelled};
 use super::emissivity::{SettingEmissivity, emissivity_lines};
 use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
@@ -97,15 +97,6 @@ fn bins(outcome: &GonioOutcome) -> String {
     match (fewest, most) {
         (Some(fewest), Some(most)) if fewest.len() != most.len() => format!("{fewest} to {most}"),
         (one, _) => one.unwrap_or_default().to_string(),
-    }
-}
-
-/// A label with the name of what it is a value of; labels of several values name them already.
-pub(super) fn labelled(title: &str, label: &str) -> String {
-    if label.contains(" = ") || title.is_empty() {
-        label.to_owned()
-    } else {
-        format!("{title} = {label}")
     }
 }
 

@@ -11,7 +11,8 @@ use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
-use crate::report::spectrum::{EMISSIVITY, spectra, spectra_text};
+use crate::report::spectrum::{EMISSIVITY, spectra};
+use crate::report::spectrum_views::spectra_text;
 
 /// The report of the case; of several their spectra, and the notes on the first.
 pub(super) fn traces_table(found: &TraceOutcomes) -> String {

@@ -16,7 +16,7 @@ use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum::add_spectra;
+use crate::report::spectrum_views::add_spectra;
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 

@@ -1,0 +1,166 @@
+//! Spectrum views: spectra and their colours as tables, text and a figure.
+
+use std::fmt::Write;
+
+use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
+use asperity_simulate::{Case, CaseGroup, Outcome};
+use serde_json::Value;
+
+use super::colours::{SideColour, colour_table};
+use super::spectrum::{Quantity, Spectrum, emissivity, results_of, spectra};
+use crate::output::{Column, Table, case_columns};
+use crate::report::views::{Csv, Views};
+
+/// Adds the files of spectra to those of a study that finds `J`, where `cases` are of named materials.
+pub(crate) fn add_spectra<'v, J, F>(
+    views: &mut Views<'v, J>,
+    cases: &[Case],
+    figures: bool,
+    outcomes: F,
+) where
+    J: Sync + 'v,
+    F: for<'j> Fn(&'j J) -> Vec<&'j Outcome> + Copy + Send + Sync + 'v,
+{
+    if cases.iter().all(|case| case.at.wavelength_nm().is_none()) {
+        return;
+    }
+    views.csv("spectrum.csv", move |found| {
+        spectrum_table(&spectra(outcomes(found)))
+    });
+    views.csv("colour.csv", move |found| {
+        let spectra = spectra(outcomes(found));
+        colour_table(spectra.iter().flat_map(SideColour::of).collect())
+    });
+    if figures {
+        views.figure("spectrum", move |found| {
+            Ok(spectrum_figure(&spectra(outcomes(found)))?)
+        });
+    }
+}
+
+/// spectrum.csv: a row per result.
+fn spectrum_table<'a>(spectra: &[Spectrum<'a>]) -> Option<Csv<'a>> {
+    use CaseGroup::{Layer, Light, Material, Other, Surface};
+    let groups = [Surface, Material, Layer, Other, Light];
+    let rows: Vec<&'a Outcome> = results_of(spectra);
+    let first = &rows.first()?.case;
+    let columns = case_columns(std::slice::from_ref(first), &groups, case_of);
+    let table = Table::new().columns(columns);
+    let table = with_quantities(table);
+    Some(table.with_rows(rows))
+}
+
+/// Name, unit and description of the columns of spectrum.csv; `None` where there is no spectrum.
+pub(crate) fn spectrum_columns<'a>(
+    outcomes: impl IntoIterator<Item = &'a Outcome>,
+) -> Option<Value> {
+    spectrum_table(&spectra(outcomes)).map(|table| table.description)
+}
+
+/// The same of colour.csv.
+pub(crate) fn colour_columns<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Option<Value> {
+    let spectra = spectra(outcomes);
+    let colours = spectra.iter().flat_map(SideColour::of).collect();
+    colour_table(colours).map(|table| table.description)
+}
+
+/// The spectra as text, each with a line of what its results share.
+pub(crate) fn spectra_text(spectra: &[Spectrum<'_>]) -> String {
+    let mut text = String::new();
+    for spectrum in spectra {
+        let rows: Vec<&Outcome> = results_of(std::slice::from_ref(spectrum));
+        let table = Table::new().column(Column::new("wavelength (nm)", "", |row: &&Outcome| {
+            row.case.at.wavelength_nm()
+        }));
+        let _ = writeln!(text, "{}", spectrum.label());
+        text += &with_quantities(table).text(&rows);
+        for colour in SideColour::of(spectrum) {
+            let _ = writeln!(text, "{}", colour.text());
+        }
+    }
+    text
+}
+
+fn case_of<'r>(row: &'r &Outcome) -> &'r Case {
+    &row.case
+}
+
+/// The columns of a spectrum.
+fn with_quantities<'t, 'a: 't>(mut table: Table<'t, &'a Outcome>) -> Table<'t, &'a Outcome> {
+    for quantity in Quantity::ALL {
+        let value = move |row: &&'a Outcome| quantity.of(row);
+        let column = Column::estimate(quantity.name(), quantity.about(), value);
+        table = table.column(column.dropped_if_empty());
+    }
+    let about = "of an opaque body: 1 less its directional-hemispherical reflectance";
+    let value = |row: &&'a Outcome| emissivity(row);
+    table.column(Column::estimate("emissivity", about, value).dropped_if_empty())
+}
+
+/// Points of a curve up to which each has a marker.
+const MAX_MARKERS: usize = 60;
+
+/// The figure of spectra.
+///
+/// # Errors
+/// [`PlotError`] if it cannot be drawn.
+fn spectrum_figure(spectra: &[Spectrum<'_>]) -> Result<Option<Figure>, PlotError> {
+    let is_alone = spectra.len() == 1;
+    let mut curves = Vec::new();
+    for (number, spectrum) in spectra.iter().enumerate() {
+        for (which, quantity) in Quantity::ALL.into_iter().enumerate() {
+            let points = spectrum.values(quantity).map(|(wavelength, value)| Point {
+                se: value.se,
+                ..Point::exact(wavelength, value.mean)
+            });
+            let points: Vec<Point> = points.collect();
+            if points.iter().all(|point| point.y == 0.0) {
+                continue;
+            }
+            curves.push(Curve {
+                name: match is_alone {
+                    true => quantity.name().to_owned(),
+                    false => format!("{}, {}", quantity.name(), spectrum.label()),
+                },
+                colour: Colour::Nth(if is_alone { which } else { number }),
+                style: match points.len() > MAX_MARKERS {
+                    true => Style::Band(which),
+                    false => Style::Joined(which),
+                },
+                points,
+            });
+        }
+    }
+    if curves.is_empty() {
+        return Ok(None);
+    }
+    let colours = spectra.iter().flat_map(SideColour::of);
+    curves.extend(colours.filter(SideColour::is_of_srgb).map(|one| Curve {
+        name: match is_alone {
+            true => format!("{} under D65, {}", one.side, one.hex()),
+            false => format!("{} under D65, {}: {}", one.side, one.hex(), one.label),
+        },
+        colour: Colour::Rgb(one.rgb()),
+        style: Style::Swatch,
+        points: Vec::new(),
+    }));
+    let figure = Curves {
+        title: "Directional-hemispherical spectrum".to_owned(),
+        subtitle: match spectra {
+            [one] => one.label().to_owned(),
+            _ => String::new(),
+        },
+        x: CurveAxis {
+            label: "wavelength in vacuum (nm)".to_owned(),
+            range: None,
+        },
+        y: CurveAxis {
+            label: "fraction of the incident light".to_owned(),
+            range: Some([0.0, 1.0]),
+        },
+        log_from: None,
+        curves,
+        notes: Vec::new(),
+    };
+    figure.draw().map(Some)
+}
