@@ -40,7 +40,7 @@ pub enum Kind {
     ChoiceOrMaterial(&'static [Choice]),
     /// A material by its name, or a file of one.
     Material,
-    /// A layer of a thin film: [`FilmText`].
+    /// A layer of a thin film, `MATERIAL:THICKNESS`.
     Film,
     /// Names of models, or `none`.
     Models,
