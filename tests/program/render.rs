@@ -54,7 +54,7 @@ fn meshes_and_flat_surfaces_have_pictures_too() {
     folder.succeed("mesh h.exr -o h.ply");
     let rest = "--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png";
     folder.succeed(format!("render h.ply {rest}"));
-    let flat = "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --below 0 --view-theta 0 -o f.exr";
+    let flat = "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --radiance-below 0 --view-theta 0 -o f.exr";
     let text = folder.succeed(flat);
     // Fresnel at normal incidence, (n - 1)^2 / (n + 1)^2, but for the slant of a pinhole's lines.
     text.must_contain("mean radiance 0.040");
@@ -78,7 +78,7 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         -o p.png --width 0 => --width 0: must be
         -o p.png --look-at 1 => must be 2 numbers as X,Y
         -o p.png --sky -1 => --sky -1: must be
-        -o p.png --below -1 => --below -1: must be
+        -o p.png --radiance-below -1 => --radiance-below -1: must be
         -o p.png --sun -1 => --sun -1: must be
         -o p.png --sun-theta 95 => --sun-theta
         -o p.png --sun-radius 0 => 0.01 to 60
