@@ -70,7 +70,7 @@ fn every_study_takes_wavelengths() {
     );
     model.must_contain("wavelength_nm");
     folder.succeed(
-        "converge --tau 8um --sigma 1um --spacing 1um --size 64 --material gold --wavelength 550 --theta 30 --rays 256,1024 --no-plots --quiet -o c",
+        "converge --tau 8um --sigma 1um --spacing 1um --size 64 --material gold --wavelength 550 --theta 30 --rays 256 --surfaces 2,4 --no-plots --quiet -o c",
     );
     folder.succeed(
         "render h.exr --material gold --wavelength 550 --size 16x12 --samples 1 -o p.png --quiet",
