@@ -25,7 +25,7 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Most names that are suggested for an unknown one.
 const MAX_SUGGESTIONS: usize = 3;
 
-/// Error of a material that is asked for by name or file.
+/// Error of a lookup of a material by name or file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MaterialLookupError {
@@ -35,7 +35,7 @@ pub enum MaterialLookupError {
     /// No embedded material has this name.
     #[error("unknown material `{}`; {}", shown(.name), advice(.suggestions))]
     Unknown {
-        /// Name that was asked for.
+        /// Requested name.
         name: String,
         /// Known names that are similar.
         suggestions: Vec<String>,

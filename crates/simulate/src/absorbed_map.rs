@@ -142,7 +142,7 @@ impl Moments {
         self.squares += deviation * (value - self.mean);
     }
 
-    /// Standard error of the mean of so many blocks.
+    /// Standard error of the mean over `blocks` independent blocks.
     fn error(&self, blocks: u64) -> f64 {
         let blocks = blocks as f64;
         (self.squares / (blocks - 1.0) / blocks).sqrt()

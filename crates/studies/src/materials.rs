@@ -225,7 +225,7 @@ impl MaterialSheet {
         )
     }
 
-    /// The same as JSON.
+    /// JSON form of the list or of the constants.
     #[must_use]
     pub fn json(&self) -> Value {
         let record = &self.record;

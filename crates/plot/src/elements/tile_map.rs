@@ -45,7 +45,7 @@ pub(crate) struct MapText<'a> {
     pub(crate) facts: String,
 }
 
-/// Colours of a map, and the title and the axis of their bar, the latter for about so many ticks.
+/// Colour scale of a map, with the title of its bar and the axis of the bar, a function of the desired number of ticks.
 pub(crate) struct MapColours<F> {
     pub(crate) scale: ColourScale,
     pub(crate) axis: F,

@@ -75,7 +75,7 @@ impl Resolved {
         }
     }
 
-    /// The same for light from a half space. Indices are relative to the medium there.
+    /// Material for light from the half space `from`, with indices relative to the medium there.
     ///
     /// # Errors
     /// [`ConfigError`] if light is to come from a named medium that absorbs it.
@@ -414,7 +414,7 @@ mod tests {
         assert!(slab.layer.unwrap().layer.medium().extinction() > 0.0);
     }
 
-    /// A film of the index of either side is none.
+    /// Film whose index matches the medium above: it reflects nothing by itself.
     #[test]
     fn films_are_relative_to_the_medium_above() {
         let reflected = |material: &str| case(material, 550.0).material.fresnel(0.8).reflected;

@@ -57,7 +57,7 @@ pub(crate) fn spectrum_columns<'a>(
     spectrum_table(&spectra(outcomes)).map(|table| table.description)
 }
 
-/// The same of colour.csv.
+/// Name, unit and description of the columns of colour.csv; `None` where no spectrum has a colour.
 pub(crate) fn colour_columns<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Option<Value> {
     let spectra = spectra(outcomes);
     let colours = spectra.iter().flat_map(SideColour::of).collect();

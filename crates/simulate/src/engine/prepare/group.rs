@@ -79,9 +79,9 @@ pub(crate) struct AnalyticCase {
 }
 
 impl Group {
-    /// The groups of cases with equal surface sources, each in the place of its first case. A group with more results than fit in memory
-    /// is divided, unless its cases share an effort; so is one with so many rays that drawing its surfaces again costs little. Complete cases are
-    /// removed after that, so that the division does not depend on them.
+    /// Groups of cases with equal surface sources, in the order of their first cases. Two kinds of group are divided: one whose results
+    /// exceed memory, unless its cases share an effort, and one with so many rays that drawing its surfaces again costs little. Complete cases
+    /// are removed afterwards, so that the division does not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
         settings: &Settings,
