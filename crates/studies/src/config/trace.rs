@@ -3,7 +3,7 @@
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{
-    Case, Coordinates, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
+    Case, Coordinates, CoreSlopes, LayerBelow, Light, Lobe, Settings, SurfaceSource,
 };
 use asperity_surface::LengthUnit;
 use serde::{Deserialize, Serialize};
@@ -86,11 +86,16 @@ impl TraceConfig {
             .lit(self.light.from.into())
     }
 
-    /// The case of this configuration without lists on its surfaces, whose lengths are in `unit`.
+    /// The case of this configuration without lists on `surface`, whose lengths are in `unit`, in bins around the lobes of `slopes`.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn case(&self, surfaces: Vec<Shape>, unit: LengthUnit) -> Result<Case, ConfigError> {
+    pub(crate) fn case(
+        &self,
+        surface: SurfaceSource,
+        slopes: Option<CoreSlopes>,
+        unit: LengthUnit,
+    ) -> Result<Case, ConfigError> {
         self.check_in(unit)?;
         let material = self.resolved()?;
         let layer = material.layer(self.medium.as_ref(), unit)?;
@@ -101,7 +106,7 @@ impl TraceConfig {
         let mut case = Case {
             bins: None,
             at: material.coordinates(at),
-            surface: SurfaceSource::Given(surfaces),
+            surface,
             material: material.material,
             layer: layer.map(|layer| LayerBelow {
                 layer,
@@ -114,7 +119,7 @@ impl TraceConfig {
                 stokes: self.light.stokes(self.run.polarisation)?,
             },
         };
-        case.bins = self.run.bins_around(Lobe::of_case(&case));
+        case.bins = self.run.bins_around(Lobe::of_slopes(&case, slopes));
         Ok(case)
     }
 

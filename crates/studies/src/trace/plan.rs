@@ -1,6 +1,8 @@
 //! Plan: light on given surfaces, checked and ready to be traced.
 
-use asperity_simulate::{Case, LightPaths, Lobe, Settings, Shape, SimulateError};
+use asperity_simulate::{
+    Case, CoreSlopes, LightPaths, Lobe, Settings, SimulateError, SurfaceSource,
+};
 use serde_json::Value;
 
 use super::comparison::PlannedComparison;
@@ -54,24 +56,29 @@ impl PlannedTrace {
             check_absorbed_map(tops)?;
         }
         let cells = config.surface.cells.of_given();
-        let shapes = tops.clone().simulated(bottom.clone(), cells)?;
+        let surface = SurfaceSource::Given(tops.clone().simulated(bottom.clone(), cells)?);
+        let slopes = CoreSlopes::of_source(&surface);
         let singles = config.singles()?.into_iter();
-        let planned = |single| Self::new(single, tops, bottom.as_ref(), shapes.clone());
+        let planned = |single: TraceConfig| {
+            let case = single.case(surface.clone(), slopes, tops.first.unit)?;
+            let lobes = Lobe::of_slopes(&case, slopes);
+            Self::new(single, tops, bottom.as_ref(), case, lobes)
+        };
         singles.map(planned).collect()
     }
 
-    /// Plans a configuration without lists.
+    /// Plans a case of a configuration without lists.
     fn new(
         config: TraceConfig,
         tops: &GivenSurfaces,
         bottom: Option<&GivenSurface>,
-        shapes: Vec<Shape>,
+        case: Case,
+        lobes: [Option<Lobe>; 2],
     ) -> Result<Self, StudyError> {
         let settings = config.ray_settings()?;
         let mut warnings = tops.warnings();
         let description = Surfaces::of(tops, bottom, &config);
         let of_bottom = bottom.map(GivenSurface::lengths);
-        let case = config.case(shapes, tops.first.unit)?;
         let wavelength = config.light.wavelength_nm();
         warnings.extend(wavelength_warnings(wavelength, tops.first.unit));
         let lengths = tops.lengths();
@@ -93,7 +100,7 @@ impl PlannedTrace {
             y_is_north: tops.first.y_is_north,
             first: tops.first.name.clone(),
             validity,
-            lobes: Lobe::of_case(&case),
+            lobes,
             case,
             settings,
             comparison,

@@ -7,8 +7,8 @@
 //! Lambert, Photometria (1760).
 
 use asperity_optics::{
-    FacetMueller, Material, PolarisedFresnel, around, conductor, incidence_axis,
-    polarised_conductor, polarised_dielectric, reflect, refract,
+    FacetMueller, Material, PolarisedFresnel, around, incidence_axis, polarised_conductor,
+    polarised_dielectric, reflect, refract,
 };
 use asperity_tally::Event;
 use glam::DVec3;
@@ -121,7 +121,9 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
         }
         opaque => {
             let reflected = match opaque {
-                Material::Conductor { eta, kappa } => conductor_facet::<N>(cos_theta_i, eta, kappa),
+                Material::Conductor { eta, kappa } => {
+                    polarised_conductor(cos_theta_i, eta, kappa).reflected
+                }
                 _ => FacetMueller::MIRROR,
             };
             let fresnel = PolarisedFresnel {
@@ -147,24 +149,6 @@ pub(crate) fn scatter<L: CarriedLight<N>, const N: usize>(
         transmitted,
         reflected,
         absorbed,
-    }
-}
-
-/// Reflection by a conductor of relative index `eta + i kappa`, of light that carries `N` numbers.
-///
-/// The reflectance of averaged light is rounded otherwise than that of polarised light.
-#[inline(always)]
-pub(crate) fn conductor_facet<const N: usize>(
-    cos_theta_i: f64,
-    eta: f64,
-    kappa: f64,
-) -> FacetMueller {
-    if N > 0 {
-        return polarised_conductor(cos_theta_i, eta, kappa).reflected;
-    }
-    FacetMueller {
-        m00: conductor(cos_theta_i, eta, kappa).reflected,
-        ..FacetMueller::MIRROR
     }
 }
 

@@ -2,11 +2,12 @@
 
 use std::marker::PhantomData;
 
+use asperity_optics::polarised_conductor;
 use asperity_tally::Loss;
 use glam::DVec3;
 
 use crate::geometry::Geometry;
-use crate::interaction::facet::{Incident, conductor_facet};
+use crate::interaction::facet::Incident;
 use crate::interaction::polarised::{
     AveragedLight, BothLight, CarriedLight, MuellerLight, Passage, TrackedLight,
 };
@@ -126,7 +127,7 @@ impl Reflection {
                     *number = lanes[j];
                 }
                 let passage = Passage {
-                    facet: conductor_facet::<N>(self.cos_theta_i, eta[j], kappa[j]),
+                    facet: polarised_conductor(self.cos_theta_i, eta[j], kappa[j]).reflected,
                     ..self.passage
                 };
                 let passed = L::after(numbers, &passage);

@@ -4,10 +4,10 @@
 //! of a mirror are traced once, and a table keeps the numbers of all conductors: a row per path, which begins with its first interaction.
 //! What the table and the tallies hold of a conductor is, bit by bit, what tracing it alone gives.
 
+use asperity_optics::polarised_conductor;
 use asperity_tally::{ExitColumns, JointExit, JointTallies, Loss, Tallies};
 use glam::DVec3;
 
-use crate::interaction::facet::conductor_facet;
 use crate::path::state::light_state::LightState;
 use crate::path::state::path_state::PathState;
 use crate::path::state::work::Work;
@@ -115,7 +115,9 @@ impl<'c> Conductors<'c> {
         let mut absorbed = [0.0; MAX_CONDUCTORS];
         let conductors = self.tallies.materials();
         for (j, absorbed) in absorbed.iter_mut().enumerate().take(conductors) {
-            let fraction = conductor_facet::<0>(cos_theta_i, self.eta[j], self.kappa[j]).m00;
+            let fraction = polarised_conductor(cos_theta_i, self.eta[j], self.kappa[j])
+                .reflected
+                .m00;
             *absorbed = light.flux * (1.0 - fraction);
             self.fluxes(slot)[j] = light.flux * fraction;
         }
