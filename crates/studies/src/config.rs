@@ -128,13 +128,23 @@ impl LightConfig {
         material.media().is_some() && resolved.any(|one| one.has_body())
     }
 
-    /// Refuses several wavelengths of a material that does not depend on them.
-    pub(crate) fn check_wavelengths(&self, material: &MaterialConfig) -> Result<(), ConfigError> {
-        let count = self
+    /// Makes named media ready for all wavelengths of a run.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if there are several wavelengths of a material that does not depend on them, an absorption index is given that is known, or
+    /// a record has no index at one of them.
+    pub(crate) fn check_wavelengths(
+        &self,
+        material: &mut MaterialConfig,
+    ) -> Result<(), ConfigError> {
+        let wavelengths = self
             .wavelength
             .as_ref()
-            .map_or(0, |list| list.as_slice().len());
-        if count > 1 && material.media().is_none() {
+            .map_or(&[][..], OneOrMany::as_slice);
+        let count = wavelengths.len();
+        if let MaterialConfig::Media(media) = material {
+            media.decide(wavelengths)?;
+        } else if count > 1 {
             let given = format!("{count} wavelengths");
             let reason =
                 "change nothing unless the material is a named one, such as --material gold";

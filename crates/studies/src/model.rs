@@ -15,6 +15,7 @@ use std::path::Path;
 
 use asperity_analysis::{FlatLayer, LayerPaths, ScatteringModel, create_model, smith_separable_g2};
 use asperity_optics::{Incidence, Material, from_spherical};
+use asperity_surface::LengthUnit;
 
 pub use self::attenuation_of::AttenuationFileError;
 use self::attenuation_of::{CountedAttenuation, with_smith};
@@ -29,6 +30,7 @@ use self::several::Several;
 pub use self::slopes_of::SlopeFileError;
 use self::surface_bins::SurfaceBins;
 use crate::config::error::ConfigError;
+use crate::config::media::Resolved;
 use crate::settings::Document;
 
 /// Directions or bins at which a model is evaluated.
@@ -67,7 +69,8 @@ fn evaluate_single(
     resolution: Resolution,
 ) -> Result<Box<dyn Evaluation>, EvaluationError> {
     let name = config.name()?;
-    let material = config.material()?.material;
+    let resolved = config.material()?;
+    let material = resolved.material;
     let incidence = config.incidence()?;
     let resolution = match config.run.bins {
         Some(_) => Resolution::Bins,
@@ -75,7 +78,7 @@ fn evaluate_single(
     };
     if let Some(paths) = LayerPaths::by_name(name) {
         refuse_roughness(name, document)?;
-        let model = layer_model(paths, config, material)?;
+        let model = layer_model(paths, config, &resolved)?;
         return evaluate_layer(config, model, incidence, resolution);
     }
     if let Some(path) = &config.model.attenuation_of {
@@ -235,17 +238,19 @@ fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationErr
 fn layer_model(
     paths: LayerPaths,
     config: &ModelConfig,
-    material: Material,
+    resolved: &Resolved,
 ) -> Result<LayerModel, EvaluationError> {
     let lacks = |needs| EvaluationError::Lacks {
         name: paths.name().to_owned(),
         needs,
     };
-    let medium = config.medium.as_ref().ok_or_else(|| {
+    let medium = config.medium.as_ref();
+    // Lengths have no unit here
+    let layer = resolved.layer(medium, LengthUnit::Arbitrary)?;
+    let layer = layer.map(|below| below.layer).ok_or_else(|| {
         lacks("a medium: give --mean-free-path and --albedo, or --absorption and --scattering")
     })?;
-    let layer = medium.layer(material, 0.0)?;
-    let Material::Dielectric { eta } = material else {
+    let Material::Dielectric { eta } = resolved.material else {
         return Err(lacks("a dielectric: give --eta"));
     };
     let model = FlatLayer::new(eta, &layer, paths).map_err(ConfigError::LayerModel)?;

@@ -88,6 +88,7 @@ impl RenderPlan {
         let resolved = config.material.resolved(config.light.wavelength)?;
         let material = resolved.material;
         let layer = resolved.layer(config.medium.as_ref(), self.surface.unit)?;
+        let layer = layer.map(|below| below.layer);
         let observer = Deadline::new(observer, time);
         let outcome = render(
             &self.shape,

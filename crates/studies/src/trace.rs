@@ -135,7 +135,7 @@ impl Study for TraceStudy {
         }
         Ok(TraceOutcomes {
             each,
-            planned: self.each.len(),
+            planned: &self.cases,
             seconds: began.elapsed().as_secs_f64(),
         })
     }
@@ -186,13 +186,14 @@ impl Findings for TraceOutcomes<'_> {
 
     fn stopped_by(&self) -> Option<StoppedBy> {
         let stopped = self.each.iter().find_map(|one| one.stopped_by);
-        let is_missing = self.each.len() < self.planned;
+        let is_missing = self.each.len() < self.planned.len();
         stopped.or(is_missing.then_some(StoppedBy::Interrupt))
     }
 
     fn progress(&self) -> Option<String> {
         let done = self.each.iter().filter(|one| one.stopped_by.is_none());
-        (self.planned > 1).then(|| finished(done.count(), self.planned, "case"))
+        let planned = self.planned.len();
+        (planned > 1).then(|| finished(done.count(), planned, "case"))
     }
 
     fn work(&self) -> Option<String> {

@@ -6,7 +6,7 @@
 //! reflects or transmits stays coherent (Beckmann and Spizzichino 1963), and of any other `|mean exp(i phase)|^2` over its heights. `tau / lambda`
 //! is the correlation length over the wavelength. The radius of curvature over `lambda / cos^3(theta)` tells whether a facet is level enough to act as a plane.
 //!
-//! The wavelength is that in the medium above the surface, whose index is one here.
+//! `lambda` is the wavelength in the medium above the surface, to which the indices here are relative: that in vacuum over the index of the medium.
 
 mod coherence;
 mod judgement;

@@ -111,18 +111,13 @@ impl<'a> MaterialWords<'a> {
             return by_index;
         };
         let part = CasePart::bare(CaseGroup::Material, "material", name.clone());
-        let tag = name.chars().map(|c| {
-            if c.is_alphanumeric() || c == '.' {
-                c
-            } else {
-                '-'
-            }
-        });
+        let words = name.split(|c: char| !(c.is_alphanumeric() || c == '.'));
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
         Self {
             kind: name,
             in_figures: part.clone(),
             in_text: part,
-            tag: tag.collect(),
+            tag: words.join("-"),
         }
     }
 

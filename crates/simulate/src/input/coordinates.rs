@@ -17,6 +17,9 @@ pub struct Coordinates {
     /// Name of the material, where it has one, as in `gold`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Refractive index of the medium above, where it is not one: lengths are judged by the wavelength there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub index_above: Option<f64>,
     /// Further quantities.
     pub others: Vec<Coordinate>,
 }

@@ -55,7 +55,10 @@ impl MaterialConfig {
             Self::Lambertian { reflectance } => Material::lambertian(reflectance.0)?,
             Self::Media(media) => return media.resolved(wavelength_nm),
         };
-        Ok(Resolved::of(material))
+        Ok(Resolved {
+            material,
+            named: None,
+        })
     }
 
     /// The named media, if there are any.

@@ -2,37 +2,31 @@
 //!
 //! Indices are relative to the medium above, which is clear, and of index one unless it is named. The medium below is
 //! - opaque where light does not get farther than [`OPAQUE_DEPTH`] wavelengths: a conductor, whose index is complex;
-//! - clear where light gets farther than [`CLEAR_NM`], unless it has a thickness: a dielectric;
-//! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real, which changes its
-//!   reflectance by less than `(k / n)^2`, 1e-4 at the most.
+//! - clear where light gets farther than [`CLEAR_NM`] at all other wavelengths of a run: a dielectric;
+//! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real. That changes its
+//!   reflectance by less than `(k / n)^2`, 1e-4 at the most, for light from a medium of lower index.
+
+mod film_layer;
+mod named_material;
+mod resolved;
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
-use asperity_io::{MaterialRecord, material, names_file};
-use asperity_numerics::fnv1a;
-use asperity_optics::{
-    ComplexIndex, Film, Films, Layer, Material, ParticipatingMedium, PhaseFunction,
-};
-use asperity_simulate::{Coordinate, Coordinates, short};
-use asperity_surface::LengthUnit;
-use asperity_tracer::HalfSpace;
-use serde::{Deserialize, Serialize, Serializer};
+use asperity_optics::{Film, Films, Material};
+use asperity_simulate::short;
+use serde::{Deserialize, Serialize};
 
-use super::medium::MediumConfig;
-use super::memo::Memo;
+use self::film_layer::FilmLayer;
+use self::named_material::NamedMaterial;
+pub(crate) use self::resolved::{NamedMedia, Resolved};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
-use crate::settings::film_text::{FilmMaterial, FilmText};
 
 /// Depth in wavelengths at which 1/e of the light is left, below which a medium is opaque.
 const OPAQUE_DEPTH: f64 = 10.0;
 
-/// Depth in nanometres at which 1/e of the light is left, beyond which a medium without end is clear: 0.1 m.
-const CLEAR_NM: f64 = 1e8;
-
-/// Medium that is clear, though its record has no absorption index.
-const AIR: &str = "air";
+/// Depth in nanometres at which 1/e of the light is left, beyond which a medium without end is clear: 1 mm.
+const CLEAR_NM: f64 = 1e6;
 
 /// Absorption index beyond which no light comes through the medium above.
 const MAX_KAPPA_ABOVE: f64 = 1e-4;
@@ -52,143 +46,46 @@ pub struct Media {
     /// Thin films between the media, from above: `MATERIAL:THICKNESS`.
     #[serde(skip_serializing_if = "Option::is_none")]
     film: Option<OneOrMany<FilmLayer>>,
-}
-
-/// Material of a surface at one wavelength.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Resolved {
-    /// Material of the interface, for light from above.
-    pub(crate) material: Material,
-    /// Named media, in words, and their wavelength, nanometres.
-    pub(crate) named: Option<(String, f64)>,
-    /// Absorption coefficient of the body below, 1 / nm.
-    absorption: f64,
-}
-
-impl Resolved {
-    /// A material that is given by numbers.
-    pub(super) const fn of(material: Material) -> Self {
-        Self {
-            material,
-            named: None,
-            absorption: 0.0,
-        }
-    }
-
-    /// Material for light from the half space `from`, with indices relative to the medium there.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if light is to come from a named medium that absorbs it.
-    pub(crate) fn lit(self, from: HalfSpace) -> Result<Self, ConfigError> {
-        let Some((name, _)) = self.named.as_ref().filter(|_| from == HalfSpace::Below) else {
-            return Ok(self);
-        };
-        if self.material.transmitting_index().is_none() || self.has_body() {
-            let given = format!("light from below, through {name}");
-            return Err(ConfigError::unsuitable(
-                given,
-                "needs a medium below that does not absorb",
-            ));
-        }
-        Ok(Self {
-            material: self.material.reversed(),
-            ..self
-        })
-    }
-
-    /// Returns `true` if the body below absorbs along the path of light.
-    pub(crate) fn has_body(&self) -> bool {
-        self.absorption * CLEAR_NM >= 1.0
-    }
-
-    /// Coordinates `at` with the names of the media and the wavelength.
-    pub(crate) fn coordinates(&self, mut at: Coordinates) -> Coordinates {
-        if let Some((name, wavelength)) = &self.named {
-            at.material = Some(name.clone());
-            at.others.push(Coordinate::wavelength(*wavelength));
-        }
-        at
-    }
-
-    /// The layer below the surface, whose lengths are in `unit`: a medium that is configured, a body that absorbs, or both.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range, the material transmits no light, or the body absorbs over lengths without a unit.
-    pub(crate) fn layer(
-        &self,
-        medium: Option<&MediumConfig>,
-        unit: LengthUnit,
-    ) -> Result<Option<Layer>, ConfigError> {
-        let is_clear = !self.has_body();
-        let absorption = match LengthUnit::Nanometre.conversion(unit) {
-            Some(nm) => self.absorption / nm(1.0),
-            None if is_clear => 0.0,
-            None => {
-                let (name, wavelength) = self.named.clone().unwrap_or_default();
-                let given = format!("{name} at {} nm", short(wavelength));
-                let reason = "absorbs over a length, but the lengths of the surface have no unit: give one by --unit, or to a file by --assume-unit";
-                return Err(ConfigError::unsuitable(given, reason));
-            }
-        };
-        match medium {
-            Some(medium) => medium.layer(self.material, absorption).map(Some),
-            None if is_clear => Ok(None),
-            None => {
-                let isotropic = PhaseFunction::Isotropic;
-                let body = ParticipatingMedium::from_coefficients(absorption, 0.0, isotropic)?;
-                Ok(Some(Layer::half_space(body)))
-            }
-        }
-    }
+    /// Decision for all wavelengths of a run whether the medium below absorbs along the path of light; each by itself without one.
+    #[serde(skip)]
+    has_body: Option<bool>,
 }
 
 impl Media {
     /// The media at a wavelength, nanometres.
     ///
     /// # Errors
-    /// [`ConfigError`] without a wavelength, or if a record has no index there, the medium above absorbs, the absorption index is given
-    /// but known, or a film is invalid.
+    /// [`ConfigError`] without a wavelength, or if a record has no index there, the medium above absorbs, an absorption index is not known and
+    /// not given, or a film is invalid.
     pub(super) fn resolved(&self, wavelength_nm: Option<f64>) -> Result<Resolved, ConfigError> {
-        let wavelength = wavelength_nm.ok_or_else(|| {
+        let wavelength_nm = wavelength_nm.ok_or_else(|| {
             let subject = format!("material {}", self.below.name);
             ConfigError::missing(&subject, "--wavelength, by which its index is looked up")
         })?;
+        let given = self.given_kappa()?;
+        let of = |named: &NamedMaterial| {
+            let index = named.index(wavelength_nm)?;
+            let k = index.k.or(given);
+            k.map(|k| [index.n, k])
+                .ok_or_else(|| unknown_absorption(named, wavelength_nm))
+        };
         let above = match &self.above {
             None => 1.0,
-            Some(named) => named.clear_index(wavelength)?,
+            Some(named) => clear_index(named, of(named)?, wavelength_nm)?,
         };
-        let given = self.kappa.as_ref().map(|kappa| kappa.one("kappa"));
-        let given = given.transpose()?.map(|kappa| kappa.0);
-        let mut below = self.below.index(wavelength)?;
-        if self.below.name == AIR {
-            below.k = Some(0.0);
-        }
-        let mut is_needed = below.k.is_none();
-        let mut films = Vec::new();
-        for film in self.films() {
-            let index = film.index(wavelength)?;
-            is_needed |= index.k.is_none();
-            films.push(Film {
-                eta: index.n / above,
-                kappa: index.k.or(given).unwrap_or_default() / above,
-                phase: 2.0 * PI * film.thickness * above / wavelength,
-            });
-        }
-        match given {
-            Some(kappa) if !is_needed => {
-                let reason = "the absorption index of a named material is that of its record; leave out kappa";
-                return Err(ConfigError::unsuitable(
-                    format!("kappa {}", short(kappa)),
-                    reason,
-                ));
-            }
-            None if is_needed => return Err(self.unknown_absorption(wavelength)),
-            _ => {}
-        }
-        let k = below.k.or(given).unwrap_or_default();
-        let (eta, kappa) = (below.n / above, k / above);
-        let absorption = 4.0 * PI * k / wavelength;
-        let is_opaque = absorption * OPAQUE_DEPTH * wavelength > 1.0;
+        let films = self.films().iter().map(|film| {
+            let [n, k] = of(&film.material)?;
+            Ok(Film {
+                eta: n / above,
+                kappa: k / above,
+                phase: 2.0 * PI * film.thickness_nm * above / wavelength_nm,
+            })
+        });
+        let films = films.collect::<Result<Vec<Film>, ConfigError>>()?;
+        let [n, k] = of(&self.below)?;
+        let (eta, kappa) = (n / above, k / above);
+        let is_opaque = is_opaque(k);
+        let has_body = self.has_body.unwrap_or_else(|| is_body(k, wavelength_nm));
         let material = match (films.as_slice(), is_opaque) {
             ([], true) => Material::conductor(eta, kappa)?,
             ([], false) => Material::dielectric(eta)?,
@@ -197,20 +94,61 @@ impl Media {
         };
         Ok(Resolved {
             material,
-            named: Some((self.words(), wavelength)),
-            absorption: if is_opaque { 0.0 } else { absorption },
+            named: Some(NamedMedia {
+                words: self.words(given),
+                wavelength_nm,
+                index_above: above,
+                absorption: 4.0 * PI * k / wavelength_nm,
+                has_body: k > 0.0 && !is_opaque && has_body,
+            }),
         })
     }
 
-    /// Refusal of records without an absorption index.
-    fn unknown_absorption(&self, wavelength: f64) -> ConfigError {
-        let given = format!("material {} at {} nm", self.below.name, short(wavelength));
-        let reason = "the record of the material or of a film has no absorption index; give it by --kappa, 0 for a clear one";
-        ConfigError::unsuitable(given, reason)
+    /// Decides for all wavelengths of a run, nanometres, whether the medium below absorbs along the path of light.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if an absorption index is given where all records have one, or a record has no index.
+    pub(super) fn decide(&mut self, wavelengths: &[Number]) -> Result<(), ConfigError> {
+        self.check_kappa(wavelengths)?;
+        let given = self.kappa.iter().flat_map(OneOrMany::as_slice);
+        let given = given.fold(0.0, |most: f64, kappa| most.max(kappa.0));
+        let mut has_body = false;
+        for wavelength in wavelengths {
+            let k = self.below.index(wavelength.0)?.k.unwrap_or(given);
+            has_body |= is_body(k, wavelength.0);
+        }
+        self.has_body = Some(has_body);
+        Ok(())
+    }
+
+    fn check_kappa(&self, wavelengths: &[Number]) -> Result<(), ConfigError> {
+        let Some(first) = self.kappa.as_ref().and_then(OneOrMany::first) else {
+            return Ok(());
+        };
+        let films = self.films().iter().map(|film| &film.material);
+        let all = std::iter::once(&self.below).chain(&self.above).chain(films);
+        for named in all {
+            for wavelength in wavelengths {
+                if named.index(wavelength.0)?.k.is_none() {
+                    return Ok(());
+                }
+            }
+        }
+        let reason =
+            "the absorption index of a named material is that of its record; leave out kappa";
+        Err(ConfigError::unsuitable(
+            format!("kappa {}", short(first.0)),
+            reason,
+        ))
+    }
+
+    fn given_kappa(&self) -> Result<Option<f64>, ConfigError> {
+        let given = self.kappa.as_ref().map(|kappa| kappa.one("kappa"));
+        Ok(given.transpose()?.map(|kappa| kappa.0))
     }
 
     /// The media in words, as in `silicon under SiO2 100 nm in water`.
-    fn words(&self) -> String {
+    fn words(&self, kappa: Option<f64>) -> String {
         let mut words = self.below.label();
         for (number, film) in self.films().iter().enumerate() {
             words += if number == 0 { " under " } else { ", " };
@@ -218,6 +156,9 @@ impl Media {
         }
         if let Some(above) = &self.above {
             words += &format!(" in {}", above.label());
+        }
+        if let Some(kappa) = kappa {
+            words += &format!(" with k {}", short(kappa));
         }
         words
     }
@@ -228,130 +169,40 @@ impl Media {
     }
 }
 
-/// A material by its name, or by the name of a file.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(from = "String")]
-struct NamedMaterial {
-    name: String,
-    record: Memo<(), Arc<MaterialRecord>>,
+/// Returns `true` if a medium of this absorption index lets no light through.
+fn is_opaque(k: f64) -> bool {
+    4.0 * PI * k * OPAQUE_DEPTH > 1.0
 }
 
-impl From<String> for NamedMaterial {
-    fn from(name: String) -> Self {
-        Self {
-            name,
-            record: Memo::default(),
-        }
-    }
+/// Returns `true` if light is absorbed in a medium within a depth that may matter, and not at once.
+fn is_body(k: f64, wavelength_nm: f64) -> bool {
+    !is_opaque(k) && 4.0 * PI * k / wavelength_nm * CLEAR_NM > 1.0
 }
 
-/// By its name, with the content of a file, so that results of another are told apart.
-impl Serialize for NamedMaterial {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.record() {
-            Ok(record) if names_file(&self.name) => {
-                let content = fnv1a(format!("{:?}", record.constants).into_bytes());
-                serializer.collect_str(&format_args!("{} ({content:016x})", self.name))
-            }
-            _ => serializer.serialize_str(&self.name),
-        }
-    }
+/// Refusal of a record without an absorption index.
+fn unknown_absorption(named: &NamedMaterial, wavelength_nm: f64) -> ConfigError {
+    let given = format!("material {} at {} nm", named.name, short(wavelength_nm));
+    let reason = "its record has no absorption index there; give it by --kappa, 0 for a clear one";
+    ConfigError::unsuitable(given, reason)
 }
 
-impl NamedMaterial {
-    /// Its record, read once for all copies.
-    fn record(&self) -> Result<Arc<MaterialRecord>, ConfigError> {
-        let read = |&(): &()| match material(&self.name) {
-            Ok(record) => Ok(Arc::new(record)),
-            Err(error) => Err(ConfigError::Record(error.to_string())),
-        };
-        self.record.measured((), read)
+/// The refractive index of the medium above, of `[n, k]`.
+fn clear_index(
+    named: &NamedMaterial,
+    [n, k]: [f64; 2],
+    wavelength_nm: f64,
+) -> Result<f64, ConfigError> {
+    if k <= MAX_KAPPA_ABOVE {
+        return Ok(n);
     }
-
-    /// Its name; of a file that of its record, without the folder.
-    fn label(&self) -> String {
-        match self.record() {
-            Ok(record) if names_file(&self.name) => record.name.clone(),
-            _ => self.name.clone(),
-        }
-    }
-
-    /// Its index at a wavelength.
-    fn index(&self, wavelength_nm: f64) -> Result<ComplexIndex, ConfigError> {
-        let record = self.record()?;
-        let found = record.constants.at(wavelength_nm * 1e-3);
-        found.map_err(|error| ConfigError::unsuitable(self.name.clone(), error.to_string()))
-    }
-
-    /// Its index as the medium that light comes through: it is clear unless its record says otherwise.
-    fn clear_index(&self, wavelength_nm: f64) -> Result<f64, ConfigError> {
-        match self.index(wavelength_nm)? {
-            ComplexIndex { k: Some(k), .. } if k > MAX_KAPPA_ABOVE => {
-                let given = format!("above {}", self.name);
-                let reason = format!(
-                    "no light comes through a medium that absorbs, and its k is {} at {} nm",
-                    short(k),
-                    short(wavelength_nm)
-                );
-                Err(ConfigError::unsuitable(given, reason))
-            }
-            index => Ok(index.n),
-        }
-    }
-}
-
-/// One layer of a thin film.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "String")]
-struct FilmLayer {
-    /// Thickness, nanometres.
-    thickness: f64,
-    material: FilmOf,
-}
-
-/// Material of a layer of a thin film.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-enum FilmOf {
-    Named(NamedMaterial),
-    Index { n: f64, k: f64 },
-}
-
-impl TryFrom<String> for FilmLayer {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        let layer =
-            FilmText::parse(&text).ok_or_else(|| format!("{text} is no layer of a film"))?;
-        let material = match layer.material {
-            FilmMaterial::Named(name) => FilmOf::Named(name.into()),
-            FilmMaterial::Index { n, k } => FilmOf::Index { n, k },
-        };
-        Ok(Self {
-            thickness: layer.thickness_nm,
-            material,
-        })
-    }
-}
-
-impl FilmLayer {
-    /// The layer in words, as in `SiO2 100 nm`.
-    fn label(&self) -> String {
-        let material = match &self.material {
-            FilmOf::Named(named) => named.label(),
-            FilmOf::Index { n, k: 0.0 } => format!("n = {}", short(*n)),
-            FilmOf::Index { n, k } => format!("n = {} + {}i", short(*n), short(*k)),
-        };
-        format!("{material} {} nm", short(self.thickness))
-    }
-
-    /// Its index at a wavelength.
-    fn index(&self, wavelength_nm: f64) -> Result<ComplexIndex, ConfigError> {
-        match &self.material {
-            FilmOf::Named(named) => named.index(wavelength_nm),
-            &FilmOf::Index { n, k } => Ok(ComplexIndex { n, k: Some(k) }),
-        }
-    }
+    let [k, wavelength] = [k, wavelength_nm].map(short);
+    let reason = format!(
+        "no light comes through a medium that absorbs, and its k is {k} at {wavelength} nm"
+    );
+    Err(ConfigError::unsuitable(
+        format!("above {}", named.name),
+        reason,
+    ))
 }
 
 #[cfg(test)]

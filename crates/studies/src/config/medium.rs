@@ -145,11 +145,6 @@ impl Interactions {
 }
 
 impl MediumConfig {
-    /// The shape of the bottom of a layer that follows from the surface above; flat without a medium.
-    pub(crate) fn bottom_surface(medium: Option<&Self>) -> BottomSurface {
-        medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named())
-    }
-
     /// Returns the layer of a configuration without lists, below a surface of `material`; `absorption`: that of the material itself,
     /// 1 / length unit.
     ///

@@ -4,12 +4,11 @@
 //! further row there.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{Case, Coordinates, LayerBelow, Light, SurfaceSource};
+use asperity_simulate::{Case, Coordinates, Light, SurfaceSource};
 use serde_json::{Value, json};
 
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
-use crate::config::medium::MediumConfig;
 use crate::config::values::{Number, OneOrMany};
 
 /// Most cases of a sweep.
@@ -93,8 +92,9 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        self.light.check_wavelengths(&self.material)?;
-        expanded(self, &DIMENSIONS)
+        let mut config = self.clone();
+        config.light.check_wavelengths(&mut config.material)?;
+        expanded(&config, &DIMENSIONS)
     }
 
     /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given
@@ -140,7 +140,7 @@ impl VerifyConfig {
         let material = self
             .material
             .resolved(self.light.wavelength_nm())?
-            .lit(from)?;
+            .seen_from(from)?;
         let layer = material.layer(self.medium.as_ref(), at.unit)?;
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
         let light = Light {
@@ -150,10 +150,7 @@ impl VerifyConfig {
             stokes: self.light.stokes(self.run.polarisation)?,
         };
         Ok(Case {
-            layer: layer.map(|layer| LayerBelow {
-                layer,
-                bottom: MediumConfig::bottom_surface(self.medium.as_ref()),
-            }),
+            layer,
             at: material.coordinates(at),
             ..Case::new(surface, material.material, light)
         })

@@ -2,9 +2,7 @@
 
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{
-    Case, Coordinates, CoreSlopes, LayerBelow, Light, Lobe, Settings, SurfaceSource,
-};
+use asperity_simulate::{Case, Coordinates, CoreSlopes, Light, Lobe, Settings, SurfaceSource};
 use asperity_surface::LengthUnit;
 use serde::{Deserialize, Serialize};
 
@@ -74,8 +72,9 @@ impl TraceConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty or makes no difference, or there are too many combinations.
     pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        self.light.check_wavelengths(&self.material)?;
-        expanded(self, &DIMENSIONS)
+        let mut config = self.clone();
+        config.light.check_wavelengths(&mut config.material)?;
+        expanded(&config, &DIMENSIONS)
     }
 
     /// The material of a configuration without lists.
@@ -83,7 +82,7 @@ impl TraceConfig {
         let wavelength = self.light.wavelength_nm();
         self.material
             .resolved(wavelength)?
-            .lit(self.light.from.into())
+            .seen_from(self.light.from.into())
     }
 
     /// The case of this configuration without lists on `surface`, whose lengths are in `unit`, in bins around the lobes of `slopes`.
@@ -108,10 +107,7 @@ impl TraceConfig {
             at: material.coordinates(at),
             surface,
             material: material.material,
-            layer: layer.map(|layer| LayerBelow {
-                layer,
-                bottom: MediumConfig::bottom_surface(self.medium.as_ref()),
-            }),
+            layer,
             light: Light {
                 incidence: self.incidence()?,
                 from: self.light.from.into(),
@@ -128,16 +124,17 @@ impl TraceConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn check(&self) -> Result<(), ConfigError> {
-        // The unit of the surface is not known yet.
-        let check = |single: Self| single.check_in(LengthUnit::Nanometre);
+        // The unit of the surface is not known yet: no slab is too thin in the longest.
+        let check = |single: Self| single.check_in(LengthUnit::Kilometre);
         self.singles()?.into_iter().try_for_each(check)
     }
 
     /// Checks a configuration without lists for surfaces with lengths in `unit`.
     fn check_in(&self, unit: LengthUnit) -> Result<(), ConfigError> {
-        let material = self.resolved()?;
-        let layer = material.layer(self.medium.as_ref(), unit)?;
-        let material = material.material;
+        let resolved = self.resolved()?;
+        let material = resolved.material;
+        let layer = resolved.layer(self.medium.as_ref(), unit)?;
+        let layer = layer.map(|below| below.layer);
         self.incidence()?;
         self.light.stokes(self.run.polarisation)?;
         if layer.is_some() {
@@ -159,16 +156,11 @@ impl TraceConfig {
 
     /// Checks that facets absorb light whose map is requested, on the mesh that is given.
     fn check_absorbed_map(&self, material: Material, has_layer: bool) -> Result<(), ConfigError> {
-        let absorbs = match material {
-            Material::Dielectric { .. } | Material::Mirror => false,
-            Material::Lambertian { reflectance } => reflectance < 1.0,
-            _ => true,
-        };
         let reason = if !self.output.absorbed_map {
             return Ok(());
         } else if has_layer {
-            "maps the light that facets absorb, not a medium below them; leave out the medium, or absorbed_map"
-        } else if !absorbs {
+            "maps the light that facets absorb, not a medium or body below them; take an opaque one, or leave out absorbed_map"
+        } else if !material.absorbs() {
             "maps the light that facets absorb, and these absorb none; take a conductor, or lambertian with a reflectance below 1"
         } else if self.run.refine {
             "maps the cells of the given mesh; leave out refine, or absorbed_map"

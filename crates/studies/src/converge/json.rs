@@ -43,6 +43,7 @@ pub(super) fn converge_summary(outcome: &ConvergeOutcome) -> Value {
         seed: outcome.config.converge.seed,
         config: &outcome.config,
         cases: cases.collect(),
+        columns: Value::Null,
         seconds: outcome.seconds,
     })
 }

@@ -9,11 +9,14 @@ use asperity_tally::Estimate;
 use super::distinction::{Distinction, labelled};
 use super::outcome::GonioOutcome;
 use crate::output::{Column, EstimateWithLimit, Table};
-use crate::report::spectrum::emissivity;
+use crate::report::spectrum::{emissivity, weighted_sum};
 use crate::report::views::Csv;
 
 /// Fewest polar angles of which the hemisphere is made.
 const MIN_ANGLES: usize = 3;
+
+/// Least value of the last of them, degrees: it stands for all that are lower.
+const MIN_LAST_DEG: f64 = 75.0;
 
 /// Emissivity of one setting.
 pub(super) struct SettingEmissivity {
@@ -43,18 +46,25 @@ impl SettingEmissivity {
         settings.collect()
     }
 
-    /// Hemispherical emissivity. Standard errors add, since directions share their surfaces.
-    fn hemispherical(&self) -> Estimate {
+    /// Hemispherical emissivity; `None` if no angle is near the horizon. Standard errors add, since directions share their surfaces.
+    fn hemispherical(&self) -> Option<Estimate> {
         let angles: Vec<f64> = self.by_theta.iter().map(|(theta, _)| *theta).collect();
-        let edge = |i: usize| match i {
-            0 => 0.0,
-            i if i == angles.len() => 90.0,
-            i => 0.5 * (angles[i - 1] + angles[i]),
-        };
-        let part = |i: usize| edge(i).to_radians().sin().powi(2);
-        let weight = |i: usize| part(i + 1) - part(i);
-        weighted_sum(self.by_theta.iter().map(|(_, one)| *one), weight)
+        let weights = hemisphere_weights(&angles);
+        let all = self.by_theta.iter().map(|(_, one)| *one);
+        let reaches = *angles.last()? >= MIN_LAST_DEG;
+        reaches.then(|| weighted_sum(weights.into_iter().zip(all)))
     }
+}
+
+/// Weights of ascending polar angles, degrees, in a mean over `sin^2 theta`: each has the part of the hemisphere that is nearest to it.
+fn hemisphere_weights(angles: &[f64]) -> Vec<f64> {
+    let edge = |i: usize| match i {
+        0 => 0.0,
+        i if i == angles.len() => 90.0,
+        i => 0.5 * (angles[i - 1] + angles[i]),
+    };
+    let part = |i: usize| edge(i).to_radians().sin().powi(2);
+    (0..angles.len()).map(|i| part(i + 1) - part(i)).collect()
 }
 
 /// The emissivity by polar angle; `None` where a direction is missing or the body is not opaque.
@@ -64,7 +74,7 @@ fn by_theta(outcome: &GonioOutcome<'_>, setting: usize) -> Option<Vec<(f64, Esti
         let directions = (0..phis).map(|phi| outcome.direction(setting, theta, phi).outcome);
         let found = directions.map(|found| emissivity(found?));
         let found = found.collect::<Option<Vec<Estimate>>>()?;
-        let mean = weighted_sum(found.into_iter(), |_| 1.0 / phis as f64);
+        let mean = weighted_sum(found.into_iter().map(|one| (1.0 / phis as f64, one)));
         Some((outcome.thetas[theta], mean))
     };
     let all = (0..outcome.thetas.len()).map(of_theta);
@@ -73,28 +83,13 @@ fn by_theta(outcome: &GonioOutcome<'_>, setting: usize) -> Option<Vec<(f64, Esti
     Some(all)
 }
 
-/// A weighted sum, with the sum of the weighted errors for its error.
-fn weighted_sum(
-    estimates: impl Iterator<Item = Estimate>,
-    weight: impl Fn(usize) -> f64,
-) -> Estimate {
-    let none = Estimate {
-        mean: 0.0,
-        se: Some(0.0),
-    };
-    estimates.enumerate().fold(none, |sum, (i, one)| Estimate {
-        mean: sum.mean + weight(i) * one.mean,
-        se: sum.se.zip(one.se).map(|(sum, se)| sum + weight(i) * se),
-    })
-}
-
 /// One row of emissivity.csv.
 struct Row {
     setting: usize,
     wavelength: Option<f64>,
     theta: f64,
     emissivity: Estimate,
-    hemispherical: Estimate,
+    hemispherical: Option<Estimate>,
 }
 
 /// emissivity.csv: a row per opaque setting and polar angle.
@@ -133,7 +128,7 @@ pub(super) fn emissivity_table<'a>(settings: &[SettingEmissivity]) -> Option<Csv
         .column(Column::estimate(
             "hemispherical_emissivity",
             "mean over sin^2 theta of all polar angles",
-            |row: &Row| Some(row.hemispherical),
+            |row: &Row| row.hemispherical,
         ));
     (!rows.is_empty()).then(|| table.with_rows(rows))
 }
@@ -141,18 +136,18 @@ pub(super) fn emissivity_table<'a>(settings: &[SettingEmissivity]) -> Option<Csv
 /// Lines of the report, one per setting.
 pub(super) fn emissivity_lines(settings: &[SettingEmissivity]) -> Vec<String> {
     let line = |one: &SettingEmissivity| {
-        let hemispherical = EstimateWithLimit::from(one.hemispherical());
+        let hemispherical = EstimateWithLimit::from(one.hemispherical()?);
         let angles = one.by_theta.len();
         let label = match one.label.as_str() {
             "" => String::new(),
             label => format!("{label}: "),
         };
-        format!(
+        Some(format!(
             "{label}hemispherical emissivity {} from {angles} polar angles",
             hemispherical.text()
-        )
+        ))
     };
-    settings.iter().map(line).collect()
+    settings.iter().filter_map(line).collect()
 }
 
 /// The emissivity of opaque settings against the polar angle.
@@ -197,4 +192,28 @@ pub(super) fn emissivity_figure(
         notes: Vec::new(),
     };
     figure.draw().map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean of `cos theta` over `sin^2 theta`: 2/3; the midpoint rule converges to it at second order.
+    #[test]
+    fn the_hemisphere_is_weighted_by_projected_solid_angle() {
+        let error = |step: usize| {
+            let angles: Vec<f64> = (step / 2..90).step_by(step).map(|i| i as f64).collect();
+            let weights = hemisphere_weights(&angles);
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            let cosines = angles.iter().map(|theta| theta.to_radians().cos());
+            let mean: f64 = weights.iter().zip(cosines).map(|(w, cos)| w * cos).sum();
+            (mean - 2.0 / 3.0).abs()
+        };
+        assert!(
+            error(10) < 2e-3 && error(2) < 1e-4,
+            "{} {}",
+            error(10),
+            error(2)
+        );
+    }
 }

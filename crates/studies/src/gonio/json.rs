@@ -15,7 +15,7 @@ use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::{colour_columns, spectrum_columns};
+use crate::report::spectrum_views::spectrum_columns;
 use crate::report::views::Views;
 
 /// The contents of summary.json.
@@ -49,18 +49,13 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
         "warnings": notes_and_warnings,
     });
     let outcomes: Vec<&Outcome> = measured(outcome).filter_map(|one| one.outcome).collect();
-    let further = [
-        ("spectrum.csv", spectrum_columns(outcomes.iter().copied())),
-        ("colour.csv", colour_columns(outcomes)),
-        (
-            "emissivity.csv",
-            emissivity_table(&SettingEmissivity::of(outcome)).map(|table| table.description),
-        ),
-    ];
-    for (name, columns) in further {
-        if let Some(columns) = columns {
-            summary["columns"][name] = columns;
-        }
+    let planned: Vec<Direction<'_>> = outcome.directions().collect();
+    let mut further = spectrum_columns(planned.iter().map(|one| one.case), &outcomes);
+    if let Some(table) = emissivity_table(&SettingEmissivity::of(outcome)) {
+        further["emissivity.csv"] = table.description;
+    }
+    if let (Some(all), Value::Object(more)) = (summary["columns"].as_object_mut(), further) {
+        all.extend(more);
     }
     if let Some(case) = first.and_then(|first| outcome.shown(&first)) {
         let mut views = Views::new();

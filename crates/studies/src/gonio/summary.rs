@@ -118,7 +118,8 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
         notes.extend(outcome.config.surface.erosion_notes());
     }
     let wavelength = outcome.config.light.wavelength_nm();
-    notes.extend(wavelength_warnings(wavelength, outcome.unit()));
+    let is_named = outcome.config.material.media().is_some();
+    notes.extend(wavelength_warnings(wavelength, is_named, outcome.unit()));
     if !SettingEmissivity::of(outcome).is_empty() {
         notes.push(EMISSIVITY.to_owned());
     }

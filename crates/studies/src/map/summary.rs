@@ -279,7 +279,12 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
     }
     let unit = outcome.plan.cases.first().map(|case| case.at.unit);
     let wavelength = outcome.config.light.wavelength_nm();
-    warnings.extend(wavelength_warnings(wavelength, unit.unwrap_or_default()));
+    let is_named = outcome.config.material.media().is_some();
+    warnings.extend(wavelength_warnings(
+        wavelength,
+        is_named,
+        unit.unwrap_or_default(),
+    ));
     warnings.extend(outcome.config.surface.erosion_notes());
     if results().any(|r| r.lost != 0.0) {
         warnings

@@ -1,6 +1,7 @@
 //! The contents of summary.json of a run of several cases.
 
 use serde::Serialize;
+use serde_json::Value;
 
 use super::head::Head;
 
@@ -12,6 +13,9 @@ pub(crate) struct SummaryOfCases<C, S> {
     pub(crate) seed: u64,
     pub(crate) config: C,
     pub(crate) cases: Vec<CaseInFolder<S>>,
+    /// Name, unit and description of the columns of tables of all cases.
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pub(crate) columns: Value,
     pub(crate) seconds: f64,
 }
 

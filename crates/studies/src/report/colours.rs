@@ -3,7 +3,7 @@
 use asperity_optics::{Colour, ColourObserver, colour_weights};
 use asperity_tally::{Estimate, Side};
 
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, weighted_sum};
 use crate::output::{Column, EstimateWithLimit, Table};
 use crate::report::views::Csv;
 
@@ -31,18 +31,8 @@ impl SideColour {
                     continue;
                 };
                 let xyz = [0, 1, 2].map(|i| {
-                    let pairs = weights.iter().zip(&fluxes);
-                    let none = Estimate {
-                        mean: 0.0,
-                        se: Some(0.0),
-                    };
-                    pairs.fold(none, |sum, (weight, flux)| Estimate {
-                        mean: sum.mean + weight[i] * flux.mean,
-                        se: sum
-                            .se
-                            .zip(flux.se)
-                            .map(|(sum, se)| sum + weight[i].abs() * se),
-                    })
+                    let weights = weights.iter().map(|weight| weight[i]);
+                    weighted_sum(weights.zip(fluxes.iter().copied()))
                 });
                 colours.push(Self {
                     label: spectrum.label().to_owned(),
@@ -56,8 +46,8 @@ impl SideColour {
         colours
     }
 
-    /// Returns `true` if it is that of the observer that sRGB is defined for.
-    pub(crate) fn is_of_srgb(&self) -> bool {
+    /// Returns `true` if its observer is that of sRGB.
+    pub(crate) fn has_srgb(&self) -> bool {
         self.observer == ColourObserver::Cie1931
     }
 
@@ -105,7 +95,7 @@ pub(crate) fn colour_table<'a>(colours: Vec<SideColour>) -> Option<Csv<'a>> {
     let mut table = Table::new()
         .column(Column::new(
             "spectrum",
-            "what its results share",
+            "what its results have in common",
             |row: &Row| row.label.clone(),
         ))
         .column(Column::new(

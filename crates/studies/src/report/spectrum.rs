@@ -3,7 +3,9 @@
 //! Kirchhoff's law makes the emissivity of an opaque body into a direction its absorptance from there: 1 less its directional-hemispherical
 //! reflectance.
 
-use asperity_simulate::{Case, Outcome, short};
+use std::collections::BTreeMap;
+
+use asperity_simulate::{Case, CasePart, Outcome, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult};
 
 use crate::output::EstimateWithLimit;
@@ -60,67 +62,111 @@ fn is_opaque(case: &Case) -> bool {
     }
 }
 
-/// Emissivity of an opaque body, into the direction that light comes from; `None` of another, or where reflected light is not recorded.
+/// Emissivity of an opaque body, into the direction that unpolarised light comes from; `None` of another, or where reflected light is not recorded.
 pub(crate) fn emissivity(outcome: &Outcome) -> Option<Estimate> {
     let reflected = Quantity::Reflectance.of(outcome)?.estimate();
-    is_opaque(&outcome.case).then_some(Estimate {
+    let is_unpolarised = outcome.case.light.stokes == [0.0; 3];
+    (is_opaque(&outcome.case) && is_unpolarised).then_some(Estimate {
         mean: 1.0 - reflected.mean,
         se: reflected.se,
     })
 }
 
+/// Place of the wavelengths among the nested lists whose combinations are the cases of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Wavelengths {
+    /// Number of wavelengths.
+    count: usize,
+    /// Successive cases of one wavelength.
+    stride: usize,
+}
+
+impl Wavelengths {
+    /// The wavelengths of all cases that are planned, in their order; `None` without any.
+    pub(crate) fn of<'c>(cases: impl IntoIterator<Item = &'c Case>) -> Option<Self> {
+        let all = cases.into_iter().map(|case| case.at.wavelength_nm());
+        let all: Vec<f64> = all.collect::<Option<_>>()?;
+        let first = *all.first()?;
+        let stride = all.iter().take_while(|one| **one == first).count();
+        let mut distinct: Vec<u64> = all.iter().map(|one| one.to_bits()).collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        Some(Self {
+            count: distinct.len(),
+            stride,
+        })
+    }
+
+    /// Returns `true` if there are several.
+    pub(crate) const fn are_several(self) -> bool {
+        self.count > 1
+    }
+
+    /// Number of the first of the cases that differ from that of a `number` in the wavelength alone.
+    const fn first(self, number: usize) -> usize {
+        let block = self.stride * self.count;
+        number / block * block + number % self.stride
+    }
+}
+
 /// Results that differ in the wavelength alone, in its order.
 pub(crate) struct Spectrum<'a> {
-    /// What they share, in words.
+    /// Common label.
     label: String,
     results: Vec<(f64, &'a Outcome)>,
 }
 
 /// The spectra among results, of two wavelengths or more.
-pub(crate) fn spectra<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Vec<Spectrum<'a>> {
-    let mut spectra: Vec<Spectrum<'a>> = Vec::new();
+pub(crate) fn spectra<'a>(
+    wavelengths: Option<Wavelengths>,
+    outcomes: impl IntoIterator<Item = &'a Outcome>,
+) -> Vec<Spectrum<'a>> {
+    let mut found: BTreeMap<usize, Vec<(f64, &'a Outcome)>> = BTreeMap::new();
     for outcome in outcomes {
-        let Some(wavelength) = outcome.case.at.wavelength_nm() else {
-            continue;
-        };
-        let label = label(&outcome.case);
-        let known = spectra.iter_mut().find(|spectrum| spectrum.label == label);
-        match known {
-            Some(spectrum) => spectrum.results.push((wavelength, outcome)),
-            None => spectra.push(Spectrum {
-                label,
-                results: vec![(wavelength, outcome)],
-            }),
+        if let (Some(all), Some(nm)) = (wavelengths, outcome.case.at.wavelength_nm()) {
+            let results = found.entry(all.first(outcome.number)).or_default();
+            results.push((nm, outcome));
         }
     }
-    spectra.retain(|spectrum| spectrum.results.len() > 1);
-    for spectrum in &mut spectra {
-        spectrum.results.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let several = found.into_values().filter(|results| results.len() > 1);
+    let spectra = several.map(|mut results| {
+        results.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        Spectrum {
+            label: label(&results),
+            results,
+        }
+    });
+    spectra.collect()
+}
+
+/// The parts of the cases in words that all results have in common, and the direction of the light.
+fn label(results: &[(f64, &Outcome)]) -> String {
+    let parts = |outcome: &Outcome| outcome.case.setting_parts();
+    let mut common = parts(results[0].1);
+    for (_, outcome) in results {
+        let others = parts(outcome);
+        common.retain(|part| others.contains(part));
     }
-    spectra
-}
-
-/// A case in words without its wavelength, and without the absorption of a body, which follows from that.
-fn label(case: &Case) -> String {
-    let mut without = case.clone();
-    without.at.others.clear();
-    let medium = without.layer.map(|below| below.layer.medium());
-    let is_body = medium.is_some_and(|medium| medium.albedo() == 0.0);
-    let parts = without.setting_parts().into_iter();
-    let parts = parts.filter(|part| !(is_body && BODY.contains(&part.name.as_str())));
-    let parts: Vec<String> = parts.map(|part| part.text()).collect();
-    let incidence = case.light.incidence;
+    let common = common.iter().map(CasePart::text);
+    let incidence = results[0].1.case.light.incidence;
     let [theta, phi] = [incidence.theta_deg(), incidence.phi_deg()].map(short);
-    format!("{}, theta = {theta} deg, phi = {phi} deg", parts.join(", "))
+    let light = format!("theta = {theta} deg, phi = {phi} deg");
+    common.chain([light]).collect::<Vec<_>>().join(", ")
 }
-
-/// Quantities of a body that absorbs, by the names of their parts.
-const BODY: [&str; 3] = ["mean free path", "albedo", "g"];
 
 impl Spectrum<'_> {
-    /// What its results share, in words.
+    /// Words for what its results have in common.
     pub(crate) fn label(&self) -> &str {
         &self.label
+    }
+
+    /// Returns `true` if most of its results are of visible light.
+    pub(crate) fn is_visible(&self) -> bool {
+        let visible = self
+            .results
+            .iter()
+            .filter(|(nm, _)| (380.0..=750.0).contains(nm));
+        2 * visible.count() > self.results.len()
     }
 
     /// Wavelengths, and the flux that leaves on `side`, where it is recorded.
@@ -145,4 +191,16 @@ impl Spectrum<'_> {
 pub(crate) fn results_of<'a>(spectra: &[Spectrum<'a>]) -> Vec<&'a Outcome> {
     let results = spectra.iter().flat_map(|spectrum| &spectrum.results);
     results.map(|(_, outcome)| *outcome).collect()
+}
+
+/// A weighted sum of estimates that share rays or surfaces: errors add.
+pub(crate) fn weighted_sum(parts: impl IntoIterator<Item = (f64, Estimate)>) -> Estimate {
+    let none = Estimate {
+        mean: 0.0,
+        se: Some(0.0),
+    };
+    parts.into_iter().fold(none, |sum, (weight, one)| Estimate {
+        mean: sum.mean + weight * one.mean,
+        se: sum.se.zip(one.se).map(|(sum, se)| sum + weight.abs() * se),
+    })
 }

@@ -7,33 +7,41 @@ use asperity_simulate::{Case, CaseGroup, Outcome};
 use serde_json::Value;
 
 use super::colours::{SideColour, colour_table};
-use super::spectrum::{Quantity, Spectrum, emissivity, results_of, spectra};
+use super::spectrum::{
+    EMISSIVITY, Quantity, Spectrum, Wavelengths, emissivity, results_of, spectra,
+};
 use crate::output::{Column, Table, case_columns};
 use crate::report::views::{Csv, Views};
 
+/// Returns `true` if cases differ in the wavelength: a figure of their spectra stands for those of each, unless each is compared with models.
+pub(crate) fn has_spectra<'c>(cases: impl IntoIterator<Item = &'c Case>) -> bool {
+    Wavelengths::of(cases).is_some_and(Wavelengths::are_several)
+}
+
 /// Adds the files of spectra to those of a study that finds `J`, where `cases` are of named materials.
-pub(crate) fn add_spectra<'v, J, F>(
+pub(crate) fn add_spectra<'v, 'c, J, F>(
     views: &mut Views<'v, J>,
-    cases: &[Case],
+    cases: impl IntoIterator<Item = &'c Case>,
     figures: bool,
     outcomes: F,
 ) where
     J: Sync + 'v,
     F: for<'j> Fn(&'j J) -> Vec<&'j Outcome> + Copy + Send + Sync + 'v,
 {
-    if cases.iter().all(|case| case.at.wavelength_nm().is_none()) {
+    let wavelengths = Wavelengths::of(cases);
+    if !wavelengths.is_some_and(Wavelengths::are_several) {
         return;
     }
     views.csv("spectrum.csv", move |found| {
-        spectrum_table(&spectra(outcomes(found)))
+        spectrum_table(&spectra(wavelengths, outcomes(found)))
     });
     views.csv("colour.csv", move |found| {
-        let spectra = spectra(outcomes(found));
+        let spectra = spectra(wavelengths, outcomes(found));
         colour_table(spectra.iter().flat_map(SideColour::of).collect())
     });
     if figures {
         views.figure("spectrum", move |found| {
-            Ok(spectrum_figure(&spectra(outcomes(found)))?)
+            Ok(spectrum_figure(&spectra(wavelengths, outcomes(found)))?)
         });
     }
 }
@@ -50,24 +58,25 @@ fn spectrum_table<'a>(spectra: &[Spectrum<'a>]) -> Option<Csv<'a>> {
     Some(table.with_rows(rows))
 }
 
-/// Name, unit and description of the columns of spectrum.csv; `None` where there is no spectrum.
-pub(crate) fn spectrum_columns<'a>(
-    outcomes: impl IntoIterator<Item = &'a Outcome>,
-) -> Option<Value> {
-    spectrum_table(&spectra(outcomes)).map(|table| table.description)
+/// Name, unit and description of the columns of the tables of spectra, by file.
+pub(crate) fn spectrum_columns<'c>(
+    cases: impl IntoIterator<Item = &'c Case>,
+    outcomes: &[&Outcome],
+) -> Value {
+    let mut views: Views<'_, &[&Outcome]> = Views::new();
+    add_spectra(&mut views, cases, false, |outcomes| outcomes.to_vec());
+    views.columns(&outcomes)
 }
 
-/// Name, unit and description of the columns of colour.csv; `None` where no spectrum has a colour.
-pub(crate) fn colour_columns<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Option<Value> {
-    let spectra = spectra(outcomes);
-    let colours = spectra.iter().flat_map(SideColour::of).collect();
-    colour_table(colours).map(|table| table.description)
-}
-
-/// The spectra as text, each with a line of what its results share.
-pub(crate) fn spectra_text(spectra: &[Spectrum<'_>]) -> String {
+/// The spectra as text, each below its label, with notes on them; `None` without any.
+pub(crate) fn spectra_text<'c>(
+    cases: impl IntoIterator<Item = &'c Case>,
+    outcomes: &[&Outcome],
+) -> Option<String> {
+    let spectra = spectra(Wavelengths::of(cases), outcomes.iter().copied());
     let mut text = String::new();
-    for spectrum in spectra {
+    let mut has_colour = false;
+    for spectrum in &spectra {
         let rows: Vec<&Outcome> = results_of(std::slice::from_ref(spectrum));
         let table = Table::new().column(Column::new("wavelength (nm)", "", |row: &&Outcome| {
             row.case.at.wavelength_nm()
@@ -75,11 +84,21 @@ pub(crate) fn spectra_text(spectra: &[Spectrum<'_>]) -> String {
         let _ = writeln!(text, "{}", spectrum.label());
         text += &with_quantities(table).text(&rows);
         for colour in SideColour::of(spectrum) {
+            has_colour = true;
             let _ = writeln!(text, "{}", colour.text());
         }
     }
-    text
+    if outcomes.iter().any(|one| emissivity(one).is_some()) {
+        let _ = writeln!(text, "note: {EMISSIVITY}");
+    }
+    if !has_colour && spectra.iter().any(Spectrum::is_visible) {
+        let _ = writeln!(text, "note: {NO_COLOUR}");
+    }
+    (!spectra.is_empty()).then_some(text)
 }
+
+/// Sentence on visible spectra without a colour.
+const NO_COLOUR: &str = "colours need wavelengths from 400 to 700 nm, in steps of at most 20 nm";
 
 fn case_of<'r>(row: &'r &Outcome) -> &'r Case {
     &row.case
@@ -135,7 +154,7 @@ fn spectrum_figure(spectra: &[Spectrum<'_>]) -> Result<Option<Figure>, PlotError
         return Ok(None);
     }
     let colours = spectra.iter().flat_map(SideColour::of);
-    curves.extend(colours.filter(SideColour::is_of_srgb).map(|one| Curve {
+    curves.extend(colours.filter(SideColour::has_srgb).map(|one| Curve {
         name: match is_alone {
             true => format!("{} under D65, {}", one.side, one.hex()),
             false => format!("{} under D65, {}: {}", one.side, one.hex(), one.label),

@@ -200,7 +200,7 @@ impl Document {
     }
 
     /// The unit of a surface that is not read from a file: as given, else that of the first length with a unit,
-    /// the correlation length before all others.
+    /// the correlation length before all others, else that of the wavelength over a flat surface.
     #[must_use]
     pub fn own_unit(&self) -> LengthUnit {
         let given = self.entries.get(&("surface", "unit"));
@@ -210,9 +210,12 @@ impl Document {
         }
         let tau = self.entries.get(&("surface", "tau"));
         let mut lengths = tau.into_iter().chain(self.entries.values());
-        lengths
-            .find_map(|entry| first_unit(&entry.value))
-            .unwrap_or_default()
+        let unit = lengths.find_map(|entry| first_unit(&entry.value));
+        // Any unit will do for a flat surface without a medium
+        let is_flat = self.is_given("measured.flat") && !self.is_given("medium.*");
+        let of_wavelength =
+            (is_flat && self.is_given("light.wavelength")).then_some(LengthUnit::Nanometre);
+        unit.or(of_wavelength).unwrap_or_default()
     }
 
     /// The typed configuration. Lengths are numbers in the unit of the surface; where that is read from a file, see

@@ -8,23 +8,10 @@ use super::number::parse_number;
 /// One layer of a thin film.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FilmText {
-    pub(crate) material: FilmMaterial,
+    /// Material as it is written: its name, a file or an index.
+    pub(crate) material: String,
     /// Thickness, nanometres, above zero.
     pub(crate) thickness_nm: f64,
-}
-
-/// Material of a layer.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum FilmMaterial {
-    /// Name of a material or of a file.
-    Named(String),
-    /// Index n + ik.
-    Index {
-        /// Refractive index, above zero.
-        n: f64,
-        /// Absorption index, zero or more.
-        k: f64,
-    },
 }
 
 impl FilmText {
@@ -35,17 +22,14 @@ impl FilmText {
         let material = material.trim();
         let is_valid = thickness_nm > 0.0 && thickness_nm.is_finite() && !material.is_empty();
         is_valid.then(|| Self {
-            material: match index(material) {
-                Some([n, k]) => FilmMaterial::Index { n, k },
-                None => FilmMaterial::Named(material.to_owned()),
-            },
+            material: material.to_owned(),
             thickness_nm,
         })
     }
 }
 
-/// An index `n` or `n+ki`.
-fn index(text: &str) -> Option<[f64; 2]> {
+/// An index `n` or `n+ki`, with `n` above zero and `k` zero or more, in place of the name of a material.
+pub(crate) fn index(text: &str) -> Option<[f64; 2]> {
     let number = |text: &str| parse_number(text).ok();
     let complex = || {
         let (n, k) = text.strip_suffix('i')?.split_once('+')?;
@@ -62,19 +46,16 @@ mod tests {
     #[test]
     fn layers_name_a_material_or_an_index_and_a_thickness() {
         let named = |text, name: &str, thickness_nm| {
-            let material = FilmMaterial::Named(name.to_owned());
-            let expected = FilmText {
-                material,
-                thickness_nm,
-            };
-            assert_eq!(FilmText::parse(text), Some(expected), "{text}");
+            let found = FilmText::parse(text).unwrap();
+            assert_eq!((found.material.as_str(), index(name)), (name, None));
+            assert_eq!(found.thickness_nm, thickness_nm, "{text}");
         };
         named("SiO2:100nm", "SiO2", 100.0);
         named("my film.yml: 0.25um", "my film.yml", 250.0);
         named("C:/n.csv:80", "C:/n.csv", 80.0);
         for (text, n, k) in [("1.38:100nm", 1.38, 0.0), ("2.1+0.05i:100nm", 2.1, 0.05)] {
             let found = FilmText::parse(text).unwrap();
-            assert_eq!(found.material, FilmMaterial::Index { n, k });
+            assert_eq!(index(&found.material), Some([n, k]));
             assert_eq!(found.thickness_nm, 100.0);
         }
         for text in [

@@ -16,7 +16,7 @@ use super::setting::Setting;
 pub(super) const A_FILE: &str = "a file";
 
 /// Name of the variant of a kind that names a material, or a file of one.
-pub(super) const NAMED: &str = "a named material";
+pub(super) const NAMED: &str = "NAME or INDEX";
 
 /// Variants of which one holds.
 #[derive(Clone, Copy, Debug)]

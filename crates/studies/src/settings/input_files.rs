@@ -8,7 +8,7 @@ use asperity_io::names_file;
 
 use super::definitions::settings_of;
 use super::document::Document;
-use super::film_text::{FilmMaterial, FilmText};
+use super::film_text::FilmText;
 use super::kind::Kind;
 
 /// Sections whose files are written.
@@ -46,10 +46,7 @@ fn file_of(kind: Kind, text: &str) -> Option<PathBuf> {
             return Some(text.strip_prefix(LIKE).unwrap_or(text).into());
         }
         Kind::ChoiceOrMaterial(_) | Kind::Material if !is_choice => text.to_owned(),
-        Kind::Film => match FilmText::parse(text)?.material {
-            FilmMaterial::Named(name) => name,
-            FilmMaterial::Index { .. } => return None,
-        },
+        Kind::Film => FilmText::parse(text)?.material,
         _ => return None,
     };
     names_file(&material).then(|| material.into())

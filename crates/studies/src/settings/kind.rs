@@ -6,7 +6,7 @@ use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
-use super::film_text::{FilmMaterial, FilmText};
+use super::film_text::{FilmText, index};
 use super::length::Length;
 use super::range::Range;
 use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
@@ -108,6 +108,11 @@ impl Kind {
         }
     }
 
+    /// Returns `true` if even steps of it may be written as `FIRST:LAST:STEP`.
+    pub(super) const fn has_steps(self) -> bool {
+        matches!(self, Self::Number | Self::Length | Self::LengthIn(_))
+    }
+
     /// Returns `true` if a file writes it as text in quotes, never as a bare number.
     pub(super) const fn is_text(self) -> bool {
         !matches!(
@@ -180,10 +185,10 @@ impl Kind {
                 .parse(text, range)
                 .or_else(|| Self::Material.parse(text, range)),
             Self::Material => is_material(text).then(|| Value::from(text)),
-            Self::Film => match FilmText::parse(text)?.material {
-                FilmMaterial::Named(name) if !is_material(&name) => None,
-                _ => Some(Value::from(text)),
-            },
+            Self::Film => {
+                let film = FilmText::parse(text)?;
+                is_material(&film.material).then(|| Value::from(text))
+            }
             Self::Path => (!text.is_empty()).then(|| Value::from(text)),
         }
     }
@@ -250,11 +255,11 @@ impl Kind {
 }
 
 /// Materials in a sentence on what is allowed.
-const MATERIALS: &str = "a material that `asperity materials` lists, or a file .yml or .csv of one";
+const MATERIALS: &str = "a material that `asperity materials` lists, a file .yml or .csv of one, or an index such as 1.52";
 
-/// Returns `true` if a text names a material, or a file of one.
+/// Returns `true` if a text names a material or a file of one, or is an index.
 fn is_material(text: &str) -> bool {
-    names_file(text) || material(text).is_ok()
+    index(text).is_some() || names_file(text) || material(text).is_ok()
 }
 
 /// Returns `true` if a text is a file and no name: it has an ending, or lies in a folder.

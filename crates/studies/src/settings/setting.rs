@@ -391,6 +391,9 @@ impl Setting {
                 format!("{count} numbers{unit} as {}", names.join(","))
             }
             _ if self.kind == Kind::Models => one,
+            _ if self.is_list(command) && self.kind.has_steps() => {
+                format!("{one}{unit}, one or several, or FIRST:LAST:STEP")
+            }
             _ if self.is_list(command) => format!("{one}{unit}, one or several"),
             _ => format!("{one}{unit}"),
         }

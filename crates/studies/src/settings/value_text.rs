@@ -30,7 +30,7 @@ pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -
         _ => &[','],
     };
     let parts = text.split(separators).map(|part| match setting.kind {
-        Kind::Number | Kind::Length | Kind::LengthIn(_) if setting.is_list(command) => steps(part),
+        kind if kind.has_steps() && setting.is_list(command) => steps(part),
         _ => Some(vec![part.to_owned()]),
     });
     let parts = parts.collect::<Option<Vec<_>>>()?;
@@ -75,9 +75,11 @@ fn steps(part: &str) -> Option<Vec<String>> {
     if !(0.0..MAX_STEPS).contains(&count) {
         return None;
     }
-    // The last value may miss the end by rounding.
-    let count = (count + 1e-9).floor() as u32;
-    let values = (0..=count).map(|i| {
+    // The last value may miss the end by rounding
+    if (count - count.round()).abs() > 1e-9 * count.max(1.0) {
+        return None;
+    }
+    let values = (0..=count.round() as u32).map(|i| {
         let value = first + f64::from(i) * step;
         let rounded: f64 = format!("{value:.DIGITS$e}").parse().unwrap_or(value);
         format!("{rounded}{own}")
@@ -98,11 +100,12 @@ mod tests {
         assert_eq!(found("0:0.3:0.1"), "0 0.1 0.2 0.3");
         assert_eq!(found("80:0:-40"), "80 40 0");
         assert_eq!(found("5:5:1"), "5");
-        assert_eq!(found("0:85:20"), "0 20 40 60 80");
         assert_eq!(found("1/1.4"), "1/1.4");
         for part in [
             "400:700:-10",
             "400:700:0",
+            "0:85:20",
+            "400:700:1e5",
             "400um:700nm:10nm",
             "400nm:700:10um",
             "0:1e9:1",

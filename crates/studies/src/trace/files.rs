@@ -15,7 +15,7 @@ use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::figures::height_map_figure;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::add_spectra;
+use crate::report::spectrum_views::{add_spectra, has_spectra, spectrum_columns};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 
@@ -25,10 +25,11 @@ impl TraceConfig {
         &self,
         cases: &[Case],
     ) -> Result<Views<'a, TraceOutcomes<'a>>, ConfigError> {
+        let compared = !self.compare.models.is_empty();
         let of_case = CaseViews {
             spec: &self.ray_settings()?.tally,
-            compared: !self.compare.models.is_empty(),
-            figures: self.output.plots,
+            compared,
+            figures: self.output.plots && (compared || !has_spectra(cases)),
         };
         let mut views: Views<'a, TraceOutcomes<'a>> = Views::new();
         for (number, folder) in case_folders(cases).iter().enumerate() {
@@ -70,7 +71,7 @@ impl TraceConfig {
             }
         }
         add_spectra(&mut views, cases, self.output.plots, |found| {
-            found.each.iter().map(|one| one.outcome).collect()
+            found.outcomes()
         });
         views.json("summary.json", |found| Some(traces_summary(found)));
         Ok(views)
@@ -92,7 +93,7 @@ impl TraceOutcome<'_> {
 
 /// The contents of summary.json: those of the case, or, of several, a list of all with their folders.
 pub(super) fn traces_summary(found: &TraceOutcomes) -> Value {
-    if let ([one], 1) = (found.each.as_slice(), found.planned) {
+    if let ([one], 1) = (found.each.as_slice(), found.planned.len()) {
         return json!(trace_summary(one));
     }
     let cases = found.each.iter().map(|one| CaseInFolder {
@@ -105,6 +106,7 @@ pub(super) fn traces_summary(found: &TraceOutcomes) -> Value {
         seed: config.run.seed,
         config: config_json(config, &config.run, &[]),
         cases: cases.collect(),
+        columns: spectrum_columns(found.planned, &found.outcomes()),
         seconds: found.seconds,
     })
 }

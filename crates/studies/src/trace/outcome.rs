@@ -1,6 +1,6 @@
 //! Outcome of traced surfaces: results of the engine, and the comparison with models.
 
-use asperity_simulate::{AbsorbedMap, LightPaths, Outcome, StoppedBy, Stopping};
+use asperity_simulate::{AbsorbedMap, Case, LightPaths, Outcome, StoppedBy, Stopping};
 use asperity_tally::TallySpec;
 
 use super::comparison::TraceComparison;
@@ -12,12 +12,17 @@ use crate::report::energies::{lost_warning, more_rays_warning};
 pub struct TraceOutcomes<'a> {
     /// The results of each case, as far as there are any.
     pub each: Vec<TraceOutcome<'a>>,
-    /// Number of cases that were planned.
-    pub(super) planned: usize,
+    /// The cases that were planned.
+    pub(super) planned: &'a [Case],
     pub(super) seconds: f64,
 }
 
 impl<'a> TraceOutcomes<'a> {
+    /// The results of the engine.
+    pub(super) fn outcomes(&self) -> Vec<&'a Outcome> {
+        self.each.iter().map(|one| one.outcome).collect()
+    }
+
     /// The results of the case of that number; `None` if a stop came before it.
     pub(super) fn case(&self, number: usize) -> Option<&TraceOutcome<'a>> {
         self.each.iter().find(|one| one.outcome.number == number)

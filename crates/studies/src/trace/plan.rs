@@ -80,7 +80,8 @@ impl PlannedTrace {
         let description = Surfaces::of(tops, bottom, &config);
         let of_bottom = bottom.map(GivenSurface::lengths);
         let wavelength = config.light.wavelength_nm();
-        warnings.extend(wavelength_warnings(wavelength, tops.first.unit));
+        let is_named = config.material.media().is_some();
+        warnings.extend(wavelength_warnings(wavelength, is_named, tops.first.unit));
         let lengths = tops.lengths();
         let tau = lengths.tau;
         let validity = Validity::new(

@@ -11,7 +11,6 @@ use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
-use crate::report::spectrum::{EMISSIVITY, spectra};
 use crate::report::spectrum_views::spectra_text;
 
 /// The report of the case; of several their spectra, and the notes on the first.
@@ -19,13 +18,11 @@ pub(super) fn traces_table(found: &TraceOutcomes) -> String {
     let [first, _, ..] = found.each.as_slice() else {
         return found.each.first().map(trace_table).unwrap_or_default();
     };
-    let spectra = spectra(found.each.iter().map(|one| one.outcome));
-    if spectra.is_empty() {
+    let Some(spectra) = spectra_text(found.planned, &found.outcomes()) else {
         let each = found.each.iter().map(trace_table);
         return each.collect::<Vec<_>>().join("\n");
-    }
-    let mut text = format!("{}\n{}", first.study.name, spectra_text(&spectra));
-    let _ = writeln!(text, "note: {EMISSIVITY}");
+    };
+    let mut text = format!("{}\n{spectra}", first.study.name);
     for warning in first.warnings() {
         let _ = writeln!(text, "note: {}: {warning}", first.outcome.case.label());
     }

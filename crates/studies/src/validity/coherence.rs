@@ -41,7 +41,8 @@ impl Components {
         let index = transmitting.filter(|&eta| eta != 1.0 || case.layer.is_some());
         let (n_i, n_t) = match (case.light.from, transmitting) {
             (HalfSpace::Above, _) => (1.0, index),
-            (HalfSpace::Below, Some(eta)) => (eta, index.map(|_| 1.0)),
+            // Indices are relative to the medium below
+            (HalfSpace::Below, Some(eta)) => (1.0 / eta, index.map(|_| 1.0)),
             (HalfSpace::Below, None) => (1.0, None),
         };
         let along = n_i * incidence.theta().sin();

@@ -23,7 +23,7 @@ pub(super) const MUCH: f64 = 0.01;
 /// Lengths of a surface against the wavelength, for one direction of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Validity {
-    /// Wavelength of the light, nanometres.
+    /// Wavelength of the light in vacuum, nanometres.
     pub wavelength_nm: f64,
     /// `true` if it is assumed, none being given.
     pub wavelength_is_assumed: bool,
@@ -58,7 +58,8 @@ impl Validity {
     ) -> Option<Self> {
         let wavelength_nm = case.at.wavelength_nm().or(wavelength_nm);
         let nanometres = wavelength_nm.unwrap_or(DEFAULT_WAVELENGTH_NM);
-        let wavelength = LengthUnit::Nanometre.conversion(lengths.unit)?(nanometres);
+        let above = nanometres / case.at.index_above.unwrap_or(1.0);
+        let wavelength = LengthUnit::Nanometre.conversion(lengths.unit)?(above);
         if lengths.sigma == 0.0 {
             return None;
         }

@@ -72,8 +72,8 @@ fn each_side_has_its_own_phase() {
     // Total reflection leaves no side to judge
     let out = Material::Dielectric { eta: 1.0 / 1.5 };
     assert_eq!(of_case(0.3, &case(out, 1.0)).transmitted, None);
-    // From below the incident medium is that of the index
-    let mut below = case(glass, 0.0);
+    // From below indices are relative to the medium below
+    let mut below = case(out, 0.0);
     below.light.from = HalfSpace::Below;
     let found = of_case(0.135, &below);
     let reflected = found.reflected.unwrap();
@@ -108,11 +108,16 @@ fn the_bottom_of_a_layer_adds_to_the_phase_of_what_passes_it() {
 
 #[test]
 fn wavelengths_without_effect_or_of_another_unit_are_told() {
-    let found = |nanometres, unit| wavelength_warnings(Some(nanometres), unit).join(" ");
+    let found = |nanometres, unit| wavelength_warnings(Some(nanometres), false, unit).join(" ");
     assert!(found(633.0, LengthUnit::Arbitrary).contains("has no effect"));
     assert!(found(633_000.0, LengthUnit::Micrometre).contains("far from visible light"));
     assert_eq!(found(633.0, LengthUnit::Metre), "");
-    assert!(wavelength_warnings(None, LengthUnit::Arbitrary).is_empty());
+    let gold = wavelength_warnings(Some(633.0), true, LengthUnit::Arbitrary);
+    assert!(
+        gold.join(" ").contains("so that they cannot be compared"),
+        "{gold:?}"
+    );
+    assert!(wavelength_warnings(None, false, LengthUnit::Arbitrary).is_empty());
 }
 
 /// Waves of amplitude `a` and period 32 along x, spacing 1.

@@ -127,16 +127,25 @@ fn three(number: f64) -> f64 {
     format!("{number:.2e}").parse().unwrap_or(number)
 }
 
-/// Warnings on a wavelength that is given: it has no effect on lengths without a unit, and its own unit may be wrong.
-pub(crate) fn wavelength_warnings(wavelength_nm: Option<f64>, unit: LengthUnit) -> Vec<String> {
+/// Warnings on a wavelength that is given: it is not compared with lengths without a unit, and its own unit may be wrong. `is_named`: whether
+/// the indices of the material are looked up by it.
+pub(crate) fn wavelength_warnings(
+    wavelength_nm: Option<f64>,
+    is_named: bool,
+    unit: LengthUnit,
+) -> Vec<String> {
     let Some(nanometres) = wavelength_nm else {
         return Vec::new();
     };
     let given = format!("--wavelength {} nm", short(nanometres));
     let mut warnings = Vec::new();
     if LengthUnit::Nanometre.conversion(unit).is_none() {
+        let what = match is_named {
+            true => "geometric optics is not judged: the lengths of the surface have no unit, so that they cannot be compared with the wavelength".to_owned(),
+            false => format!("{given} has no effect, since the lengths of the surface have no unit"),
+        };
         warnings.push(format!(
-            "{given} has no effect, since the lengths of the surface have no unit: give one by --unit, or to a file by --assume-unit"
+            "{what}: give one by --unit, or to a file by --assume-unit"
         ));
     }
     if !(USUAL_NM[0]..=USUAL_NM[1]).contains(&nanometres) {

@@ -24,6 +24,7 @@ use crate::report::energies::{
 };
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
+use crate::report::spectrum_views::spectra_text;
 use crate::validity::wavelength_warnings;
 
 /// Longest title of a case that a table repeats in each row, characters.
@@ -47,7 +48,9 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
         warnings.push(AVERAGED_LAYERS.to_owned());
     }
     let wavelength = outcome.config.light.wavelength_nm();
-    warnings.extend(wavelength_warnings(wavelength, case.outcome.case.at.unit));
+    let is_named = outcome.config.material.media().is_some();
+    let unit = case.outcome.case.at.unit;
+    warnings.extend(wavelength_warnings(wavelength, is_named, unit));
     warnings.extend(gaussian_models_of_ggx(case));
     if outcome.config.lacks_models(case) {
         warnings.push(
@@ -89,12 +92,19 @@ fn gaussian_models_of_ggx(case: &Judgement<'_>) -> Option<String> {
 
 /// The comparison of every case.
 pub(super) fn verify_table(outcome: &VerifyOutcome) -> String {
+    let is_judged = outcome.cases.iter().any(|case| !case.models.is_empty());
+    let spectra = spectra_text(&outcome.plan.cases, &outcome.outcomes());
+    if let (false, Some(mut text), Some(first)) = (is_judged, spectra, outcome.cases.first()) {
+        for warning in warnings(outcome, first) {
+            let _ = writeln!(text, "note: {}: {warning}", first.outcome.case.label());
+        }
+        return wrapped(&text);
+    }
     let mut out = String::new();
     for case in &outcome.cases {
         out.push_str(&case_table(outcome, case));
         out.push('\n');
     }
-    let is_judged = outcome.cases.iter().any(|case| !case.models.is_empty());
     if is_judged && outcome.cases.len() > 1 {
         out.push_str(&overview(outcome));
     }

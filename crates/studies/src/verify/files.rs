@@ -16,7 +16,7 @@ use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::add_spectra;
+use crate::report::spectrum_views::{add_spectra, has_spectra, spectrum_columns};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 
@@ -27,10 +27,11 @@ impl VerifyConfig {
         cases: &[Case],
     ) -> Result<Views<'a, VerifyOutcome<'a>>, ConfigError> {
         let spec = self.ray_settings()?.tally;
+        let compared = !self.compare.models.is_empty();
         let of_case = CaseViews {
             spec: &spec,
-            compared: !self.compare.models.is_empty(),
-            figures: self.output.plots,
+            compared,
+            figures: self.output.plots && (compared || !has_spectra(cases)),
         };
         let mut views: Views<'a, VerifyOutcome<'a>> = Views::new();
         let folders = case_folders(cases);
@@ -58,7 +59,7 @@ impl VerifyConfig {
             views.text("report.txt", |outcome| Some(verify_table(outcome)));
         }
         add_spectra(&mut views, cases, self.output.plots, |outcome| {
-            outcome.cases.iter().map(|case| case.outcome).collect()
+            outcome.outcomes()
         });
         views.json("summary.json", |outcome| Some(verify_summary(outcome)));
         Ok(views)
@@ -144,6 +145,7 @@ pub(super) fn verify_summary(outcome: &VerifyOutcome) -> Value {
         seed: outcome.config.run.seed,
         config: config(outcome),
         cases: cases.collect(),
+        columns: spectrum_columns(&outcome.plan.cases, &outcome.outcomes()),
         seconds: outcome.seconds,
     })
 }

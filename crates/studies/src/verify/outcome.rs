@@ -1,7 +1,7 @@
 //! Outcome of a verification: its results, judged.
 
 use asperity_results::ResultSet;
-use asperity_simulate::{StoppedBy, Stopping};
+use asperity_simulate::{Outcome, StoppedBy, Stopping};
 
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
@@ -31,7 +31,12 @@ impl VerifyConfig {
     }
 }
 
-impl VerifyOutcome<'_> {
+impl<'a> VerifyOutcome<'a> {
+    /// The results of the engine.
+    pub(crate) fn outcomes(&self) -> Vec<&'a Outcome> {
+        self.cases.iter().map(|case| case.outcome).collect()
+    }
+
     /// Returns `true` if the plan has several cases.
     pub(crate) const fn several(&self) -> bool {
         self.plan.cases.len() > 1

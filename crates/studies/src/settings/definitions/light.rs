@@ -27,7 +27,7 @@ pub(super) const SUN_AZIMUTH: Setting = setting("sun_azimuth", Kind::Number)
     .otherwise("not given");
 
 /// Wavelength in vacuum.
-pub(super) const WAVELENGTH: Setting = setting("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
+pub(super) const WAVELENGTH: Setting = basic("wavelength", Kind::LengthIn(LengthUnit::Nanometre))
     .unit("nm")
     .range(Range::FromTo(1e-3, 1e12));
 

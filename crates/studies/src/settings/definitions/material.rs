@@ -25,17 +25,17 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
         basic("kind", MATERIAL)
             .help("Kind of material, or a named one: the medium below")
             .flag(Flag::Named("material"))
-            .value_name("KIND|NAME|FILE")
+            .value_name("KIND|NAME|FILE|N")
             .default("dielectric"),
         setting("below", Kind::Material)
             .help("Medium below the surface, in place of material")
-            .value_name("NAME|FILE")
+            .value_name("NAME|FILE|N")
             .otherwise("air where above is given"),
-        setting("above", Kind::Material)
+        basic("above", Kind::Material)
             .help("Medium above the surface, which is clear")
-            .value_name("NAME|FILE")
+            .value_name("NAME|FILE|N")
             .otherwise("index 1"),
-        setting("film", Kind::Film)
+        basic("film", Kind::Film)
             .help("Thin film on every facet, layer by layer from above")
             .value_name("MATERIAL:THICKNESS")
             .arity(Arity::ListIn(COMMANDS))
