@@ -122,8 +122,8 @@ fn what_cannot_be_shown_is_refused() {
     folder.write("hole.csv", "wavelength_nm,n,k\n1,2,1\n2,2,\n3,2,1\n");
     folder.refuses(
         "materials goldd => did you mean gold?
-        materials gold --wavelength 3um => --wavelength 3000 nm: out of range; the data of Au reach from 187.9 to 1937 nm
-        materials half.csv --wavelength 399 => the data of half reach from 400 to 700 nm
+        materials gold --wavelength 3um => Au: the wavelength 3000 nm is out of range; the data reach from 187.9 to 1937 nm
+        materials half.csv --wavelength 399 => half: the wavelength 399 nm is out of range; the data reach from 400 to 700 nm
         materials --wavelength 550 => --wavelength needs a material
         materials -o list.csv => -o needs a material
         materials --plot list.svg => --plot needs a material

@@ -33,22 +33,9 @@ pub enum MaterialsError {
     /// No such material, or a file that cannot be read.
     #[error(transparent)]
     Lookup(#[from] MaterialLookupError),
-    /// A wavelength without data.
-    #[error(
-        "--wavelength {} nm: out of range; the data of {} reach from {} to {} nm",
-        short(*wavelength_nm), shown(name), short(range_nm[0]), short(range_nm[1])
-    )]
-    OutOfRange {
-        /// Name of the material.
-        name: String,
-        /// Wavelength, nanometres.
-        wavelength_nm: f64,
-        /// First and last wavelength of the data, nanometres.
-        range_nm: [f64; 2],
-    },
-    /// A formula without a value.
-    #[error("the record of {} is invalid: {error}", shown(name))]
-    Formula {
+    /// Wavelength without data.
+    #[error("{}: {error}", shown(name))]
+    NoIndex {
         /// Name of the material.
         name: String,
         /// Reason.
@@ -62,8 +49,7 @@ impl MaterialsError {
     pub const fn is_usage(&self) -> bool {
         match self {
             Self::Lookup(error) => matches!(error, MaterialLookupError::Unknown { .. }),
-            Self::OutOfRange { .. } => true,
-            Self::Formula { .. } => false,
+            Self::NoIndex { error, .. } => matches!(error, DispersionError::OutOfRange { .. }),
         }
     }
 }
@@ -328,16 +314,9 @@ fn rows(
 ) -> Result<Vec<Row>, MaterialsError> {
     let row = |(wavelength_nm, micrometres)| {
         let index = record.constants.at(micrometres);
-        let index = index.map_err(|error| match error {
-            DispersionError::OutOfRange { .. } => MaterialsError::OutOfRange {
-                name: record.name.clone(),
-                wavelength_nm,
-                range_nm: range_nm(record.constants.range()),
-            },
-            error => MaterialsError::Formula {
-                name: record.name.clone(),
-                error,
-            },
+        let index = index.map_err(|error| MaterialsError::NoIndex {
+            name: record.name.clone(),
+            error,
         })?;
         Ok(Row {
             wavelength_nm,
