@@ -48,7 +48,7 @@ impl MaterialsError {
     #[must_use]
     pub const fn is_usage(&self) -> bool {
         match self {
-            Self::Lookup(error) => matches!(error, MaterialLookupError::Unknown { .. }),
+            Self::Lookup(error) => matches!(error, MaterialLookupError::Unknown(_)),
             Self::NoIndex { error, .. } => matches!(error, DispersionError::OutOfRange { .. }),
         }
     }

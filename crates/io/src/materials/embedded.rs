@@ -60,7 +60,7 @@ const FILES: &[&str] = &[
 /// All embedded materials, read at the first call.
 pub(super) fn all() -> &'static [MaterialRecord] {
     static ALL: OnceLock<Vec<MaterialRecord>> = OnceLock::new();
-    // A test reads every file, so none is left out.
+    // No file is left out: a test reads them all
     ALL.get_or_init(|| {
         FILES
             .iter()
@@ -79,6 +79,14 @@ mod tests {
             let read = record::parse(text);
             assert!(read.is_ok(), "{:?} in {}", read.err(), &text[..300]);
         }
+        assert_eq!(all().len(), FILES.len());
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/materials");
+        let present = std::fs::read_dir(folder).unwrap().count();
+        assert_eq!(
+            FILES.len(),
+            present,
+            "files in the folder that are not embedded"
+        );
         let bytes: usize = FILES.iter().map(|text| text.len()).sum();
         assert!(bytes < 150_000, "{bytes}");
     }

@@ -49,25 +49,10 @@ fn names_are_found_without_case_and_punctuation() {
 }
 
 #[test]
-fn unknown_names_are_refused_with_similar_ones() {
-    let said = |word: &str| material(word).unwrap_err().to_string();
-    assert!(
-        said("golld").contains("did you mean gold"),
-        "{}",
-        said("golld")
-    );
-    assert!(
-        said("alumnium").contains("aluminium"),
-        "{}",
-        said("alumnium")
-    );
-    assert!(said("glass").contains("glass"), "{}", said("glass"));
-    for word in ["", "x", "\u{1b}[31m", "unobtainium", &"x".repeat(10_000)] {
-        let said = said(word);
-        assert!(
-            said.starts_with("unknown material") && !said.contains("did you mean"),
-            "{said}"
-        );
+fn unknown_names_are_refused_on_one_line() {
+    for word in ["goldd", "", "\u{1b}[31m", &"x".repeat(10_000)] {
+        let said = material(word).unwrap_err().to_string();
+        assert!(said.starts_with("unknown material"), "{said}");
         assert!(
             !said.contains(['\u{1b}', '\n']) && said.len() < 500,
             "{said}"
