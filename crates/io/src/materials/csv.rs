@@ -58,6 +58,7 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         aliases: Vec::new(),
         record: String::new(),
         source: String::new(),
+        cite: String::new(),
         doi: None,
         constants,
     })

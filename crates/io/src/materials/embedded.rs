@@ -74,6 +74,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_citation_is_of_the_reference() {
+        for record in all() {
+            let mut words = record.cite.split(' ');
+            assert!(
+                words.all(|word| !word.is_empty() && record.source.contains(word)),
+                "{record:?}"
+            );
+        }
+    }
+
+    #[test]
     fn every_embedded_file_is_read() {
         for text in FILES {
             let read = record::parse(text);

@@ -13,7 +13,7 @@ use crate::text_lines::short;
 /// Most contributions of a record.
 const MAX_CONTRIBUTIONS: usize = 100;
 
-/// Content of a record. The keys `NAME`, `ALIASES`, `RECORD` and `DOI` are those of the embedded files.
+/// Content of a record. The keys `NAME`, `ALIASES`, `RECORD`, `DOI` and `CITE` are those of the embedded files.
 #[derive(Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 struct Content {
@@ -24,6 +24,8 @@ struct Content {
     #[serde(default)]
     record: String,
     doi: Option<String>,
+    #[serde(default)]
+    cite: String,
     #[serde(default)]
     references: String,
     data: Vec<Contribution>,
@@ -65,6 +67,7 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         aliases: content.aliases,
         record: content.record,
         doi: content.doi.or_else(|| doi_in(&content.references)),
+        cite: content.cite,
         source,
         constants,
     })
