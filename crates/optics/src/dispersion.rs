@@ -189,8 +189,8 @@ impl DispersionCurve {
                 matches!(count, 1 | 5 | 9) || (count > 9 && count <= 17 && count % 2 == 1),
                 "1, 5, 9, 11, 13, 15 or 17 are allowed",
             ),
-            7 => ((1..=6).contains(&count), "1 to 6 are allowed"),
             8 => ((1..=4).contains(&count), "1 to 4 are allowed"),
+            // 7 and 9
             _ => ((1..=6).contains(&count), "1 to 6 are allowed"),
         };
         if !fits {
@@ -371,18 +371,6 @@ impl OpticalConstants {
     pub const fn k(&self) -> Option<&DispersionCurve> {
         self.k.as_ref()
     }
-
-    /// First and last wavelength at which `n` is known, micrometres.
-    #[must_use]
-    pub fn range(&self) -> [f64; 2] {
-        self.n.range()
-    }
-
-    /// First and last wavelength at which `k` is known, micrometres.
-    #[must_use]
-    pub fn extinction_range(&self) -> Option<[f64; 2]> {
-        self.k.as_ref().map(DispersionCurve::range)
-    }
 }
 
 /// Linear between the neighbours, exact at the points. `x` is within the range of `xs`.
@@ -522,8 +510,8 @@ mod tests {
         assert!((at(0.6).n - 2.5).abs() < 1e-15);
         assert_eq!(at(0.6).k, None);
         assert_eq!(at(0.7 * (1.0 + 1e-12)).n, 3.0);
-        assert_eq!(constants.range(), [0.4, 0.7]);
-        assert_eq!(constants.extinction_range(), Some([0.4, 0.5]));
+        assert_eq!(constants.n().range(), [0.4, 0.7]);
+        assert_eq!(constants.k().unwrap().range(), [0.4, 0.5]);
         let error = constants.at(0.71).unwrap_err().to_string();
         assert_eq!(
             error,

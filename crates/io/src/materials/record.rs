@@ -95,14 +95,16 @@ impl Contribution {
                 let [w, values] = self.columns()?;
                 *k = Some(curve(w, values)?);
             }
-            _ => {
-                return Err(ReadProblem::malformed(format_args!(
-                    "the type \"{}\" of data is unknown; \"formula 1\" to \"formula 9\", \"tabulated nk\", \"tabulated n\" and \"tabulated k\" are allowed",
-                    short(&self.kind)
-                )));
-            }
+            _ => return Err(self.unknown_type()),
         }
         Ok(())
+    }
+
+    fn unknown_type(&self) -> ReadProblem {
+        ReadProblem::malformed(format_args!(
+            "the type \"{}\" of data is unknown; \"formula 1\" to \"formula 9\", \"tabulated nk\", \"tabulated n\" and \"tabulated k\" are allowed",
+            short(&self.kind)
+        ))
     }
 
     fn formula(&self, number: &str) -> Result<DispersionCurve, ReadProblem> {
@@ -115,14 +117,7 @@ impl Contribution {
         };
         let coefficients = self.coefficients.as_deref();
         let coefficients = numbers(coefficients.ok_or_else(|| missing("coefficients"))?)?;
-        let number = number.parse().unwrap_or(u64::MAX);
-        if number == u64::MAX {
-            let what = format!(
-                "formula {} is unknown; formulas 1 to 9 are allowed",
-                short(&self.kind)
-            );
-            return Err(ReadProblem::malformed(what));
-        }
+        let number = number.parse().map_err(|_| self.unknown_type())?;
         DispersionCurve::formula(number, coefficients, [first, last])
             .map_err(ReadProblem::malformed)
     }
