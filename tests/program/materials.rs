@@ -19,7 +19,8 @@ fn materials_are_listed_with_ranges_and_sources() {
     assert_eq!(words[..5], ["SiO2", "210-6700", "-", "Malitson", "1965"]);
     let list = json(&folder.succeed("materials --json"));
     let list = list.as_array().unwrap();
-    assert_eq!(list.len(), 48);
+    let files = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/io/materials");
+    assert_eq!(list.len(), std::fs::read_dir(files).unwrap().count());
     let silica = list.iter().find(|row| row["name"] == "SiO2").unwrap();
     assert_eq!(silica["n_range_nm"], json("[210.0, 6700.0]"));
     assert!(silica["k_range_nm"].is_null());
