@@ -10,8 +10,6 @@ mod record;
 
 use std::path::Path;
 
-use strsim::osa_distance;
-
 use crate::error::{ReadError, ReadProblem};
 use crate::files::open;
 use crate::limits::guarded;
@@ -22,9 +20,6 @@ pub use material_record::MaterialRecord;
 /// Most bytes of a file of optical constants; the largest record of the database has under 1 MB.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// Most names that are suggested for an unknown one.
-const MAX_SUGGESTIONS: usize = 3;
-
 /// Error of a lookup of a material by name or file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -33,21 +28,8 @@ pub enum MaterialLookupError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// No embedded material has this name.
-    #[error("unknown material `{}`; {}", shown(.name), advice(.suggestions))]
-    Unknown {
-        /// Requested name.
-        name: String,
-        /// Known names that are similar.
-        suggestions: Vec<String>,
-    },
-}
-
-fn advice(suggestions: &[String]) -> String {
-    let allowed = "a name from `asperity materials` or a file .yml, .yaml or .csv is allowed";
-    match suggestions {
-        [] => allowed.to_owned(),
-        names => format!("did you mean {}? {allowed}", names.join(" or ")).replace("? a", "; a"),
-    }
+    #[error("unknown material `{}`; a name from `asperity materials` or a file .yml, .yaml or .csv is allowed", shown(.0))]
+    Unknown(String),
 }
 
 /// All embedded materials, in the order of the list.
@@ -81,10 +63,8 @@ pub fn material(name_or_path: &str) -> Result<MaterialRecord, MaterialLookupErro
     let found = materials()
         .iter()
         .find(|material| names(material).any(|name| plain(name) == wanted));
-    found.cloned().ok_or_else(|| MaterialLookupError::Unknown {
-        name: name_or_path.to_owned(),
-        suggestions: suggestions(&wanted),
-    })
+    let unknown = || MaterialLookupError::Unknown(name_or_path.to_owned());
+    found.cloned().ok_or_else(unknown)
 }
 
 /// Returns `true` if a word names a file of optical constants, not an embedded material.
@@ -150,7 +130,7 @@ fn material_of(text: &str, format: Format) -> Result<MaterialRecord, ReadProblem
     }
 }
 
-/// Name, aliases and, if known, the record of a material.
+/// Name and aliases of a material.
 fn names(material: &MaterialRecord) -> impl Iterator<Item = &str> {
     let aliases = material.aliases.iter().map(String::as_str);
     std::iter::once(material.name.as_str()).chain(aliases)
@@ -160,28 +140,6 @@ fn names(material: &MaterialRecord) -> impl Iterator<Item = &str> {
 fn plain(name: &str) -> String {
     let kept = name.chars().filter(|c| c.is_alphanumeric());
     kept.flat_map(char::to_lowercase).collect()
-}
-
-/// Names that differ from `wanted` by a spelling mistake, or contain it as a word; the nearest first.
-fn suggestions(wanted: &str) -> Vec<String> {
-    let length = wanted.chars().count();
-    if !(2..=60).contains(&length) {
-        return Vec::new();
-    }
-    let mut near: Vec<(usize, &str)> = Vec::new();
-    for material in materials() {
-        let distances = names(material).filter_map(|name| {
-            let known = plain(name);
-            let distance = osa_distance(&known, wanted);
-            let is_part = length > 2 && known.contains(wanted);
-            (is_part || distance <= length / 4 + usize::from(length > 2 && length < 4))
-                .then_some((distance, name))
-        });
-        near.extend(distances.min());
-    }
-    near.sort_unstable();
-    let nearest = near.into_iter().take(MAX_SUGGESTIONS);
-    nearest.map(|(_, name)| name.to_owned()).collect()
 }
 
 #[cfg(test)]

@@ -60,13 +60,15 @@ enum Kind {
     },
 }
 
-/// Error of a dispersion curve, or of a wavelength at which it has no value. Wavelengths are in micrometres.
+/// Error of a dispersion curve, or of a wavelength at which it has no value. Wavelengths are in micrometres, and in
+/// nanometres in the messages.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DispersionError {
     /// The wavelength is outside of the range of the data.
     #[error(
-        "the wavelength {wavelength:?} um is out of range; the data reach from {first:?} to {last:?} um"
+        "the wavelength {} nm is out of range; the data reach from {} to {} nm",
+        nm(*wavelength), nm(*first), nm(*last)
     )]
     OutOfRange {
         /// Wavelength.
@@ -78,7 +80,7 @@ pub enum DispersionError {
     },
     /// The formula has no positive finite value there.
     #[error(
-        "formula {number} gives {value:?} at {wavelength:?} um; a refractive index must be above zero"
+        "formula {number} gives {value:?} at {} nm; a refractive index must be above zero", nm(*wavelength)
     )]
     NoIndex {
         /// Number of the formula.
@@ -112,25 +114,27 @@ pub enum DispersionError {
         value: f64,
     },
     /// A wavelength range that is empty or not positive.
-    #[error("the wavelength range {0:?} to {1:?} um is invalid; it must ascend and be above zero")]
+    #[error(
+        "the wavelength range {} to {} nm is invalid; it must ascend and be above zero", nm(*.0), nm(*.1)
+    )]
     BadRange(f64, f64),
     /// A table without points, or with columns of different lengths.
     #[error("the table has no points, or columns of different lengths")]
     BadTable,
     /// A wavelength of a table that is not positive and finite.
-    #[error("the wavelength {0:?} um is invalid; wavelengths must be finite and above zero")]
+    #[error("the wavelength {} nm is invalid; wavelengths must be finite and above zero", nm(*.0))]
     BadWavelength(f64),
     /// A wavelength that occurs twice.
-    #[error("the wavelength {0:?} um occurs twice")]
+    #[error("the wavelength {} nm occurs twice", nm(*.0))]
     Duplicate(f64),
     /// Wavelengths that neither ascend nor descend.
     #[error(
-        "the wavelength {1:?} um follows {0:?} um; wavelengths must ascend or descend throughout"
+        "the wavelength {} nm follows {} nm; wavelengths must ascend or descend throughout", nm(*.1), nm(*.0)
     )]
     Unsorted(f64, f64),
     /// A refractive index of a table that is not positive and finite.
     #[error(
-        "n is {value:?} at {wavelength:?} um; the refractive index must be finite and above zero"
+        "n is {value:?} at {} nm; the refractive index must be finite and above zero", nm(*wavelength)
     )]
     BadIndex {
         /// Wavelength.
@@ -140,7 +144,7 @@ pub enum DispersionError {
     },
     /// An extinction coefficient that is negative or not finite.
     #[error(
-        "k is {value:?} at {wavelength:?} um; the extinction coefficient must be finite, zero or more"
+        "k is {value:?} at {} nm; the extinction coefficient must be finite, zero or more", nm(*wavelength)
     )]
     BadExtinction {
         /// Wavelength.
@@ -151,6 +155,13 @@ pub enum DispersionError {
     /// A formula for the extinction coefficient.
     #[error("the extinction coefficient is given by a formula; it must be a table")]
     ExtinctionFormula,
+}
+
+/// A wavelength in micrometres as text in nanometres, with at most six significant digits.
+fn nm(micrometres: f64) -> String {
+    let rounded = format!("{:.5e}", micrometres * 1e3).parse::<f64>();
+    let text = format!("{:?}", rounded.unwrap_or(f64::NAN));
+    text.trim_end_matches(".0").to_owned()
 }
 
 impl DispersionCurve {
@@ -178,8 +189,8 @@ impl DispersionCurve {
                 matches!(count, 1 | 5 | 9) || (count > 9 && count <= 17 && count % 2 == 1),
                 "1, 5, 9, 11, 13, 15 or 17 are allowed",
             ),
-            7 => ((1..=6).contains(&count), "1 to 6 are allowed"),
             8 => ((1..=4).contains(&count), "1 to 4 are allowed"),
+            // 7 and 9
             _ => ((1..=6).contains(&count), "1 to 6 are allowed"),
         };
         if !fits {
@@ -360,18 +371,6 @@ impl OpticalConstants {
     pub const fn k(&self) -> Option<&DispersionCurve> {
         self.k.as_ref()
     }
-
-    /// First and last wavelength at which `n` is known, micrometres.
-    #[must_use]
-    pub fn range(&self) -> [f64; 2] {
-        self.n.range()
-    }
-
-    /// First and last wavelength at which `k` is known, micrometres.
-    #[must_use]
-    pub fn extinction_range(&self) -> Option<[f64; 2]> {
-        self.k.as_ref().map(DispersionCurve::range)
-    }
 }
 
 /// Linear between the neighbours, exact at the points. `x` is within the range of `xs`.
@@ -511,12 +510,31 @@ mod tests {
         assert!((at(0.6).n - 2.5).abs() < 1e-15);
         assert_eq!(at(0.6).k, None);
         assert_eq!(at(0.7 * (1.0 + 1e-12)).n, 3.0);
-        assert_eq!(constants.range(), [0.4, 0.7]);
-        assert_eq!(constants.extinction_range(), Some([0.4, 0.5]));
+        assert_eq!(constants.n().range(), [0.4, 0.7]);
+        assert_eq!(constants.k().unwrap().range(), [0.4, 0.5]);
         let error = constants.at(0.71).unwrap_err().to_string();
-        assert!(error.contains("0.4 to 0.7 um"), "{error}");
+        assert_eq!(
+            error,
+            "the wavelength 710 nm is out of range; the data reach from 400 to 700 nm"
+        );
         for wavelength in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
             assert!(constants.at(wavelength).is_err());
+        }
+    }
+
+    #[test]
+    fn messages_state_short_nanometres() {
+        for (micrometres, text) in [
+            (0.4, "400"),
+            (0.2098, "209.8"),
+            (0.187_901_234, "187.901"),
+            (-0.4, "-400"),
+            (0.0, "0"),
+            (1e300, "1e303"),
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(nm(micrometres), text);
         }
     }
 

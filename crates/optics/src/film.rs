@@ -35,7 +35,7 @@ pub struct Film {
     pub eta: f64,
     /// Imaginary part, from 0 to 1e6.
     pub kappa: f64,
-    /// Thickness times the wave number in the incident medium, `2 pi d / lambda`, from 0 to [`Films::MAX_PHASE`], radians.
+    /// Thickness times the wave number in the incident medium, `2 pi d / lambda`, from 0 to 1e6, radians.
     pub phase: f64,
 }
 
@@ -55,18 +55,12 @@ pub struct Film {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<Film>", into = "Vec<Film>")]
 pub struct Films {
-    layers: [Film; Self::MAX_LAYERS],
+    layers: [Film; MAX_FILMS],
     len: usize,
 }
 
 impl Films {
-    /// Most layers of a stack.
-    pub const MAX_LAYERS: usize = MAX_FILMS;
-
-    /// Largest phase of a layer, radians.
-    pub const MAX_PHASE: f64 = MAX_FILM_PHASE;
-
-    /// Layer in the place of none.
+    /// Padding of unused layers.
     const NONE: Film = Film {
         eta: 1.0,
         kappa: 0.0,
@@ -76,16 +70,16 @@ impl Films {
     /// The stack of these layers, the first of which the light meets first; none leave the interface bare.
     ///
     /// # Errors
-    /// [`MaterialError`] for more than [`Self::MAX_LAYERS`] layers, or a value of a layer that is out of range.
+    /// [`MaterialError`] for more than eight layers, or a value of a layer that is out of range.
     pub fn new(layers: &[Film]) -> Result<Self, MaterialError> {
-        if layers.len() > Self::MAX_LAYERS {
+        if layers.len() > MAX_FILMS {
             return Err(MaterialError::TooManyFilms(layers.len()));
         }
-        let mut stack = [Self::NONE; Self::MAX_LAYERS];
+        let mut stack = [Self::NONE; MAX_FILMS];
         for (place, film) in stack.iter_mut().zip(layers) {
             valid_eta(film.eta)?;
             valid_kappa(film.kappa)?;
-            if !(0.0..=Self::MAX_PHASE).contains(&film.phase) {
+            if !(0.0..=MAX_FILM_PHASE).contains(&film.phase) {
                 return Err(MaterialError::BadPhase(film.phase));
             }
             *place = *film;
@@ -112,7 +106,7 @@ impl Films {
 
     /// The stack as light from the other side meets it, whose medium has the real index `eta`.
     pub(crate) const fn reversed(self, eta: f64) -> Self {
-        let mut layers = [Self::NONE; Self::MAX_LAYERS];
+        let mut layers = [Self::NONE; MAX_FILMS];
         let mut i = 0;
         while i < self.len {
             let film = self.layers[self.len - 1 - i];

@@ -7,7 +7,7 @@ use asperity_optics::{DispersionCurve, OpticalConstants};
 
 use super::material_record::MaterialRecord;
 use crate::error::ReadProblem;
-use crate::number_table::{NumberTable, number_table_of};
+use crate::number_table::number_table_of;
 use crate::text_lines::short;
 
 /// Names of the column of wavelengths.
@@ -42,8 +42,8 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         let what = "it has no column n; the columns wavelength_nm, n and, if known, k are allowed";
         ReadProblem::malformed(what)
     })?;
-    let wavelengths: Vec<f64> = column_of(&table, wavelength)?;
-    let wavelengths: Vec<f64> = wavelengths.iter().map(|w| w / per_micrometre).collect();
+    let wavelengths = table.column(wavelength).unwrap_or_default().iter();
+    let wavelengths: Vec<f64> = wavelengths.map(|w| w / per_micrometre).collect();
     let curve = |rows: RangeInclusive<usize>, values: &[f64]| {
         let curve =
             DispersionCurve::table(wavelengths[rows.clone()].to_vec(), values[rows].to_vec());
@@ -58,6 +58,7 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         aliases: Vec::new(),
         record: String::new(),
         source: String::new(),
+        cite: String::new(),
         doi: None,
         constants,
     })
@@ -67,11 +68,6 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
 fn known(values: &[f64]) -> Option<RangeInclusive<usize>> {
     let is_known = |value: &f64| !value.is_nan();
     Some(values.iter().position(is_known)?..=values.iter().rposition(is_known)?)
-}
-
-fn column_of(table: &NumberTable, name: &str) -> Result<Vec<f64>, ReadProblem> {
-    let column = table.column(name).map(<[f64]>::to_vec);
-    column.ok_or_else(|| ReadProblem::malformed("it has no wavelengths"))
 }
 
 /// The column of wavelengths, and how many of its units are a micrometre.

@@ -60,7 +60,7 @@ const FILES: &[&str] = &[
 /// All embedded materials, read at the first call.
 pub(super) fn all() -> &'static [MaterialRecord] {
     static ALL: OnceLock<Vec<MaterialRecord>> = OnceLock::new();
-    // A test reads every file, so none is left out.
+    // No file is left out: a test reads them all
     ALL.get_or_init(|| {
         FILES
             .iter()
@@ -74,11 +74,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_citation_is_of_the_reference() {
+        for record in all() {
+            let mut words = record.cite.split(' ');
+            assert!(
+                words.all(|word| !word.is_empty() && record.source.contains(word)),
+                "{record:?}"
+            );
+        }
+    }
+
+    #[test]
     fn every_embedded_file_is_read() {
         for text in FILES {
             let read = record::parse(text);
             assert!(read.is_ok(), "{:?} in {}", read.err(), &text[..300]);
         }
+        assert_eq!(all().len(), FILES.len());
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/materials");
+        let present = std::fs::read_dir(folder).unwrap().count();
+        assert_eq!(
+            FILES.len(),
+            present,
+            "files in the folder that are not embedded"
+        );
         let bytes: usize = FILES.iter().map(|text| text.len()).sum();
         assert!(bytes < 150_000, "{bytes}");
     }

@@ -13,6 +13,8 @@ pub struct MaterialRecord {
     pub record: String,
     /// Reference as text, its lines separated by line feeds; empty if unknown.
     pub source: String,
+    /// First author and year of the reference, such as `Johnson 1972`; empty if unknown.
+    pub cite: String,
     /// DOI of the reference; `None` if unknown.
     pub doi: Option<String>,
     /// `n` and `k` against the wavelength.

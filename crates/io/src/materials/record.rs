@@ -13,7 +13,7 @@ use crate::text_lines::short;
 /// Most contributions of a record.
 const MAX_CONTRIBUTIONS: usize = 100;
 
-/// Content of a record. The keys `NAME`, `ALIASES`, `RECORD` and `DOI` are those of the embedded files.
+/// Content of a record. The keys `NAME`, `ALIASES`, `RECORD`, `DOI` and `CITE` are those of the embedded files.
 #[derive(Deserialize)]
 #[serde(rename_all = "UPPERCASE")]
 struct Content {
@@ -24,6 +24,8 @@ struct Content {
     #[serde(default)]
     record: String,
     doi: Option<String>,
+    #[serde(default)]
+    cite: String,
     #[serde(default)]
     references: String,
     data: Vec<Contribution>,
@@ -65,6 +67,7 @@ pub(super) fn parse(text: &str) -> Result<MaterialRecord, ReadProblem> {
         aliases: content.aliases,
         record: content.record,
         doi: content.doi.or_else(|| doi_in(&content.references)),
+        cite: content.cite,
         source,
         constants,
     })
@@ -92,14 +95,16 @@ impl Contribution {
                 let [w, values] = self.columns()?;
                 *k = Some(curve(w, values)?);
             }
-            _ => {
-                return Err(ReadProblem::malformed(format_args!(
-                    "the type \"{}\" of data is unknown; \"formula 1\" to \"formula 9\", \"tabulated nk\", \"tabulated n\" and \"tabulated k\" are allowed",
-                    short(&self.kind)
-                )));
-            }
+            _ => return Err(self.unknown_type()),
         }
         Ok(())
+    }
+
+    fn unknown_type(&self) -> ReadProblem {
+        ReadProblem::malformed(format_args!(
+            "the type \"{}\" of data is unknown; \"formula 1\" to \"formula 9\", \"tabulated nk\", \"tabulated n\" and \"tabulated k\" are allowed",
+            short(&self.kind)
+        ))
     }
 
     fn formula(&self, number: &str) -> Result<DispersionCurve, ReadProblem> {
@@ -112,14 +117,7 @@ impl Contribution {
         };
         let coefficients = self.coefficients.as_deref();
         let coefficients = numbers(coefficients.ok_or_else(|| missing("coefficients"))?)?;
-        let number = number.parse().unwrap_or(u64::MAX);
-        if number == u64::MAX {
-            let what = format!(
-                "formula {} is unknown; formulas 1 to 9 are allowed",
-                short(&self.kind)
-            );
-            return Err(ReadProblem::malformed(what));
-        }
+        let number = number.parse().map_err(|_| self.unknown_type())?;
         DispersionCurve::formula(number, coefficients, [first, last])
             .map_err(ReadProblem::malformed)
     }

@@ -49,25 +49,10 @@ fn names_are_found_without_case_and_punctuation() {
 }
 
 #[test]
-fn unknown_names_are_refused_with_similar_ones() {
-    let said = |word: &str| material(word).unwrap_err().to_string();
-    assert!(
-        said("golld").contains("did you mean gold"),
-        "{}",
-        said("golld")
-    );
-    assert!(
-        said("alumnium").contains("aluminium"),
-        "{}",
-        said("alumnium")
-    );
-    assert!(said("glass").contains("glass"), "{}", said("glass"));
-    for word in ["", "x", "\u{1b}[31m", "unobtainium", &"x".repeat(10_000)] {
-        let said = said(word);
-        assert!(
-            said.starts_with("unknown material") && !said.contains("did you mean"),
-            "{said}"
-        );
+fn unknown_names_are_refused_on_one_line() {
+    for word in ["goldd", "", "\u{1b}[31m", &"x".repeat(10_000)] {
+        let said = material(word).unwrap_err().to_string();
+        assert!(said.starts_with("unknown material"), "{said}");
         assert!(
             !said.contains(['\u{1b}', '\n']) && said.len() < 500,
             "{said}"
@@ -109,7 +94,7 @@ fn read(text: &str, ending: &str) -> Result<MaterialRecord, String> {
 }
 
 #[test]
-fn files_of_users_are_read() {
+fn records_of_users_are_read() {
     let record = read(RECORD, "yml").unwrap();
     assert_eq!(record.name, "mine");
     assert_eq!(record.doi.as_deref(), Some("10.1/x"));
@@ -117,41 +102,37 @@ fn files_of_users_are_read() {
     let index = record.constants.at(0.4).unwrap();
     assert_eq!(index.n, 1.5);
     assert!((index.k.unwrap() - 0.15).abs() < 1e-15);
+}
+
+#[test]
+fn tables_are_read_with_any_unit_in_the_header() {
     for header in [
         "Wavelength [nm]",
         "wavelength_nm",
         "wl[nm]",
         "lambda (nm)",
         "wavelength nm",
-        "Wavelength, nm",
     ] {
         let text = TABLE.replace("Wavelength [nm]", header);
-        if header.contains(',') {
-            assert!(read(&text, "csv").is_err());
-            continue;
-        }
         let table = read(&text, "csv").unwrap();
-        assert_eq!(table.constants.range(), [0.4, 0.5], "{header}");
+        assert_eq!(table.constants.n().range(), [0.4, 0.5], "{header}");
         assert_eq!(table.constants.at(0.5).unwrap().k, Some(0.2));
     }
-    for (header, factor) in [
-        ("wl_um", 1.0),
-        ("wavelength (\u{b5}m)", 1.0),
-        ("wavelength_A", 0.0),
-    ] {
-        let read = read(&format!("n,{header}\n1.5,0.4\n"), "csv");
-        match factor > 0.0 {
-            true => assert_eq!(read.unwrap().constants.range(), [0.4, 0.4]),
-            false => assert!(read.unwrap_err().contains("no unit")),
-        }
+    for header in ["wl_um", "wavelength (\u{b5}m)"] {
+        let table = read(&format!("n,{header}\n1.5,0.4\n"), "csv").unwrap();
+        assert_eq!(table.constants.n().range(), [0.4, 0.4], "{header}");
     }
+}
+
+#[test]
+fn empty_extinction_coefficients_are_unknown() {
     let clear = read("wavelength_um,n\n0.4,1.5\n", "CSV").unwrap();
     assert!(clear.constants.k().is_none());
     // Unknown before the first and after the last value, and missing between them
     let rows = "wavelength_um,n,k\n0.4,1.5,\n0.5,1.5,0.1\n0.6,1.5,0.2\n0.7,1.5,\n";
     let partly = read(rows, "csv").unwrap();
-    assert_eq!(partly.constants.range(), [0.4, 0.7]);
-    assert_eq!(partly.constants.extinction_range(), Some([0.5, 0.6]));
+    assert_eq!(partly.constants.n().range(), [0.4, 0.7]);
+    assert_eq!(partly.constants.k().unwrap().range(), [0.5, 0.6]);
     let gap = read(
         &rows
             .replace("0.7,1.5,", "0.7,1.5,0.2")
@@ -167,7 +148,7 @@ fn files_of_users_are_read() {
 fn invalid_files_are_refused_in_one_sentence() {
     for (old, new, words) in [
         ("formula 5", "formula 12", "formulas 1 to 9"),
-        ("formula 5", "formula x", "formulas 1 to 9"),
+        ("formula 5", "formula x", "\"formula 1\" to \"formula 9\""),
         ("tabulated k", "tabulated n2", "is unknown"),
         ("0.3 2.5", "0.3", "two numbers"),
         ("0.3 2.5", "2.5 0.3", "range"),
@@ -195,6 +176,8 @@ fn invalid_files_are_refused_in_one_sentence() {
     for (old, new, words) in [
         ("Wavelength [nm]", "wavelength", "no unit"),
         ("Wavelength [nm]", "wavelength [px]", "no unit"),
+        ("Wavelength [nm]", "wavelength_A", "no unit"),
+        ("Wavelength [nm]", "Wavelength, nm", "4 columns are named"),
         ("Wavelength [nm]", "x", "no column of wavelengths"),
         (",n,", ",m,", "no column n"),
         ("500", "400", "occurs twice"),
