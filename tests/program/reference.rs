@@ -3,10 +3,11 @@
 //! The large reference files are no part of the project: where `../shared` is missing, the tests that
 //! need it say so and pass. The essentials, the ensemble means of random surfaces, stand here.
 
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use asperity_io::read_height_map;
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Film, Films, Incidence, Material};
 use asperity_simulate::{
     Case, Effort, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
 };
@@ -242,6 +243,52 @@ const ENSEMBLE: [EnsembleRow; 4] = [
         ],
     ),
 ];
+
+/// A film of MgF2, n = 1.38, on glass, n = 1.5, on every facet; sequences of transfer matrices in the reference.
+#[test]
+fn films_on_facets_agree_with_an_independent_tracer() {
+    let (Some(path), Some(reference)) = (shared("gauss_n512_tau16_s2.npy"), json("films.json"))
+    else {
+        return;
+    };
+    let map = read_height_map(path).unwrap();
+    let field = map.into_height_field(MissingPolicy::Refuse, Border::Periodic);
+    let surface = SurfaceSource::height_field(field.unwrap());
+    let film = Film {
+        eta: 1.38,
+        kappa: 0.0,
+        phase: 2.0 * PI * 100.0 / 550.0,
+    };
+    let coated = Material::coated(Films::new(&[film]).unwrap(), 1.5, 0.0).unwrap();
+    let light = Light::from_above(Incidence::from_degrees(30.0, 0.0).unwrap());
+    let case = Case::new(surface, coated, light);
+    let rough = &reference["rough"][0];
+    let mut family = Family::default();
+    for (polarisation, name) in [
+        (Polarisation::Averaged, "averaged"),
+        (Polarisation::Tracked, "tracked"),
+    ] {
+        let settings = Settings {
+            estimator: Estimator::Plain,
+            seed: 5,
+            paths: PathSettings::default()
+                .with_polarisation(polarisation)
+                .into(),
+            effort: Effort::rays(400_000),
+            ..Settings::default()
+        };
+        let outcome = &simulate(&[case.clone()], &settings, &Silent).unwrap()[0];
+        for (side, letter) in [(Side::Reflected, "R"), (Side::Transmitted, "T")] {
+            let what = format!("{letter}_{name}");
+            let [mean, se] = numbers(&rough[&what])[..] else {
+                panic!("{what}");
+            };
+            let found = outcome.statistics.flux(side, Component::All);
+            family.compare(&what, found, mean, se);
+        }
+    }
+    assert_eq!(family.z.len(), 4);
+}
 
 #[test]
 fn random_surfaces_agree_with_an_independent_ensemble() {

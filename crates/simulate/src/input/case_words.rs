@@ -517,9 +517,15 @@ impl Case {
             ),
         ];
         let others = self.at.others.iter();
-        columns.extend(
-            others.map(|one| column(Other, &one.name, &one.unit, &one.about, json!(one.value))),
-        );
+        columns.extend(others.map(|one| {
+            column(
+                Other,
+                &one.column(),
+                &one.unit,
+                &one.about,
+                json!(one.value),
+            )
+        }));
         columns.push(column(
             Light,
             "theta_deg",
@@ -571,6 +577,6 @@ impl Case {
             out.insert("ggx_alpha".to_owned(), json!(alpha));
         }
         let others = self.at.others.iter();
-        out.extend(others.map(|one| (one.name.clone(), json!(one.value))));
+        out.extend(others.map(|one| (one.column(), json!(one.value))));
     }
 }

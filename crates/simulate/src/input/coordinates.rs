@@ -37,7 +37,7 @@ impl Coordinates {
 /// The value of a further quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coordinate {
-    /// Name: of the column, the JSON member and the part of a folder's name, as in `wavelength`.
+    /// Name, as in `wavelength`: that of the part of a folder's name, and with the unit of the column and the JSON member.
     pub name: String,
     /// Symbol in text and figures, as in `lambda`.
     pub symbol: String,
@@ -62,6 +62,14 @@ impl Coordinate {
             value: nanometres,
             unit: "nm".to_owned(),
             about: "wavelength in vacuum".to_owned(),
+        }
+    }
+
+    /// Name of the column and the JSON member, with the unit, as in `wavelength_nm`.
+    pub(crate) fn column(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.name.clone(),
+            unit => format!("{}_{unit}", self.name),
         }
     }
 

@@ -3,8 +3,8 @@
 //! Indices are relative to the medium above, which is clear, and of index one unless it is named. The medium below is
 //! - opaque where light does not get farther than [`OPAQUE_DEPTH`] wavelengths: a conductor, whose index is complex;
 //! - clear where light gets farther than [`CLEAR_NM`] at all other wavelengths of a run: a dielectric;
-//! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real. That changes its
-//!   reflectance by less than `(k / n)^2`, 1e-4 at the most, for light from a medium of lower index.
+//! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real, which changes its
+//!   reflectance by about `(k / n)^2`, but by more near the critical angle of light from a medium of higher index.
 
 mod film_layer;
 mod named_material;
@@ -261,6 +261,9 @@ mod tests {
         let absorption = layer.medium().extinction() * (1.0 - layer.medium().albedo());
         assert!((0.06..0.11).contains(&absorption), "{absorption}");
         assert!(case("kind = \"water\"", 550.0).layer.is_none());
+        // 50 um at 2 um: the body is one at all wavelengths, or at none
+        let both = cases(SURFACE, "kind = \"water\"", "[550, 2000]").unwrap();
+        assert!(both.iter().all(|case| case.layer.is_some()));
         let slab = case("kind = \"water\"\n[medium]\nthickness = \"2mm\"", 700.0);
         assert!(slab.layer.unwrap().layer.medium().extinction() > 0.0);
     }
@@ -316,7 +319,7 @@ mod tests {
                 SURFACE,
                 "kind = \"mirror\"\nfilm = \"SiO2:100nm\"",
                 "550",
-                "a named material",
+                "NAME or INDEX",
             ),
             (SURFACE, "kind = \"mirror\"", "[550, 600]", "a named one"),
             ("", "kind = \"silicon\"", "800", "have no unit"),

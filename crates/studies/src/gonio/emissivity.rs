@@ -46,25 +46,42 @@ impl SettingEmissivity {
         settings.collect()
     }
 
-    /// Hemispherical emissivity; `None` if no angle is near the horizon. Standard errors add, since directions share their surfaces.
+    /// Hemispherical emissivity; `None` if no angle is near the horizon. Standard errors add, since directions share their surfaces; that of the
+    /// angles is the difference between two rules of the same order.
     fn hemispherical(&self) -> Option<Estimate> {
         let angles: Vec<f64> = self.by_theta.iter().map(|(theta, _)| *theta).collect();
-        let weights = hemisphere_weights(&angles);
-        let all = self.by_theta.iter().map(|(_, one)| *one);
         let reaches = *angles.last()? >= MIN_LAST_DEG;
-        reaches.then(|| weighted_sum(weights.into_iter().zip(all)))
+        let by = |middle: fn(f64, f64) -> f64| {
+            let all = self.by_theta.iter().map(|(_, one)| *one);
+            weighted_sum(hemisphere_weights(&angles, middle).into_iter().zip(all))
+        };
+        let (nearest, other) = (by(between_angles), by(between_parts));
+        reaches.then(|| Estimate {
+            mean: nearest.mean,
+            se: nearest.se.map(|se| se.hypot(nearest.mean - other.mean)),
+        })
     }
 }
 
-/// Weights of ascending polar angles, degrees, in a mean over `sin^2 theta`: each has the part of the hemisphere that is nearest to it.
-fn hemisphere_weights(angles: &[f64]) -> Vec<f64> {
-    let edge = |i: usize| match i {
-        0 => 0.0,
-        i if i == angles.len() => 90.0,
-        i => 0.5 * (angles[i - 1] + angles[i]),
-    };
-    let part = |i: usize| edge(i).to_radians().sin().powi(2);
-    (0..angles.len()).map(|i| part(i + 1) - part(i)).collect()
+fn square_of_sine(theta_deg: f64) -> f64 {
+    theta_deg.to_radians().sin().powi(2)
+}
+
+/// Part of the hemisphere, by `sin^2 theta`, within the angle in the middle between two, degrees.
+fn between_angles(first: f64, second: f64) -> f64 {
+    square_of_sine(0.5 * (first + second))
+}
+
+/// The middle between the parts of the hemisphere within two angles, degrees.
+fn between_parts(first: f64, second: f64) -> f64 {
+    0.5 * (square_of_sine(first) + square_of_sine(second))
+}
+
+/// Weights of ascending polar angles, degrees, in a mean over `sin^2 theta`, with edges in the `middle` between neighbours.
+fn hemisphere_weights(angles: &[f64], middle: fn(f64, f64) -> f64) -> Vec<f64> {
+    let middles = angles.windows(2).map(|pair| middle(pair[0], pair[1]));
+    let edges: Vec<f64> = [0.0].into_iter().chain(middles).chain([1.0]).collect();
+    edges.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
 /// The emissivity by polar angle; `None` where a direction is missing or the body is not opaque.
@@ -114,7 +131,7 @@ pub(super) fn emissivity_table<'a>(settings: &[SettingEmissivity]) -> Option<Csv
             |row: &Row| row.setting,
         ))
         .column(
-            Column::new("wavelength", "wavelength in vacuum", |row: &Row| {
+            Column::new("wavelength_nm", "wavelength in vacuum", |row: &Row| {
                 row.wavelength
             })
             .unit("nm"),
@@ -203,7 +220,7 @@ mod tests {
     fn the_hemisphere_is_weighted_by_projected_solid_angle() {
         let error = |step: usize| {
             let angles: Vec<f64> = (step / 2..90).step_by(step).map(|i| i as f64).collect();
-            let weights = hemisphere_weights(&angles);
+            let weights = hemisphere_weights(&angles, between_angles);
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             let cosines = angles.iter().map(|theta| theta.to_radians().cos());
             let mean: f64 = weights.iter().zip(cosines).map(|(w, cos)| w * cos).sum();

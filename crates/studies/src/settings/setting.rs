@@ -352,12 +352,9 @@ impl Setting {
             _ => word,
         });
         let unknown = unknown.into_iter().find(|word| !choices.contains(word));
-        let hint = match (command, self.key) {
-            // Its flag was that of a radiance once.
-            (Command::Render, "below") if self.kind == Kind::Material => {
-                "; the radiance from below is --radiance-below".to_owned()
-            }
-            _ => unknown.map_or_else(String::new, |word| did_you_mean(word, &choices)),
+        let hint = match self.was_radiance(command) {
+            true => "; the radiance from below is --radiance-below".to_owned(),
+            false => unknown.map_or_else(String::new, |word| did_you_mean(word, &choices)),
         };
         let lists = match self.arity {
             Arity::ListIn(commands) if words().count() > 1 && !self.is_list(command) => {
@@ -372,6 +369,11 @@ impl Setting {
             given,
             expected: self.expected(command) + &lists + &hint,
         }
+    }
+
+    /// Returns `true` if its flag was that of a radiance once, which a number may still be meant for.
+    pub(super) fn was_radiance(&self, command: Command) -> bool {
+        command == Command::Render && self.section == "material" && self.key == "below"
     }
 
     /// Values allowed, with the unit.

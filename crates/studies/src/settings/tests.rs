@@ -537,7 +537,7 @@ fn unknown_names_are_refused_with_what_is_known() {
         (
             Command::Verify,
             "[light]\ntheta = 30deg",
-            "line 2: `theta = 30deg` is not valid TOML: text and numbers with a unit stand in quotes; theta must be a number from 0 to below 90 (degrees), one or several, such as 30 or 42.5",
+            "line 2: `theta = 30deg` is not valid TOML: text and numbers with a unit stand in quotes; theta must be a number from 0 to below 90 (degrees), one or several, or FIRST:LAST:STEP, such as 30 or 42.5",
         ),
         (
             Command::Verify,

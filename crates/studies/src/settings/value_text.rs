@@ -20,6 +20,9 @@ pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -
     let [text] = texts else {
         return None;
     };
+    if setting.was_radiance(command) && parse_number(text).is_ok() {
+        return None;
+    }
     if setting.kind == Kind::Models && text == "none" {
         return Some(Value::Array(Vec::new()));
     }

@@ -11,6 +11,7 @@ use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
+use crate::surface_lengths::SurfaceLengths;
 use crate::validity::{Validity, wavelength_warnings};
 
 /// Correlation lengths of the section over which single rays are followed.
@@ -39,6 +40,16 @@ pub struct PlannedTrace {
     pub(super) described: Value,
 }
 
+/// The surfaces, and what all cases need to know of them, which is measured once.
+struct Given<'a> {
+    tops: &'a GivenSurfaces,
+    bottom: Option<&'a GivenSurface>,
+    surface: SurfaceSource,
+    slopes: Option<CoreSlopes>,
+    lengths: SurfaceLengths,
+    of_bottom: Option<SurfaceLengths>,
+}
+
 impl PlannedTrace {
     /// Plans every combination of the lists of a configuration, and checks everything that can be before a ray is traced.
     ///
@@ -57,36 +68,37 @@ impl PlannedTrace {
         }
         let cells = config.surface.cells.of_given();
         let surface = SurfaceSource::Given(tops.clone().simulated(bottom.clone(), cells)?);
-        let slopes = CoreSlopes::of_source(&surface);
-        let singles = config.singles()?.into_iter();
-        let planned = |single: TraceConfig| {
-            let case = single.case(surface.clone(), slopes, tops.first.unit)?;
-            let lobes = Lobe::of_slopes(&case, slopes);
-            Self::new(single, tops, bottom.as_ref(), case, lobes)
+        let given = Given {
+            slopes: CoreSlopes::of_source(&surface),
+            lengths: tops.lengths(),
+            of_bottom: bottom.as_ref().map(GivenSurface::lengths),
+            surface,
+            tops,
+            bottom: bottom.as_ref(),
         };
+        let singles = config.singles()?.into_iter();
+        let planned = |single: TraceConfig| Self::new(single, &given);
         singles.map(planned).collect()
     }
 
     /// Plans a case of a configuration without lists.
-    fn new(
-        config: TraceConfig,
-        tops: &GivenSurfaces,
-        bottom: Option<&GivenSurface>,
-        case: Case,
-        lobes: [Option<Lobe>; 2],
-    ) -> Result<Self, StudyError> {
+    fn new(config: TraceConfig, given: &Given<'_>) -> Result<Self, StudyError> {
+        let &Given {
+            tops,
+            bottom,
+            slopes,
+            ..
+        } = given;
+        let case = config.case(given.surface.clone(), slopes, tops.first.unit)?;
         let settings = config.ray_settings()?;
         let mut warnings = tops.warnings();
         let description = Surfaces::of(tops, bottom, &config);
-        let of_bottom = bottom.map(GivenSurface::lengths);
         let wavelength = config.light.wavelength_nm();
         let is_named = config.material.media().is_some();
         warnings.extend(wavelength_warnings(wavelength, is_named, tops.first.unit));
-        let lengths = tops.lengths();
-        let tau = lengths.tau;
         let validity = Validity::new(
-            &lengths,
-            of_bottom.as_ref(),
+            &given.lengths,
+            given.of_bottom.as_ref(),
             &case,
             &settings.tally,
             wavelength,
@@ -101,12 +113,12 @@ impl PlannedTrace {
             y_is_north: tops.first.y_is_north,
             first: tops.first.name.clone(),
             validity,
-            lobes,
+            lobes: Lobe::of_slopes(&case, slopes),
             case,
             settings,
             comparison,
             warnings,
-            tau,
+            tau: given.lengths.tau,
         })
     }
 
