@@ -48,7 +48,7 @@ impl MaterialsConfig {
         shown.dedup();
         Ok(Some(MaterialSheet {
             rows: constants_at(&record, &shown)?,
-            points: constants_of_data(&record)?,
+            points: constants_of_data(&record),
             is_given: given.is_some(),
             record,
         }))

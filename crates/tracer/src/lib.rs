@@ -58,7 +58,9 @@ pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
 pub use interaction::layer::{
     BottomSurface, DEFAULT_MAX_SCATTERINGS, LayerBelow, TracedLayer, TracedLayerError,
 };
-pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
+pub use interaction::unshadowed::{
+    sum_over_facets, sum_over_facets_of_conductors, unshadowed_fluxes,
+};
 pub use path::{AbsorbedCells, Illumination, MAX_CONDUCTORS, Starts, Tracer, Window, Work};
 pub use periodic::{
     Heading, MAX_TILES, MAX_TILES_AT_45_DEGREES, TraversalEnd, TraversalResult, can_traverse,

@@ -344,8 +344,12 @@ pub(crate) fn write<W: Write>(field: &HeightField, out: &mut W) -> Result<(), Wr
     }
     let (nx, ny) = (field.nx(), field.ny());
     let mut channels = vec![("height", samples)];
-    if let Some(cells) = field.turned_cells() {
-        let is_turned = |k| f32::from(u8::from(cells.contains(k % nx, k / nx)));
+    // Structures without turned cells say so
+    let cells = field.turned_cells();
+    let is_structure = |one: &Provenance| one.recipe.structured().is_some();
+    if cells.is_some() || Provenance::of(field.provenance()).is_some_and(is_structure) {
+        let contains = |k| cells.is_some_and(|cells| cells.contains(k % nx, k / nx));
+        let is_turned = |k| f32::from(u8::from(contains(k)));
         channels.push((cells::CHANNEL, (0..nx * ny).map(is_turned).collect()));
     }
     let file = encode_exr([nx, ny], attributes, channels);

@@ -122,26 +122,28 @@ impl Contribution {
             .map_err(ReadProblem::malformed)
     }
 
-    /// The columns of a table, one row per line.
+    /// The columns of a table, one row per line, sorted by wavelength. Of several rows of one wavelength the first counts.
     fn columns<const N: usize>(&self) -> Result<[Vec<f64>; N], ReadProblem> {
         let missing = || ReadProblem::malformed("a table has no data");
         let text = self.data.as_deref().ok_or_else(missing)?;
-        let mut columns = [const { Vec::new() }; N];
+        let mut rows = Vec::new();
         for line in text.lines().filter(|line| !line.trim().is_empty()) {
             let row = numbers(line)?;
-            if row.len() != N {
-                return Err(ReadProblem::malformed(format_args!(
+            let row = <[f64; N]>::try_from(row).map_err(|row| {
+                ReadProblem::malformed(format_args!(
                     "the row \"{}\" of {} has {} numbers; {N} are allowed",
                     short(line),
                     short(&self.kind),
                     row.len()
-                )));
-            }
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.push(value);
-            }
+                ))
+            })?;
+            rows.push(row);
         }
-        Ok(columns)
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        rows.dedup_by(|later, first| later[0] == first[0]);
+        Ok(std::array::from_fn(|i| {
+            rows.iter().map(|row| row[i]).collect()
+        }))
     }
 }
 

@@ -199,12 +199,14 @@ impl ValidityMap {
         let width = columns * cell_width.clamp(CELL_WIDTH.0, CELL_WIDTH.1);
         let rows = self.roughness.len() as f64;
         let cell_height = (PANEL_HEIGHT / rows).clamp(CELL_HEIGHT, 2.0 * CELL_HEIGHT);
+        // The name of a row stands beside it, upwards
+        let names = widest(&self.materials, theme::LABEL_SIZE)?;
         Ok(Layout {
             left,
             axis_label_x: left - texts - 16.0,
             right: left + panels * (width + PANEL_GAP) - PANEL_GAP,
             width,
-            height: rows * cell_height,
+            height: (rows * cell_height).max(names),
         })
     }
 

@@ -2,3 +2,5 @@
 
 mod facets;
 pub(crate) mod slopes;
+
+pub(crate) use facets::FacetSums;

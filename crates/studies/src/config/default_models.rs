@@ -20,7 +20,7 @@ pub(crate) struct Described<'a> {
 impl Described<'_> {
     /// The models in place of those of isotropic surfaces of mirrors or refracting facets; `None` where these hold.
     ///
-    /// No model is of rough surfaces of a body that absorbs inside.
+    /// No model describes rough surfaces over an absorbing body.
     /// Over a medium, the layer between flat faces, or none where that ends on a Lambertian bottom. Isotropic Lambertian facets get Oren and
     /// Nayar; anisotropic ones have no default. Anisotropic surfaces of other materials get Smith and Heitz, since the model of Xu and Sun is
     /// isotropic. No model is of polarised light. Surfaces of GGX slopes get GGX with Smith's masking, once and for all orders, and Smith's model of the slopes that they have.

@@ -202,7 +202,7 @@ pub(super) fn emissivity_figure(
         },
         y: CurveAxis {
             label: "emissivity".to_owned(),
-            range: Some([0.0, 1.0]),
+            range: None,
         },
         log_from: None,
         curves: curves.collect(),

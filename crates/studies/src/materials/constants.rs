@@ -31,10 +31,12 @@ pub(super) fn constants_at(
     rows.collect()
 }
 
-/// Constants at all points of the data, to the digit.
-pub(super) fn constants_of_data(record: &MaterialRecord) -> Result<Vec<Row>, MaterialsError> {
+/// Constants at all points of the data, to the digit, but for those at which a formula has no value.
+pub(super) fn constants_of_data(record: &MaterialRecord) -> Vec<Row> {
     let points = tabulated(&record.constants).into_iter();
-    points.map(|um| row(record, nanometres(um), um)).collect()
+    points
+        .filter_map(|um| row(record, nanometres(um), um).ok())
+        .collect()
 }
 
 fn row(

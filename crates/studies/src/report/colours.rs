@@ -35,7 +35,7 @@ impl SideColour {
                     weighted_sum(weights.zip(fluxes.iter().copied()))
                 });
                 colours.push(Self {
-                    label: spectrum.label().to_owned(),
+                    label: spectrum.label(),
                     side,
                     observer,
                     colour: Colour::from_xyz(xyz.each_ref().map(|one| one.mean), observer),

@@ -111,8 +111,8 @@ impl Wavelengths {
 
 /// Results that differ in the wavelength alone, in its order.
 pub(crate) struct Spectrum<'a> {
-    /// Common label.
-    label: String,
+    /// Words for what its results have in common, quantity by quantity.
+    parts: Vec<String>,
     results: Vec<(f64, &'a Outcome)>,
 }
 
@@ -132,7 +132,7 @@ pub(crate) fn spectra<'a>(
     let spectra = several.map(|mut results| {
         results.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         Spectrum {
-            label: label(&results),
+            parts: common_parts(&results),
             results,
         }
     });
@@ -140,7 +140,7 @@ pub(crate) fn spectra<'a>(
 }
 
 /// The parts of the cases in words that all results have in common, and the direction of the light.
-fn label(results: &[(f64, &Outcome)]) -> String {
+fn common_parts(results: &[(f64, &Outcome)]) -> Vec<String> {
     let parts = |outcome: &Outcome| outcome.case.setting_parts();
     let mut common = parts(results[0].1);
     for (_, outcome) in results {
@@ -150,14 +150,24 @@ fn label(results: &[(f64, &Outcome)]) -> String {
     let common = common.iter().map(CasePart::text);
     let incidence = results[0].1.case.light.incidence;
     let [theta, phi] = [incidence.theta_deg(), incidence.phi_deg()].map(short);
-    let light = format!("theta = {theta} deg, phi = {phi} deg");
-    common.chain([light]).collect::<Vec<_>>().join(", ")
+    let light = [format!("theta = {theta} deg"), format!("phi = {phi} deg")];
+    common.chain(light).collect()
 }
 
 impl Spectrum<'_> {
     /// Words for what its results have in common.
-    pub(crate) fn label(&self) -> &str {
-        &self.label
+    pub(crate) fn label(&self) -> String {
+        self.parts.join(", ")
+    }
+
+    /// The parts of its label that `others` have too, or those that they have not.
+    pub(crate) fn label_beside(&self, others: &[Spectrum<'_>], is_shared: bool) -> String {
+        let parts = self.parts.iter();
+        let parts = parts.filter(|part| {
+            let mut others = others.iter();
+            others.all(|other| other.parts.contains(part)) == is_shared
+        });
+        parts.map(String::as_str).collect::<Vec<_>>().join(", ")
     }
 
     /// Returns `true` if most of its results are of visible light.

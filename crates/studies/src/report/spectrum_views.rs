@@ -119,16 +119,24 @@ fn with_quantities<'t, 'a: 't>(mut table: Table<'t, &'a Outcome>) -> Table<'t, &
 /// Points of a curve up to which each has a marker.
 const MAX_MARKERS: usize = 60;
 
-/// The figure of spectra.
+/// Spectra up to which each has a colour of its own; more of them take theirs from a ramp.
+const MAX_COLOURS: usize = 7;
+
+/// The figure of spectra. Of several the absorptance is left out.
 ///
 /// # Errors
 /// [`PlotError`] if it cannot be drawn.
 fn spectrum_figure(spectra: &[Spectrum<'_>]) -> Result<Option<Figure>, PlotError> {
     let is_alone = spectra.len() == 1;
+    let place = |number: usize| number as f64 / (spectra.len() - 1).max(1) as f64;
+    let quantities = match is_alone {
+        true => &Quantity::ALL[..],
+        false => &[Quantity::Reflectance, Quantity::Transmittance],
+    };
     let mut curves = Vec::new();
     for (number, spectrum) in spectra.iter().enumerate() {
-        for (which, quantity) in Quantity::ALL.into_iter().enumerate() {
-            let points = spectrum.values(quantity).map(|(wavelength, value)| Point {
+        for (which, quantity) in quantities.iter().enumerate() {
+            let points = spectrum.values(*quantity).map(|(wavelength, value)| Point {
                 se: value.se,
                 ..Point::exact(wavelength, value.mean)
             });
@@ -139,9 +147,19 @@ fn spectrum_figure(spectra: &[Spectrum<'_>]) -> Result<Option<Figure>, PlotError
             curves.push(Curve {
                 name: match is_alone {
                     true => quantity.name().to_owned(),
-                    false => format!("{}, {}", quantity.name(), spectrum.label()),
+                    false => {
+                        format!(
+                            "{}, {}",
+                            quantity.name(),
+                            spectrum.label_beside(spectra, false)
+                        )
+                    }
                 },
-                colour: Colour::Nth(if is_alone { which } else { number }),
+                colour: match (is_alone, spectra.len() > MAX_COLOURS) {
+                    (true, _) => Colour::Nth(which),
+                    (false, false) => Colour::Nth(number),
+                    (false, true) => Colour::Ramp(place(number)),
+                },
                 style: match points.len() > MAX_MARKERS {
                     true => Style::Band(which),
                     false => Style::Joined(which),
@@ -153,22 +171,21 @@ fn spectrum_figure(spectra: &[Spectrum<'_>]) -> Result<Option<Figure>, PlotError
     if curves.is_empty() {
         return Ok(None);
     }
-    let colours = spectra.iter().flat_map(SideColour::of);
-    curves.extend(colours.filter(SideColour::has_srgb).map(|one| Curve {
-        name: match is_alone {
-            true => format!("{} under D65, {}", one.side, one.hex()),
-            false => format!("{} under D65, {}: {}", one.side, one.hex(), one.label),
-        },
-        colour: Colour::Rgb(one.rgb()),
-        style: Style::Swatch,
-        points: Vec::new(),
-    }));
+    for spectrum in spectra {
+        let colours = SideColour::of(spectrum).into_iter();
+        curves.extend(colours.filter(SideColour::has_srgb).map(|one| Curve {
+            name: match is_alone {
+                true => format!("{} under D65, 2 degrees, {}", one.side, one.hex()),
+                false => format!("{}, {}", one.hex(), spectrum.label_beside(spectra, false)),
+            },
+            colour: Colour::Rgb(one.rgb()),
+            style: Style::Swatch,
+            points: Vec::new(),
+        }));
+    }
     let figure = Curves {
         title: "Directional-hemispherical spectrum".to_owned(),
-        subtitle: match spectra {
-            [one] => one.label().to_owned(),
-            _ => String::new(),
-        },
+        subtitle: spectra[0].label_beside(spectra, true),
         x: CurveAxis {
             label: "wavelength in vacuum (nm)".to_owned(),
             range: None,

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Material, polarised_conductor, reflect};
 use asperity_surface::Border;
 use asperity_tally::{
-    Azimuth, Component, Event, EventPath, Exit, Side, Tally, TallyResult, TallySpec, TallyValues,
-    UnshadowedFluxes,
+    Azimuth, Component, Event, EventPath, Exit, ExitColumns, JointExit, JointTallies, Side,
+    Tallies, Tally, TallyResult, TallySpec, TallyValues, UnshadowedFluxes,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -36,8 +36,7 @@ pub fn sum_over_facets<G: Triangles>(
     let empty = || Tally::new(spec, Azimuth::From(incidence.phi() + PI));
     let parts = 0..facets.len().div_ceil(FACETS_OF_PART);
     let tallies = parts.into_par_iter().map(|part| {
-        let first = facets.start + part * FACETS_OF_PART;
-        let part = first..facets.end.min(first + FACETS_OF_PART);
+        let part = part_of(&facets, part);
         let mut tally = empty();
         add_facets(geometry, material, incidence, incident, part, &mut tally);
         tally
@@ -49,14 +48,57 @@ pub fn sum_over_facets<G: Triangles>(
     sum.unwrap_or_else(empty).into_fractions(1)
 }
 
-/// Adds what some facets do.
-fn add_facets<G: Triangles>(
+/// The facets of a part by its number.
+fn part_of(facets: &Range<usize>, part: usize) -> Range<usize> {
+    let first = facets.start + part * FACETS_OF_PART;
+    first..facets.end.min(first + FACETS_OF_PART)
+}
+
+/// Unshadowed single scattering of several conductors of relative indices `[eta, kappa]`: as [`sum_over_facets`] for each, bit by bit. Facets
+/// and bins, which they have in common, are found once.
+#[must_use]
+pub fn sum_over_facets_of_conductors<G: Triangles>(
     geometry: &G,
-    material: Material,
+    indices: &[[f64; 2]],
+    incidence: Incidence,
+    incident: HalfSpace,
+    spec: TallySpec,
+    facets: Range<usize>,
+) -> Vec<TallyValues> {
+    let empty = || Tally::new(spec, Azimuth::From(incidence.phi() + PI));
+    let parts = 0..facets.len().div_ceil(FACETS_OF_PART);
+    let tallies = parts.into_par_iter().map(|part| {
+        let part = part_of(&facets, part);
+        add_facets_of_conductors(geometry, indices, incidence, incident, part, empty())
+    });
+    let sum = tallies.reduce_with(|mut sums, parts| {
+        for (sum, part) in sums.iter_mut().zip(&parts) {
+            *sum += part;
+        }
+        sums
+    });
+    let none = || indices.iter().map(|_| Tallies::new(empty(), 1)).collect();
+    let each = sum.unwrap_or_else(none).into_iter();
+    each.flat_map(|sums| sums.into_fractions(1)).collect()
+}
+
+/// A facet that faces the light.
+struct LitFacet {
+    light: Incident<0>,
+    /// Flux that arrives, as a fraction of that on the mean plane.
+    flux: f64,
+    /// Factors that turn directions on the facet into those of results.
+    turn: DVec3,
+}
+
+/// Calls `each` with the facets that face the light.
+#[inline(always)]
+fn for_each_lit_facet<G: Triangles>(
+    geometry: &G,
     incidence: Incidence,
     incident: HalfSpace,
     facets: Range<usize>,
-    tally: &mut Tally<'_>,
+    mut each: impl FnMut(&LitFacet),
 ) {
     let [cx, cy] = geometry.extent();
     let upright = DVec3::new(1.0, 1.0, incident.sign());
@@ -78,30 +120,103 @@ fn add_facets<G: Triangles>(
             let image = DVec3::new(x, y, 1.0);
             let wi = incidence.wi() * upright * image;
             let flux = wi.dot(normal) / (incidence.wi().z * area);
-            if flux <= 0.0 {
-                continue;
-            }
-            let light = Incident::averaged(true, wi, m);
-            let scattered = scatter::<AveragedLight, 0>(material, &light);
-            tally.add_first_absorbed(flux * scattered.absorbed);
-            for (event, out) in scattered.branches() {
-                let (side, away) = match event {
-                    Event::Reflection => (Side::Reflected, 1.0),
-                    Event::Transmission => (Side::Transmitted, -1.0),
-                };
-                let wo = out.direction * upright * image;
-                if out.passed.fraction > 0.0 && wo.z * away > 0.0 {
-                    tally.add_exit(&Exit {
-                        side,
-                        wo,
-                        flux: flux * out.passed.fraction,
-                        path: EventPath::default().then(event),
-                        scatterings: 0,
-                    });
-                }
+            if flux > 0.0 {
+                each(&LitFacet {
+                    light: Incident::averaged(true, wi, m),
+                    flux,
+                    turn: upright * image,
+                });
             }
         }
     }
+}
+
+/// Adds what some facets do.
+fn add_facets<G: Triangles>(
+    geometry: &G,
+    material: Material,
+    incidence: Incidence,
+    incident: HalfSpace,
+    facets: Range<usize>,
+    tally: &mut Tally<'_>,
+) {
+    for_each_lit_facet(geometry, incidence, incident, facets, |lit| {
+        let scattered = scatter::<AveragedLight, 0>(material, &lit.light);
+        tally.add_first_absorbed(lit.flux * scattered.absorbed);
+        for (event, out) in scattered.branches() {
+            let (side, away) = match event {
+                Event::Reflection => (Side::Reflected, 1.0),
+                Event::Transmission => (Side::Transmitted, -1.0),
+            };
+            let wo = out.direction * lit.turn;
+            if out.passed.fraction > 0.0 && wo.z * away > 0.0 {
+                tally.add_exit(&Exit {
+                    side,
+                    wo,
+                    flux: lit.flux * out.passed.fraction,
+                    path: EventPath::default().then(event),
+                    scatterings: 0,
+                });
+            }
+        }
+    });
+}
+
+/// Exits of conductors whose bins are found together.
+const EXITS: usize = 1 << 10;
+
+/// Adds what some facets of each conductor do.
+fn add_facets_of_conductors<G: Triangles>(
+    geometry: &G,
+    indices: &[[f64; 2]],
+    incidence: Incidence,
+    incident: HalfSpace,
+    facets: Range<usize>,
+    empty: Tally<'static>,
+) -> Vec<Tallies<'static>> {
+    let number = indices.len();
+    let bins = Tallies::new(empty.clone(), 1);
+    let mut sums = JointTallies::new(empty, 1, vec![None; number]);
+    let mut exits = ExitColumns::default();
+    let (mut fluxes, mut absorbed) = (Vec::new(), vec![0.0; number]);
+    let flush = |exits: &mut ExitColumns, fluxes: &mut Vec<f64>, sums: &mut JointTallies<'_>| {
+        bins.locate(exits);
+        sums.add_located(exits, |row| JointExit {
+            batch: 0,
+            fluxes: &fluxes[row as usize * number..][..number],
+            measures: &[],
+        });
+        fluxes.clear();
+    };
+    for_each_lit_facet(geometry, incidence, incident, facets, |lit| {
+        let light = &lit.light;
+        let cos_theta_i = light.cos_theta_i();
+        let wo = reflect(-light.k, light.m) * lit.turn;
+        let row = fluxes.len() / number;
+        for ([eta, kappa], absorbed) in indices.iter().zip(&mut absorbed) {
+            let reflected = polarised_conductor(cos_theta_i, *eta, *kappa).reflected.m00;
+            fluxes.push(lit.flux * reflected);
+            *absorbed = lit.flux * (1.0 - reflected);
+        }
+        sums.add_first_absorbed(0, &absorbed);
+        if wo.z <= 0.0 {
+            fluxes.truncate(row * number);
+            return;
+        }
+        let exit = Exit {
+            side: Side::Reflected,
+            wo,
+            flux: lit.flux,
+            path: EventPath::default().then(Event::Reflection),
+            scatterings: 0,
+        };
+        exits.push(&exit, row as u32);
+        if exits.len() == EXITS {
+            flush(&mut exits, &mut fluxes, &mut sums);
+        }
+    });
+    flush(&mut exits, &mut fluxes, &mut sums);
+    sums.into_each()
 }
 
 /// The fluxes over all facets that a control variate is made of.

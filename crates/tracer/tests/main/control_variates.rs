@@ -13,7 +13,8 @@ use asperity_tally::{
 };
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
-    PathStream, Starts, Surface, Tracer, Triangles, sum_over_facets, unshadowed_fluxes,
+    PathStream, Starts, Surface, Tracer, Triangles, sum_over_facets, sum_over_facets_of_conductors,
+    unshadowed_fluxes,
 };
 
 /// One setting in which estimators are compared.
@@ -259,6 +260,26 @@ fn controlled_and_plain_means_agree() {
 
 /// The comparison above can fail: a mean that lacks the cosine of the facets, as a sum of their weights over
 /// areas of facets instead of areas beneath them would, is seen at once.
+#[test]
+fn sums_over_facets_of_conductors_are_those_of_each() {
+    let indices = [[0.2, 3.0], [1.4, 7.5], [1.0, 0.0], [3.0, 0.1]];
+    for (border, incident) in [
+        (Border::Periodic, HalfSpace::Above),
+        (Border::Mirrored, HalfSpace::Below),
+    ] {
+        let metal = Material::conductor(1.0, 1.0).unwrap();
+        let setting = Setting::new("s = 1", rough(1.0, [1.0, 1.5], border), metal, 50.0);
+        let (surface, wi) = (&setting.surface, setting.incidence());
+        let both = setting.spec();
+        let facets = || 0..surface.facet_count();
+        let found = sum_over_facets_of_conductors(surface, &indices, wi, incident, both, facets());
+        for ([eta, kappa], found) in indices.into_iter().zip(found) {
+            let one = Material::conductor(eta, kappa).unwrap();
+            assert!(found == sum_over_facets(surface, one, wi, incident, both, facets()));
+        }
+    }
+}
+
 #[test]
 fn a_mean_without_its_cosine_is_noticed() {
     let glass = Material::dielectric(1.5).unwrap();

@@ -31,13 +31,14 @@ use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::input::target::Target;
 use crate::methods::analytic::AnalyticResult;
+use crate::methods::control_variates::FacetSums;
 use crate::methods::method::Method;
 use crate::observer::Observer;
 use crate::slopes::slopes;
 use crate::store::Stage;
 
 /// Most cases of the groups that are prepared and traced together but of the last of them. Control variates take long: those of thousands of
-/// cases would fill the memory, and let the first ray wait.
+/// cases would fill the memory, and let the first ray wait. As many conductors share a trace at most.
 pub(crate) const CASES_AT_ONCE: usize = 32;
 
 /// Fewest rays per sample of a surface beside which drawing the surface once more takes no time: a ray takes as long as several samples.
@@ -224,20 +225,24 @@ impl Group {
         let clock = Instant::now();
         let meshes = Meshes::new(shape, settings.refine)?;
         let surface = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
+        let cases = || FacetSums::new(self.cases.iter().map(|run| &run.case));
+        let mut sums: Vec<FacetSums<'_>> = surface.shapes().map(|_| cases()).collect();
         let on_meshes = |run: &CaseRun| {
             if context.observer.gives_up_first() {
                 return Err(SimulateError::Interrupted);
             }
-            let method = |mesh| {
+            let method = |(mesh, sums): (_, &mut FacetSums<'_>)| {
                 check_shape(mesh, run.case.light.incidence)?;
                 // No control variate covers curved cells or triangle meshes.
                 let method = match mesh {
-                    Shape::HeightField { top, .. } => Method::of_surface(top, &run.case, settings)?,
+                    Shape::HeightField { top, .. } => {
+                        Method::of_surface(top, &run.case, settings, sums)?
+                    }
                     _ => Method::plain(settings),
                 };
                 Ok(Arc::new(method))
             };
-            let methods = surface.shapes().map(method);
+            let methods = surface.shapes().zip(&mut sums).map(method);
             Ok(run.by(methods.collect::<Result<_, SimulateError>>()?))
         };
         let groups: Vec<Vec<CaseRun>> = match settings.regions {

@@ -7,8 +7,8 @@ use asperity_tracer::MAX_CONDUCTORS;
 use crate::engine::prepare::case_run::CaseRun;
 use crate::input::case::Case;
 
-/// Sets of numbers of cases that are traced together, each in the place of its first: `can_join` says of the numbers of two cases on the
-/// same paths whether they may.
+/// Sets of numbers of cases that are traced together, each in the place of its first. `can_join` returns `true` if two cases on the same
+/// paths, by their numbers, may share a trace.
 pub(crate) fn joint_sets(
     cases: &[CaseRun],
     can_join: impl Fn(usize, usize) -> bool,

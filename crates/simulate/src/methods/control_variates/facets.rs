@@ -5,9 +5,13 @@
 //! noise of rays is the only noise.
 
 use asperity_analysis::{ModelError, SlopeCovariance, SlopeMixture, visible_fractions};
+use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{ControlVariate, Sides};
-use asperity_tracer::{Geometry, Surface, sum_over_facets, unshadowed_fluxes};
+use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
+use asperity_tracer::{
+    Geometry, MAX_CONDUCTORS, Surface, sum_over_facets, sum_over_facets_of_conductors,
+    unshadowed_fluxes,
+};
 
 use crate::error::SimulateError;
 use crate::input::case::Case;
@@ -30,6 +34,7 @@ impl Method {
         surface: &Surface,
         case: &Case,
         settings: &Settings,
+        sums: &mut FacetSums<'_>,
     ) -> Result<Self, SimulateError> {
         if case.material.is_diffuse() {
             return Self::uncontrolled(settings, SPECULAR_FACETS);
@@ -65,18 +70,56 @@ impl Method {
             }
             Err(error) => return Err(error.into()),
         };
-        let facets = 0..surface.facet_count();
-        let sum = sum_over_facets(
-            surface,
-            case.material,
-            incidence,
-            case.light.from,
-            both,
-            facets,
-        );
+        let sum = sums.of(surface, case, both);
         let control_variate = ControlVariate::new(tally, fractions, &unshadowed_fluxes(&sum));
         let mean = ControlVariateMean::FacetsOfSurface;
         Self::with_control_variate(settings, control_variate, mean, &slopes, incidence)
+    }
+}
+
+/// Sums over the facets of one surface: those of conductors in the same light are made together.
+pub(crate) struct FacetSums<'a> {
+    /// The cases on the surface.
+    cases: Vec<&'a Case>,
+    /// Sums of conductors that are not asked for yet.
+    made: Vec<(&'a Case, TallySpec, TallyValues)>,
+}
+
+impl<'a> FacetSums<'a> {
+    pub(crate) fn new(cases: impl IntoIterator<Item = &'a Case>) -> Self {
+        Self {
+            cases: cases.into_iter().collect(),
+            made: Vec::new(),
+        }
+    }
+
+    /// The sum of a case.
+    fn of(&mut self, surface: &Surface, case: &Case, spec: TallySpec) -> TallyValues {
+        let facets = 0..surface.facet_count();
+        let (incidence, from) = (case.light.incidence, case.light.from);
+        let is_made = |(one, of, _): &(&Case, TallySpec, TallyValues)| {
+            one.material == case.material && one.light == case.light && *of == spec
+        };
+        if let Some(made) = self.made.iter().position(is_made) {
+            return self.made.swap_remove(made).2;
+        }
+        let alike = self.cases.iter().filter_map(|one| {
+            let Material::Conductor { eta, kappa } = one.material else {
+                return None;
+            };
+            let is_alike = one.light == case.light && one.bins == case.bins;
+            is_alike.then_some((*one, [eta, kappa]))
+        });
+        let (cases, indices): (Vec<&Case>, Vec<[f64; 2]>) = alike.take(MAX_CONDUCTORS).unzip();
+        if !cases.iter().any(|one| one.material == case.material) {
+            return sum_over_facets(surface, case.material, incidence, from, spec, facets);
+        }
+        self.cases
+            .retain(|one| !cases.iter().any(|made| std::ptr::eq(*made, *one)));
+        let sums = sum_over_facets_of_conductors(surface, &indices, incidence, from, spec, facets);
+        let made = cases.into_iter().zip(sums);
+        self.made.extend(made.map(|(case, sum)| (case, spec, sum)));
+        self.of(surface, case, spec)
     }
 }
 
