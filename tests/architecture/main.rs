@@ -323,6 +323,7 @@ const STUDIES: [(&str, &[&str]); 22] = [
             "report",
             "settings",
             "study",
+            "surface_lengths",
             "validity",
         ],
     ),

@@ -98,7 +98,7 @@ fn maps_of_absorbed_light_are_refused_where_no_cell_absorbs() {
         trace a.exr --absorbed-map -o r => these absorb none
         trace a.exr --material mirror --absorbed-map -o r => these absorb none
         trace a.exr --material lambertian --reflectance 1 --absorbed-map -o r => these absorb none
-        trace a.exr --mean-free-path 5 --albedo 0.5 --absorbed-map -o r => not a medium below them
+        trace a.exr --mean-free-path 5 --albedo 0.5 --absorbed-map -o r => not a medium or body below them
         trace a.exr --material lambertian --reflectance 0.5 --refine --absorbed-map -o r => leave out refine
         trace a.exr b.exr --material lambertian --reflectance 0.5 --absorbed-map -o r => maps one given surface
         trace m.ply --material lambertian --reflectance 0.5 --absorbed-map -o r => --absorbed-map is for height maps

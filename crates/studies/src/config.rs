@@ -128,31 +128,6 @@ impl LightConfig {
         material.media().is_some() && resolved.any(|one| one.has_body())
     }
 
-    /// Makes named media ready for all wavelengths of a run.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if there are several wavelengths of a material that does not depend on them, an absorption index is given that is known, or
-    /// a record has no index at one of them.
-    pub(crate) fn check_wavelengths(
-        &self,
-        material: &mut MaterialConfig,
-    ) -> Result<(), ConfigError> {
-        let wavelengths = self
-            .wavelength
-            .as_ref()
-            .map_or(&[][..], OneOrMany::as_slice);
-        let count = wavelengths.len();
-        if let MaterialConfig::Media(media) = material {
-            media.decide(wavelengths)?;
-        } else if count > 1 {
-            let given = format!("{count} wavelengths");
-            let reason =
-                "change nothing unless the material is a named one, such as --material gold";
-            return Err(ConfigError::unsuitable(given, reason));
-        }
-        Ok(())
-    }
-
     /// The first wavelength, nanometres, if one is given.
     pub(crate) fn wavelength_nm(&self) -> Option<f64> {
         Some(self.wavelength.as_ref()?.first()?.0)

@@ -61,6 +61,26 @@ impl MaterialConfig {
         })
     }
 
+    /// Prepares named media for all `wavelengths` of a run, nanometres.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if there are several of a material that does not depend on them, an absorption index is given that is known, or a record
+    /// has no index at one of them.
+    pub(crate) fn prepare(
+        &mut self,
+        wavelengths: Option<&OneOrMany<Number>>,
+    ) -> Result<(), ConfigError> {
+        let wavelengths = wavelengths.map_or(&[][..], OneOrMany::as_slice);
+        match (self, wavelengths.len()) {
+            (Self::Media(media), _) => media.prepare(wavelengths),
+            (_, 0 | 1) => Ok(()),
+            (_, count) => Err(ConfigError::unsuitable(
+                format!("{count} wavelengths"),
+                "change nothing unless the material is a named one, such as --material gold",
+            )),
+        }
+    }
+
     /// The named media, if there are any.
     pub(crate) const fn media(&self) -> Option<&Media> {
         match self {

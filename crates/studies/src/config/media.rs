@@ -108,7 +108,7 @@ impl Media {
     ///
     /// # Errors
     /// [`ConfigError`] if an absorption index is given where all records have one, or a record has no index.
-    pub(super) fn decide(&mut self, wavelengths: &[Number]) -> Result<(), ConfigError> {
+    pub(super) fn prepare(&mut self, wavelengths: &[Number]) -> Result<(), ConfigError> {
         self.check_kappa(wavelengths)?;
         let given = self.kappa.iter().flat_map(OneOrMany::as_slice);
         let given = given.fold(0.0, |most: f64, kappa| most.max(kappa.0));

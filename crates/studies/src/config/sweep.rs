@@ -93,7 +93,7 @@ impl VerifyConfig {
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
-        config.light.check_wavelengths(&mut config.material)?;
+        config.material.prepare(config.light.wavelength.as_ref())?;
         expanded(&config, &DIMENSIONS)
     }
 

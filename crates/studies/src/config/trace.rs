@@ -73,7 +73,7 @@ impl TraceConfig {
     /// [`ConfigError`] if a list is empty or makes no difference, or there are too many combinations.
     pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
-        config.light.check_wavelengths(&mut config.material)?;
+        config.material.prepare(config.light.wavelength.as_ref())?;
         expanded(&config, &DIMENSIONS)
     }
 

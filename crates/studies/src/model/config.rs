@@ -112,13 +112,14 @@ impl ModelConfig {
     /// Configurations of every combination of the lists.
     pub(super) fn combinations(&self) -> Result<Combinations, ConfigError> {
         let mut config = self.clone();
+        config.material.prepare(config.light.wavelength.as_ref())?;
+        let singles = expanded(&config, &DIMENSIONS)?;
         let mut varied = DIMENSIONS.to_vec();
         varied.retain(|(_, list)| list(&mut config).is_some_and(|list| list.as_slice().len() > 1));
         let with_values = |mut single: Self| {
             let value = |(_, list): &(_, Dimension<Self>)| Some(list(&mut single)?.first()?.0);
             (varied.iter().filter_map(value).collect(), single)
         };
-        let singles = expanded(self, &DIMENSIONS)?;
         Ok(Combinations {
             singles: singles.into_iter().map(with_values).collect(),
             names: varied.into_iter().map(|(name, _)| name).collect(),
