@@ -277,7 +277,7 @@ fn films_on_facets_agree_with_an_independent_tracer() {
             effort: Effort::rays(400_000),
             ..Settings::default()
         };
-        let outcome = &simulate(&[case.clone()], &settings, &Silent).unwrap()[0];
+        let outcome = &simulate(std::slice::from_ref(&case), &settings, &Silent).unwrap()[0];
         for (side, letter) in [(Side::Reflected, "R"), (Side::Transmitted, "T")] {
             let what = format!("{letter}_{name}");
             let [mean, se] = numbers(&rough[&what])[..] else {

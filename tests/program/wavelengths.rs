@@ -175,7 +175,7 @@ fn each_list_beside_wavelengths_makes_spectra_of_its_own() {
         "verify --tau 8um --sigma 1um --spacing 1um --size 64 --material gold --wavelength 500,600 --theta 0,60 --rays 1e3 --realisations 2 --models none --no-plots",
     );
     for theta in [0, 60] {
-        report.must_contain(&format!("gold, theta = {theta} deg"));
+        report.must_contain(format!("gold, theta = {theta} deg"));
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
             .help("Medium below the surface, in place of material")
             .value_name("NAME|FILE|N")
             .otherwise("air where above is given"),
-        basic("above", Kind::Material)
+        setting("above", Kind::Material)
             .help("Medium above the surface, which is clear")
             .value_name("NAME|FILE|N")
             .otherwise("index 1"),
@@ -50,7 +50,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
             .range(Range::FromTo(0.0, 1e6))
             .otherwise("that of the record of a named material, if it has one")
             .arity(Arity::ListIn(LISTS_OF_INDICES)),
-        basic("reflectance", Kind::Number)
+        setting("reflectance", Kind::Number)
             .help("Fraction of light that a Lambertian facet reflects")
             .range(Range::FromTo(0.0, 1.0))
             .otherwise("none; lambertian facets need it"),
