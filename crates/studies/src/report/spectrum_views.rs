@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
 use asperity_simulate::{Case, CaseGroup, Outcome};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::colours::{SideColour, colour_table};
 use super::spectrum::{
@@ -58,14 +58,19 @@ fn spectrum_table<'a>(spectra: &[Spectrum<'a>]) -> Option<Csv<'a>> {
     Some(table.with_rows(rows))
 }
 
-/// Name, unit and description of the columns of the tables of spectra, by file.
+/// Name, unit and description of the columns of the tables of spectra, by file; null without any.
 pub(crate) fn spectrum_columns<'c>(
     cases: impl IntoIterator<Item = &'c Case>,
     outcomes: &[&Outcome],
 ) -> Value {
     let mut views: Views<'_, &[&Outcome]> = Views::new();
     add_spectra(&mut views, cases, false, |outcomes| outcomes.to_vec());
-    views.columns(&outcomes)
+    let columns = views.columns(&outcomes);
+    if columns == json!({}) {
+        Value::Null
+    } else {
+        columns
+    }
 }
 
 /// The spectra as text, each below its label, with notes on them; `None` without any.

@@ -78,7 +78,7 @@ fn assert_in_table(folder: &Path, name: &str) {
     let table = text(folder, name);
     let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
     let header = rows.next().unwrap();
-    let column = header.iter().position(|name| *name == "tint");
+    let column = header.iter().position(|name| *name == "tint_nm");
     let column = column.unwrap_or_else(|| panic!("{name} has the columns {header:?}"));
     let values: Vec<f64> = rows.map(|row| row[column].parse().unwrap()).collect();
     for value in [450.0, 650.0] {
@@ -111,7 +111,7 @@ fn assert_in_json(folder: &Path) {
 fn collect(value: &serde_json::Value, found: &mut Vec<f64>) {
     match value {
         serde_json::Value::Object(members) => {
-            found.extend(members.get("tint").and_then(serde_json::Value::as_f64));
+            found.extend(members.get("tint_nm").and_then(serde_json::Value::as_f64));
             members.values().for_each(|member| collect(member, found));
         }
         serde_json::Value::Array(items) => items.iter().for_each(|item| collect(item, found)),
