@@ -83,6 +83,18 @@ fn each_side_has_its_own_phase() {
     );
 }
 
+/// Water above shortens the wavelength, and all lengths are judged by it.
+#[test]
+fn lengths_are_judged_by_the_wavelength_in_the_medium_above() {
+    let bare = case(Material::Mirror, 0.0);
+    let mut wet = bare.clone();
+    wet.at.index_above = Some(1.33);
+    let found = |case| of_case(0.135, case);
+    let phase = |case| found(case).reflected.unwrap().phase_parameter;
+    assert!((phase(&wet) / phase(&bare) - 1.33).abs() < 1e-12);
+    assert_eq!(found(&wet).wavelength_nm, found(&bare).wavelength_nm);
+}
+
 #[test]
 fn the_bottom_of_a_layer_adds_to_the_phase_of_what_passes_it() {
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
