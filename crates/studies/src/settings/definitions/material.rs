@@ -35,7 +35,7 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
             .help("Medium above the surface, which is clear")
             .value_name("NAME|FILE|N")
             .otherwise("index 1"),
-        basic("film", Kind::Film)
+        setting("film", Kind::Film)
             .help("Thin film on every facet, layer by layer from above")
             .value_name("MATERIAL:THICKNESS")
             .arity(Arity::ListIn(COMMANDS))
