@@ -133,8 +133,9 @@ pub(super) mod tests {
         Material::coated(Films::new(&films).unwrap(), n, k).unwrap()
     }
 
+    /// To the bit, but for bare conductors: their reflectance follows from real numbers there, and from complex amplitudes here.
     #[test]
-    fn the_path_engine_scatters_averaged_light_to_the_bit_as_the_reference() {
+    fn the_path_engine_scatters_averaged_light_as_the_reference() {
         let materials = [
             Material::Dielectric { eta: 1.5 },
             Material::Dielectric { eta: 1.0 },
@@ -162,12 +163,23 @@ pub(super) mod tests {
                         material.reversed()
                     };
                     let expected = Scattered::smoothly(from_here, wi, m);
-                    assert_eq!(found.absorbed, expected.absorbed, "{material:?} {theta}");
+                    let rounding = match material {
+                        Material::Conductor { .. } => 1e-14,
+                        _ => 0.0,
+                    };
+                    let near = |found: f64, expected: f64| {
+                        let error = (found - expected).abs();
+                        assert!(
+                            error <= rounding,
+                            "{material:?} {theta}: {found} {expected}"
+                        );
+                    };
+                    near(found.absorbed, expected.absorbed);
                     for ((event, out), branch) in
                         found.branches().into_iter().zip(expected.branches)
                     {
                         assert_eq!(event, branch.event);
-                        assert_eq!(out.passed.fraction, branch.fraction, "{material:?} {theta}");
+                        near(out.passed.fraction, branch.fraction);
                         if branch.fraction > 0.0 {
                             assert_eq!(out.direction, branch.direction, "{material:?} {theta}");
                         }
