@@ -268,7 +268,7 @@ mod tests {
         assert!(slab.layer.unwrap().layer.medium().extinction() > 0.0);
     }
 
-    /// Film whose index matches the medium above: it reflects nothing by itself.
+    /// A film whose index is that of the medium above changes nothing.
     #[test]
     fn films_are_relative_to_the_medium_above() {
         let reflected = |material: &str| case(material, 550.0).material.fresnel(0.8).reflected;

@@ -80,9 +80,9 @@ pub(crate) struct AnalyticCase {
 }
 
 impl Group {
-    /// Groups of cases with equal surface sources, in the order of their first cases. Two kinds of group are divided: one whose results
-    /// exceed memory, unless its cases share an effort, and one with so many rays that drawing its surfaces again costs little. Complete cases
-    /// are removed afterwards, so that the division does not depend on them.
+    /// Groups of cases with equal surface sources, in the order of their first cases. A group is divided
+    /// if its results would not fit into memory and its cases do not share an effort, or if its rays take so long that drawing its surfaces again
+    /// costs little. Complete cases are removed afterwards, so that the division does not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
         settings: &Settings,

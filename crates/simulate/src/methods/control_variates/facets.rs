@@ -77,11 +77,11 @@ impl Method {
     }
 }
 
-/// Sums over the facets of one surface: those of conductors in the same light are made together.
+/// Sums over the facets of one surface. Conductors in the same light are summed in one pass.
 pub(crate) struct FacetSums<'a> {
     /// The cases on the surface.
     cases: Vec<&'a Case>,
-    /// Sums of conductors that are not asked for yet.
+    /// Finished sums of conductors, until their cases take them.
     made: Vec<(&'a Case, TallySpec, TallyValues)>,
 }
 
