@@ -110,6 +110,7 @@ fn differences(
     let mut cases = Vec::new();
     for theta in THETAS {
         let light = Light {
+            spread: None,
             random_azimuth: true,
             ..Light::from_above(Incidence::from_degrees(theta, 0.0)?)
         };

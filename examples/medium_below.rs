@@ -9,9 +9,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
-use asperity_simulate::{
-    BottomSurface, Case, Effort, LayerBelow, Light, Settings, Silent, SurfaceSource, simulate,
-};
+use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
@@ -19,16 +17,13 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Lengths are in the unit of the surface: a mean free path of 20, two correlation lengths.
     let phase = PhaseFunction::henyey_greenstein(0.6)?;
     let medium = ParticipatingMedium::from_mean_free_path(20.0, 0.95, phase)?;
-    let layer = LayerBelow {
-        layer: Layer::slab(medium, 200.0, Bottom::Absorbing)?,
-        bottom: BottomSurface::Flat,
-    };
+    let layer = Layer::slab(medium, 200.0, Bottom::ABSORBING)?;
 
     let surface = Synthesis::new(Psd::gaussian(3.0, 10.0)?, [128, 128], [1.0, 1.0], false)?;
     let light = Light::from_above(Incidence::from_degrees(45.0, 0.0)?);
     let surface = SurfaceSource::height_field(surface.draw(1, 0)?);
     let case = Case {
-        layer: Some(layer),
+        layers: vec![layer],
         ..Case::new(surface, Material::dielectric(1.5)?, light)
     };
     let settings = Settings {

@@ -31,7 +31,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     for interactions in 1..20 {
         let settings = PathSettings::new(Branching::Pick, 1e-6, interactions)?;
-        let integrator = PathIntegrator::new(&surface, &*accelerator, silver, settings, None);
+        let integrator = PathIntegrator::new(&surface, &*accelerator, silver, settings);
         let path = integrator.trace(origin, -wi, &mut point_stream(1, 0, 0));
         let theta_deg = polar_angle(path.direction).to_degrees();
         let (events, [x, y, z]) = (path.path.to_string(), path.origin.to_array());

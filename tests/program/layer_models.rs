@@ -89,7 +89,6 @@ fn layers_are_refused_what_their_models_cannot_do() {
     let folder = Folder::new();
     let cases = "
         flat-layer --theta 30 => needs a medium
-        flat-layer --theta 30 --thickness 1 => needs a medium: give --mean-free-path and --albedo
         flat-layer --theta 30 --scattering 1 --smoothness 3 => flat faces
         flat-layer --theta 30 --scattering 1 --rays 10 => follows no rays
         flat-layer --theta 30 --scattering 1 --material mirror => no light enters

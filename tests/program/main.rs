@@ -43,6 +43,7 @@ mod render;
 mod resources;
 mod results;
 mod settings;
+mod slabs;
 mod smooth_meshes;
 mod spectra;
 mod stopping;

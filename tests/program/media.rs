@@ -100,7 +100,10 @@ fn light_of_any_azimuth_has_the_same_energy() {
     // One surface of 64 correlation areas is not the same from all sides: 3 % of .3.
     assert!((a - b).abs() < 0.01 + 4.0 * a_se.hypot(b_se));
     assert_eq!(random["config"]["light"]["azimuth"], "random");
-    assert_eq!(fixed["config"]["below"]["layer"]["medium"]["albedo"], 0.8);
+    assert_eq!(
+        fixed["config"]["below"]["layers"][0]["medium"]["albedo"],
+        0.8
+    );
 }
 
 #[test]
@@ -167,7 +170,10 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
             format!("{medium} --thickness 50 --bottom open --bottom-surface same"),
             "goes with bottom interface, lambertian, absorbing or mirror, not open",
         ),
-        (format!("{medium} --from below"), "comes from above"),
+        (
+            format!("{medium} --from below"),
+            "needs layers that end on an interface",
+        ),
         (
             format!("{medium} --estimator controlled"),
             "does not support a medium",
@@ -187,7 +193,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             "--g 0.5".to_owned(),
-            "--g 0.5 needs a medium: give --mean-free-path and --albedo",
+            "--g 0.5 needs --mean-free-path, --absorption or --scattering",
         ),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");

@@ -110,7 +110,8 @@ fn no_command_replaces_a_file_that_it_reads() {
             };
             let (value, own) = match (setting.section, setting.key) {
                 ("surface", "psd" | "heights") => ("like:in.exr", ""),
-                ("surface", "slopes_of") | ("medium", "bottom_surface") => ("in.exr", ""),
+                ("surface", "slopes_of") => ("in.exr", ""),
+                ("medium", "bottom_surface") => ("in.exr --thickness 9", ""),
                 ("measured", "file") => ("in.exr", "given"),
                 _ => continue,
             };

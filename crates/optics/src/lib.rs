@@ -33,6 +33,7 @@ mod material_error;
 mod participating;
 mod phase;
 mod polarisation;
+mod spread;
 
 pub use colour::{Colour, ColourObserver, colour_weights};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
@@ -41,7 +42,7 @@ pub use elementary::{ln_of_normal, sin_cos_of_turn};
 pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
-pub use layer::{Bottom, Layer, LayerError, Slab};
+pub use layer::{Bottom, BottomSurface, Layer, LayerError, Slab};
 pub use material::Material;
 pub use material_error::MaterialError;
 pub use participating::{ParticipatingMedium, ParticipatingMediumError};
@@ -50,3 +51,4 @@ pub use polarisation::{
     FacetMueller, Mueller, PolarisedFresnel, Stokes, Turn, incidence_axis, polarised_conductor,
     polarised_dielectric, reference_axes,
 };
+pub use spread::{Spread, SpreadError};

@@ -24,8 +24,7 @@ mod tile_frame;
 mod view;
 
 use asperity_simulate::{
-    LayerBelow, Observer, SearchedSurface, Shape, StoppedBy, check_height, check_memory,
-    check_shape_memory,
+    Observer, SearchedSurface, Shape, StoppedBy, check_height, check_memory, check_shape_memory,
 };
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,7 +33,7 @@ use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
 use asperity_tracer::{
     BuildAccelerator, FlightSearch, Geometry, LightBeams, MeshSurface, PathIntegrator,
-    Polarisation, Surface, can_traverse, tiles_crossed,
+    Polarisation, Surface, TracedStack, can_traverse, tiles_crossed,
 };
 
 pub use error::RenderError;
@@ -68,8 +67,8 @@ pub struct RenderOutcome {
     pub stopped_by: Option<StoppedBy>,
 }
 
-/// Makes a picture of a surface of `material`, with a layer below it or nothing; `shape` holds the bottom's own
-/// surface, if it has one.
+/// Makes a picture of a surface of `material`, with layers below it or nothing; `shape` holds the surfaces of
+/// their bottoms that have one of their own.
 ///
 /// Smooth cells have no light beams: sunlight in a medium below them is found by random paths alone.
 ///
@@ -77,53 +76,46 @@ pub struct RenderOutcome {
 /// interrupt after one, whose error is unknown.
 ///
 /// # Errors
-/// [`RenderError`] if the surface or the picture is too large, the layer too thin, the eye too low, parallel
+/// [`RenderError`] if the surface or the picture is too large, a layer too thin, the eye too low, parallel
 /// camera rays or the sun too flat, or if an interrupt comes before the first pass is complete.
 pub fn render(
     shape: &Shape,
     material: Material,
-    layer: Option<&Layer>,
+    layers: &[Layer],
     settings: &RenderSettings,
     progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
-    let matter = Matter { material, layer };
+    let matter = Matter { material, layers };
     check_shape_memory(shape, settings.accelerator, false)?;
     match shape {
-        Shape::HeightField { top, bottom } => {
-            let geometries = Geometries::new(top, bottom.as_ref());
+        Shape::HeightField { top, below } => {
+            let geometries = Geometries { top: &**top, below };
             let beams: Option<BeginBeams<Surface>> = Some(LightBeams::new);
             render_on(&geometries, beams, matter, settings, progress)
         }
-        Shape::Smooth { top, bottom } => {
-            let geometries = Geometries::new(top, bottom.as_ref());
+        Shape::Smooth { top, below } => {
+            let geometries = Geometries { top: &**top, below };
             render_on(&geometries, None, matter, settings, progress)
         }
-        Shape::TriangleMesh { top, bottom } => {
-            let geometries = Geometries::new(top, bottom.as_ref());
+        Shape::TriangleMesh { top, below } => {
+            let geometries = Geometries { top: &**top, below };
             let beams: Option<BeginBeams<MeshSurface>> = Some(LightBeams::new);
             render_on(&geometries, beams, matter, settings, progress)
         }
     }
 }
 
-/// The surface and the bottom's own surface, if it has one.
+/// The surface, and the bottoms of the layers below it where they have one of their own.
 struct Geometries<'a, G> {
     top: &'a G,
-    bottom: Option<&'a G>,
+    below: &'a [Option<Arc<G>>],
 }
 
-impl<'a, G> Geometries<'a, G> {
-    fn new(top: &'a Arc<G>, bottom: Option<&'a Arc<G>>) -> Self {
-        let bottom = bottom.map(|bottom| &**bottom);
-        Self { top, bottom }
-    }
-}
-
-/// Materials of a picture: the interface, and the layer below it.
+/// Materials of a picture: the interface, and the layers below it.
 #[derive(Clone, Copy)]
 struct Matter<'a> {
     material: Material,
-    layer: Option<&'a Layer>,
+    layers: &'a [Layer],
 }
 
 fn render_on<G: BuildAccelerator>(
@@ -138,25 +130,34 @@ fn render_on<G: BuildAccelerator>(
     check_height(geometries.top)?;
     check_grazing(geometries.top, settings)?;
     let accelerator = geometries.top.accelerator(settings.accelerator)?;
-    let bottom = geometries.bottom;
-    let bottom_accelerator = bottom
-        .map(|bottom| bottom.accelerator(settings.accelerator))
-        .transpose()?;
+    let of_bottom = |bottom: &Option<Arc<G>>| {
+        let bottom = bottom.as_ref();
+        bottom
+            .map(|bottom| bottom.accelerator(settings.accelerator))
+            .transpose()
+    };
+    let accelerators = geometries.below.iter().map(of_bottom);
+    let accelerators = accelerators.collect::<Result<Vec<_>, _>>()?;
     let top = SearchedSurface {
         geometry: geometries.top,
         accelerator: &*accelerator,
     };
-    let bottom = bottom.zip(bottom_accelerator.as_deref());
-    let bottom = bottom.map(|(geometry, accelerator)| SearchedSurface {
-        geometry,
-        accelerator,
+    let bottoms = geometries.below.iter().zip(&accelerators);
+    let bottoms = bottoms.map(|(bottom, accelerator)| {
+        Some(SearchedSurface {
+            geometry: bottom.as_deref()?,
+            accelerator: accelerator.as_deref()?,
+        })
     });
-    let scene = scene(top, bottom, matter, settings)?;
+    let scene = scene(top, &bottoms.collect::<Vec<_>>(), matter, settings)?;
     let build_seconds = building.elapsed().as_secs_f64();
 
     let tracing = Instant::now();
     let plan = PassPlan::new(settings.samples);
-    let scatters = matter.layer.is_some_and(|layer| !layer.medium().is_clear());
+    let scatters = matter
+        .layers
+        .first()
+        .is_some_and(|layer| !layer.medium().is_clear());
     let sun = settings.lights.sun().filter(|_| scatters);
     let sunlight = sun.zip(beams).map(|(sun, begin)| {
         let light = (matter.material, *sun);
@@ -175,30 +176,21 @@ fn render_on<G: BuildAccelerator>(
 /// The scene of a picture: camera, lights and matter.
 fn scene<'a, G: Geometry>(
     top: SearchedSurface<'a, G>,
-    bottom: Option<SearchedSurface<'a, G>>,
+    bottoms: &[Option<SearchedSurface<'a, G>>],
     matter: Matter<'_>,
     settings: &RenderSettings,
 ) -> Result<Scene<'a, G>, RenderError> {
     let frame = TileFrame::of(top.geometry);
     let (geometry, accelerator) = (top.geometry, top.accelerator);
-    let medium = matter
-        .layer
-        .map(|&layer| {
-            let shape = settings.bottom;
-            let below = LayerBelow {
-                layer,
-                bottom: shape,
-            };
-            below.traced(top, bottom, settings.most_scatterings)
-        })
-        .transpose()?;
+    let most = settings.most_scatterings;
+    let stack = TracedStack::new(top, matter.layers, bottoms, most)?;
     let integrator = PathIntegrator::new(
         geometry,
         accelerator,
         matter.material,
         settings.paths.with_polarisation(Polarisation::Averaged),
-        medium,
-    );
+    )
+    .over(stack);
     Ok(Scene {
         camera: settings.view.camera(settings.size, frame.highest())?,
         lights: settings.lights,

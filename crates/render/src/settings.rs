@@ -1,6 +1,5 @@
 //! Settings: the content of a picture, and how it is rendered.
 
-use asperity_simulate::BottomSurface;
 use asperity_tracer::{AcceleratorKind, PathSettings};
 
 use crate::lights::Lights;
@@ -26,8 +25,6 @@ pub struct RenderSettings {
     pub paths: PathSettings,
     /// Accelerator that finds the hits.
     pub accelerator: AcceleratorKind,
-    /// The shape of the bottom, unless one of its own is given; none is drawn here.
-    pub bottom: BottomSurface,
     /// Scatterings inside a layer after which a path is truncated.
     pub most_scatterings: u32,
 }

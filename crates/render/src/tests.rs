@@ -9,7 +9,7 @@ use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd, PathSettings,
-    PathStream, Polarisation, TracedLayer, Tracer,
+    PathStream, Polarisation, SearchedSurface, TracedStack, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -56,7 +56,6 @@ fn settings(theta: f64, projection: Projection, lights: Lights) -> RenderSetting
         seed: 4,
         paths: PathSettings::new(Branching::Pick, 0.2, 1000).unwrap(),
         accelerator: AcceleratorKind::Auto,
-        bottom: BottomSurface::Flat,
         most_scatterings: 100_000,
     }
 }
@@ -73,8 +72,8 @@ const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.5 };
 #[test]
 fn a_white_furnace_shows_nothing() {
     let furnace = Lights::new(1.0, 1.0, None).unwrap();
-    let interface = Bottom::Interface { eta: 1.0 / 1.5 };
-    let white = Bottom::Lambertian { reflectance: 1.0 };
+    let interface = Bottom::interface(1.0 / 1.5);
+    let white = Bottom::lambertian(1.0);
     for (name, shape, material, layer) in [
         ("flat glass", facets(flat()), GLASS, None),
         ("rough glass", facets(rough(Border::Periodic)), GLASS, None),
@@ -94,13 +93,13 @@ fn a_white_furnace_shows_nothing() {
             "slab",
             facets(rough(Border::Periodic)),
             GLASS,
-            Some(slab(1.0, 20.0, interface)),
+            Some(slab(1.0, 20.0, interface).on(BottomSurface::Same)),
         ),
         (
             "over a mirror",
             facets(rough(Border::Mirrored)),
             GLASS,
-            Some(slab(1.0, 14.0, Bottom::Mirror)),
+            Some(slab(1.0, 14.0, Bottom::MIRROR)),
         ),
         (
             "over white",
@@ -124,7 +123,7 @@ fn a_white_furnace_shows_nothing() {
             "smooth slab",
             smooth(&rough(Border::Periodic)),
             GLASS,
-            Some(slab(1.0, 20.0, interface)),
+            Some(slab(1.0, 20.0, interface).on(BottomSurface::Same)),
         ),
         (
             "smooth over white",
@@ -136,14 +135,9 @@ fn a_white_furnace_shows_nothing() {
         for projection in [ORTHOGRAPHIC, PINHOLE] {
             let settings = RenderSettings {
                 samples: 4,
-                bottom: if name.ends_with("slab") && name != "open slab" {
-                    BottomSurface::Same
-                } else {
-                    BottomSurface::Flat
-                },
                 ..settings(40.0, projection, furnace)
             };
-            let outcome = render(&shape, material, layer.as_ref(), &settings, &Silent);
+            let outcome = render(&shape, material, layer.as_slice(), &settings, &Silent);
             let outcome = outcome.unwrap();
             assert_eq!(outcome.lost, 0.0, "{name}");
             // Splitting at the first facet may leave less than the threshold of roulette, 0.2; else nothing
@@ -165,7 +159,7 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
     for (theta, sky, below) in [(0.0, 1.0, 0.0), (56.0, 2.0, 0.0), (75.0, 0.0, 3.0)] {
         let lights = Lights::new(sky, below, None).unwrap();
         let settings = settings(theta, ORTHOGRAPHIC, lights);
-        let outcome = render(&facets(flat()), GLASS, None, &settings, &Silent).unwrap();
+        let outcome = render(&facets(flat()), GLASS, &[], &settings, &Silent).unwrap();
         let fresnel = dielectric(theta.to_radians().cos(), 1.5);
         let expected = sky * fresnel.reflected + below * fresnel.transmitted;
         for radiance in outcome.picture.radiance {
@@ -179,8 +173,8 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
 /// Helmholtz. The one comes from camera rays, the other from light paths over the whole tile.
 #[test]
 fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
-    let layer = slab(0.9, 14.0, Bottom::Lambertian { reflectance: 0.5 });
-    for (theta, layer) in [(0.0, Some(&layer)), (60.0, Some(&layer)), (60.0, None)] {
+    let layer = slab(0.9, 14.0, Bottom::lambertian(0.5));
+    for (theta, layer) in [(0.0, &[layer][..]), (60.0, &[layer]), (60.0, &[])] {
         let sky = Lights::new(1.0, 0.0, None).unwrap();
         let mut settings = settings(theta, ORTHOGRAPHIC, sky);
         // From any direction, a picture that covers whole tiles: as wide as one tile, and as high as it appears.
@@ -210,7 +204,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
 }
 
 /// The fraction of light from a direction that goes back up, traced forwards over the whole tile.
-fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Incidence) -> Estimate {
+fn albedo<G: BuildAccelerator>(surface: &G, layers: &[Layer], towards: Incidence) -> Estimate {
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let mut tracer = Tracer::new(
         surface,
@@ -219,10 +213,11 @@ fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Inci
         HalfSpace::Above,
         PathSettings::default().with_polarisation(Polarisation::Averaged),
     );
-    if let Some(layer) = layer {
-        let flat = None;
-        tracer = tracer.over(TracedLayer::new(surface, layer, flat, 100_000).unwrap());
-    }
+    let top = SearchedSurface {
+        geometry: surface,
+        accelerator: &*hits,
+    };
+    tracer = tracer.over(TracedStack::new(top, layers, &[], 100_000).unwrap());
     let mut sums = BatchStatistics::new(1);
     for block in 0..50 {
         let light = Illumination::new(towards, false);
@@ -252,7 +247,7 @@ fn a_mirror_of_smooth_cells_shows_the_sun_by_its_true_normals() {
             ..settings(0.0, ORTHOGRAPHIC, lights)
         };
         let lit = |shape: &Shape| {
-            let picture = render(shape, Material::Mirror, None, &settings, &Silent);
+            let picture = render(shape, Material::Mirror, &[], &settings, &Silent);
             mean(&picture.unwrap().picture.radiance) * radius.sin().powi(2)
         };
         let expected = ((0.5 * radius).tan() / largest).asin() / std::f64::consts::FRAC_PI_2;
@@ -283,7 +278,7 @@ fn smooth_cells_over_a_medium_look_like_fine_facets() {
         ..settings(0.0, ORTHOGRAPHIC, Lights::new(0.1, 0.0, Some(sun)).unwrap())
     };
     let [smooth, fine] = [smooth(&field), facets(fine)].map(|shape| {
-        let picture = render(&shape, GLASS, Some(&layer), &settings, &Silent);
+        let picture = render(&shape, GLASS, &[layer], &settings, &Silent);
         let picture = picture.unwrap().picture;
         let squares = picture.error.iter().map(|e| e * e).sum::<f64>();
         (
@@ -318,7 +313,7 @@ fn a_patch_lights_what_lies_below_it_and_little_around_it() {
         view: view.unwrap(),
         ..settings
     };
-    let picture = render(&facets(flat()), GLASS, Some(&layer), &settings, &Silent)
+    let picture = render(&facets(flat()), GLASS, &[layer], &settings, &Silent)
         .unwrap()
         .picture;
     // Columns by the edges of the patch and of the picture are left out.
@@ -336,13 +331,13 @@ fn a_patch_lights_what_lies_below_it_and_little_around_it() {
 fn thread_count_changes_no_byte() {
     let sun = Sun::new(Incidence::from_degrees(50.0, 10.0).unwrap(), 1.0, 0.1, None).unwrap();
     let lights = Lights::new(0.5, 0.0, Some(sun)).unwrap();
-    let layer = slab(0.9, 14.0, Bottom::Absorbing);
+    let layer = slab(0.9, 14.0, Bottom::ABSORBING);
     let settings = settings(60.0, PINHOLE, lights);
     let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let field = rough(Border::Periodic);
         pool.unwrap()
-            .install(|| render(&facets(field), GLASS, Some(&layer), &settings, &Silent))
+            .install(|| render(&facets(field), GLASS, &[layer], &settings, &Silent))
             .unwrap()
     });
     assert_eq!(one.picture, three.picture);
@@ -372,7 +367,7 @@ fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let outcome = pool
             .unwrap()
-            .install(|| render(&facets(flat()), GLASS, None, &settings, &progress))
+            .install(|| render(&facets(flat()), GLASS, &[], &settings, &progress))
             .unwrap();
         assert_eq!((outcome.passes, outcome.samples), (passes, 4 * passes));
         assert_eq!(outcome.stopped_by.is_some(), passes < 16);
@@ -389,10 +384,10 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_one()
             ..settings(30.0, ORTHOGRAPHIC, lights)
         };
         let in_no_time = Patience(AtomicU64::new(0), StoppedBy::Time);
-        let outcome = render(&facets(flat()), GLASS, None, &settings, &in_no_time).unwrap();
+        let outcome = render(&facets(flat()), GLASS, &[], &settings, &in_no_time).unwrap();
         assert_eq!((outcome.passes, outcome.samples), (2, 8));
         let interrupted = Patience(AtomicU64::new(8), StoppedBy::Interrupt);
-        let none = render(&facets(flat()), GLASS, None, &settings, &interrupted);
+        let none = render(&facets(flat()), GLASS, &[], &settings, &interrupted);
         assert_eq!(none, Err(RenderError::Interrupted));
         assert!(interrupted.0.load(Ordering::Relaxed) == 0);
     }
@@ -405,7 +400,7 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_one()
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let one = pool
         .unwrap()
-        .install(|| render(&facets(flat()), GLASS, None, &settings, &interrupted))
+        .install(|| render(&facets(flat()), GLASS, &[], &settings, &interrupted))
         .unwrap();
     assert_eq!((one.passes, one.samples), (1, 4));
     assert!(one.picture.radiance.iter().all(|value| value.is_finite()));
@@ -435,21 +430,19 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
         samples: 600,
         ..settings(0.0, ORTHOGRAPHIC, lights)
     };
-    let picture = render(
-        &facets(field.clone()),
-        GLASS,
-        Some(&layer),
-        &settings,
-        &Silent,
-    );
+    let picture = render(&facets(field.clone()), GLASS, &[layer], &settings, &Silent);
     let picture = picture.unwrap().picture;
 
     // The same plane, but chance alone finds the sun.
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-    let medium = TracedLayer::new(&surface, &layer, None, 100_000).unwrap();
+    let top = SearchedSurface {
+        geometry: &surface,
+        accelerator: &*hits,
+    };
+    let stack = TracedStack::new(top, &[layer], &[], 100_000).unwrap();
     let paths = settings.paths.with_polarisation(Polarisation::Averaged);
-    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, paths, Some(medium));
+    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, paths).over(stack);
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let height = 16.0 / 4.0;
     let seen_depth = width / height;
@@ -495,14 +488,14 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
 #[test]
 fn errors_are_how_pixels_scatter() {
     let lights = Lights::new(1.0, 0.0, None).unwrap();
-    let layer = slab(0.9, 3.0, Bottom::Absorbing);
+    let layer = slab(0.9, 3.0, Bottom::ABSORBING);
     let pictures: Vec<Picture> = [1, 2]
         .map(|seed| {
             let settings = RenderSettings {
                 seed,
                 ..settings(0.0, ORTHOGRAPHIC, lights)
             };
-            render(&facets(flat()), GLASS, Some(&layer), &settings, &Silent)
+            render(&facets(flat()), GLASS, &[layer], &settings, &Silent)
                 .unwrap()
                 .picture
         })

@@ -27,7 +27,7 @@ pub enum SimulateError {
     /// No coarser mesh of the surface.
     #[error(transparent)]
     Coarsening(#[from] CoarseningError),
-    /// The layer does not fit below the surface.
+    /// The layers do not fit below the surface.
     #[error(transparent)]
     Layer(#[from] TracedLayerError),
     /// Results too large for memory.
@@ -89,6 +89,9 @@ pub enum SimulateError {
         "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
     )]
     IndependentBottom,
+    /// Layers that are lit from below through what lets no light in.
+    #[error("light from below needs layers that end on an interface, through which it comes in")]
+    DarkBottom,
     /// Light so flat that it would cross too many tiles.
     #[error(
         "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
@@ -145,7 +148,8 @@ impl SimulateError {
             | Self::MixedCells
             | Self::OnlyOfOne { .. }
             | Self::DescribedSurface
-            | Self::IndependentBottom => true,
+            | Self::IndependentBottom
+            | Self::DarkBottom => true,
             Self::Slopes(_)
             | Self::Coarsening(_)
             | Self::TooManyResults { .. }

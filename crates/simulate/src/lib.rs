@@ -28,7 +28,8 @@ mod stream;
 mod text;
 
 pub use absorbed_map::AbsorbedMap;
-pub use asperity_tracer::{BottomSurface, LayerBelow, SearchedSurface, Shape};
+pub use asperity_optics::BottomSurface;
+pub use asperity_tracer::{SearchedSurface, Shape};
 pub use bins::core_slopes::CoreSlopes;
 pub use bins::lobe::{Lobe, MAX_SHORTFALL};
 pub use engine::reduce::run::MESH_ALLOWANCE;

@@ -6,11 +6,11 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use asperity_optics::Material;
+use asperity_optics::{BottomSurface, Material};
 use asperity_tally::EventPath;
 use asperity_tracer::{
-    BottomSurface, BuildAccelerator, Geometry, LayerBelow, PathEnd, PathIntegrator, Polarisation,
-    SearchedSurface, Shape,
+    BuildAccelerator, Geometry, PathEnd, PathIntegrator, Polarisation, SearchedSurface, Shape,
+    TracedStack,
 };
 use glam::{DVec2, DVec3};
 
@@ -31,8 +31,8 @@ const AIMED: f64 = 0.7;
 pub struct LightPaths {
     /// Points `[along, height]` of the surface.
     pub section: Vec<[f64; 2]>,
-    /// Height of a flat bottom of a layer.
-    pub bottom: Option<f64>,
+    /// Heights of the flat bottoms of layers.
+    pub planes: Vec<f64>,
     /// The paths.
     pub paths: Vec<LightPath>,
 }
@@ -44,7 +44,7 @@ pub struct LightPath {
     pub points: Vec<[f64; 3]>,
     /// Its interactions with surfaces.
     pub events: EventPath,
-    /// Number of scatterings inside the layer.
+    /// Number of scatterings inside layers.
     pub scatterings: u32,
     /// Kind of its end.
     pub end: PathEnd,
@@ -55,7 +55,7 @@ impl LightPaths {
     /// surfaces.
     ///
     /// # Errors
-    /// [`SimulateError`] if the surface cannot be searched, or the layer does not fit below it.
+    /// [`SimulateError`] if the surface cannot be searched, or the layers do not fit below it.
     ///
     /// # Panics
     /// If the light comes from below.
@@ -69,9 +69,9 @@ impl LightPaths {
             return Ok(None);
         };
         let paths = match shape {
-            Shape::HeightField { top, bottom } => on(top, bottom, case, settings, length, count),
-            Shape::Smooth { top, bottom } => on(top, bottom, case, settings, length, count),
-            Shape::TriangleMesh { top, bottom } => on(top, bottom, case, settings, length, count),
+            Shape::HeightField { top, below } => on(top, below, case, settings, length, count),
+            Shape::Smooth { top, below } => on(top, below, case, settings, length, count),
+            Shape::TriangleMesh { top, below } => on(top, below, case, settings, length, count),
         };
         paths.map(Some)
     }
@@ -79,38 +79,41 @@ impl LightPaths {
 
 fn on<G: BuildAccelerator>(
     top: &Arc<G>,
-    bottom: &Option<Arc<G>>,
+    below: &[Option<Arc<G>>],
     case: &Case,
     settings: &Settings,
     length: f64,
     count: u64,
 ) -> Result<LightPaths, SimulateError> {
-    let (top, bottom) = (&**top, bottom.as_deref());
+    let top = &**top;
     let accelerator = top.accelerator(settings.accelerator)?;
-    let of_bottom = bottom.map(|bottom| bottom.accelerator(settings.accelerator));
-    let of_bottom = of_bottom.transpose()?;
+    let of_bottom = |bottom: &Option<Arc<G>>| {
+        let bottom = bottom.as_ref();
+        bottom
+            .map(|bottom| bottom.accelerator(settings.accelerator))
+            .transpose()
+    };
+    let accelerators = below.iter().map(of_bottom).collect::<Result<Vec<_>, _>>()?;
+    let bottoms = below
+        .iter()
+        .zip(&accelerators)
+        .map(|(bottom, accelerator)| {
+            Some(SearchedSurface {
+                geometry: bottom.as_deref()?,
+                accelerator: accelerator.as_deref()?,
+            })
+        });
+    let bottoms: Vec<_> = bottoms.collect();
     let searched = SearchedSurface {
         geometry: top,
         accelerator: &*accelerator,
     };
-    let bottom = bottom.zip(of_bottom.as_deref());
-    let bottom = bottom.map(|(geometry, accelerator)| SearchedSurface {
-        geometry,
-        accelerator,
-    });
-    let layer = case.layer.as_ref();
-    let traced = layer.map(|below| below.traced(searched, bottom, settings.max_scatterings));
+    let stack = TracedStack::new(searched, &case.layers, &bottoms, settings.max_scatterings)?;
     let paths = settings.paths.without_pilot();
     let paths = paths.with_polarisation(Polarisation::Averaged);
     let frame = Frame::of(top, case, length);
-    let mirror = PathIntegrator::new(top, &*accelerator, Material::Mirror, paths, None);
-    let integrator = PathIntegrator::new(
-        top,
-        &*accelerator,
-        case.material,
-        paths,
-        traced.transpose()?,
-    );
+    let mirror = PathIntegrator::new(top, &*accelerator, Material::Mirror, paths);
+    let integrator = PathIntegrator::new(top, &*accelerator, case.material, paths).over(stack);
     let wi = case.light.incidence.wi();
 
     let steps = 0..=SECTION;
@@ -147,11 +150,18 @@ fn on<G: BuildAccelerator>(
             end: result.end,
         }
     };
-    let is_flat = |below: &&LayerBelow| bottom.is_none() && below.bottom == BottomSurface::Flat;
-    let end = layer.filter(is_flat).and_then(|below| below.layer.end());
+    let mut depth = 0.0;
+    let planes = case.layers.iter().zip(0..).filter_map(|(layer, number)| {
+        let end = layer.end()?;
+        depth += end.thickness;
+        let is_plane =
+            bottoms.get(number).is_none_or(Option::is_none) && end.shape == BottomSurface::Flat;
+        is_plane.then_some(-depth)
+    });
+    let planes = planes.collect();
     Ok(LightPaths {
         section,
-        bottom: end.map(|end| -end.thickness),
+        planes,
         paths: (0..count).map(path).collect(),
     })
 }
@@ -307,11 +317,9 @@ mod tests {
     fn scatterings_of_a_layer_lie_between_surface_and_bottom() {
         let mut case = case(rough(), 30.0, 0.0);
         let fog = ParticipatingMedium::from_coefficients(0.0, 0.2, PhaseFunction::Isotropic);
-        let layer = Layer::slab(fog.unwrap(), 30.0, Bottom::Mirror).unwrap();
-        let bottom = BottomSurface::Flat;
-        case.layer = Some(LayerBelow { layer, bottom });
+        case.layers = vec![Layer::slab(fog.unwrap(), 30.0, Bottom::MIRROR).unwrap()];
         let found = paths(&case, 16.0, 20);
-        assert_eq!(found.bottom, Some(-30.0));
+        assert_eq!(found.planes, [-30.0]);
         let mut scattered = 0;
         for path in &found.paths {
             let inner = path.events.order() as usize + path.scatterings as usize;

@@ -5,14 +5,17 @@ pub(crate) mod cases;
 pub(crate) mod default_models;
 pub(crate) mod erosion;
 pub(crate) mod error;
+mod film_layer;
 pub(crate) mod filtering;
 pub(crate) mod isotropy;
+mod layer_config;
 pub(crate) mod lobes;
 pub(crate) mod material;
 pub(crate) mod measured;
 pub(crate) mod media;
 pub(crate) mod medium;
 mod memo;
+mod named_material;
 pub(crate) mod structure;
 pub(crate) mod structure_recipe;
 pub(crate) mod sun;
@@ -25,6 +28,7 @@ pub(crate) mod trace;
 pub(crate) mod values;
 
 use asperity_analysis::DEFAULT_LEVEL;
+use asperity_optics::{Incidence, Spread, SpreadError};
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Polarisation, Sampling};
@@ -40,6 +44,7 @@ pub use crate::config::surface_choices::{
 };
 pub use crate::config::surface_files::SurfaceFileError;
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
+use crate::settings::spread_text::SpreadText;
 use crate::settings::{Command, Document, defaults};
 
 /// The side that light comes from.
@@ -49,14 +54,28 @@ pub enum Incident {
     /// Above the surface.
     #[default]
     Above,
-    /// Below the surface.
+    /// Below the surface, and below the layers under it.
     Below,
+    /// Each of the two in turn, on one sample.
+    Both,
+}
+
+impl Incident {
+    /// The sides one by one.
+    pub(crate) const fn sides(self) -> &'static [Self] {
+        match self {
+            Self::Above => &[Self::Above],
+            Self::Below => &[Self::Below],
+            Self::Both => &[Self::Above, Self::Below],
+        }
+    }
 }
 
 impl From<Incident> for HalfSpace {
     fn from(incident: Incident) -> Self {
         match incident {
-            Incident::Above => Self::Above,
+            // The first of both
+            Incident::Above | Incident::Both => Self::Above,
             Incident::Below => Self::Below,
         }
     }
@@ -84,6 +103,9 @@ pub struct LightConfig {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
+    /// Directions around `theta` and `phi`, in place of these alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<SpreadText>,
     /// Wavelength in vacuum, nanometres, one or several: that of named materials, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wavelength: Option<OneOrMany<Number>>,
@@ -126,6 +148,16 @@ impl LightConfig {
         let wavelengths = self.wavelength.iter().flat_map(OneOrMany::as_slice);
         let mut resolved = wavelengths.filter_map(|one| material.resolved(Some(one.0)).ok());
         material.media().is_some() && resolved.any(|one| one.has_body())
+    }
+
+    /// The directions of light around one.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if they reach below the horizon.
+    pub(crate) fn spread(&self, incidence: Incidence) -> Result<Option<Spread>, ConfigError> {
+        let spread = self.spread.map(|spread| spread.around(incidence));
+        let refused = |error: SpreadError| ConfigError::unsuitable("spread", error.to_string());
+        spread.transpose().map_err(refused)
     }
 
     /// The first wavelength, nanometres, if one is given.

@@ -39,7 +39,7 @@ pub use comparison::models::{ComparedComponent, ModelOutcome};
 pub use comparison::peak::PeakDifference;
 pub use comparison::side_difference::SideDifference;
 pub use config::case_model::CaseModel;
-pub use config::cases::{check_light, check_sides};
+pub use config::cases::{check_estimator, check_sides};
 pub use config::error::ConfigError;
 pub use config::filtering::FilteringError;
 pub use config::measured::{MeasuredConfig, UnitError};

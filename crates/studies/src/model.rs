@@ -246,8 +246,8 @@ fn layer_model(
     };
     let medium = config.medium.as_ref();
     // Lengths have no unit here
-    let layer = resolved.layer(medium, LengthUnit::Arbitrary)?;
-    let layer = layer.map(|below| below.layer).ok_or_else(|| {
+    let layers = resolved.layers(medium, LengthUnit::Arbitrary)?;
+    let layer = layers.first().copied().ok_or_else(|| {
         lacks("a medium: give --mean-free-path and --albedo, or --absorption and --scattering")
     })?;
     let Material::Dielectric { eta } = resolved.material else {

@@ -5,7 +5,7 @@ mod text;
 
 use asperity_io::write_picture;
 use asperity_render::{RenderSettings, render};
-use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
+use asperity_simulate::{Cells, Deadline, Observer, Shape};
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 
 pub use self::config::{
@@ -13,6 +13,7 @@ pub use self::config::{
 };
 pub use self::text::RenderedPicture;
 use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::given::{GivenError, GivenSurface};
@@ -65,10 +66,10 @@ impl RenderPlan {
             seed: config.run.seed,
             paths: paths.map_err(ConfigError::from)?,
             accelerator: AcceleratorKind::Auto,
-            bottom: medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named()),
             most_scatterings: medium.map_or(0, |medium| medium.max_scatterings),
         };
-        let mut shapes = surfaces.simulated(bottom, config.surface.cells.of_given())?;
+        let lowest = medium.map_or(0, MediumConfig::lowest);
+        let mut shapes = surfaces.simulated(bottom, lowest, config.surface.cells.of_given())?;
         Ok(Self {
             shape: shapes.swap_remove(0),
             config,
@@ -87,16 +88,9 @@ impl RenderPlan {
         let time = config.run.max_time.and_then(Seconds::duration);
         let resolved = config.material.resolved(config.light.wavelength)?;
         let material = resolved.material;
-        let layer = resolved.layer(config.medium.as_ref(), self.surface.unit)?;
-        let layer = layer.map(|below| below.layer);
+        let layers = resolved.layers(config.medium.as_ref(), self.surface.unit)?;
         let observer = Deadline::new(observer, time);
-        let outcome = render(
-            &self.shape,
-            material,
-            layer.as_ref(),
-            &self.settings,
-            &observer,
-        )?;
+        let outcome = render(&self.shape, material, &layers, &self.settings, &observer)?;
         let is_left_to_chance = config.surface.cells.of_given() == Cells::Smooth
             && config.medium.is_some()
             && config.lights.sun > 0.0;

@@ -23,12 +23,14 @@ mod flags;
 mod group;
 mod input_files;
 mod kind;
+pub(crate) mod layer_text;
 mod length;
 pub(crate) mod number;
 mod range;
 mod reference;
 mod refusals;
 mod setting;
+pub(crate) mod spread_text;
 mod suggestion;
 mod value_text;
 

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use asperity_optics::Material;
+use asperity_optics::{Layer, Material};
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
 
 use crate::accelerators::accelerator::BuildError;
@@ -14,7 +14,7 @@ use crate::accelerators::kind::AcceleratorKind;
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
 use crate::geometry::shape::Shape;
-use crate::interaction::layer::{LayerBelow, TracedLayerError};
+use crate::interaction::stack::{TracedLayerError, TracedStack};
 use crate::path::{Illumination, Tracer, Work};
 use crate::random::PathStream;
 use crate::ray::HalfSpace;
@@ -23,7 +23,7 @@ use crate::settings::PathSettings;
 
 /// Prepares surfaces for light. Called from any thread, for several surfaces at a time.
 pub trait Engine: Send + Sync {
-    /// Prepares a surface, and the bottom below it if it has a shape of its own, for any number of cases.
+    /// Prepares a surface, and those below it that have a shape of their own, for any number of cases.
     ///
     /// Clones of `shape` are dropped with what is returned: the memory of a surface serves the next one.
     ///
@@ -47,7 +47,7 @@ pub trait PreparedSurface: Send + Sync {
     /// The tracer of a case, or of cases that differ in a conductor alone.
     ///
     /// # Errors
-    /// [`TracedLayerError`] if the layer does not fit below the surface.
+    /// [`TracedLayerError`] if the layers do not fit below the surface.
     fn tracer(&self, case: &TracedPaths<'_>)
     -> Result<Box<dyn BatchTracer + '_>, TracedLayerError>;
 }
@@ -56,15 +56,15 @@ pub trait PreparedSurface: Send + Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct TracedPaths<'a> {
     /// The material of the interface; its indices are relative to the medium that the light comes from. Or several conductors, up
-    /// to [`MAX_CONDUCTORS`](crate::MAX_CONDUCTORS), which are traced together, and over no layer.
+    /// to [`MAX_CONDUCTORS`](crate::MAX_CONDUCTORS), which are traced together, and over no layers.
     pub materials: &'a [Material],
     /// The half space that the light comes from.
     pub incident: HalfSpace,
     /// Branching, limits, and polarisation of paths.
     pub settings: PathSettings,
-    /// The layer below the surface, if there is one.
-    pub layer: Option<LayerBelow>,
-    /// Scatterings inside the layer after which a path is truncated.
+    /// The layers below the surface, from above.
+    pub layers: &'a [Layer],
+    /// Scatterings inside layers after which a path is truncated.
     pub max_scatterings: u32,
 }
 
@@ -112,9 +112,9 @@ impl Engine for CpuEngine {
         accelerator: AcceleratorKind,
     ) -> Result<Box<dyn PreparedSurface>, BuildError> {
         match shape {
-            Shape::HeightField { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
-            Shape::Smooth { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
-            Shape::TriangleMesh { top, bottom } => prepared(top, bottom.as_ref(), accelerator),
+            Shape::HeightField { top, below } => prepared(top, below, accelerator),
+            Shape::Smooth { top, below } => prepared(top, below, accelerator),
+            Shape::TriangleMesh { top, below } => prepared(top, below, accelerator),
         }
     }
 }
@@ -125,15 +125,15 @@ struct Searched<G> {
     accelerator: Box<dyn Accelerator<G>>,
 }
 
-/// A surface, and the bottom below it if it has a shape of its own.
+/// A surface, and the bottoms of the layers below it where they have a shape of their own.
 struct OnCpu<G> {
     top: Searched<G>,
-    bottom: Option<Searched<G>>,
+    below: Vec<Option<Searched<G>>>,
 }
 
 fn prepared<G: BuildAccelerator + 'static>(
     top: &Arc<G>,
-    bottom: Option<&Arc<G>>,
+    below: &[Option<Arc<G>>],
     kind: AcceleratorKind,
 ) -> Result<Box<dyn PreparedSurface>, BuildError> {
     let searched = |geometry: &Arc<G>| {
@@ -144,7 +144,10 @@ fn prepared<G: BuildAccelerator + 'static>(
     };
     Ok(Box::new(OnCpu {
         top: searched(top)?,
-        bottom: bottom.map(searched).transpose()?,
+        below: below
+            .iter()
+            .map(|bottom| bottom.as_ref().map(searched).transpose())
+            .collect::<Result<_, _>>()?,
     }))
 }
 
@@ -177,12 +180,13 @@ impl<G: Geometry> PreparedSurface for OnCpu<G> {
             settings,
             ..
         } = *case;
-        let mut tracer =
-            Tracer::of_each(top.geometry, top.accelerator, materials, incident, settings);
-        if let Some(layer) = &case.layer {
-            let bottom = self.bottom.as_ref().map(Searched::get);
-            tracer = tracer.over(layer.traced(top, bottom, case.max_scatterings)?);
-        }
-        Ok(Box::new(tracer))
+        let below: Vec<_> = self
+            .below
+            .iter()
+            .map(|bottom| bottom.as_ref().map(Searched::get))
+            .collect();
+        let stack = TracedStack::new(top, case.layers, &below, case.max_scatterings)?;
+        let tracer = Tracer::of_each(top.geometry, top.accelerator, materials, incident, settings);
+        Ok(Box::new(tracer.over(stack)))
     }
 }

@@ -55,9 +55,7 @@ pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{CullingClass, Escape, Geometry, Nearby, Triangles};
-pub use interaction::layer::{
-    BottomSurface, DEFAULT_MAX_SCATTERINGS, LayerBelow, TracedLayer, TracedLayerError,
-};
+pub use interaction::stack::{DEFAULT_MAX_SCATTERINGS, TracedLayerError, TracedStack};
 pub use interaction::unshadowed::{
     sum_over_facets, sum_over_facets_of_conductors, unshadowed_fluxes,
 };

@@ -43,6 +43,8 @@ pub(crate) enum Use {
     Medium,
     /// Scrambling of quasi-random starts; the path is the first of its batch.
     Scramble,
+    /// Direction of light that comes from several.
+    Direction,
 }
 
 /// The random numbers of the paths on one surface.

@@ -33,7 +33,7 @@ use self::fields::Fields;
 use self::state::PathState;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
-use crate::interaction::layer::TracedLayer;
+use crate::interaction::stack::TracedStack;
 use crate::settings::{PathSettings, Polarisation};
 use crate::visibility::light_beams::LightBeams;
 
@@ -49,35 +49,40 @@ pub struct PathIntegrator<'a, G: Geometry> {
     accelerator: &'a dyn Accelerator<G>,
     material: Material,
     settings: PathSettings,
-    layer: Option<TracedLayer<'a, G>>,
+    stack: TracedStack<'a, G>,
     search: FlightSearch,
 }
 
 impl<'a, G: Geometry> PathIntegrator<'a, G> {
-    /// Light from above on a surface, and in the layer below it, if there is one.
-    ///
-    /// # Panics
-    /// If there is a layer below a surface that is not dielectric.
+    /// Light from above on a surface.
     #[must_use]
     pub fn new(
         geometry: &'a G,
         accelerator: &'a dyn Accelerator<G>,
         material: Material,
         settings: PathSettings,
-        layer: Option<TracedLayer<'a, G>>,
     ) -> Self {
-        assert!(
-            layer.is_none() || material.transmitting_index().is_some(),
-            "a layer lies below a dielectric"
-        );
         Self {
             geometry,
             accelerator,
             material,
             settings,
-            layer,
+            stack: TracedStack::default(),
             search: FlightSearch::Full,
         }
+    }
+
+    /// This integrator with layers below the surface.
+    ///
+    /// # Panics
+    /// If there are any, unless the surface is dielectric.
+    #[must_use]
+    pub fn over(self, stack: TracedStack<'a, G>) -> Self {
+        assert!(
+            stack.layers().is_empty() || self.material.transmitting_index().is_some(),
+            "layers lie below a dielectric"
+        );
+        Self { stack, ..self }
     }
 
     /// This integrator with another way to search free flights.

@@ -79,7 +79,7 @@ impl FlatLayer {
         let (ratio, near) = match side {
             Side::Reflected => (1.0 / self.eta, dielectric(c, self.eta)),
             Side::Transmitted => {
-                let eta = self.index_beyond()?;
+                let eta = self.bottom.index_beyond()?;
                 (eta, dielectric(c, 1.0 / eta))
             }
         };

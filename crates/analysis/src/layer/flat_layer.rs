@@ -1,6 +1,6 @@
 //! Flat layer model: names, parameters, validation, and the Fresnel terms of its bottom.
 
-use asperity_optics::{Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction, dielectric};
+use asperity_optics::{Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction};
 use asperity_tally::Sides;
 use serde::Serialize;
 
@@ -107,13 +107,13 @@ impl FlatLayer {
             Some(slab) => (medium.extinction() * slab.thickness, slab.bottom),
             None if medium.is_clear() => (0.0, Bottom::Open),
             // No light returns from infinite depth.
-            None => (f64::INFINITY, Bottom::Absorbing),
+            None => (f64::INFINITY, Bottom::ABSORBING),
         };
         let reason = match (bottom, paths) {
-            (Bottom::Lambertian { .. }, _) => {
+            (Bottom::Face(Material::Lambertian { reflectance }), _) if reflectance > 0.0 => {
                 "requires light to keep its angle between the faces, which a Lambertian bottom does not; use another bottom"
             }
-            (Bottom::Mirror, LayerPaths::HanrahanKrueger) => {
+            (Bottom::MIRROR, LayerPaths::HanrahanKrueger) => {
                 "leaves out the light reflected by a mirror at the bottom; use flat-layer"
             }
             _ => "",
@@ -147,35 +147,14 @@ impl FlatLayer {
     /// The sides that light leaves on.
     #[must_use]
     pub const fn sides(&self) -> Sides {
-        match self.index_beyond() {
+        match self.bottom.index_beyond() {
             Some(_) => Sides::Both,
             None => Sides::Reflected,
         }
     }
 
-    /// n_beyond / n_layer, if light leaves below.
-    pub(super) const fn index_beyond(&self) -> Option<f64> {
-        match self.bottom {
-            Bottom::Open => Some(1.0),
-            Bottom::Interface { eta } => Some(eta),
-            _ => None,
-        }
-    }
-
     /// Fresnel terms of the bottom at the cosine `mu`; absorbed light counts as transmitted.
     pub(super) fn bottom_face(&self, mu: f64) -> Fresnel {
-        match (self.bottom, self.index_beyond()) {
-            (_, Some(eta)) => dielectric(mu, eta),
-            (Bottom::Mirror, _) => Fresnel {
-                reflected: 1.0,
-                transmitted: 0.0,
-                cos_theta_t: 0.0,
-            },
-            _ => Fresnel {
-                reflected: 0.0,
-                transmitted: 1.0,
-                cos_theta_t: mu,
-            },
-        }
+        self.bottom.material().fresnel(mu)
     }
 }

@@ -43,7 +43,7 @@ pub(super) struct Range<'a> {
 impl<'a> Range<'a> {
     pub(super) fn new(layer: &'a FlatLayer, incidence: Incidence, side: Side) -> Self {
         let inside = layer.enter(incidence.wi());
-        let beyond = layer.index_beyond();
+        let beyond = layer.bottom.index_beyond();
         // Horizontal components outside at which light grazes a face, from inside or outside
         let (grazing, ratio) = match side {
             Side::Reflected => (

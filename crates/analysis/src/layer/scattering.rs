@@ -73,7 +73,7 @@ impl FlatLayer {
 
     /// Direction of light that passes both faces, if it can.
     fn straight_on(&self, wi: DVec3, inside: &Inside) -> Option<DVec3> {
-        let index = self.index_beyond()?;
+        let index = self.bottom.index_beyond()?;
         let face = self.bottom_face(inside.mu);
         let passes = inside.top.transmitted > 0.0 && face.transmitted > 0.0;
         passes.then(|| {

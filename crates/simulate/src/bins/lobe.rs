@@ -52,7 +52,7 @@ impl Lobe {
         Side::BOTH.map(|side| Self::of_side(light.incidence, material, side, slopes))
     }
 
-    /// The lobes of a case. Light that is transmitted through a layer has none, and none are known of a surface that is only described.
+    /// The lobes of a case. Light that is transmitted through layers has none, and none are known of a surface that is only described.
     #[must_use]
     pub fn of_case(case: &Case) -> [Option<Self>; 2] {
         Self::of_slopes(case, CoreSlopes::of_source(&case.surface))
@@ -61,11 +61,13 @@ impl Lobe {
     /// The lobes of a case whose surface has these slopes.
     #[must_use]
     pub fn of_slopes(case: &Case, slopes: Option<CoreSlopes>) -> [Option<Self>; 2] {
-        let Some(slopes) = slopes else {
+        // Of layers that are lit from below the lowest bottom reflects first; light of several directions has wider lobes.
+        let is_known = !case.is_turned_over() && case.light.spread.is_none();
+        let Some(slopes) = slopes.filter(|_| is_known) else {
             return [None; 2];
         };
         let [reflected, transmitted] = Self::of(&case.light, &case.material, slopes);
-        [reflected, transmitted.filter(|_| case.layer.is_none())]
+        [reflected, transmitted.filter(|_| case.layers.is_empty())]
     }
 
     fn of_side(

@@ -192,9 +192,13 @@ impl MeshErrors {
             Some(control_variate) => {
                 first_order.removed_from(&mut errors, refinement.is_some(), control_variate)
             }
-            None if case.layer.is_some() => {
+            None if !case.layers.is_empty() => {
                 let said = &mut errors.explanation.remaining;
                 said.push_str("; it is not computed for surfaces over a medium");
+            }
+            None if case.light.spread.is_some() => {
+                let said = &mut errors.explanation.remaining;
+                said.push_str("; it is not computed for light of several directions");
             }
             None if refinement.is_none() => first_order.remaining_in(&mut errors),
             None => {}

@@ -2,9 +2,10 @@
 //!
 //! Labels, folder names, titles of figures, columns of tables and members of JSON follow from the parts listed here.
 
-use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, Slab};
+use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, Slab, Spread};
 use asperity_surface::LengthUnit;
 use asperity_synthesis::SurfaceRecipe;
+use asperity_tracer::HalfSpace;
 use serde_json::{Map, Value, json};
 
 use super::case::Case;
@@ -166,14 +167,56 @@ impl<'a> MaterialWords<'a> {
 pub fn bottom_text(bottom: Bottom) -> String {
     match bottom {
         Bottom::Open => "open below".to_owned(),
-        Bottom::Interface { eta } => format!("interface of n = {} below", short(eta)),
-        Bottom::Absorbing => "absorbing bottom".to_owned(),
-        Bottom::Mirror => "mirror below".to_owned(),
-        Bottom::Lambertian { reflectance } => {
+        Bottom::ABSORBING => "absorbing bottom".to_owned(),
+        Bottom::MIRROR => "mirror below".to_owned(),
+        Bottom::Face(Material::Dielectric { eta }) => {
+            format!("interface of n = {} below", short(eta))
+        }
+        Bottom::Face(Material::Lambertian { reflectance }) => {
             format!("Lambertian bottom of reflectance {}", short(reflectance))
         }
-        _ => String::new(),
+        Bottom::Face(material) => {
+            format!(
+                "interface of {} below",
+                MaterialWords::of_material(material).in_text.text()
+            )
+        }
     }
+}
+
+/// A layer for people, as in `mean free path 0.1 um, albedo 0.9, g = 0.5, 2 um thick on a mirror`.
+fn layer_text(layer: &Layer, unit: &str) -> String {
+    let medium = layer.medium();
+    let mut text = match medium.is_clear() {
+        true => "clear".to_owned(),
+        false => {
+            let [path, albedo] = [medium.mean_free_path(), medium.albedo()].map(short);
+            format!("mean free path {path}{unit}, albedo {albedo}")
+        }
+    };
+    match medium.phase() {
+        PhaseFunction::Isotropic => {}
+        PhaseFunction::Rayleigh => text.push_str(", Rayleigh"),
+        phase => text.push_str(&format!(", g = {}", short(phase.mean_cosine()))),
+    }
+    if let Some(slab) = layer.end() {
+        let bottom = match slab.bottom {
+            Bottom::Open => "open below".to_owned(),
+            Bottom::ABSORBING => "on an absorbing bottom".to_owned(),
+            Bottom::MIRROR => "on a mirror".to_owned(),
+            Bottom::Face(Material::Lambertian { .. }) => {
+                format!("on a {}", bottom_text(slab.bottom))
+            }
+            Bottom::Face(material) => {
+                format!(
+                    "on an interface of {}",
+                    MaterialWords::of_material(material).in_text.text()
+                )
+            }
+        };
+        text.push_str(&format!(", {}{unit} thick {bottom}", short(slab.thickness)));
+    }
+    text
 }
 
 /// A layer as a part of a folder's name, as in `mfp0.1_albedo0.9_g0.5_d2`.
@@ -207,10 +250,6 @@ const fn phase_name(phase: PhaseFunction) -> &'static str {
 }
 
 impl Case {
-    fn layer(&self) -> Option<Layer> {
-        self.layer.map(|below| below.layer)
-    }
-
     /// Name of the roughness of random surfaces, and its values along the principal axes: GGX's alpha of such slopes, and the smoothness
     /// of all others.
     #[must_use]
@@ -252,33 +291,48 @@ impl Case {
         ))
     }
 
-    /// A layer below for people, as in `mean free path 0.1 um, albedo 0.9, g = 0.5, 2 um thick on a mirror`.
-    fn layer_text(&self) -> Option<String> {
-        let (layer, unit) = (self.layer()?, self.at.unit.suffix());
-        let medium = layer.medium();
-        let mut text = match medium.is_clear() {
-            true => "clear".to_owned(),
-            false => {
-                let [path, albedo] = [medium.mean_free_path(), medium.albedo()].map(short);
-                format!("mean free path {path}{unit}, albedo {albedo}")
-            }
+    /// The layers below for people, from above.
+    fn layer_texts(&self) -> impl Iterator<Item = String> {
+        let unit = self.at.unit.suffix();
+        self.layers.iter().map(move |layer| layer_text(layer, unit))
+    }
+
+    /// The side of the light, unless it is the usual one.
+    fn side_text(&self) -> Option<String> {
+        (self.light.from == HalfSpace::Below).then(|| "from below".to_owned())
+    }
+
+    /// The light for people, as in `light from above at theta 30 deg, phi 0 deg`.
+    #[must_use]
+    pub fn light_text(&self) -> String {
+        let side = match self.light.from {
+            HalfSpace::Above => "above",
+            HalfSpace::Below => "below",
         };
-        match medium.phase() {
-            PhaseFunction::Isotropic => {}
-            PhaseFunction::Rayleigh => text.push_str(", Rayleigh"),
-            phase => text.push_str(&format!(", g = {}", short(phase.mean_cosine()))),
-        }
-        if let Some(slab) = layer.end() {
-            let bottom = match slab.bottom {
-                Bottom::Open => "open below".to_owned(),
-                Bottom::Interface { eta } => format!("on an interface of n = {}", short(eta)),
-                Bottom::Absorbing => "on an absorbing bottom".to_owned(),
-                Bottom::Mirror => "on a mirror".to_owned(),
-                bottom => format!("on a {}", bottom_text(bottom)),
-            };
-            text.push_str(&format!(", {}{unit} thick {bottom}", short(slab.thickness)));
-        }
-        Some(text)
+        let incidence = self.light.incidence;
+        let (theta, phi) = (incidence.theta_deg(), incidence.phi_deg());
+        let spread = self.spread_texts().map(|[text, _]| format!(", {text}"));
+        let spread = spread.unwrap_or_default();
+        format!("light from {side} at theta {theta} deg, phi {phi} deg{spread}")
+    }
+
+    /// Directions of the light around that of incidence: for people, and as a part of a folder's name.
+    fn spread_texts(&self) -> Option<[String; 2]> {
+        let degrees = |angle: f64| short((angle.to_degrees() * 1e9).round() / 1e9);
+        Some(match self.light.spread? {
+            Spread::Cone { half_angle } => {
+                let angle = degrees(half_angle);
+                [format!("cone of {angle} deg"), format!("cone{angle}")]
+            }
+            Spread::Patch { theta, phi } => {
+                let [a, b] = theta.map(degrees);
+                let [c, d] = phi.map(degrees);
+                [
+                    format!("theta {a} to {b}, phi {c} to {d} deg"),
+                    format!("patch{a}-{b}x{}", degrees(phi[1] - phi[0])),
+                ]
+            }
+        })
     }
 
     /// The parts of a label: surface, material, further quantities, light, layer.
@@ -291,7 +345,9 @@ impl Case {
         parts.extend(self.at.others.iter().map(Coordinate::text));
         let theta = short(self.light.incidence.theta_deg());
         parts.push(part("theta", format!("{theta} deg")));
-        parts.extend(self.layer_text());
+        parts.extend(self.side_text());
+        parts.extend(self.spread_texts().map(|[text, _]| text));
+        parts.extend(self.layer_texts());
         parts
     }
 
@@ -327,7 +383,8 @@ impl Case {
         if is_given {
             parts.push(format!("φᵢ = {}°", short(incidence.phi_deg())));
         }
-        parts.extend(self.layer_text());
+        parts.extend(self.side_text());
+        parts.extend(self.layer_texts());
         parts.join(", ")
     }
 
@@ -336,12 +393,13 @@ impl Case {
     pub fn folder(&self) -> String {
         let theta = format!("theta{}", short(self.light.incidence.theta_deg()));
         let roughness = self.roughness_part();
-        let layer = self.layer().map(|layer| layer_tag(&layer));
+        let layers: Vec<String> = self.layers.iter().map(layer_tag).collect();
         // On a given surface the light stands last.
         let (before, after) = match roughness {
-            Some(_) => (None, layer),
-            None => (layer, None),
+            Some(_) => (Vec::new(), layers),
+            None => (layers, Vec::new()),
         };
+        let from = (self.light.from == HalfSpace::Below).then(|| "below".to_owned());
         let others = self.at.others.iter();
         let roughness = roughness.map(|part| match part.name.as_str() {
             GGX_ALPHA => format!("alpha{}", part.value),
@@ -353,6 +411,8 @@ impl Case {
             .chain(before)
             .chain(others.map(|one| format!("{}{}", one.name, short(one.value))))
             .chain([theta])
+            .chain(self.spread_texts().map(|[_, tag]| tag))
+            .chain(from)
             .chain(after);
         parts.collect::<Vec<_>>().join("_")
     }
@@ -367,7 +427,7 @@ impl Case {
     /// Surface, material and layer, quantity by quantity.
     #[must_use]
     pub fn setting_parts(&self) -> Vec<CasePart> {
-        use CaseGroup::{Layer, Material, Other, Surface};
+        use CaseGroup::{Layer, Light, Material, Other, Surface};
         let part = CasePart::new;
         let mut parts = Vec::new();
         parts.extend(self.roughness_part());
@@ -381,29 +441,38 @@ impl Case {
             }
             _ => MaterialWords::of(self).in_figures,
         });
-        if let Some(layer) = self.layer() {
+        for (number, layer) in (1..).zip(&self.layers) {
+            let named = |name: &str| match number {
+                1 => name.to_owned(),
+                _ => format!("{name} of layer {number}"),
+            };
             let length = |length| format!("{}{}", short(length), self.at.unit.suffix());
             let medium = layer.medium();
             if medium.is_clear() {
-                parts.push(CasePart::bare(Layer, "medium", "clear medium".to_owned()));
+                let clear = "clear medium".to_owned();
+                parts.push(CasePart::bare(Layer, &named("medium"), clear));
             } else {
                 let path = length(medium.mean_free_path());
-                parts.push(part(Layer, "mean free path", path));
-                parts.push(part(Layer, "albedo", short(medium.albedo())));
+                parts.push(part(Layer, &named("mean free path"), path));
+                parts.push(part(Layer, &named("albedo"), short(medium.albedo())));
                 parts.push(match medium.phase() {
                     PhaseFunction::Rayleigh => {
-                        CasePart::bare(Layer, "phase", "Rayleigh".to_owned())
+                        CasePart::bare(Layer, &named("phase"), "Rayleigh".to_owned())
                     }
-                    phase => part(Layer, "g", short(phase.mean_cosine())),
+                    phase => part(Layer, &named("g"), short(phase.mean_cosine())),
                 });
             }
             if let Some(slab) = layer.end() {
-                parts.push(part(Layer, "thickness", length(slab.thickness)));
-                parts.push(CasePart::bare(Layer, "bottom", bottom_text(slab.bottom)));
+                let bottom = bottom_text(slab.bottom);
+                parts.push(part(Layer, &named("thickness"), length(slab.thickness)));
+                parts.push(CasePart::bare(Layer, &named("bottom"), bottom));
             }
         }
         let others = self.at.others.iter();
         parts.extend(others.map(|one| part(Other, &one.symbol, one.value_text())));
+        let side = self.side_text();
+        let side = side.unwrap_or_else(|| "from above".to_owned());
+        parts.push(CasePart::bare(Light, "light", side));
         parts
     }
 
@@ -433,8 +502,9 @@ impl Case {
             | asperity_optics::Material::Coated { kappa, .. } => Some(kappa),
             _ => None,
         };
-        let medium: Option<ParticipatingMedium> = self.layer().map(|layer| layer.medium());
-        let slab: Option<Slab> = self.layer().and_then(|layer| layer.end());
+        let layer = self.layers.first();
+        let medium: Option<ParticipatingMedium> = layer.map(|layer| layer.medium());
+        let slab: Option<Slab> = layer.and_then(|layer| layer.end());
         // That of a clear medium is infinite, which no field holds.
         let path = medium.map(|medium| medium.mean_free_path());
         let path = path.filter(|path| path.is_finite());
@@ -527,6 +597,13 @@ impl Case {
             )
         }));
         columns.push(column(
+            Other,
+            "from",
+            "",
+            "half space that the light comes from",
+            json!(self.light.from),
+        ));
+        columns.push(column(
             Light,
             "theta_deg",
             "deg",
@@ -557,8 +634,13 @@ impl Case {
         let recipe = recipe.map(|recipe| ("psd", json!(recipe)));
         self.insert_into(&mut out, recipe);
         let incidence = self.light.incidence;
-        let angles = json!({ "theta_deg": incidence.theta_deg(), "phi_deg": incidence.phi_deg() });
-        out.insert("incidence".to_owned(), angles);
+        let incidence = json!({
+            "from": self.light.from,
+            "theta_deg": incidence.theta_deg(),
+            "phi_deg": incidence.phi_deg(),
+            "spread": self.light.spread,
+        });
+        out.insert("incidence".to_owned(), incidence);
         Value::Object(out)
     }
 
@@ -566,11 +648,11 @@ impl Case {
     fn insert_into(&self, out: &mut Map<String, Value>, surface: Option<(&str, Value)>) {
         let is_physical = self.at.unit != LengthUnit::Arbitrary;
         let unit = is_physical.then(|| ("unit", json!(self.at.unit)));
-        let layer = self.layer().map(|layer| ("layer", json!(layer)));
+        let layers = (!self.layers.is_empty()).then(|| ("layers", json!(self.layers)));
         let material = Some(("material", json!(self.material)));
         let name = self.at.material.as_ref();
         let name = name.map(|name| ("material_name", json!(name)));
-        let members = [surface, unit, name, material, layer];
+        let members = [surface, unit, name, material, layers];
         let members = members.into_iter().flatten();
         out.extend(members.map(|(key, value)| (key.to_owned(), value)));
         if let Some((GGX_ALPHA, [alpha, _])) = self.roughness() {

@@ -1,5 +1,7 @@
 //! Described shape: a given surface without its points, and a hash that distinguishes them.
 
+use std::sync::Arc;
+
 use asperity_numerics::fnv1a;
 use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_tracer::{Geometry, MeshSurface, Shape, Triangles};
@@ -7,15 +9,16 @@ use serde::{Deserialize, Serialize};
 
 use super::cells::Cells;
 
-/// A given surface, and the bottom below it where that has a shape of its own, without their points.
+/// A given surface, and the bottoms of the layers below it where they have a shape of their own, without their points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DescribedShape {
     /// Cells between heights; `None` for a triangle mesh.
     pub cells: Option<Cells>,
     /// The surface.
     pub top: DescribedSurface,
-    /// The bottom.
-    pub bottom: Option<DescribedSurface>,
+    /// The bottoms of the layers, from above.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub below: Vec<Option<DescribedSurface>>,
 }
 
 /// A surface without its points.
@@ -37,23 +40,26 @@ impl DescribedShape {
     /// Describes a shape, whose points are all read once.
     #[must_use]
     pub fn of(shape: &Shape) -> Self {
-        let (top, bottom) = match shape {
-            Shape::HeightField { top, bottom } => {
-                let bottom = bottom.as_ref().map(|bottom| of_heights(bottom.field()));
-                (of_heights(top.field()), bottom)
+        fn with_bottoms<G>(
+            (top, below): (&Arc<G>, &[Option<Arc<G>>]),
+            of: impl Fn(&G) -> DescribedSurface,
+        ) -> (DescribedSurface, Vec<Option<DescribedSurface>>) {
+            let bottoms = below.iter().map(|bottom| Some(of(bottom.as_ref()?)));
+            (of(top), bottoms.collect())
+        }
+        let (top, below) = match shape {
+            Shape::HeightField { top, below } => {
+                with_bottoms((top, below), |surface| of_heights(surface.field()))
             }
-            Shape::Smooth { top, bottom } => {
-                let bottom = bottom.as_ref().map(|bottom| of_spline(bottom.spline()));
-                (of_spline(top.spline()), bottom)
+            Shape::Smooth { top, below } => {
+                with_bottoms((top, below), |surface| of_spline(surface.spline()))
             }
-            Shape::TriangleMesh { top, bottom } => {
-                (of_mesh(top), bottom.as_ref().map(|bottom| of_mesh(bottom)))
-            }
+            Shape::TriangleMesh { top, below } => with_bottoms((top, below), of_mesh),
         };
         Self {
             cells: Cells::of(shape),
             top,
-            bottom,
+            below,
         }
     }
 }

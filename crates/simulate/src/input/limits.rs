@@ -188,7 +188,7 @@ fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), S
     })
 }
 
-/// Bytes that tracing a shape takes, with its bottom, in addition to what it holds.
+/// Bytes that tracing a shape takes, with its bottoms, in addition to what it holds.
 pub(crate) fn shape_bytes(shape: &Shape, accelerator: AcceleratorKind, refine: bool) -> usize {
     let of_one = match shape {
         Shape::HeightField { top, .. } => {
@@ -199,7 +199,7 @@ pub(crate) fn shape_bytes(shape: &Shape, accelerator: AcceleratorKind, refine: b
         Shape::Smooth { top, .. } => smooth_accelerator_bytes(top.spline().shape(), accelerator),
         Shape::TriangleMesh { top, .. } => hierarchy_bytes(top.facet_count()),
     };
-    of_one.saturating_mul(1 + usize::from(shape.has_bottom()))
+    of_one.saturating_mul(shape.surfaces())
 }
 
 /// Refuses a shape whose tracing takes more memory than is left.

@@ -116,17 +116,17 @@ impl Quantity {
         self,
         spec: &TallySpec,
         material: Material,
-        layer: Option<&Layer>,
+        layers: &[Layer],
     ) -> Result<(), TargetError> {
         let reason = match (self, material) {
             (Self::Transmitted, _) if material.transmitting_index().is_none() => {
                 "nothing is transmitted by a conductor or a mirror"
             }
-            (Self::Transmitted, _) if layer.is_some_and(|layer| !layer.transmits()) => {
+            (Self::Transmitted, _) if !layers.iter().all(Layer::transmits) => {
                 "nothing leaves below this medium"
             }
             (Self::Absorbed, _)
-                if layer.is_none() && !material.absorbs() && !material.is_diffuse() =>
+                if layers.is_empty() && !material.absorbs() && !material.is_diffuse() =>
             {
                 "nothing is absorbed by a dielectric or a mirror"
             }
@@ -222,9 +222,9 @@ impl Target {
         &self,
         spec: &TallySpec,
         material: Material,
-        layer: Option<&Layer>,
+        layers: &[Layer],
     ) -> Result<(), TargetError> {
-        self.of.check(spec, material, layer)
+        self.of.check(spec, material, layers)
     }
 }
 

@@ -39,7 +39,8 @@ impl AnalyticResult {
             case.light.is_polarised() || settings.tally.polarimetry() == Polarimetry::Mueller;
         let is_gaussian = recipe.gaussian().is_some();
         if settings.estimator == Estimator::Plain
-            || case.layer.is_some()
+            || !case.layers.is_empty()
+            || case.light.spread.is_some()
             || is_polarised
             || !is_gaussian
             || case.material.is_diffuse()

@@ -121,7 +121,7 @@ impl Method {
 
     /// The method for a case of random surfaces, before its bins are folded.
     ///
-    /// No control variate knows of a layer. The result of one surface alone is reported as it is, without the
+    /// No control variate knows of a layer, or of several directions of light. The result of one surface alone is reported as it is, without the
     /// mean of others, unless the estimator is named.
     fn with_any_control(
         case: &Case,
@@ -133,7 +133,7 @@ impl Method {
             Estimator::Auto => one_surface,
             named => named == Estimator::Plain,
         };
-        if is_plain || case.layer.is_some() {
+        if is_plain || !case.layers.is_empty() || case.light.spread.is_some() {
             return Ok(Self::plain(settings));
         }
         if case.material.is_diffuse() {
@@ -211,6 +211,7 @@ impl Method {
     pub(crate) const fn illumination(&self, light: &Light, sampling: Sampling) -> Illumination {
         Illumination {
             incidence: light.incidence,
+            spread: light.spread,
             any_azimuth: light.random_azimuth,
             sampling,
             starts: self.starts,

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction};
 use asperity_simulate::{
-    BottomSurface, Case, Effort, Estimator, LayerBelow, Light, Quantity, Regions, Settings, Shape,
-    Silent, Simulation, SurfaceSource,
+    BottomSurface, Case, Effort, Estimator, Light, Quantity, Regions, Settings, Shape, Silent,
+    Simulation, SurfaceSource,
 };
 use asperity_synthesis::{Psd, Synthesis};
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
@@ -89,11 +89,11 @@ impl BatchTracer for Counted<Box<dyn BatchTracer + '_>> {
 fn the_given_engine_prepares_each_surface_once_and_traces_all_rays() {
     let medium =
         ParticipatingMedium::from_mean_free_path(20.0, 0.9, PhaseFunction::Isotropic).unwrap();
-    let layer = Layer::slab(medium, 40.0, Bottom::Mirror).unwrap();
-    let over = |bottom| LayerBelow { layer, bottom };
+    let layer = Layer::slab(medium, 40.0, Bottom::MIRROR).unwrap();
     let rough = Rough::smooth(2.0, 4.0, 32);
-    let random = [None, Some(over(BottomSurface::Independent))].map(|layer| Case {
-        layer,
+    let over = vec![layer.on(BottomSurface::Independent)];
+    let random = [Vec::new(), over].map(|layers| Case {
+        layers,
         ..rough.case(glass(), 30.0)
     });
     let psd = Psd::gaussian(2.0, 4.0).unwrap();

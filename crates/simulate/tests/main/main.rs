@@ -20,6 +20,7 @@ mod regions;
 mod resuming;
 mod sharing;
 mod smooth;
+mod stacks;
 mod stopping;
 mod streaming;
 mod support;

@@ -17,6 +17,7 @@ fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
     let light = Light {
         incidence: Incidence::from_degrees(0.0, 0.0).unwrap(),
         from: HalfSpace::Above,
+        spread: None,
         random_azimuth: true,
         stokes: [0.0; 3],
     };

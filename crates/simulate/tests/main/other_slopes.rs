@@ -99,6 +99,7 @@ fn structured_surfaces_have_no_control_variate() {
     let light = Light {
         incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
         from: HalfSpace::Above,
+        spread: None,
         random_azimuth: false,
         stokes: [0.0; 3],
     };

@@ -51,6 +51,7 @@ pub(crate) fn lit(surfaces: impl Into<RandomSurfaces>, material: Material, theta
     let light = Light {
         incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
         from: HalfSpace::Above,
+        spread: None,
         random_azimuth: true,
         stokes: [0.0; 3],
     };

@@ -20,18 +20,20 @@ pub(crate) struct ModelledSurface {
     /// errors.
     pub(crate) is_nearly_isotropic: bool,
     pub(crate) material: Material,
-    /// The layer below, if there is one.
-    pub(crate) layer: Option<Layer>,
+    /// The layers below.
+    pub(crate) layers: Vec<Layer>,
 }
 
 impl ModelledSurface {
     /// Surface of a case on random surfaces; `None` for a given surface.
     pub(crate) fn of(case: &Case) -> Option<Self> {
+        let slopes = slope_distribution(case.surface.recipe()?);
+        let (material, layers) = case.towards_light()?;
         Some(Self {
-            slopes: slope_distribution(case.surface.recipe()?),
+            slopes,
             is_nearly_isotropic: false,
-            material: case.material,
-            layer: case.layer.map(|below| below.layer),
+            material,
+            layers,
         })
     }
 
@@ -73,12 +75,16 @@ impl CaseModel {
             name: name.to_owned(),
             has_medium,
         };
-        match (&surface.layer, surface.material, LayerPaths::by_name(name)) {
-            (Some(layer), Material::Dielectric { eta }, Some(paths)) => {
+        match (
+            surface.layers.as_slice(),
+            surface.material,
+            LayerPaths::by_name(name),
+        ) {
+            ([layer], Material::Dielectric { eta }, Some(paths)) => {
                 Ok(Self::Layer(FlatLayer::new(eta, layer, paths)?))
             }
-            (Some(_), ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
-            (None, _, Some(_)) => Err(of_other_layers(false)),
+            ([_, ..], ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
+            ([], _, Some(_)) => Err(of_other_layers(false)),
             _ => match surface.model(name) {
                 Ok(model) => Ok(Self::Surface(model)),
                 Err(error) => Err(ConfigError::RefusedModel {

@@ -7,7 +7,7 @@ use asperity_optics::{Layer, Material};
 use asperity_simulate::{Case, Estimator};
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Side, Sides};
-use asperity_tracer::{AcceleratorKind, HalfSpace, Polarisation};
+use asperity_tracer::{AcceleratorKind, Polarisation};
 
 use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
@@ -44,25 +44,25 @@ impl VerifyConfig {
             ));
         }
         if self.medium.is_some() {
-            check_light(self.light.from.into(), self.run.estimator)?;
+            check_estimator(self.run.estimator)?;
         }
         if is_random && self.run.accelerator == AcceleratorKind::Flat {
             return Err(flat_accelerator());
         }
         let mut names = BTreeSet::new();
         for case in cases {
-            let layer = case.layer.map(|below| below.layer);
             if !names.insert(case.direction_name()) {
                 return Err(ConfigError::SameFolder {
                     folder: case.folder(),
                 });
             }
-            check_sides(self.run.side, case.material, layer.as_ref())?;
+            check_sides(self.run.side, case.material, &case.layers)?;
             if let Some(target) = settings.target() {
-                target.check(&settings.tally, case.material, layer.as_ref())?;
+                target.check(&settings.tally, case.material, &case.layers)?;
             }
             if !self.compare.models.is_empty() {
                 check_unpolarised(case.light.stokes)?;
+                check_one_direction(case.light.spread.is_some())?;
             }
             if let Some(modelled) = ModelledSurface::of(case) {
                 check_models(&self.compare.models, &modelled, self.run.side)?;
@@ -84,6 +84,15 @@ pub(crate) fn flat_accelerator() -> ConfigError {
 pub(crate) fn check_unpolarised(stokes: [f64; 3]) -> Result<(), ConfigError> {
     if stokes != [0.0; 3] {
         let needed = "unpolarised light; leave out stokes, or the models";
+        return Err(ConfigError::missing("a comparison with models", needed));
+    }
+    Ok(())
+}
+
+/// Checks that light comes from one direction, as models have it.
+pub(crate) fn check_one_direction(has_spread: bool) -> Result<(), ConfigError> {
+    if has_spread {
+        let needed = "light of one direction; leave out spread, or the models";
         return Err(ConfigError::missing("a comparison with models", needed));
     }
     Ok(())
@@ -119,15 +128,11 @@ pub(crate) fn check_models(
 ///
 /// # Errors
 /// [`ConfigError::NothingTransmitted`] if only transmitted light is recorded, but the layer or the material transmits none.
-pub fn check_sides(
-    sides: Sides,
-    material: Material,
-    layer: Option<&Layer>,
-) -> Result<(), ConfigError> {
+pub fn check_sides(sides: Sides, material: Material, layers: &[Layer]) -> Result<(), ConfigError> {
     if sides != Sides::Transmitted {
         return Ok(());
     }
-    if layer.is_some_and(|layer| !layer.transmits()) {
+    if !layers.iter().all(Layer::transmits) {
         return Err(ConfigError::NothingTransmitted { by: None });
     }
     match material.transmitting_index() {
@@ -138,15 +143,11 @@ pub fn check_sides(
     }
 }
 
-/// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
+/// Checks how light on a surface with a medium below is to be estimated.
 ///
 /// # Errors
-/// [`ConfigError::Setting`] and [`ConfigError::Simulate`].
-pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
-    if incident == HalfSpace::Below {
-        let needed = "light that comes from above";
-        return Err(ConfigError::missing("a medium below the surface", needed));
-    }
+/// [`ConfigError::Simulate`] for the controlled estimator.
+pub fn check_estimator(estimator: Estimator) -> Result<(), ConfigError> {
     if estimator == Estimator::Controlled {
         return Err(ConfigError::no_control_variate(
             "does not support a medium below the surface; take auto or plain",

@@ -81,6 +81,20 @@ impl MaterialConfig {
         }
     }
 
+    /// The same interface for light from the other side, where indices are relative to the medium of the light.
+    pub(crate) fn other_side(&self) -> Self {
+        match self {
+            Self::Dielectric { eta } => {
+                let given = eta.clone().unwrap_or(OneOrMany::One(Number(GLASS)));
+                let eta = given.as_slice().iter().map(|eta| Number(1.0 / eta.0));
+                Self::Dielectric {
+                    eta: Some(OneOrMany::Many(eta.collect())),
+                }
+            }
+            other => other.clone(),
+        }
+    }
+
     /// The named media, if there are any.
     pub(crate) const fn media(&self) -> Option<&Media> {
         match self {

@@ -6,9 +6,8 @@
 //! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real, which changes its
 //!   reflectance by about `(k / n)^2`, but by more near the critical angle of light from a medium of higher index.
 
-mod film_layer;
-mod named_material;
 mod resolved;
+mod stack;
 
 use std::f64::consts::PI;
 
@@ -16,10 +15,10 @@ use asperity_optics::{Film, Films, Material};
 use asperity_simulate::short;
 use serde::{Deserialize, Serialize};
 
-use self::film_layer::FilmLayer;
-use self::named_material::NamedMaterial;
 pub(crate) use self::resolved::{NamedMedia, Resolved};
 use crate::config::error::ConfigError;
+use crate::config::film_layer::FilmLayer;
+use crate::config::named_material::NamedMaterial;
 use crate::config::values::{Number, OneOrMany};
 
 /// Depth in wavelengths at which 1/e of the light is left, below which a medium is opaque.
@@ -73,25 +72,12 @@ impl Media {
             None => 1.0,
             Some(named) => clear_index(named, of(named)?, wavelength_nm)?,
         };
-        let films = self.films().iter().map(|film| {
-            let [n, k] = of(&film.material)?;
-            Ok(Film {
-                eta: n / above,
-                kappa: k / above,
-                phase: 2.0 * PI * film.thickness_nm * above / wavelength_nm,
-            })
-        });
-        let films = films.collect::<Result<Vec<Film>, ConfigError>>()?;
+        let films = layers_of_film(self.films(), above, wavelength_nm, of)?;
         let [n, k] = of(&self.below)?;
         let (eta, kappa) = (n / above, k / above);
         let is_opaque = is_opaque(k);
         let has_body = self.has_body.unwrap_or_else(|| is_body(k, wavelength_nm));
-        let material = match (films.as_slice(), is_opaque) {
-            ([], true) => Material::conductor(eta, kappa)?,
-            ([], false) => Material::dielectric(eta)?,
-            (films, true) => Material::coated(Films::new(films)?, eta, kappa)?,
-            (films, false) => Material::coated(Films::new(films)?, eta, 0.0)?,
-        };
+        let material = face(&films, [eta, kappa], is_opaque)?;
         Ok(Resolved {
             material,
             named: Some(NamedMedia {
@@ -100,6 +86,7 @@ impl Media {
                 index_above: above,
                 absorption: 4.0 * PI * k / wavelength_nm,
                 has_body: k > 0.0 && !is_opaque && has_body,
+                kappa: given,
             }),
         })
     }
@@ -167,6 +154,34 @@ impl Media {
     fn films(&self) -> &[FilmLayer] {
         self.film.as_ref().map_or(&[], OneOrMany::as_slice)
     }
+}
+
+/// The layers of a film between media, the first of which has the index `n_above`; `of`: the index of a material.
+fn layers_of_film(
+    films: &[FilmLayer],
+    n_above: f64,
+    wavelength_nm: f64,
+    of: impl Fn(&NamedMaterial) -> Result<[f64; 2], ConfigError>,
+) -> Result<Vec<Film>, ConfigError> {
+    let layer = |film: &FilmLayer| {
+        let [n, k] = of(&film.material)?;
+        Ok(Film {
+            eta: n / n_above,
+            kappa: k / n_above,
+            phase: 2.0 * PI * film.thickness_nm * n_above / wavelength_nm,
+        })
+    };
+    films.iter().map(layer).collect()
+}
+
+/// The material of a face: a substrate of relative index `eta + i kappa`, opaque or not, under thin films.
+fn face(films: &[Film], [eta, kappa]: [f64; 2], is_opaque: bool) -> Result<Material, ConfigError> {
+    let kappa = if is_opaque { kappa } else { 0.0 };
+    Ok(match (films, is_opaque) {
+        ([], true) => Material::conductor(eta, kappa)?,
+        ([], false) => Material::dielectric(eta)?,
+        (films, _) => Material::coated(Films::new(films)?, eta, kappa)?,
+    })
 }
 
 /// Returns `true` if a medium of this absorption index lets no light through.
@@ -255,17 +270,17 @@ mod tests {
             Material::Conductor { .. }
         ));
         let red = silicon(800.0);
-        let layer = red.layer.unwrap().layer;
+        let layer = red.layers[0];
         assert!(matches!(red.material, Material::Dielectric { eta } if (3.6..3.8).contains(&eta)));
         // 1 / 11.8 um
         let absorption = layer.medium().extinction() * (1.0 - layer.medium().albedo());
         assert!((0.06..0.11).contains(&absorption), "{absorption}");
-        assert!(case("kind = \"water\"", 550.0).layer.is_none());
+        assert!(case("kind = \"water\"", 550.0).layers.is_empty());
         // 50 um at 2 um: the body is one at all wavelengths, or at none
         let both = cases(SURFACE, "kind = \"water\"", "[550, 2000]").unwrap();
-        assert!(both.iter().all(|case| case.layer.is_some()));
+        assert!(both.iter().all(|case| !case.layers.is_empty()));
         let slab = case("kind = \"water\"\n[medium]\nthickness = \"2mm\"", 700.0);
-        assert!(slab.layer.unwrap().layer.medium().extinction() > 0.0);
+        assert!(slab.layers[0].medium().extinction() > 0.0);
     }
 
     /// A film whose index is that of the medium above changes nothing.

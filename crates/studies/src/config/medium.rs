@@ -4,10 +4,13 @@ use asperity_simulate::BottomSurface;
 
 use std::path::{Path, PathBuf};
 
-use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction};
+use asperity_optics::{ParticipatingMedium, PhaseFunction};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
+use crate::config::film_layer::FilmLayer;
+use crate::config::layer_config::LayerConfig;
+use crate::config::named_material::NamedMaterial;
 use crate::config::values::{Number, OneOrMany};
 
 /// The phase functions by name.
@@ -98,9 +101,18 @@ pub struct MediumConfig {
     /// Fraction of the light that a Lambertian bottom reflects; all of it unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom_reflectance: Option<Number>,
+    /// Material beyond an interface; that of the medium above unless given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) bottom_material: Option<NamedMaterial>,
+    /// Thin films on an interface, from above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) bottom_film: Option<OneOrMany<FilmLayer>>,
     /// The shape of the bottom.
     #[serde(default)]
     pub bottom_surface: BottomShape,
+    /// Further layers below that of `thickness`, from above; the bottom is that of the lowest.
+    #[serde(default, rename = "layer", skip_serializing_if = "Option::is_none")]
+    pub(super) layers: Option<OneOrMany<LayerConfig>>,
     /// Scatterings after which a path is truncated.
     #[serde(default)]
     pub max_scatterings: u32,
@@ -145,34 +157,16 @@ impl Interactions {
 }
 
 impl MediumConfig {
-    /// Returns the layer of a configuration without lists, below a surface of `material`; `absorption`: that of the material itself,
-    /// 1 / length unit.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is out of range, or the material transmits no light.
-    pub fn layer(&self, material: Material, absorption: f64) -> Result<Layer, ConfigError> {
-        let Some(eta) = material.transmitting_index() else {
-            return Err(ConfigError::medium_below(material));
-        };
-        let medium = self.participating_medium()?;
-        let medium = match absorption > 0.0 {
-            false => medium,
-            true => ParticipatingMedium::from_coefficients(
-                medium.extinction() * (1.0 - medium.albedo()) + absorption,
-                medium.extinction() * medium.albedo(),
-                medium.phase(),
-            )?,
-        };
-        match &self.thickness {
-            None => Ok(Layer::half_space(medium)),
-            Some(thickness) => {
-                let thickness = thickness.one("thickness")?.0;
-                Ok(Layer::slab(medium, thickness, self.bottom(eta))?)
-            }
-        }
+    /// Number of the lowest layer.
+    #[must_use]
+    pub fn lowest(&self) -> usize {
+        self.layers
+            .as_ref()
+            .map_or(0, |layers| layers.as_slice().len())
     }
 
-    fn participating_medium(&self) -> Result<ParticipatingMedium, ConfigError> {
+    /// The medium below the surface, of a configuration without lists.
+    pub(super) fn participating_medium(&self) -> Result<ParticipatingMedium, ConfigError> {
         let phase = match (self.phase, &self.g) {
             (_, Some(g)) => PhaseFunction::henyey_greenstein(g.one("g")?.0)?,
             (Some(PhaseKind::Rayleigh), None) => PhaseFunction::Rayleigh,
@@ -200,21 +194,6 @@ impl MediumConfig {
             }
         })
     }
-
-    /// Returns the end of a layer below a surface of index `eta`.
-    fn bottom(&self, eta: f64) -> Bottom {
-        match self.bottom.unwrap_or(BottomKind::Interface) {
-            BottomKind::Open => Bottom::Open,
-            BottomKind::Interface => Bottom::Interface {
-                eta: self.bottom_eta.map_or(1.0 / eta, |eta| eta.0),
-            },
-            BottomKind::Absorbing => Bottom::Absorbing,
-            BottomKind::Mirror => Bottom::Mirror,
-            BottomKind::Lambertian => Bottom::Lambertian {
-                reflectance: self.bottom_reflectance.map_or(1.0, |fraction| fraction.0),
-            },
-        }
-    }
 }
 
 #[cfg(test)]
@@ -240,10 +219,6 @@ mod tests {
     fn contradictions_are_refused_in_one_sentence() {
         let path = "mean_free_path = 1\nalbedo = 0.9";
         for (text, expected) in [
-            (
-                "",
-                "a medium needs mean_free_path and albedo, or absorption and scattering",
-            ),
             ("mean_free_path = 1", "needs albedo"),
             ("albedo = 0.9", "needs mean_free_path"),
             ("mean_free_path = 1\nabsorption = 1", "excludes"),

@@ -7,9 +7,9 @@ use asperity_optics::Incidence;
 use asperity_simulate::{Case, Coordinates, Light, SurfaceSource};
 use serde_json::{Value, json};
 
-use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
+use crate::config::{Incident, VerifyConfig};
 
 /// Most cases of a sweep.
 const MAX_CASES: f64 = 20_000.0;
@@ -94,7 +94,19 @@ impl VerifyConfig {
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
         config.material.prepare(config.light.wavelength.as_ref())?;
-        expanded(&config, &DIMENSIONS)
+        let mut singles = Vec::new();
+        for side in self.light.from.sides() {
+            let mut config = config.clone();
+            config.light.from = *side;
+            if self.light.from == Incident::Both
+                && *side == Incident::Below
+                && self.medium.is_none()
+            {
+                config.material = config.material.other_side();
+            }
+            singles.extend(expanded(&config, &DIMENSIONS)?);
+        }
+        Ok(singles)
     }
 
     /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given
@@ -137,20 +149,19 @@ impl VerifyConfig {
         at: Coordinates,
     ) -> Result<Case, ConfigError> {
         let from = self.light.from.into();
-        let material = self
-            .material
-            .resolved(self.light.wavelength_nm())?
-            .seen_from(from)?;
-        let layer = material.layer(self.medium.as_ref(), at.unit)?;
+        let resolved = self.material.resolved(self.light.wavelength_nm())?;
+        let (material, layers) = resolved.over_layers(self.medium.as_ref(), at.unit, from)?;
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
+        let incidence = Incidence::from_degrees(theta.0, phi.0)?;
         let light = Light {
-            incidence: Incidence::from_degrees(theta.0, phi.0)?,
+            incidence,
             from,
+            spread: self.light.spread(incidence)?,
             random_azimuth: self.any_azimuth(),
             stokes: self.light.stokes(self.run.polarisation)?,
         };
         Ok(Case {
-            layer,
+            layers,
             at: material.coordinates(at),
             ..Case::new(surface, material.material, light)
         })

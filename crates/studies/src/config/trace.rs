@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
 use crate::config::case_model::ModelledSurface;
-use crate::config::cases::{check_light, check_models, check_sides, check_unpolarised};
+use crate::config::cases::{
+    check_estimator, check_models, check_one_direction, check_sides, check_unpolarised,
+};
 use crate::config::error::ConfigError;
 use crate::config::media::Resolved;
 use crate::config::medium::MediumConfig;
@@ -74,15 +76,25 @@ impl TraceConfig {
     pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
         config.material.prepare(config.light.wavelength.as_ref())?;
-        expanded(&config, &DIMENSIONS)
+        let mut singles = Vec::new();
+        for side in self.light.from.sides() {
+            let mut config = config.clone();
+            config.light.from = *side;
+            if self.light.from == Incident::Both
+                && *side == Incident::Below
+                && self.medium.is_none()
+            {
+                config.material = config.material.other_side();
+            }
+            singles.extend(expanded(&config, &DIMENSIONS)?);
+        }
+        Ok(singles)
     }
 
-    /// The material of a configuration without lists.
-    fn resolved(&self) -> Result<Resolved, ConfigError> {
-        let wavelength = self.light.wavelength_nm();
-        self.material
-            .resolved(wavelength)?
-            .seen_from(self.light.from.into())
+    /// The material of a configuration without lists, and the layers below it, in lengths of `unit`.
+    fn resolved(&self, unit: LengthUnit) -> Result<(Resolved, Vec<Layer>), ConfigError> {
+        let resolved = self.material.resolved(self.light.wavelength_nm())?;
+        resolved.over_layers(self.medium.as_ref(), unit, self.light.from.into())
     }
 
     /// The case of this configuration without lists on `surface`, whose lengths are in `unit`, in bins around the lobes of `slopes`.
@@ -96,8 +108,7 @@ impl TraceConfig {
         unit: LengthUnit,
     ) -> Result<Case, ConfigError> {
         self.check_in(unit)?;
-        let material = self.resolved()?;
-        let layer = material.layer(self.medium.as_ref(), unit)?;
+        let (material, layers) = self.resolved(unit)?;
         let at = Coordinates {
             unit,
             ..Coordinates::default()
@@ -107,10 +118,11 @@ impl TraceConfig {
             at: material.coordinates(at),
             surface,
             material: material.material,
-            layer,
+            layers,
             light: Light {
                 incidence: self.incidence()?,
                 from: self.light.from.into(),
+                spread: self.light.spread(self.incidence()?)?,
                 random_azimuth: self.light.azimuth == Some(Azimuth::Random),
                 stokes: self.light.stokes(self.run.polarisation)?,
             },
@@ -131,25 +143,22 @@ impl TraceConfig {
 
     /// Checks a configuration without lists for surfaces with lengths in `unit`.
     fn check_in(&self, unit: LengthUnit) -> Result<(), ConfigError> {
-        let resolved = self.resolved()?;
-        let material = resolved.material;
-        let layer = resolved.layer(self.medium.as_ref(), unit)?;
-        let layer = layer.map(|below| below.layer);
-        self.incidence()?;
+        let (Resolved { material, .. }, layers) = self.resolved(unit)?;
+        self.light.spread(self.incidence()?)?;
         self.light.stokes(self.run.polarisation)?;
-        if layer.is_some() {
-            check_light(self.light.from.into(), self.run.estimator)?;
+        if !layers.is_empty() {
+            check_estimator(self.run.estimator)?;
         }
         if self.output.paths.is_some() && self.light.from == Incident::Below {
             let reason = "follows light from above alone; leave out from below, or paths";
             return Err(ConfigError::unsuitable("paths", reason));
         }
-        check_sides(self.run.side, material, layer.as_ref())?;
-        self.check_absorbed_map(material, layer.is_some())?;
-        self.check_comparison(material, layer)?;
+        check_sides(self.run.side, material, &layers)?;
+        self.check_absorbed_map(material, !layers.is_empty())?;
+        self.check_comparison(material, &layers)?;
         let settings = self.ray_settings()?;
         if let Some(target) = settings.target() {
-            target.check(&settings.tally, material, layer.as_ref())?;
+            target.check(&settings.tally, material, &layers)?;
         }
         Ok(())
     }
@@ -171,11 +180,7 @@ impl TraceConfig {
     }
 
     /// Checks the models and the light that they are compared with, as far as the slopes of the surface do not matter.
-    fn check_comparison(
-        &self,
-        material: Material,
-        layer: Option<Layer>,
-    ) -> Result<(), ConfigError> {
+    fn check_comparison(&self, material: Material, layers: &[Layer]) -> Result<(), ConfigError> {
         if self.compare.models.is_empty() {
             return Ok(());
         }
@@ -183,12 +188,13 @@ impl TraceConfig {
             let needed = "light from one azimuth; leave out azimuth random, or the models";
             return Err(ConfigError::missing("a comparison with models", needed));
         }
+        check_one_direction(self.light.spread.is_some())?;
         check_unpolarised(self.light.stokes(self.run.polarisation)?)?;
         let any = ModelledSurface {
             slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
             is_nearly_isotropic: false,
             material,
-            layer,
+            layers: layers.to_vec(),
         };
         check_models(&self.compare.models, &any, self.run.side)
     }

@@ -102,13 +102,14 @@ impl GivenSurfaces {
         }
     }
 
-    /// The shapes to simulate, with these `cells` between heights, each over `bottom` if there is one.
+    /// The shapes to simulate, with these `cells` between heights, each over `bottom` if there is one, that of layer number `lowest`.
     ///
     /// # Errors
     /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory, or surface and bottom are of two kinds.
     pub fn simulated(
         self,
         bottom: Option<GivenSurface>,
+        lowest: usize,
         cells: Cells,
     ) -> Result<Vec<Shape>, GivenError> {
         let bottom = bottom.map(|bottom| bottom.simulated(cells)).transpose()?;
@@ -117,7 +118,9 @@ impl GivenSurfaces {
             let top = one.simulated(cells)?;
             match &bottom {
                 None => Ok(top),
-                Some(bottom) => top.over(bottom.clone()).ok_or(GivenError::OtherBottom),
+                Some(bottom) => top
+                    .over(lowest, bottom.clone())
+                    .ok_or(GivenError::OtherBottom),
             }
         });
         shapes.collect()

@@ -17,6 +17,7 @@ use crate::config::{
     SurfaceConfig, VerifyConfig,
 };
 use crate::error::StudyError;
+use crate::settings::spread_text::SpreadText;
 use crate::settings::{Command, Document, defaults};
 use crate::verify::plan::Plan;
 
@@ -37,6 +38,9 @@ pub struct GonioLight {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
+    /// Directions around each, in place of it alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<SpreadText>,
     /// Wavelength in vacuum, nanometres, one or several: that of named materials, against which lengths of the surface are judged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wavelength: Option<OneOrMany<Number>>,
@@ -182,6 +186,7 @@ impl GonioConfig {
                     false => self.light.azimuth,
                 },
                 from: self.light.from,
+                spread: self.light.spread,
                 wavelength: self.light.wavelength.clone(),
                 stokes: self.light.stokes.clone(),
                 sun: SunConfig::default(),

@@ -1,6 +1,6 @@
 //! Distinction: how the settings of a measurement are told apart.
 
-use asperity_simulate::{Case, CasePart};
+use asperity_simulate::{Case, CaseGroup, CasePart};
 
 /// Coordinates that all settings share, and those in which they differ.
 pub(super) struct Distinction {
@@ -24,7 +24,12 @@ impl Distinction {
             }
         }
         let differs = |name: &&str| all.iter().any(|of| value(of, name) != value(&all[0], name));
-        let (varied, kept): (Vec<&str>, Vec<&str>) = names.into_iter().partition(differs);
+        let (varied, mut kept): (Vec<&str>, Vec<&str>) = names.into_iter().partition(differs);
+        // The usual side of the light goes without saying
+        kept.retain(|name| {
+            let part = value(&all[0], name);
+            part.is_none_or(|part| part.group != CaseGroup::Light || part.value != "from above")
+        });
         let words = |of: &[CasePart], names: &[&str], named: bool| {
             let parts = names.iter().filter_map(|name| value(of, name));
             let words = parts.map(|part| if named { part.text() } else { part.value });

@@ -46,7 +46,7 @@ impl Sample {
                 Some(_) => surfaces.warnings(),
                 None => Vec::new(),
             },
-            shapes: surfaces.simulated(None, cells)?,
+            shapes: surfaces.simulated(None, 0, cells)?,
         })
     }
 }

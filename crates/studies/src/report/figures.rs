@@ -107,10 +107,7 @@ pub(crate) fn height_map(
 
 /// lobes, in_plane_reflected and in_plane_transmitted.
 pub(crate) fn lobes_and_curves(place: &Place<'_>, case: &ShownCase<'_>) -> Result<(), ReportError> {
-    let transmits = match case.layer() {
-        Some(layer) => layer.transmits(),
-        None => case.case().material.transmitting_index().is_some(),
-    };
+    let transmits = case.case().transmits();
     let spec = case.spec();
     let leaves = |side| side == Side::Reflected || transmits;
     let sides: Vec<Side> = spec.sides().filter(|&side| leaves(side)).collect();

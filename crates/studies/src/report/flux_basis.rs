@@ -27,7 +27,7 @@ impl FluxBasis {
     pub fn of(outcome: &Outcome) -> Self {
         let case = &outcome.case;
         let samples = Basis::Samples(independent_samples(outcome));
-        let has_medium = case.layer.is_some();
+        let has_medium = !case.layers.is_empty();
         let bases = match outcome.deviation_bound {
             Some(_) => [Basis::Proven; 2],
             None if !case.surface.is_level() => [samples; 2],

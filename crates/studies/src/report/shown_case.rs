@@ -1,6 +1,6 @@
 //! Shown case: the results of one case as its tables and figures show them.
 
-use asperity_optics::{Bottom, Incidence, Layer};
+use asperity_optics::{Incidence, Layer};
 use asperity_simulate::{Case, Outcome};
 use asperity_tally::{Side, TallySpec};
 use asperity_tracer::HalfSpace;
@@ -40,10 +40,6 @@ impl<'a> ShownCase<'a> {
         self.outcome.case.light.incidence
     }
 
-    pub(crate) fn layer(&self) -> Option<Layer> {
-        self.case().layer.map(|below| below.layer)
-    }
-
     /// Surfaces, parameters, the work that was done, and where the light comes from if that is below.
     pub(crate) fn subtitle(&self) -> String {
         let work = &self.outcome.work;
@@ -69,14 +65,10 @@ impl<'a> ShownCase<'a> {
         match side {
             Side::Reflected => Some(self.incidence().theta_deg()),
             Side::Transmitted => {
-                let below = match self.layer().and_then(|layer| layer.end()) {
-                    Some(slab) => match slab.bottom {
-                        Bottom::Interface { eta } => eta,
-                        _ => 1.0,
-                    },
-                    None => 1.0,
-                };
-                let index = below * self.case().material.transmitting_index()?;
+                let (material, layers) = self.case().towards_light()?;
+                let indices = layers.iter().filter_map(Layer::end);
+                let indices = indices.map(|slab| slab.bottom.index_beyond());
+                let index = material.transmitting_index()? * indices.product::<Option<f64>>()?;
                 let sin_beta = self.incidence().theta().sin() / index;
                 (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
             }

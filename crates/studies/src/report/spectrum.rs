@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use asperity_simulate::{Case, CasePart, Outcome, short};
+use asperity_simulate::{Case, CaseGroup, CasePart, Outcome, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult};
 
 use crate::output::EstimateWithLimit;
@@ -54,19 +54,11 @@ impl Quantity {
     }
 }
 
-/// Returns `true` if no light comes through the body below a surface.
-fn is_opaque(case: &Case) -> bool {
-    match case.layer {
-        Some(below) => !below.layer.transmits(),
-        None => case.material.transmitting_index().is_none(),
-    }
-}
-
 /// Emissivity of an opaque body, into the direction that unpolarised light comes from; `None` of another, or where reflected light is not recorded.
 pub(crate) fn emissivity(outcome: &Outcome) -> Option<Estimate> {
     let reflected = Quantity::Reflectance.of(outcome)?.estimate();
     let is_unpolarised = outcome.case.light.stokes == [0.0; 3];
-    (is_opaque(&outcome.case) && is_unpolarised).then_some(Estimate {
+    (!outcome.case.transmits() && is_unpolarised).then_some(Estimate {
         mean: 1.0 - reflected.mean,
         se: reflected.se,
     })
@@ -141,7 +133,11 @@ pub(crate) fn spectra<'a>(
 
 /// The parts of the cases in words that all results have in common, and the direction of the light.
 fn common_parts(results: &[(f64, &Outcome)]) -> Vec<String> {
-    let parts = |outcome: &Outcome| outcome.case.setting_parts();
+    let parts = |outcome: &Outcome| {
+        let mut parts = outcome.case.setting_parts();
+        parts.retain(|part| part.group != CaseGroup::Light || part.value != "from above");
+        parts
+    };
     let mut common = parts(results[0].1);
     for (_, outcome) in results {
         let others = parts(outcome);

@@ -18,7 +18,7 @@ use super::flags::Flags;
 use super::group::{Group, Variant};
 use super::kind::Kind;
 use super::length::{Length, first_unit, in_unit};
-use super::refusals::{explained, of_other_variant, without_choice};
+use super::refusals::{explained, of_other_variant};
 use super::setting::Setting;
 use super::value_text::read_text;
 
@@ -311,16 +311,7 @@ impl Document {
         let mut entries = self.entries.values();
         let within = entries.find(|entry| entry.is(group.only_with));
         let Some((variant, by)) = self.chosen(group) else {
-            let is_met = || {
-                self.entries
-                    .values()
-                    .any(|entry| entry.is_any(group.unless))
-            };
-            let is_missing = !group.required.is_empty() && self.has(group.only_with);
-            return match is_missing && !is_met() {
-                true => Err(without_choice(self.command, group, within)),
-                false => Ok(()),
-            };
+            return Ok(());
         };
         let is_other = |entry: &&Entry| {
             group.owns(entry.setting, &entry.value) && !variant.has(entry.setting, &entry.value)
@@ -443,7 +434,7 @@ impl Document {
             let repeats =
                 |values: &Vec<Value>| (1..values.len()).any(|i| values[..i].contains(&values[i]));
             let makes_cases = CASES.contains(&entry.setting.section)
-                && entry.setting.kind != Kind::Film
+                && !matches!(entry.setting.kind, Kind::Film | Kind::Layer)
                 && entry.setting.is_list(self.command);
             if makes_cases && entry.value.as_array().is_some_and(repeats) {
                 return Err(SettingError::Invalid {

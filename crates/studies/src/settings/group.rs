@@ -25,10 +25,6 @@ pub(super) struct Group {
     pub(super) kind: &'static str,
     /// The setting or section without which the group does not matter; empty if there is none.
     pub(super) only_with: &'static str,
-    /// Name of what is missing where no variant is chosen; empty where none is needed.
-    pub(super) required: &'static str,
-    /// Settings with which none is missing.
-    pub(super) unless: &'static [&'static str],
     /// Advice to who gives settings of two variants.
     pub(super) advice: &'static str,
     /// `true` if defaults of other variants hold as well.
@@ -63,8 +59,6 @@ pub(super) const fn group_by(kind: &'static str, variants: &'static [Variant]) -
     Group {
         kind,
         only_with: "",
-        required: "",
-        unless: &[],
         advice: "give one or the other",
         keeps_all_defaults: false,
         variants,
@@ -86,16 +80,6 @@ pub(super) const fn variant(name: &'static str) -> Variant {
 impl Group {
     pub(super) const fn only_with(mut self, pattern: &'static str) -> Self {
         self.only_with = pattern;
-        self
-    }
-
-    pub(super) const fn required(mut self, name: &'static str) -> Self {
-        self.required = name;
-        self
-    }
-
-    pub(super) const fn unless(mut self, settings: &'static [&'static str]) -> Self {
-        self.unless = settings;
         self
     }
 

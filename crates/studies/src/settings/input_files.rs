@@ -10,6 +10,7 @@ use super::definitions::settings_of;
 use super::document::Document;
 use super::film_text::FilmText;
 use super::kind::Kind;
+use super::layer_text::LayerText;
 
 /// Sections whose files are written.
 const OUTPUTS: [&str; 2] = ["results", "picture"];
@@ -47,6 +48,7 @@ fn file_of(kind: Kind, text: &str) -> Option<PathBuf> {
         }
         Kind::ChoiceOrMaterial(_) | Kind::Material if !is_choice => text.to_owned(),
         Kind::Film => FilmText::parse(text)?.material,
+        Kind::Layer => LayerText::parse(text)?.material,
         _ => return None,
     };
     names_file(&material).then(|| material.into())

@@ -7,8 +7,10 @@ use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
 use super::film_text::{FilmText, index};
+use super::layer_text::LayerText;
 use super::length::Length;
 use super::range::Range;
+use super::spread_text::SpreadText;
 use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
 
 /// Kind of a value.
@@ -42,6 +44,10 @@ pub enum Kind {
     Material,
     /// A layer of a thin film, `MATERIAL:THICKNESS`.
     Film,
+    /// A layer of a stack, `MATERIAL:THICKNESS` with further keys.
+    Layer,
+    /// Directions of light around one, `klems`, `CONE` or `THETAxPHI`.
+    Spread,
     /// Names of models, or `none`.
     Models,
     /// The name of a model.
@@ -97,7 +103,7 @@ impl Kind {
     pub(super) fn known_names(self) -> Vec<&'static str> {
         let choices = self.choices().iter().map(|choice| choice.name);
         match self {
-            Self::ChoiceOrMaterial(_) | Self::Material | Self::Film => {
+            Self::ChoiceOrMaterial(_) | Self::Material | Self::Film | Self::Layer => {
                 let names = |record: &'static MaterialRecord| {
                     let aliases = record.aliases.iter().map(String::as_str);
                     std::iter::once(record.name.as_str()).chain(aliases)
@@ -189,6 +195,11 @@ impl Kind {
                 let film = FilmText::parse(text)?;
                 is_material(&film.material).then(|| Value::from(text))
             }
+            Self::Layer => {
+                let layer = LayerText::parse(text)?;
+                is_material(&layer.material).then(|| Value::from(text))
+            }
+            Self::Spread => SpreadText::parse(text).map(|_| Value::from(text)),
             Self::Path => (!text.is_empty()).then(|| Value::from(text)),
         }
     }
@@ -221,6 +232,10 @@ impl Kind {
             }
             Self::Material => MATERIALS.to_owned(),
             Self::Film => "a layer as MATERIAL:THICKNESS or INDEX:THICKNESS, from above".to_owned(),
+            Self::Layer => "a layer as MATERIAL:THICKNESS or INDEX:THICKNESS, which absorption=, scattering=, g= and surface= may follow, between colons".to_owned(),
+            Self::Spread => {
+                "klems, the half angle of a cone below 90, or the widths of a patch as THETAxPHI".to_owned()
+            }
             Self::Models => "names of models, or none".to_owned(),
             Self::Model => "the name of a model".to_owned(),
             Self::Path => "a path".to_owned(),
@@ -244,6 +259,8 @@ impl Kind {
             Self::Models => &["smith"],
             Self::Grid | Self::GridOrChoice(_) => &["18x36"],
             Self::Pixels => &["640x480"],
+            Self::Spread => &["klems", "2.5", "10x15"],
+            Self::Layer => &["1.33:50um", "1.33:50um:scattering=0.1:g=0.8"],
             Self::Film => &["MgF2:100nm", "1.38:100nm", "2.1+0.05i:20nm"],
             _ => &[],
         };

@@ -8,35 +8,6 @@ use super::group::{Group, Variant};
 use super::kind::joined_by_or;
 use super::setting::Setting;
 
-/// Refusal of a group without the variant that it has to have; `within` is a value for the sake of which.
-pub(super) fn without_choice(
-    command: Command,
-    group: &Group,
-    within: Option<&Entry>,
-) -> SettingError {
-    let name = |path: &&str| {
-        let setting = setting_of(command, path)?;
-        Some(match within {
-            Some(entry) => setting.name_in(&entry.given.place),
-            None => setting.key.to_owned(),
-        })
-    };
-    let names = |variant: &Variant| {
-        let names: Vec<String> = variant.chosen_by.iter().filter_map(name).collect();
-        names.join(" and ")
-    };
-    let choices: Vec<String> = group.variants.iter().map(names).collect();
-    let choices = choices.join(", or ");
-    let (subject, needed) = match within {
-        Some(entry) => (
-            entry.given.to_string(),
-            format!("{}: give {choices}", group.required),
-        ),
-        None => (group.required.to_owned(), choices),
-    };
-    SettingError::Missing { subject, needed }
-}
-
 /// Refusal of a value that the variant which holds does not have: the `chosen` one, or else that by default.
 pub(super) fn of_other_variant(
     command: Command,
@@ -68,6 +39,15 @@ pub(super) fn of_other_variant(
     };
     let needed = match (chooser, &given.place) {
         (Some(setting), place) => explained(setting, place),
+        (None, place) if group.kind.is_empty() => {
+            let choosers = owners.iter().flat_map(|owner| owner.chosen_by);
+            let choosers = choosers.filter_map(|pattern| {
+                let path = pattern.split(['!', '=']).next()?;
+                Some(setting_of(command, path)?.name_in(place))
+            });
+            let choosers: Vec<String> = choosers.collect();
+            joined_by_or(&choosers.iter().map(String::as_str).collect::<Vec<_>>())
+        }
         (None, Place::Flag) => format!("--{owned_by}"),
         (None, Place::File { .. }) => owned_by,
     };

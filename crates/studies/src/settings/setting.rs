@@ -348,7 +348,7 @@ impl Setting {
         }
         let choices = self.kind.known_names();
         let unknown = words().map(|word| match self.kind {
-            Kind::Film => word.rsplit_once(':').map_or(word, |(name, _)| name),
+            Kind::Film | Kind::Layer => word.rsplit_once(':').map_or(word, |(name, _)| name),
             _ => word,
         });
         let unknown = unknown.into_iter().find(|word| !choices.contains(word));

@@ -58,7 +58,7 @@ impl Slopes {
             slopes: Ok(self.distribution()),
             is_nearly_isotropic: self.isotropy.is_near,
             material: case.material,
-            layer: case.layer.map(|below| below.layer),
+            layers: case.layers.clone(),
         }
     }
 
@@ -137,7 +137,8 @@ impl PlannedComparison {
             _ => field.region_slopes(regions),
         };
         let mut warnings: Vec<String> = slope_warnings(field, &found).into_iter().collect();
-        let of_layers = case.layer.is_some() && config.run.polarisation != Polarisation::Averaged;
+        let of_layers =
+            !case.layers.is_empty() && config.run.polarisation != Polarisation::Averaged;
         if of_layers {
             warnings.push(AVERAGED_LAYERS.to_owned());
         }

@@ -63,10 +63,10 @@ impl Surfaces {
         if !config.compare.models.is_empty() {
             described["compare"] = json!(config.compare);
         }
-        if let (Some(medium), Some(layer)) = (&config.medium, case.layer) {
+        if let (Some(medium), false) = (&config.medium, case.layers.is_empty()) {
             described["below"] = json!({
                 "medium": medium,
-                "layer": layer.layer,
+                "layers": case.layers,
                 "bottom": self.bottom,
             });
         }

@@ -101,7 +101,8 @@ pub(super) fn paths_figure(outcome: &TraceOutcome<'_>) -> Result<Option<Figure>,
     let (low, high) = heights.fold((0.0, 0.0), |(low, high): (f64, f64), h| {
         (low.min(h), high.max(h))
     });
-    let (low, high) = (found.bottom.unwrap_or(low).max(-0.5 * length), high);
+    let lowest = found.planes.last().copied();
+    let (low, high) = (lowest.unwrap_or(low).max(-0.5 * length), high);
     let middle = 0.5 * (low + high);
     let half = 0.5 * HEIGHT * length;
     let unit = match case.at.unit {
@@ -117,7 +118,7 @@ pub(super) fn paths_figure(outcome: &TraceOutcome<'_>) -> Result<Option<Figure>,
             .map(|[x, y]| Point::exact(x, y))
             .collect(),
     };
-    let has_medium = case.layer.is_some();
+    let has_medium = !case.layers.is_empty();
     let mut curves: Vec<Curve> = found
         .paths
         .iter()
@@ -129,9 +130,11 @@ pub(super) fn paths_figure(outcome: &TraceOutcome<'_>) -> Result<Option<Figure>,
         _ => usize::MAX,
     });
     curves.push(line(found.section.clone(), "surface"));
-    if let Some(bottom) = found.bottom.filter(|bottom| *bottom > middle - half) {
-        let ends = [-0.5 * length, 0.5 * length].map(|x| [x, bottom]);
-        curves.push(line(ends.to_vec(), "bottom of the layer"));
+    let shown = found.planes.iter().filter(|plane| **plane > middle - half);
+    for (number, plane) in shown.enumerate() {
+        let ends = [-0.5 * length, 0.5 * length].map(|x| [x, *plane]);
+        let name = if number == 0 { "bottom of a layer" } else { "" };
+        curves.push(line(ends.to_vec(), name));
     }
     let figure = Curves {
         title: format!("Light paths on {}", outcome.study.first),

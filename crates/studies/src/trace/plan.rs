@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::comparison::PlannedComparison;
 use super::description::Surfaces;
 use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
@@ -67,7 +68,9 @@ impl PlannedTrace {
             check_absorbed_map(tops)?;
         }
         let cells = config.surface.cells.of_given();
-        let surface = SurfaceSource::Given(tops.clone().simulated(bottom.clone(), cells)?);
+        let lowest = config.medium.as_ref().map_or(0, MediumConfig::lowest);
+        let surface =
+            SurfaceSource::Given(tops.clone().simulated(bottom.clone(), lowest, cells)?);
         let given = Given {
             slopes: CoreSlopes::of_source(&surface),
             lengths: tops.lengths(),

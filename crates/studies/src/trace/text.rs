@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::{Case, CasePart};
-use asperity_tracer::HalfSpace;
+use asperity_simulate::{Case, CaseGroup};
 
 use super::comparison_text::comparison_text;
 use super::outcome::{TraceOutcome, TraceOutcomes};
@@ -66,17 +65,8 @@ fn trace_table(outcome: &TraceOutcome) -> String {
 
 /// The light, and what it falls on.
 fn light_line(case: &Case) -> String {
-    let parts = case.setting_parts();
-    let parts: Vec<String> = parts.iter().map(CasePart::text).collect();
-    let side = match case.light.from {
-        HalfSpace::Above => "above",
-        HalfSpace::Below => "below",
-    };
-    let incidence = case.light.incidence;
-    format!(
-        "{}, light from {side} at theta {} deg, phi {} deg",
-        parts.join(", "),
-        incidence.theta_deg(),
-        incidence.phi_deg(),
-    )
+    let parts = case.setting_parts().into_iter();
+    let parts = parts.filter(|part| part.group != CaseGroup::Light);
+    let parts: Vec<String> = parts.map(|part| part.text()).collect();
+    format!("{}, {}", parts.join(", "), case.light_text())
 }

@@ -1,7 +1,7 @@
 //! Coherence: phase and coherent fraction of each component of the light.
 
-use asperity_optics::Bottom;
-use asperity_simulate::{BottomSurface, Case};
+use asperity_optics::{Bottom, BottomSurface, Layer, Material};
+use asperity_simulate::Case;
 use asperity_tracer::HalfSpace;
 use serde::Serialize;
 
@@ -20,8 +20,10 @@ pub struct Coherence {
 }
 
 /// Coherence of light from different points of a surface, by component.
+#[derive(Default)]
 pub(super) struct Components {
-    pub(super) reflected: Coherence,
+    /// `None` of a flat first face.
+    pub(super) reflected: Option<Coherence>,
     pub(super) transmitted: Option<Coherence>,
     pub(super) by_bottom: Option<Coherence>,
 }
@@ -35,52 +37,71 @@ impl Components {
         k: f64,
     ) -> Self {
         let incidence = case.light.incidence;
-        let sigma = top.sigma;
+        let lowest = case.layers.last().and_then(Layer::end);
+        let shape = lowest.map_or(BottomSurface::Flat, |end| end.shape);
+        let is_same = bottom.is_none() && shape == BottomSurface::Same;
+        let bottom = bottom.or((shape != BottomSurface::Flat).then_some(top));
+        // In the order in which the light meets them
+        let (first, second) = match case.is_turned_over() {
+            false => (Some(top), bottom),
+            true => (bottom, Some(top)),
+        };
+        let Some((material, layers)) = case.towards_light() else {
+            return Self::default();
+        };
+        let sigma_of = |face: Option<&SurfaceLengths>| face.map_or(0.0, |face| face.sigma);
+        let (sigma, bottom_sigma) = (sigma_of(first), sigma_of(second));
+        let fraction = |face: Option<&SurfaceLengths>, per_height: f64| {
+            face.map_or(1.0, |face| face.coherent_fraction(k * per_height))
+        };
         // Equal indices deflect nothing
-        let transmitting = case.material.transmitting_index();
-        let index = transmitting.filter(|&eta| eta != 1.0 || case.layer.is_some());
+        let transmitting = material.transmitting_index();
+        let index = transmitting.filter(|&eta| eta != 1.0 || !layers.is_empty());
         let (n_i, n_t) = match (case.light.from, transmitting) {
-            (HalfSpace::Above, _) => (1.0, index),
             // Indices are relative to the medium below
-            (HalfSpace::Below, Some(eta)) => (1.0 / eta, index.map(|_| 1.0)),
+            (HalfSpace::Below, Some(eta)) if layers.is_empty() => (1.0 / eta, index.map(|_| 1.0)),
             (HalfSpace::Below, None) => (1.0, None),
+            _ => {
+                let above = index_of_light(case);
+                (above, index.map(|eta| above * eta))
+            }
         };
         let along = n_i * incidence.theta().sin();
         let across = n_i * incidence.theta().cos();
         // n cos(theta) beyond; `None` where all light is reflected
         let beyond = |n: f64| (n > along).then(|| (n * n - along * along).sqrt());
-        let of_top = |per_height: f64| top.coherent_fraction(k * per_height);
+        let of_top = |per_height: f64| fraction(first, per_height);
         let by_top = |per_height: f64| coherence(k * sigma * per_height.abs(), of_top(per_height));
         let mut found = Self {
-            reflected: by_top(2.0 * across),
-            transmitted: None,
-            by_bottom: None,
+            reflected: first.map(|_| by_top(2.0 * across)),
+            ..Self::default()
         };
         let Some((n_t, inside)) = n_t.and_then(|n| Some((n, beyond(n)?))) else {
             return found;
         };
         let step = inside - across;
-        let Some(below) = case.layer else {
-            found.transmitted = Some(by_top(step));
+        let layer = match layers.as_slice() {
+            [] => {
+                found.transmitted = Some(by_top(step));
+                return found;
+            }
+            [layer] => layer,
+            // Phases behind further faces are not known
+            _ => return found,
+        };
+        let Some(end) = layer.end() else {
+            found.transmitted = layer.transmits().then(|| by_top(step));
             return found;
         };
-        let Some(end) = below.layer.end() else {
-            found.transmitted = below.layer.transmits().then(|| by_top(step));
-            return found;
-        };
-        // The bottom, and the correlation of its heights with those above where light arrives
-        let is_same = bottom.is_none() && below.bottom == BottomSurface::Same;
-        let bottom = bottom.or((below.bottom != BottomSurface::Flat).then_some(top));
-        let bottom_sigma = bottom.map_or(0.0, |bottom| bottom.sigma);
-        let of_bottom =
-            |per_height: f64| bottom.map_or(1.0, |bottom| bottom.coherent_fraction(k * per_height));
+        // The correlation of heights of both faces where light arrives
+        let of_bottom = |per_height: f64| fraction(second, per_height);
         let shift = end.thickness * along / inside;
         let correlation = |times: f64| {
             let tau = top.tau.filter(|_| shift > 0.0);
             tau.map_or(1.0, |tau| (-(times * shift / tau).powi(2)).exp())
         };
         let common = if is_same { correlation(1.0) } else { 0.0 };
-        let is_gaussian = [Some(top), bottom]
+        let is_gaussian = [first, second]
             .iter()
             .flatten()
             .all(|one| one.heights.is_empty());
@@ -109,13 +130,15 @@ impl Components {
         };
         found.transmitted = match end.bottom {
             Bottom::Open => Some(by_top(step)),
-            Bottom::Interface { eta } => beyond(n_t * eta).map(|out| through(out - inside)),
-            _ => None,
+            bottom => {
+                let index = bottom.index_beyond();
+                index.and_then(|eta| Some(through(beyond(n_t * eta)? - inside)))
+            }
         };
-        let reflects = match end.bottom {
-            Bottom::Mirror => true,
-            Bottom::Interface { eta } => eta != 1.0,
-            _ => false,
+        let reflects = match end.bottom.material() {
+            Material::Dielectric { eta } => eta != 1.0,
+            Material::Lambertian { .. } => false,
+            _ => true,
         };
         found.by_bottom = reflects.then(|| {
             let twice = (sigma * step).powi(2) * (2.0 + 2.0 * correlation(2.0));
@@ -132,6 +155,16 @@ impl Components {
         });
         found
     }
+}
+
+/// Index of the medium that the light comes from, relative to the medium above.
+fn index_of_light(case: &Case) -> f64 {
+    if !case.is_turned_over() {
+        return 1.0;
+    }
+    let bottoms = case.layers.iter().filter_map(Layer::end);
+    let steps = bottoms.filter_map(|end| end.bottom.index_beyond());
+    case.material.transmitting_index().unwrap_or(1.0) * steps.product::<f64>()
 }
 
 /// A component of this root mean square phase. No heights are known to a fraction of a wavelength that is so much smaller.

@@ -65,12 +65,13 @@ impl Validity {
         }
         let all = Components::of(lengths, bottom, case, 2.0 * PI / wavelength);
         let recorded = |side| spec.records(side);
-        let reflected = recorded(Side::Reflected).then_some(match case.material {
+        let reflected = all.reflected.filter(|_| recorded(Side::Reflected));
+        let reflected = reflected.map(|reflected| match case.material {
             Material::Lambertian { .. } => Coherence {
                 coherent_fraction: 0.0,
-                ..all.reflected
+                ..reflected
             },
-            _ => all.reflected,
+            _ => reflected,
         });
         let transmitted = all.transmitted.filter(|_| recorded(Side::Transmitted));
         let reflected_by_bottom = all.by_bottom.filter(|_| recorded(Side::Reflected));

@@ -7,7 +7,7 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_simulate::{BottomSurface, Case, Light, SurfaceSource};
 use asperity_surface::{HeightField, LengthUnit};
 use asperity_tally::{HemisphereGrid, TallySpec};
-use asperity_tracer::{HalfSpace, LayerBelow};
+use asperity_tracer::HalfSpace;
 
 use super::coherence::Coherence;
 use super::judgement::{LARGE, Validity};
@@ -99,10 +99,10 @@ fn lengths_are_judged_by_the_wavelength_in_the_medium_above() {
 fn the_bottom_of_a_layer_adds_to_the_phase_of_what_passes_it() {
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
     let window = |bottom: BottomSurface| {
-        let end = Bottom::Interface { eta: 1.0 / 1.5 };
+        let end = Bottom::interface(1.0 / 1.5);
         let layer = Layer::slab(clear.clone().unwrap(), 4.0, end).unwrap();
         let mut case = case(Material::Dielectric { eta: 1.5 }, 0.0);
-        case.layer = Some(LayerBelow { layer, bottom });
+        case.layers = vec![layer.on(bottom)];
         of_case(0.2, &case)
     };
     let k = 2.0 * PI * 0.2 / 0.55;
@@ -195,11 +195,11 @@ fn heights_that_are_not_gaussian_tell_what_stays_coherent() {
 
     // Two faces of independent grooves, and of one shape at normal incidence
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
-    let end = Bottom::Interface { eta: 1.0 / 1.5 };
+    let end = Bottom::interface(1.0 / 1.5);
     let mut window = case(glass, 0.0);
     let mut with = |bottom, of_file| {
         let layer = Layer::slab(clear.clone().unwrap(), 4.0, end).unwrap();
-        window.layer = Some(LayerBelow { layer, bottom });
+        window.layers = vec![layer.on(bottom)];
         found(&grooves, of_file, &window)
     };
     let one = sinc(0.25 * k * 0.15);

@@ -98,6 +98,16 @@ impl SplineSurface {
         self
     }
 
+    /// The surface whose heights are those of this one times `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let coefficients = self.coefficients.iter();
+        Self {
+            coefficients: coefficients.map(|c| c * factor).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Coefficients in length units, row-major: `cy + 3` rows of [`SplineSurface::stride`] numbers.
     ///
     /// Entry `[iy + 1][ix + 1]` belongs to grid point `(ix, iy)`. Those around the grid points continue

@@ -101,6 +101,17 @@ impl Surface {
         }
     }
 
+    /// The surface whose heights are those of this one times `factor`, -1 to turn it over or 0 for a plane.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let field = &self.field;
+        let heights = field.heights().iter().map(|h| h * factor).collect();
+        let scaled = HeightField::of_checked(heights, field.shape(), field.spacing())
+            .with_unit(field.unit())
+            .with_border(field.border())
+            .with_turned_cells(field.turned_cells().cloned());
+        Self::new(scaled)
+    }
+
     /// The height field.
     #[must_use]
     pub const fn field(&self) -> &HeightField {

@@ -134,6 +134,35 @@ impl MeshSurface {
         })
     }
 
+    /// The mesh turned over for a `factor` of -1, or a plane of the same tile for 0. Facets keep the order of their corners: a mirror
+    /// turns them to the other side.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let [x, y, _] = self.frame.extent.to_array();
+        let corners = [[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]];
+        let (vertices, triangles): (Vec<DVec3>, _) = if factor == 0.0 {
+            let plane = corners.map(|[x, y]| DVec3::new(x, y, 0.0));
+            (plane.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+        } else {
+            let mirror = DVec3::new(1.0, 1.0, factor);
+            let vertices = self.vertices.iter().map(|v| *v * mirror);
+            (vertices.collect(), self.triangles.clone())
+        };
+        let triangle = |t: &[u32; 3]| unit_normal(t.map(|k| vertices[k as usize]));
+        let normals: Vec<DVec3> = triangles.iter().map(triangle).collect();
+        let mut frame = self.frame;
+        frame.extent.z *= factor.abs();
+        Self {
+            border: self.border,
+            frame,
+            mean: self.mean * factor,
+            steepest: steepest(&normals),
+            repairs: self.repairs,
+            vertices,
+            triangles,
+            normals,
+        }
+    }
+
     /// Properties of the mesh, and the repairs that were made.
     #[must_use]
     pub const fn repairs(&self) -> Repairs {

@@ -115,6 +115,11 @@ impl SmoothSurface {
         }
     }
 
+    /// The surface whose heights are those of this one times `factor`, -1 to turn it over or 0 for a plane.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self::new(self.spline.scaled(factor))
+    }
+
     /// The spline.
     #[must_use]
     pub const fn spline(&self) -> &SplineSurface {

@@ -14,6 +14,7 @@ use crate::ray::HalfSpace;
 ///
 /// Its rays start where they pass the highest point of the surface (the lowest, if they come from
 /// below).
+#[derive(Clone, Copy)]
 pub(crate) struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
@@ -55,6 +56,16 @@ impl Beam {
             aspect: surface.aspect(),
             z,
             to_mean_plane: (z - surface.mean_plane()) / wi.z,
+        }
+    }
+
+    /// This beam from another direction of the same half space; `wi` has `z > 0`.
+    pub(crate) fn towards(&self, wi: DVec3) -> Self {
+        let wi = wi * DVec3::new(1.0, 1.0, self.incident.sign());
+        Self {
+            to_mean_plane: self.to_mean_plane * (self.wi.z / wi.z),
+            wi,
+            ..*self
         }
     }
 

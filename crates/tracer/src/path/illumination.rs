@@ -1,6 +1,6 @@
 //! Illumination: the light, and the start points of its paths.
 
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, Spread};
 use serde::{Deserialize, Serialize};
 
 use crate::sampling::Sampling;
@@ -23,6 +23,8 @@ pub enum Starts {
 pub struct Illumination {
     /// Direction of incidence.
     pub incidence: Incidence,
+    /// Directions around that of incidence, in place of it alone. Only rays [from above](Starts::FromAbove) have them.
+    pub spread: Option<Spread>,
     /// `true` if each ray comes from an azimuth of its own, uniformly drawn. Light that leaves is turned back, so that
     /// its azimuths are as if the light had come from that of `incidence`. All azimuths of vertical light are one: none
     /// is drawn, and light that leaves is spread evenly over azimuth ([`asperity_tally::Azimuth::Free`]).
@@ -44,6 +46,7 @@ impl Illumination {
     pub const fn new(incidence: Incidence, any_azimuth: bool) -> Self {
         Self {
             incidence,
+            spread: None,
             any_azimuth,
             sampling: Sampling::Stratified,
             starts: Starts::FromAbove,

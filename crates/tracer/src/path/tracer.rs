@@ -9,7 +9,7 @@ use asperity_tally::{
 
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedStack};
 use crate::path::absorbed_cells::AbsorbedCells;
 use crate::path::beam::Beam;
 use crate::path::illumination::{Illumination, Starts};
@@ -54,7 +54,7 @@ pub struct Tracer<'a, G: Geometry> {
     pub(super) material: Material,
     pub(super) incident: HalfSpace,
     pub(super) settings: PathSettings,
-    pub(super) layer: Option<TracedLayer<'a, G>>,
+    pub(super) stack: TracedStack<'a, G>,
     /// Sums of the flux that facets of the upper surface absorb, if they are recorded.
     pub(super) absorbed: Option<&'a AbsorbedCells>,
     /// Indices `[eta, kappa]` of the conductors that are traced together; empty for a single material.
@@ -80,27 +80,27 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             material,
             incident,
             settings,
-            layer: None,
+            stack: TracedStack::default(),
             absorbed: None,
             conductors: Vec::new(),
             instructions: Instructions::best(),
         }
     }
 
-    /// This tracer with a layer of medium below the surface.
+    /// This tracer with layers below the surface.
     ///
     /// # Panics
-    /// Unless the light comes from above onto a dielectric: there is no medium elsewhere.
+    /// If there are any, unless the light comes from above onto a dielectric. Layers that are lit from below are lit from above when
+    /// they are turned over: see [`Shape::turned_over`](crate::Shape::turned_over).
     #[must_use]
-    pub fn over(self, layer: TracedLayer<'a, G>) -> Self {
+    pub fn over(self, stack: TracedStack<'a, G>) -> Self {
         assert!(
-            self.incident == HalfSpace::Above && self.material.transmitting_index().is_some(),
-            "a medium lies below a dielectric that is lit from above"
+            stack.layers().is_empty()
+                || self.incident == HalfSpace::Above
+                    && self.material.transmitting_index().is_some(),
+            "layers lie below a dielectric that is lit from above"
         );
-        Self {
-            layer: Some(layer),
-            ..self
-        }
+        Self { stack, ..self }
     }
 
     /// This tracer, which also adds the flux that each facet absorbs to its cell of `cells`.
@@ -191,7 +191,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// all divisions of rays into calls give the same result.
     ///
     /// # Panics
-    /// If there is both a layer and a control, the tally keeps other measures than [`crate::Polarisation::polarimetry`], the
+    /// If there is both a layer and a control, or light of several directions and a control or starts on the surface, the tally keeps other measures than [`crate::Polarisation::polarimetry`], the
     /// sampling is quasi-random and the strata along a side are not [`crate::Sampling::quasi_random_strata`], or it is not stratified and
     /// the rays are not one whole batch.
     pub fn batches<'c>(
@@ -237,7 +237,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             "shadows are traced for all materials alike"
         );
         assert!(
-            self.layer.is_none() || control.is_none(),
+            illumination.spread.is_none()
+                || control.is_none() && illumination.starts == Starts::FromAbove,
+            "light of several directions starts from above, without a control variate"
+        );
+        assert!(
+            self.stack.layers().is_empty() || control.is_none(),
             "there are no control variates for layers"
         );
         let polarimetry = self.settings.polarisation.polarimetry();
@@ -273,9 +278,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             self.instructions,
             illumination,
             polarisation,
+            self.stack.layers().len(),
         );
         loop {
-            self.start_paths(&beam, illumination.starts, &mut places, &mut batch);
+            self.start_paths(&beam, illumination, &mut places, &mut batch);
             if batch.is_finished() {
                 break;
             }
@@ -309,12 +315,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// The surface that is an interface, and how hits on it are found; `None` for a flat bottom.
     #[inline]
     pub(super) fn surface(&self, interface: Interface) -> Option<SearchedSurface<'a, G>> {
-        match interface {
-            Interface::Top => Some(SearchedSurface {
+        if interface == Interface::TOP {
+            return Some(SearchedSurface {
                 geometry: self.geometry,
                 accelerator: self.accelerator,
-            }),
-            Interface::Bottom => self.layer.as_ref().and_then(TracedLayer::surface),
+            });
         }
+        self.stack.surface(interface)
     }
 }

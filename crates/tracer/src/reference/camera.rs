@@ -9,7 +9,7 @@ use super::event::NextEvent;
 use super::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
 use super::state::PathState;
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::periodic::{Heading, TraversalEnd, TraversalResult, traverse};
 use crate::ray::HalfSpace;
 use crate::visibility::light_beams::LightBeams;
@@ -41,7 +41,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
         // Find the first facet
         let hit = match self.next_event(&path, rng) {
-            NextEvent::Interface(hit) if hit.interface == Interface::Top => hit,
+            NextEvent::Interface(hit) if hit.interface == Interface::TOP => hit,
             NextEvent::End(end) => return contribute(CameraContribution::Path(path.ended(end))),
             _ => return contribute(CameraContribution::Path(path.ended(PathEnd::Lost))),
         };
@@ -57,7 +57,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
                 let mut path = path;
                 path.flux = branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
-                path.leave_interface(Interface::Top, &branch);
+                path.leave_interface(Interface::TOP, &branch);
                 let end = self.follow(&mut path, beams, rng, &mut contribute, &mut |_| {});
 
                 // Say whether the beams stand for where it came from
@@ -85,6 +85,10 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         rng: &mut R,
         contribute: &mut impl FnMut(CameraContribution),
     ) {
+        if layer.upper() != Interface::TOP {
+            // Beams end at the next face
+            return;
+        }
         let reach = layer.free_flight(rng.random());
         let is_periodic = self.geometry.border() != Border::Open;
         let x = path.heading.origin;
@@ -97,7 +101,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             let near = beam.t * (1.0 + 1e-9) + 1e-9;
             let intersect =
                 |interface, half_space| self.intersect(interface, &back, half_space, near);
-            let Ok(hit) = intersect(Interface::Top, HalfSpace::Below) else {
+            let Ok(hit) = intersect(Interface::TOP, HalfSpace::Below) else {
                 return;
             };
             let Some((_, at)) = hit
@@ -108,7 +112,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             };
 
             // Check that the bottom does not block it inside, nor the surface above
-            if intersect(Interface::Bottom, HalfSpace::Above).is_ok_and(|hit| hit.t <= near) {
+            if intersect(layer.lower(), HalfSpace::Above).is_ok_and(|hit| hit.t <= near) {
                 return;
             }
             let up = Heading {

@@ -2,7 +2,7 @@
 
 use super::result::PathEnd;
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::periodic::Heading;
 
 /// Method by which a free flight inside a layer is searched for facets.

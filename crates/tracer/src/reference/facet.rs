@@ -69,11 +69,6 @@ impl Scattered {
         Self::new([(0.0, DVec3::ZERO), (reflectance, wo)], 1.0 - reflectance)
     }
 
-    /// Light at a facet that absorbs all of it.
-    pub(super) fn nowhere() -> Self {
-        Self::new([(0.0, DVec3::ZERO); 2], 1.0)
-    }
-
     /// This light with the fractions of the fields that a path brings to a point of normal `m`, in the world also in a mirrored tile.
     pub(super) fn polarised(
         mut self,

@@ -11,7 +11,9 @@ use super::facet::Scattered;
 use super::result::PathEnd;
 use super::state::{PathState, Space};
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::Interface;
+use crate::periodic::Heading;
+use crate::ray::HalfSpace;
 
 impl<G: Geometry> PathIntegrator<'_, G> {
     /// Moves a path to the interface that it meets, or ends it there if nothing can scatter it.
@@ -26,29 +28,26 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             path.flight = hit.t;
             return None;
         }
-        let layer = self.layer.as_ref()?;
+        let layer = self.layer_of(path.space)?;
         if !self.move_inside(path, hit.t) {
             return Some(PathEnd::LeftPatch);
         }
-        layer.put_onto_bottom(&mut path.heading.origin);
-        (layer.bottom() == Some(Bottom::Open)).then_some(PathEnd::Below)
+        let Heading {
+            origin, direction, ..
+        } = &mut path.heading;
+        layer.put_onto_plane(origin, direction.z);
+        (self.stack.bottom(hit.interface) == Some(Bottom::Open)).then_some(PathEnd::Below)
     }
 
     /// Normal of the interface where a path meets it, on the side of the path.
     pub(super) fn normal(&self, hit: &InterfaceHit<G::Facet>, space: Space) -> DVec3 {
-        let bottom = self.layer.as_ref().and_then(TracedLayer::surface);
-        let geometry = match (hit.interface, bottom) {
-            (Interface::Bottom, Some(bottom)) => bottom.geometry,
-            _ => self.geometry,
-        };
-        let is_above = match hit.interface {
-            Interface::Top => space == Space::Above,
-            Interface::Bottom => space == Space::Inside,
-        };
-        let side = if is_above { 1.0 } else { -1.0 };
-        hit.at.map_or(DVec3::Z, |(facet, heading)| {
-            side * geometry.normal_at(facet, heading.origin)
-        })
+        let side = space.side_of(hit.interface).sign();
+        let surface = self.stack.surface(hit.interface);
+        let geometry = surface.map_or(self.geometry, |surface| surface.geometry);
+        let normal = hit.at.map_or(DVec3::Z, |(facet, heading)| {
+            geometry.normal_at(facet, heading.origin)
+        });
+        side * normal
     }
 
     /// Divides the light of a path that has come to an interface, at a point of normal `m`.
@@ -64,7 +63,6 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         let scattered = match face {
             Face::Smooth(material) => Scattered::smoothly(material, wi, m),
             Face::Lambertian(reflectance) => Scattered::diffusely(reflectance, m, rng),
-            Face::Absorbing => Scattered::nowhere(),
         };
         match (path.fields, face) {
             (None, _) => scattered,
@@ -72,25 +70,16 @@ impl<G: Geometry> PathIntegrator<'_, G> {
                 let amplitudes = Amplitudes::of(material, wi.dot(m).clamp(0.0, 1.0));
                 scattered.polarised(&path.heading, &fields, m, &amplitudes)
             }
-            (Some(_), Face::Lambertian(_) | Face::Absorbing) => {
-                scattered.depolarised(&path.heading)
-            }
+            (Some(_), Face::Lambertian(_)) => scattered.depolarised(&path.heading),
         }
     }
 
     /// Kind of an interface for light that comes through `space`.
     fn face(&self, interface: Interface, space: Space) -> Face {
-        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
-        let (material, incident) = match (interface, bottom) {
-            (Interface::Top, _) | (_, None) => (self.material, Space::Above),
-            (_, Some(Bottom::Interface { eta })) => (Material::Dielectric { eta }, Space::Inside),
-            (_, Some(Bottom::Mirror)) => (Material::Mirror, Space::Inside),
-            (_, Some(Bottom::Lambertian { reflectance })) => return Face::Lambertian(reflectance),
-            _ => return Face::Absorbing,
-        };
-        match material {
+        let bottom = self.stack.bottom(interface);
+        match bottom.map_or(self.material, |bottom| bottom.material()) {
             Material::Lambertian { reflectance } => Face::Lambertian(reflectance),
-            material if space == incident => Face::Smooth(material),
+            material if space.side_of(interface) == HalfSpace::Above => Face::Smooth(material),
             material => Face::Smooth(material.reversed()),
         }
     }
@@ -107,6 +96,4 @@ enum Face {
     Smooth(Material),
     /// A facet that reflects that fraction diffusely, and absorbs the rest.
     Lambertian(f64),
-    /// A facet that absorbs all light.
-    Absorbing,
 }

@@ -8,7 +8,7 @@ use super::event::{FlightSearch, InterfaceHit, NextEvent};
 use super::result::PathEnd;
 use super::state::{PathState, Space};
 use crate::geometry::{Geometry, Nearby};
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::ray::HalfSpace;
 
@@ -25,15 +25,12 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             Ok(hit) => NextEvent::Interface(hit),
             Err(failed) => NextEvent::End(failed.unwrap_or(end)),
         };
-        let layer = match (path.space, &self.layer) {
-            (Space::Above, _) => return outside(Interface::Top, HalfSpace::Above, PathEnd::Above),
-            (Space::Inside, None) => {
-                return outside(Interface::Top, HalfSpace::Below, PathEnd::Below);
-            }
-            (Space::Beyond, _) => {
-                return outside(Interface::Bottom, HalfSpace::Below, PathEnd::Below);
-            }
-            (Space::Inside, Some(layer)) => layer,
+        if path.space == Space::ABOVE {
+            return outside(Interface::TOP, HalfSpace::Above, PathEnd::Above);
+        }
+        let Some(layer) = self.layer_of(path.space) else {
+            let lowest = self.stack.interfaces().last().unwrap_or(Interface::TOP);
+            return outside(lowest, HalfSpace::Below, PathEnd::Below);
         };
 
         // Sample a free flight
@@ -42,19 +39,20 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
 
         // Let it end at an interface that comes first
         let (origin, direction) = (path.heading.origin, path.heading.direction);
-        let to_bottom = layer.to_flat_bottom(origin.z, direction.z);
-        if to_bottom <= reach {
-            reach = to_bottom;
+        let to_plane = layer.to_plane(origin.z, direction.z);
+        if to_plane <= reach {
+            reach = to_plane;
+            let (interface, _) = layer.interface_towards(direction.z);
             next = NextEvent::Interface(InterfaceHit {
-                interface: Interface::Bottom,
+                interface,
                 at: None,
-                t: to_bottom,
+                t: to_plane,
             });
         }
         let mut failed = None;
         for place in 0..layer.interfaces() {
             let interface = layer.interface_ahead(direction.z, place);
-            match self.intersect(interface, &path.heading, interface.inner_side(), reach) {
+            match self.intersect(interface, &path.heading, layer.side_of(interface), reach) {
                 Ok(hit) if hit.t <= reach => {
                     reach = hit.t;
                     next = NextEvent::Interface(hit);
@@ -79,24 +77,15 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         half_space: HalfSpace,
         reach: f64,
     ) -> Result<InterfaceHit<G::Facet>, Option<PathEnd>> {
-        let (mut heading, mut geometry, mut accelerator) =
-            (*heading, self.geometry, self.accelerator);
-        if interface == Interface::Bottom {
-            let Some((layer, bottom)) = self
-                .layer
-                .as_ref()
-                .and_then(|layer| layer.surface().map(|bottom| (layer, bottom)))
-            else {
-                return Err(None);
-            };
-            heading = layer.to_interface(interface, heading);
-            (geometry, accelerator) = (bottom.geometry, bottom.accelerator);
-        }
+        let (geometry, accelerator) = if interface == Interface::TOP {
+            (self.geometry, self.accelerator)
+        } else {
+            let surface = self.stack.surface(interface).ok_or(None)?;
+            (surface.geometry, surface.accelerator)
+        };
+        let mut heading = self.stack.to_interface(interface, *heading);
         let found = |facet, heading, t| {
-            let heading = match &self.layer {
-                Some(layer) => layer.to_upper_surface(interface, heading),
-                None => heading,
-            };
+            let heading = self.stack.to_uppermost(interface, heading);
             Ok(InterfaceHit {
                 interface,
                 at: Some((facet, heading)),
@@ -105,7 +94,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         };
 
         // Look at the heights nearby, if that can tell
-        let is_inside = self.layer.is_some() && half_space == interface.inner_side();
+        let is_inside = self.stack.layer_at(interface, half_space).is_some();
         let looks_nearby = self.search == FlightSearch::Nearby;
         let gone = if looks_nearby && is_inside {
             approach(geometry, &mut heading, half_space, reach)
@@ -134,6 +123,11 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             TraversalResult::Ended(TraversalEnd::LeftPatch) => Err(Some(PathEnd::LeftPatch)),
             TraversalResult::Ended(TraversalEnd::Lost) => Err(Some(PathEnd::Lost)),
         }
+    }
+
+    /// The layer that is a space.
+    pub(super) fn layer_of(&self, space: Space) -> Option<&TracedLayer<'a, G>> {
+        self.stack.layers().get(space.0.checked_sub(1)?)
     }
 
     /// Moves the position of a path by `t`, in the plane continued without end.

@@ -9,18 +9,26 @@ use super::facet::Branch;
 use super::fields::Fields;
 use super::result::{PathEnd, PathResult};
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::periodic::Heading;
+use crate::ray::HalfSpace;
 
-/// The three spaces that the surface and the bottom divide.
+/// One of the spaces that interfaces divide: the number of interfaces above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Space {
+pub(super) struct Space(pub(super) usize);
+
+impl Space {
     /// Above the surface.
-    Above,
-    /// Below the surface, in the layer if there is one.
-    Inside,
-    /// Below the bottom of the layer.
-    Beyond,
+    pub(super) const ABOVE: Self = Self(0);
+
+    /// Half space of an interface in which it lies.
+    pub(super) fn side_of(self, interface: Interface) -> HalfSpace {
+        if self.0 <= interface.number() {
+            HalfSpace::Above
+        } else {
+            HalfSpace::Below
+        }
+    }
 }
 
 /// State of a path: its position, and the light that it carries.
@@ -47,7 +55,7 @@ pub(super) struct PathState {
 impl PathState {
     pub(super) fn new(origin: DVec3, direction: DVec3, fields: Option<Fields>) -> Self {
         Self {
-            space: Space::Above,
+            space: Space::ABOVE,
             heading: Heading {
                 origin,
                 direction,
@@ -72,12 +80,10 @@ impl PathState {
         self.events = self.events.then(branch.event);
         self.events_since += 1;
         if branch.event == Event::Transmission {
-            self.space = match (interface, self.space) {
-                (Interface::Top, Space::Above) | (Interface::Bottom, Space::Beyond) => {
-                    Space::Inside
-                }
-                (Interface::Top, _) => Space::Above,
-                (Interface::Bottom, _) => Space::Beyond,
+            let number = interface.number();
+            self.space = match self.space.side_of(interface) {
+                HalfSpace::Above => Space(number + 1),
+                HalfSpace::Below => Space(number),
             };
         }
     }

@@ -5,16 +5,31 @@
     reason = "each test file uses its own part"
 )]
 
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Layer, Material};
 use std::sync::Arc;
 
 use asperity_surface::{Border, HeightField, TurnedCells};
 use asperity_tally::{Estimate, TallySpec, TallyStatistics};
 use asperity_tracer::{
-    Accelerator, Geometry, HalfSpace, Illumination, PathSettings, PathStream, Surface, Tracer, Work,
+    Accelerator, BruteForce, Geometry, HalfSpace, Illumination, PathSettings, PathStream,
+    SearchedSurface, Surface, TracedLayerError, TracedStack, Tracer, Work,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+/// A layer below a surface, on a bottom of its own if there is one.
+pub fn layer_below<'a, G: Geometry>(
+    top: &'a G,
+    layer: &Layer,
+    bottom: Option<SearchedSurface<'a, G>>,
+    max_scatterings: u32,
+) -> Result<TracedStack<'a, G>, TracedLayerError> {
+    let top = SearchedSurface {
+        geometry: top,
+        accelerator: &BruteForce,
+    };
+    TracedStack::new(top, &[*layer], &[bottom], max_scatterings)
+}
 
 /// Independent uniform heights in `[-height, height]`: as rough as a surface can be.
 pub fn rugged(nx: usize, ny: usize, height: f64, seed: u64, border: Border) -> Surface {

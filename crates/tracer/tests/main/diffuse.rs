@@ -253,7 +253,7 @@ fn the_path_engine_agrees_with_the_reference() {
 
         let averaged = settings.with_polarisation(Polarisation::Averaged);
         for settings in [settings, averaged] {
-            let reference = PathIntegrator::new(&surface, &*search, material, settings, None);
+            let reference = PathIntegrator::new(&surface, &*search, material, settings);
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             let ([cx, cy], [_, high]) = (surface.extent(), surface.z_range());
             let traced = batches(&mut |_| {

@@ -65,7 +65,7 @@ fn the_path_engine_and_the_reference_absorb_alike() {
     {
         let material = coated(kappa);
         let settings = PathSettings::default().with_polarisation(polarisation);
-        let reference = PathIntegrator::new(&surface, &*accelerator, material, settings, None);
+        let reference = PathIntegrator::new(&surface, &*accelerator, material, settings);
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let rays = 40_000;
         let mut sums = [[0.0; 2]; 3];

@@ -11,7 +11,7 @@ use asperity_surface::HeightField;
 use asperity_tally::{Entry, Sides, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, PathStream,
-    SearchedSurface, Surface, TracedLayer, Tracer, Work,
+    SearchedSurface, Surface, Tracer, Work,
 };
 
 /// A scene: a surface of glass, what lies below it, and the light.
@@ -60,7 +60,8 @@ impl Scene {
                 accelerator: &**accelerator,
             });
         let layer =
-            TracedLayer::new(&self.surface, &self.layer, shape, self.max_scatterings).unwrap();
+            crate::common::layer_below(&self.surface, &self.layer, shape, self.max_scatterings)
+                .unwrap();
         let tracer = Tracer::new(
             &self.surface,
             &*accelerator,

@@ -11,7 +11,7 @@ use asperity_tally::{
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace, Illumination,
     PathEnd, PathIntegrator, PathResult, PathSettings, PathStream, SearchedSurface, Surface,
-    TracedLayer, Tracer,
+    TracedStack, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -39,6 +39,8 @@ struct Scene {
     end: Option<(Bottom, f64)>,
     /// Height of a bottom of its own.
     rough: Option<f64>,
+    /// Further layers, and the heights of bottoms of their own.
+    further: Vec<(Layer, Option<f64>)>,
     settings: PathSettings,
     max_scatterings: u32,
     search: FlightSearch,
@@ -46,7 +48,7 @@ struct Scene {
 
 const ISOTROPIC: PhaseFunction = PhaseFunction::Isotropic;
 const RAYLEIGH: PhaseFunction = PhaseFunction::Rayleigh;
-const INTERFACE: Bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+const INTERFACE: Bottom = Bottom::interface(1.0 / 1.5);
 
 fn scene(border: Border, path: f64, albedo: f64, phase: PhaseFunction) -> Scene {
     Scene {
@@ -56,6 +58,7 @@ fn scene(border: Border, path: f64, albedo: f64, phase: PhaseFunction) -> Scene 
         medium: ParticipatingMedium::from_mean_free_path(path, albedo, phase).unwrap(),
         end: None,
         rough: None,
+        further: Vec::new(),
         settings: PathSettings::default(),
         max_scatterings: 100_000,
         search: FlightSearch::Full,
@@ -84,6 +87,13 @@ impl Scene {
         }
     }
 
+    /// A further layer below.
+    fn then(mut self, medium: ParticipatingMedium, bottom: Bottom, rough: Option<f64>) -> Self {
+        let layer = Layer::slab(medium, 2.5, bottom).unwrap();
+        self.further.push((layer, rough));
+        self
+    }
+
     /// The larger |z| of all entries with enough events, from light at 40 degrees.
     fn compare(&self, name: &str) {
         let surface = |height, seed| {
@@ -96,22 +106,35 @@ impl Scene {
             Surface::new(field.with_border(self.border))
         };
         let top = surface(self.height, 3);
-        let bottom = self.rough.map(|height| surface(height, 4));
-        let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let (top_hits, bottom_hits) = (find(&top), bottom.as_ref().map(find));
-        let layer = match self.end {
+        let first = match self.end {
             None => Layer::half_space(self.medium),
             Some((bottom, thickness)) => Layer::slab(self.medium, thickness, bottom).unwrap(),
         };
-        let traced_layer = || {
-            let shape = match (&bottom, &bottom_hits) {
-                (Some(geometry), Some(hits)) => Some(SearchedSurface {
-                    geometry,
-                    accelerator: &**hits,
-                }),
-                _ => None,
+        let mut layers = vec![first];
+        layers.extend(self.further.iter().map(|(layer, _)| *layer));
+        let rough = std::iter::once(&self.rough).chain(self.further.iter().map(|(_, rough)| rough));
+        let bottoms = rough.zip(4..);
+        let bottoms = bottoms.map(|(height, seed)| Some(surface((*height)?, seed)));
+        let bottoms: Vec<Option<Surface>> = bottoms.collect();
+        let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let top_hits = find(&top);
+        let below_hits: Vec<_> = bottoms
+            .iter()
+            .map(|bottom| bottom.as_ref().map(find))
+            .collect();
+        let stack = || {
+            let below = bottoms.iter().zip(&below_hits).map(|(geometry, hits)| {
+                Some(SearchedSurface {
+                    geometry: geometry.as_ref()?,
+                    accelerator: &**hits.as_ref()?,
+                })
+            });
+            let top = SearchedSurface {
+                geometry: &top,
+                accelerator: &*top_hits,
             };
-            TracedLayer::new(&top, &layer, shape, self.max_scatterings).unwrap()
+            let below: Vec<_> = below.collect();
+            TracedStack::new(top, &layers, &below, self.max_scatterings).unwrap()
         };
         let glass = Material::dielectric(self.eta).unwrap();
         let incidence = Incidence::from_degrees(40.0, 25.0).unwrap();
@@ -119,7 +142,7 @@ impl Scene {
         let spec = TallySpec::new(grid, 0.1).unwrap().with_medium();
 
         let tracer = Tracer::new(&top, &*top_hits, glass, HalfSpace::Above, self.settings);
-        let tracer = tracer.over(traced_layer());
+        let tracer = tracer.over(stack());
         let mut together = TallyStatistics::new(spec);
         let mut alone = TallyStatistics::new(spec);
         for block in 0..BATCHES {
@@ -128,8 +151,7 @@ impl Scene {
             let (tally, _) = tracer.batch(&light, STRATA, spec, None, stream);
             together.push(&tally);
         }
-        let integrator =
-            PathIntegrator::new(&top, &*top_hits, glass, self.settings, Some(traced_layer()));
+        let integrator = PathIntegrator::new(&top, &*top_hits, glass, self.settings).over(stack());
         let integrator = integrator.with_flight_search(self.search);
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -266,10 +288,10 @@ fn slabs_on_planes() {
     let slab = |border, bottom| scene(border, 2.0, 0.9, forwards(0.5)).over(bottom, 2.5);
     slab(Border::Periodic, Bottom::Open).compare("open bottom");
     slab(Border::Mirrored, INTERFACE).compare("interface, mirrored");
-    slab(Border::Open, Bottom::Interface { eta: 1.2 }).compare("interface, open border");
-    slab(Border::Periodic, Bottom::Absorbing).compare("absorbing bottom");
-    slab(Border::Mirrored, Bottom::Mirror).compare("mirror, mirrored");
-    let grey = Bottom::Lambertian { reflectance: 0.7 };
+    slab(Border::Open, Bottom::interface(1.2)).compare("interface, open border");
+    slab(Border::Periodic, Bottom::ABSORBING).compare("absorbing bottom");
+    slab(Border::Mirrored, Bottom::MIRROR).compare("mirror, mirrored");
+    let grey = Bottom::lambertian(0.7);
     slab(Border::Periodic, grey).compare("Lambertian bottom");
 }
 
@@ -277,11 +299,11 @@ fn slabs_on_planes() {
 fn slabs_on_surfaces() {
     let slab = |border, bottom| scene(border, 2.0, 0.9, RAYLEIGH).over_rough(bottom, 2.5);
     slab(Border::Periodic, INTERFACE).compare("rough interface");
-    slab(Border::Mirrored, Bottom::Interface { eta: 1.3 }).compare("rough interface, mirrored");
+    slab(Border::Mirrored, Bottom::interface(1.3)).compare("rough interface, mirrored");
     slab(Border::Open, INTERFACE).compare("rough interface, open border");
-    slab(Border::Mirrored, Bottom::Absorbing).compare("rough absorbing bottom");
-    slab(Border::Periodic, Bottom::Mirror).compare("rough mirror");
-    let white = Bottom::Lambertian { reflectance: 1.0 };
+    slab(Border::Mirrored, Bottom::ABSORBING).compare("rough absorbing bottom");
+    slab(Border::Periodic, Bottom::MIRROR).compare("rough mirror");
+    let white = Bottom::lambertian(1.0);
     slab(Border::Mirrored, white).compare("rough Lambertian bottom");
 }
 
@@ -311,8 +333,40 @@ fn clear_media() {
         .compare("clear rough slab, open border");
     let absorbing = scene(Border::Periodic, 2.0, 0.0, ISOTROPIC);
     absorbing
-        .over(Bottom::Mirror, 1.5)
+        .over(Bottom::MIRROR, 1.5)
         .compare("absorbing medium");
+}
+
+/// Flat and rough faces above and below layers that scatter, absorb or do neither.
+#[test]
+fn stacks_of_several_layers() {
+    let fog = |path, albedo| {
+        ParticipatingMedium::from_mean_free_path(path, albedo, forwards(0.4)).unwrap()
+    };
+    let first = |border, bottom| scene(border, 2.0, 0.9, RAYLEIGH).over(bottom, 2.5);
+    let thinner = Bottom::interface(1.3 / 1.5);
+    let out = Bottom::interface(1.0 / 1.3);
+    first(Border::Periodic, thinner)
+        .then(clear(), out, None)
+        .compare("two layers between flat faces");
+    Scene {
+        rough: Some(0.8),
+        ..first(Border::Mirrored, thinner)
+    }
+    .then(fog(1.5, 0.8), out, None)
+    .compare("rough face between layers, mirrored");
+    first(Border::Open, thinner)
+        .then(fog(3.0, 0.5), out, Some(0.8))
+        .compare("flat face above a rough one, open border");
+    let many = Scene {
+        rough: Some(0.8),
+        medium: clear(),
+        ..first(Border::Periodic, Bottom::interface(1.2))
+    };
+    many.then(fog(2.0, 1.0), Bottom::interface(0.6), Some(0.5))
+        .then(clear(), Bottom::interface(1.1), None)
+        .then(fog(4.0, 0.9), Bottom::lambertian(0.6), Some(0.7))
+        .compare("four layers");
 }
 
 #[test]

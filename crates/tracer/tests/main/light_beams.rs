@@ -9,7 +9,7 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, CameraContribution, FlightSearch, Geometry, LightBeams,
-    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Surface, TracedLayer,
+    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Surface,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -93,7 +93,7 @@ fn trace(case: Case) -> Found {
     let (top_hits, bottom_hits) = (find(&top), find(&bottom));
     let medium =
         ParticipatingMedium::from_mean_free_path(case.mean_free_path, 0.9, case.phase).unwrap();
-    let white = Bottom::Lambertian { reflectance: 0.8 };
+    let white = Bottom::lambertian(0.8);
     let layer = Layer::slab(medium, 2.4 * height, white).unwrap();
     let shape = if case.rough_bottom {
         Some(SearchedSurface {
@@ -103,10 +103,10 @@ fn trace(case: Case) -> Found {
     } else {
         None
     };
-    let layer = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
+    let layer = crate::common::layer_below(&top, &layer, shape, 1000).unwrap();
     let glass = Material::dielectric(case.eta).unwrap();
     let settings = PathSettings::default();
-    let integrator = PathIntegrator::new(&top, &*top_hits, glass, settings, Some(layer));
+    let integrator = PathIntegrator::new(&top, &*top_hits, glass, settings).over(layer);
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let sun = from_spherical(0.9, 2.0);
     let solid_angle = TAU * (1.0 - COS_RADIUS);

@@ -7,7 +7,7 @@ use asperity_optics::{
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult, PathSettings,
-    Polarisation, Surface, TracedLayer,
+    Polarisation, Surface, TracedStack,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -57,12 +57,13 @@ impl Scene {
     /// Traces `paths` paths from random starting points.
     fn trace(&self, paths: u64) -> Vec<PathResult> {
         let hits = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let layer = self
-            .layer
-            .as_ref()
-            .map(|layer| TracedLayer::new(&self.surface, layer, None, 100_000).unwrap());
+        let stack = match &self.layer {
+            Some(layer) => crate::common::layer_below(&self.surface, layer, None, 100_000).unwrap(),
+            None => TracedStack::default(),
+        };
         let settings = PathSettings::default().with_polarisation(self.polarisation);
-        let integrator = PathIntegrator::new(&self.surface, &*hits, self.material, settings, layer);
+        let integrator =
+            PathIntegrator::new(&self.surface, &*hits, self.material, settings).over(stack);
         let ([cx, cy], [_, high]) = (self.starts, self.surface.z_range());
         let k = -self.incidence().wi();
         (0..paths)
@@ -124,7 +125,7 @@ fn a_clear_slab_reflects_both_polarisations_by_themselves() {
         (75.0, DIAGONAL),
     ] {
         let scene = Scene {
-            layer: Some(clear_slab(Bottom::Interface { eta: 1.0 / 1.5 })),
+            layer: Some(clear_slab(Bottom::interface(1.0 / 1.5))),
             theta_deg,
             incident,
             ..Scene::new(flat(), GLASS)
@@ -145,7 +146,7 @@ fn a_clear_slab_reflects_both_polarisations_by_themselves() {
 #[test]
 fn averaged_light_forgets_the_first_face_of_a_slab() {
     let scene = Scene {
-        layer: Some(clear_slab(Bottom::Interface { eta: 1.0 / 1.5 })),
+        layer: Some(clear_slab(Bottom::interface(1.0 / 1.5))),
         theta_deg: 75.0,
         polarisation: Polarisation::Averaged,
         ..Scene::new(flat(), GLASS)
@@ -216,8 +217,8 @@ fn interfaces_keep_pure_light_pure_and_energy() {
     let rough = || crate::common::rugged(12, 10, 2.0, 5, Border::Mirrored);
     let layers = [
         None,
-        Some(clear_slab(Bottom::Interface { eta: 1.3 })),
-        Some(clear_slab(Bottom::Mirror)),
+        Some(clear_slab(Bottom::interface(1.3))),
+        Some(clear_slab(Bottom::MIRROR)),
     ];
     for material in [GLASS, GLASS.reversed(), GOLD, Material::Mirror] {
         for layer in layers {
@@ -260,7 +261,7 @@ fn a_mirrored_border_is_a_surface_with_its_mirror_images() {
         let field = HeightField::new(heights, [size, size], [1.0, 1.0]).unwrap();
         Surface::new(field.with_border(border))
     };
-    let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+    let bottom = Bottom::interface(1.0 / 1.5);
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic).unwrap();
     let rayleigh = medium(3.0, PhaseFunction::Rayleigh);
     for (material, medium, incident) in [
@@ -328,7 +329,7 @@ fn rayleigh_scattering_polarises_across_its_plane() {
 fn diffuse_bottoms_and_other_phase_functions_leave_unpolarised_light() {
     let forwards = PhaseFunction::henyey_greenstein(0.5).unwrap();
     let layers = [
-        clear_slab(Bottom::Lambertian { reflectance: 0.8 }),
+        clear_slab(Bottom::lambertian(0.8)),
         Layer::half_space(medium(1.0, PhaseFunction::Isotropic)),
         Layer::half_space(medium(1.0, forwards)),
     ];

@@ -208,7 +208,7 @@ fn surface(file: &[u8]) -> Surface {
 fn trace(surface: &Surface, row: &Value, incident: Stokes) -> [[Sum; 4]; 2] {
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let settings = PathSettings::default();
-    let integrator = PathIntegrator::new(surface, &*hits, material(row), settings, None);
+    let integrator = PathIntegrator::new(surface, &*hits, material(row), settings);
     let k = -incidence(row).wi();
     let ([cx, cy], [_, high]) = (surface.extent(), surface.z_range());
     let mut rng = ChaCha8Rng::seed_from_u64(1);

@@ -8,7 +8,7 @@ use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, T
 use asperity_tracer::{
     Accelerator, AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination,
     Instructions, PathEnd, PathIntegrator, PathSettings, PathStream, Pyramid, Sampling,
-    SearchedSurface, SmoothSurface, Starts, TracedLayer, Tracer, Work,
+    SearchedSurface, SmoothSurface, Starts, Tracer, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -63,9 +63,10 @@ impl Scene {
             spec = spec.with_medium();
             let medium =
                 ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Isotropic);
-            let bottom = Bottom::Lambertian { reflectance: 0.5 };
+            let bottom = Bottom::lambertian(0.5);
             let layer = Layer::slab(medium.unwrap(), 30.0, bottom).unwrap();
-            tracer = tracer.over(TracedLayer::new(&self.surface, &layer, None, 1000).unwrap());
+            tracer =
+                tracer.over(crate::common::layer_below(&self.surface, &layer, None, 1000).unwrap());
         }
         let stream = PathStream::new(3, 1).from_path(1000);
         tracer.batch(&self.light, 40, spec, None, stream)
@@ -170,7 +171,7 @@ fn the_path_engine_agrees_with_the_reference() {
         }
 
         // Fluxes by side, single and multiple
-        let reference = PathIntegrator::new(&surface, &*search, material, settings, None);
+        let reference = PathIntegrator::new(&surface, &*search, material, settings);
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let ([cx, cy], [_, high]) = (surface.extent(), surface.z_range());
         let batches: Vec<[f64; 4]> = (0..BATCHES)
@@ -223,7 +224,7 @@ fn no_light_is_lost_at_a_smooth_bottom_of_any_depth() {
     for thickness in [1e3, 1e5, 1e7] {
         let medium =
             ParticipatingMedium::from_mean_free_path(thickness, 0.9, PhaseFunction::Isotropic);
-        let bottom = Bottom::Lambertian { reflectance: 1.0 };
+        let bottom = Bottom::lambertian(1.0);
         let layer = Layer::slab(medium.unwrap(), thickness, bottom).unwrap();
         let below = SearchedSurface {
             geometry: &surface,
@@ -234,7 +235,7 @@ fn no_light_is_lost_at_a_smooth_bottom_of_any_depth() {
         let light = Illumination::new(Incidence::from_degrees(30.0, 25.0).unwrap(), false);
         let spec = TallySpec::default().with_medium();
         let tracer = Tracer::new(&surface, &*accelerator, glass, HalfSpace::Above, settings)
-            .over(TracedLayer::new(&surface, &layer, Some(below), 1000).unwrap());
+            .over(crate::common::layer_below(&surface, &layer, Some(below), 1000).unwrap());
         let (values, _) = tracer.batch(&light, 100, spec, None, PathStream::new(3, 1));
         println!("{thickness}: {:?}", values.budget());
         assert_eq!(values.budget().lost, 0.0, "{thickness}");

@@ -8,7 +8,7 @@ use asperity_tally::{
 use asperity_tracer::{
     AcceleratorKind, BatchedRays, Branching, BuildAccelerator, CullingClass, Escape, Geometry,
     HalfSpace, Illumination, Instructions, PathSettings, PathStream, Polarisation, Query, RayBatch,
-    Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
+    Sampling, Starts, Surface, TileRay, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -82,9 +82,10 @@ impl Scene {
         if self.has_layer {
             let medium =
                 ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Rayleigh);
-            let bottom = Bottom::Lambertian { reflectance: 0.5 };
+            let bottom = Bottom::lambertian(0.5);
             let layer = Layer::slab(medium.unwrap(), 20.0, bottom).unwrap();
-            tracer = tracer.over(TracedLayer::new(&self.surface, &layer, None, 1000).unwrap());
+            tracer =
+                tracer.over(crate::common::layer_below(&self.surface, &layer, None, 1000).unwrap());
         }
         let stream = PathStream::new(3, 1).from_batch(first);
         tracer.batches(&self.light, rays, self.spec(), control_variate, stream)

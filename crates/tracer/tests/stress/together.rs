@@ -125,8 +125,7 @@ fn follow_mirrors<G: Stressed>() {
     for (index, scene) in scenes::all::<G>().into_iter().enumerate() {
         let Scene { name, surface } = scene;
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let reference =
-            PathIntegrator::new(&surface, &*accelerator, light.material, settings, None);
+        let reference = PathIntegrator::new(&surface, &*accelerator, light.material, settings);
         let scheme = BySide(&*accelerator);
         let mut rng = generator(index, 200);
         for ray in 0..40 {

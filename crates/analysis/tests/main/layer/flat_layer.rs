@@ -54,7 +54,7 @@ fn fluxes_of(model: &FlatLayer, theta: f64, component: Component) -> [f64; 2] {
 #[test]
 fn hanrahan_krueger_agrees_with_the_equations_of_the_paper() {
     // Eqs. 20 and 21 and the first-order transmitted radiance, computed apart in angles within the layer.
-    let layer = slab(0.9, 0.3, 0.1, Bottom::Interface { eta: 1.0 / 1.5 });
+    let layer = slab(0.9, 0.3, 0.1, Bottom::interface(1.0 / 1.5));
     let model = model(1.5, &layer, LayerPaths::HanrahanKrueger);
     let wi = degrees(30.0, 0.0);
     for (theta, phi, expected) in [
@@ -94,9 +94,9 @@ fn thick_slabs_agree_with_half_spaces_for_any_bottom() {
     let endless = Layer::half_space(medium(0.8, 0.4));
     for bottom in [
         Bottom::Open,
-        Bottom::Absorbing,
-        Bottom::Mirror,
-        Bottom::Interface { eta: 0.6 },
+        Bottom::ABSORBING,
+        Bottom::MIRROR,
+        Bottom::interface(0.6),
     ] {
         let thick = slab(0.8, 0.4, 60.0, bottom);
         let [a, b] = [&endless, &thick].map(|layer| model(1.4, layer, LayerPaths::All));
@@ -113,7 +113,7 @@ fn thick_slabs_agree_with_half_spaces_for_any_bottom() {
 fn both_models_agree_without_inner_reflection() {
     for layer in [
         Layer::half_space(medium(0.8, 0.4)),
-        slab(0.8, 0.4, 0.3, Bottom::Absorbing),
+        slab(0.8, 0.4, 0.3, Bottom::ABSORBING),
     ] {
         let [letter, exact] = BOTH.map(|paths| model(1.5, &layer, paths));
         for theta in [0.0, 30.0, 80.0] {
@@ -130,8 +130,8 @@ fn both_models_agree_without_inner_reflection() {
 fn the_layer_is_reciprocal() {
     // Upside down: the top becomes the bottom.
     for (eta, beyond) in [(1.5, 1.0 / 1.5), (1.5, 0.9), (0.8, 1.3), (1.2, 1.0)] {
-        let there = slab(0.9, 0.6, 0.5, Bottom::Interface { eta: beyond });
-        let back = slab(0.9, 0.6, 0.5, Bottom::Interface { eta: 1.0 / eta });
+        let there = slab(0.9, 0.6, 0.5, Bottom::interface(beyond));
+        let back = slab(0.9, 0.6, 0.5, Bottom::interface(1.0 / eta));
         for paths in BOTH {
             let (there, back) = (model(eta, &there, paths), model(1.0 / beyond, &back, paths));
             for (theta_i, theta_o, phi) in [(10.0, 40.0, 30.0), (40.0, 20.0, 170.0)] {
@@ -160,7 +160,7 @@ fn a_clear_plate_transmits_like_two_faces() {
     let phase = PhaseFunction::Isotropic;
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, phase).unwrap();
     let eta: f64 = 1.5;
-    let layer = Layer::slab(clear, 1.0, Bottom::Interface { eta: 1.0 / eta }).unwrap();
+    let layer = Layer::slab(clear, 1.0, Bottom::interface(1.0 / eta)).unwrap();
     let model = model(eta, &layer, LayerPaths::All);
     for theta in [0.0, 40.0, 80.0, 89.99] {
         let wi = degrees(theta, 10.0);
@@ -205,7 +205,7 @@ fn a_clear_plate_transmits_like_two_faces() {
 #[test]
 fn light_returned_by_a_mirror_is_the_sum_over_its_reflections() {
     let (eta, tau): (f64, f64) = (1.5, 0.4);
-    let model = model(eta, &slab(0.5, 0.0, tau, Bottom::Mirror), LayerPaths::All);
+    let model = model(eta, &slab(0.5, 0.0, tau, Bottom::MIRROR), LayerPaths::All);
     for theta in [20.0, 85.0] {
         let wi = degrees(theta, 0.0);
         let face = dielectric(wi.z, eta);
@@ -227,7 +227,7 @@ fn thin_plates_release_scattered_light_within_the_escape_cone() {
     // through sooner or later; the rest is caught. The next order is tau / mu, mu > 0.74 all over.
     let eta: f64 = 1.5;
     for tau in [1e-3, 1e-5] {
-        let layer = slab(1.0, 0.0, tau, Bottom::Interface { eta: 1.0 / eta });
+        let layer = slab(1.0, 0.0, tau, Bottom::interface(1.0 / eta));
         let model = model(eta, &layer, LayerPaths::All);
         for theta in [0.0_f64, 50.0] {
             let mu = (1.0 - (theta.to_radians().sin() / eta).powi(2)).sqrt();
@@ -257,10 +257,10 @@ fn thin_plates_release_scattered_light_within_the_escape_cone() {
 fn values_are_finite_at_critical_angles_at_grazing_and_without_thickness() {
     let bottoms = [
         Bottom::Open,
-        Bottom::Absorbing,
-        Bottom::Mirror,
-        Bottom::Interface { eta: 0.5 },
-        Bottom::Interface { eta: 1.8 },
+        Bottom::ABSORBING,
+        Bottom::MIRROR,
+        Bottom::interface(0.5),
+        Bottom::interface(1.8),
     ];
     for eta in [0.5, 1.0, 1.5] {
         for tau in [1e-300, 1e-12, 1.0, 1e4] {
@@ -293,7 +293,7 @@ fn values_are_finite_at_critical_angles_at_grazing_and_without_thickness() {
 
 #[test]
 fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
-    let layer = slab(1.0, 0.0, 1.0, Bottom::Interface { eta: 1.8 });
+    let layer = slab(1.0, 0.0, 1.0, Bottom::interface(1.8));
     let model = model(0.8, &layer, LayerPaths::All);
     let critical = 0.8_f64.asin().to_degrees();
     let wi = degrees(critical + 0.1, 0.0);
@@ -301,7 +301,7 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
     assert_eq!(model.unscattered(wi)[0].flux, 1.0);
     assert_eq!(model.bsdf(wi, DVec3::Z), 0.0);
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
-    let plate = Layer::slab(clear.unwrap(), 1.0, Bottom::Interface { eta: 1.8 }).unwrap();
+    let plate = Layer::slab(clear.unwrap(), 1.0, Bottom::interface(1.8)).unwrap();
     for paths in BOTH {
         let plate = FlatLayer::new(0.8, &plate, paths).unwrap();
         assert_eq!(plate.unscattered(wi)[0].flux, 1.0);
@@ -322,9 +322,9 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
 #[test]
 fn tallies_of_different_grids_agree_and_components_add_up() {
     let cases = [
-        (1.5, 0.99, 0.2, Bottom::Interface { eta: 1.0 / 1.5 }),
-        (1.5, -0.9, 0.2, Bottom::Mirror),
-        (0.7, 0.5, 1e-3, Bottom::Interface { eta: 2.0 }),
+        (1.5, 0.99, 0.2, Bottom::interface(1.0 / 1.5)),
+        (1.5, -0.9, 0.2, Bottom::MIRROR),
+        (0.7, 0.5, 1e-3, Bottom::interface(2.0)),
         (1.0, 0.0, 1e-6, Bottom::Open),
         (1.4, 0.8, 2.0, Bottom::Open),
     ];
@@ -385,12 +385,12 @@ fn layers_without_a_model_are_refused() {
         let error = FlatLayer::new(eta, &slab(0.5, 0.0, 1.0, bottom), paths).unwrap_err();
         error.to_string()
     };
-    let white = Bottom::Lambertian { reflectance: 1.0 };
+    let white = Bottom::lambertian(1.0);
     for paths in LayerPaths::ALL {
         assert!(refusal(paths, 1.5, white).contains("Lambertian"));
         assert!(refusal(paths, -1.0, Bottom::Open).contains("eta is -1"));
     }
-    let mirror = refusal(LayerPaths::HanrahanKrueger, 1.5, Bottom::Mirror);
+    let mirror = refusal(LayerPaths::HanrahanKrueger, 1.5, Bottom::MIRROR);
     assert!(mirror.contains("use flat-layer"));
 }
 

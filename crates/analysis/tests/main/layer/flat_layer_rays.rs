@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{FlatLayer, LayerPaths, sidak_z_threshold};
-use asperity_optics::{Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction};
+use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallySpec};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -60,9 +60,9 @@ fn follow(case: &Case, rng: &mut ChaCha8Rng) -> Option<Left> {
         depth = if up { 0.0 } else { case.tau };
         let n = match (up, case.bottom) {
             (true, _) => 1.0 / case.eta,
-            (false, Bottom::Interface { eta }) => eta,
+            (false, Bottom::Face(Material::Dielectric { eta })) => eta,
             (false, Bottom::Open) => return Some((Side::Transmitted, d, scatterings, faces)),
-            (false, Bottom::Mirror) => 0.0,
+            (false, Bottom::MIRROR) => 0.0,
             _ => return None,
         };
         faces += 1;
@@ -142,7 +142,7 @@ fn z_values(counts: &[f64], expected: &[f64]) -> Vec<f64> {
 
 #[test]
 fn rays_agree_with_both_models_in_every_bin() {
-    let glass = Bottom::Interface { eta: 1.0 / 1.5 };
+    let glass = Bottom::interface(1.0 / 1.5);
     let case = |eta, tau, albedo, g, bottom, theta| Case {
         eta,
         tau,
@@ -153,12 +153,12 @@ fn rays_agree_with_both_models_in_every_bin() {
     };
     let cases = [
         case(1.5, 0.1, 0.9, 0.3, glass, 32.0),
-        case(1.5, 1.0, 1.0, 0.0, Bottom::Interface { eta: 1.2 }, 61.0),
+        case(1.5, 1.0, 1.0, 0.0, Bottom::interface(1.2), 61.0),
         case(1.3, 0.5, 0.8, -0.4, Bottom::Open, 50.0),
-        case(1.5, 0.7, 0.9, 0.5, Bottom::Mirror, 20.0),
-        case(1.5, 40.0, 0.9, 0.2, Bottom::Absorbing, 46.0),
-        case(1.0, 0.3, 1.0, 0.6, Bottom::Interface { eta: 0.7 }, 35.0),
-        case(0.8, 0.4, 1.0, 0.0, Bottom::Interface { eta: 1.6 }, 40.0),
+        case(1.5, 0.7, 0.9, 0.5, Bottom::MIRROR, 20.0),
+        case(1.5, 40.0, 0.9, 0.2, Bottom::ABSORBING, 46.0),
+        case(1.0, 0.3, 1.0, 0.6, Bottom::interface(0.7), 35.0),
+        case(0.8, 0.4, 1.0, 0.0, Bottom::interface(1.6), 40.0),
     ];
     let spec = spec();
     let mut families: Vec<(String, Vec<f64>)> = Vec::new();
@@ -177,7 +177,7 @@ fn rays_agree_with_both_models_in_every_bin() {
         let found = counted(&left, |ray| ray.3 == 1);
         let z = z_values(&found, &exact[spec.grid_entries(Component::Single)]);
         families.push((format!("case {i}, one face"), z));
-        if case.bottom == Bottom::Mirror {
+        if case.bottom == Bottom::MIRROR {
             continue;
         }
         // Through a face on the way in and through one on the way out, which an open bottom is not.

@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-use asperity_optics::Material;
+use asperity_optics::{BottomSurface, Layer, Material};
 use asperity_surface::{Border, SlopeMoments};
-use asperity_tracer::{AcceleratorKind, Engine, PreparedSurface, Shape, Surface, TracedPaths};
+use asperity_tracer::{
+    AcceleratorKind, Engine, HalfSpace, PreparedSurface, Shape, Surface, TracedPaths,
+};
 
 use crate::engine::prepare::case_run::CaseRun;
 use crate::engine::trace::block_run::LitMesh;
 use crate::error::SimulateError;
+use crate::input::case::Case;
 use crate::input::limits::check_shape;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
@@ -22,9 +25,14 @@ impl Meshes {
     /// The mesh `given`, with a finer and a coarser one if it is to be refined. Smooth cells and triangles have none.
     pub(crate) fn new(given: Shape, refine: bool) -> Result<Self, SimulateError> {
         match given {
-            Shape::HeightField { top, bottom } if refine => {
-                let bottom = bottom.map(Self::refined).transpose()?;
-                Ok(Self::refined(top)?.over(bottom))
+            Shape::HeightField { top, below } if refine => {
+                let bottoms = below.into_iter().enumerate();
+                let bottoms = bottoms.filter_map(|(layer, bottom)| Some((layer, bottom?)));
+                bottoms
+                    .into_iter()
+                    .try_fold(Self::refined(top)?, |meshes, (layer, bottom)| {
+                        Ok(meshes.over(layer, Self::refined(bottom)?))
+                    })
             }
             given => Ok(Self(vec![given])),
         }
@@ -33,8 +41,8 @@ impl Meshes {
     fn refined(given: Arc<Surface>) -> Result<Self, SimulateError> {
         let finer = given.field().refined()?;
         let coarser = given.field().coarsened().ok();
-        let bottom = None;
-        let given = Shape::HeightField { top: given, bottom };
+        let below = Vec::new();
+        let given = Shape::HeightField { top: given, below };
         let mut meshes = vec![Shape::height_field(finer), given];
         meshes.extend(coarser.map(Shape::height_field));
         Ok(Self(meshes))
@@ -45,13 +53,11 @@ impl Meshes {
         Self(meshes)
     }
 
-    /// The meshes over those of a bottom. A coarser mesh is left out if either has none.
-    pub(crate) fn over(self, bottoms: Option<Self>) -> Self {
-        let Some(Self(bottoms)) = bottoms else {
-            return self;
-        };
+    /// The meshes over those of the bottom of a layer. A coarser mesh is left out if either has none.
+    pub(crate) fn over(self, layer: usize, Self(bottoms): Self) -> Self {
         let pairs = self.0.into_iter().zip(bottoms);
-        Self(pairs.filter_map(|(top, bottom)| top.over(bottom)).collect())
+        let over = pairs.filter_map(|(top, bottom)| top.over(layer, bottom));
+        Self(over.collect())
     }
 
     /// Moments of the slopes of the given mesh; `None` for triangles.
@@ -77,21 +83,58 @@ pub(crate) struct BuiltSurface {
 struct BuiltMesh {
     shape: Shape,
     prepared: Box<dyn PreparedSurface>,
+    /// The surface and its layers turned over, for layers that are lit from below; by the shapes of their bottoms.
+    turned_over: Vec<(Vec<BottomSurface>, Box<dyn PreparedSurface>)>,
 }
 
-impl BuiltSurface {
-    /// Has an engine prepare all meshes.
-    pub(crate) fn build(
-        meshes: Meshes,
+impl BuiltMesh {
+    fn build(
+        shape: Shape,
+        cases: &[CaseRun],
         kind: AcceleratorKind,
         engine: &dyn Engine,
     ) -> Result<Self, SimulateError> {
-        let build = |shape: Shape| {
-            Ok(BuiltMesh {
-                prepared: engine.prepare(&shape, kind)?,
-                shape,
-            })
-        };
+        let mut turned_over: Vec<(Vec<BottomSurface>, Box<dyn PreparedSurface>)> = Vec::new();
+        for case in cases.iter().map(|run| &run.case) {
+            let bottoms = bottoms(case);
+            if case.is_turned_over() && turned_over.iter().all(|(other, _)| *other != bottoms) {
+                let turned = shape.turned_over(&case.layers);
+                turned_over.push((bottoms, engine.prepare(&turned, kind)?));
+            }
+        }
+        Ok(Self {
+            prepared: engine.prepare(&shape, kind)?,
+            shape,
+            turned_over,
+        })
+    }
+
+    /// The surface with the side up that is lit in a case.
+    fn lit_side_up(&self, case: &Case) -> &dyn PreparedSurface {
+        let bottoms = bottoms(case);
+        let turned = self.turned_over.iter();
+        let mut turned = turned.filter(|(other, _)| case.is_turned_over() && *other == bottoms);
+        turned
+            .next()
+            .map_or(&*self.prepared, |(_, turned)| &**turned)
+    }
+}
+
+/// Shapes of the bottoms of all layers.
+fn bottoms(case: &Case) -> Vec<BottomSurface> {
+    let ends = case.layers.iter().filter_map(Layer::end);
+    ends.map(|end| end.shape).collect()
+}
+
+impl BuiltSurface {
+    /// Has an engine prepare all meshes for the light of `cases`.
+    pub(crate) fn build(
+        meshes: Meshes,
+        cases: &[CaseRun],
+        kind: AcceleratorKind,
+        engine: &dyn Engine,
+    ) -> Result<Self, SimulateError> {
+        let build = |shape| BuiltMesh::build(shape, cases, kind, engine);
         let meshes = meshes.0.into_iter().map(build);
         Ok(Self {
             meshes: meshes.collect::<Result<_, SimulateError>>()?,
@@ -123,20 +166,27 @@ impl BuiltSurface {
             return Ok(Vec::new());
         };
         let case = &first.case;
-        let materials: Vec<Material> = runs.iter().map(|run| run.case.material).collect();
+        let (first_face, layers) = case.towards_light().ok_or(SimulateError::DarkBottom)?;
+        let materials: Vec<Material> = match layers.as_slice() {
+            [] => runs.iter().map(|run| run.case.material).collect(),
+            _ => vec![first_face],
+        };
         let lit = |(i, mesh): (usize, &'a BuiltMesh)| {
             check_shape(&mesh.shape, case.light.incidence)?;
             let method = first.method_on(i);
             let methods = runs.iter().map(|run| run.method_on(i));
             let paths = TracedPaths {
                 materials: &materials,
-                incident: case.light.from,
+                incident: match case.is_turned_over() {
+                    true => HalfSpace::Above,
+                    false => case.light.from,
+                },
                 settings: method.paths,
-                layer: case.layer,
+                layers: &layers,
                 max_scatterings: settings.max_scatterings,
             };
             Ok(LitMesh {
-                tracer: mesh.prepared.tracer(&paths)?,
+                tracer: mesh.lit_side_up(case).tracer(&paths)?,
                 spec: settings.spec_of(case),
                 light: method.illumination(&case.light, settings.sampling),
                 control_variates: methods.clone().map(Method::control_variate).collect(),
@@ -149,7 +199,9 @@ impl BuiltSurface {
     /// The memory of the given mesh, for the next surface; none if something else holds it.
     pub(crate) fn into_memory(mut self) -> Vec<f64> {
         let given = place_of_given(self.meshes.len());
-        let BuiltMesh { shape, prepared } = self.meshes.swap_remove(given);
+        let BuiltMesh {
+            shape, prepared, ..
+        } = self.meshes.swap_remove(given);
         drop(prepared);
         let memory = match shape {
             Shape::HeightField { top, .. } => {

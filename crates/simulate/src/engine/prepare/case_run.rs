@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use asperity_optics::{BottomSurface, Layer};
 use asperity_tracer::PathSettings;
 
 use crate::input::case::Case;
@@ -62,4 +63,17 @@ impl CaseRun {
         let methods = self.methods.iter().map(|method| method.on(paths));
         self.by(methods.map(Arc::new).collect())
     }
+}
+
+/// Numbers of the layers below which a bottom of its own is drawn.
+pub(crate) fn independent_bottoms(cases: &[CaseRun]) -> Vec<usize> {
+    let is_drawn = |case: &Case, layer: usize| {
+        let end = case.layers.get(layer).and_then(Layer::end);
+        end.is_some_and(|end| end.shape == BottomSurface::Independent)
+    };
+    let most = cases.iter().map(|run| run.case.layers.len()).max();
+    let layers = 0..most.unwrap_or(0);
+    layers
+        .filter(|&layer| cases.iter().any(|run| is_drawn(&run.case, layer)))
+        .collect()
 }

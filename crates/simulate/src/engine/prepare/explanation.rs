@@ -46,8 +46,11 @@ impl CaseRun {
             None if self.case.surface.shapes().len() > 1 => {
                 "plain, since a control variate of given surfaces is that of one alone"
             }
-            None if self.case.layer.is_some() => {
+            None if !self.case.layers.is_empty() => {
                 "plain, since no control variate covers a medium below the surface"
+            }
+            None if self.case.light.spread.is_some() => {
+                "plain, since no control variate covers light of several directions"
             }
             None if self.case.light.is_polarised() => {
                 "plain, since no control variate covers polarised light"

@@ -3,9 +3,9 @@
 use std::mem::discriminant;
 
 use asperity_surface::{Border, RefinementError};
-use asperity_tracer::{BottomSurface, Shape};
+use asperity_tracer::Shape;
 
-use super::case_run::CaseRun;
+use super::case_run::{CaseRun, independent_bottoms};
 use crate::error::SimulateError;
 use crate::input::estimator::Estimator;
 use crate::input::limits::check_shape_memory;
@@ -24,8 +24,7 @@ pub(crate) fn check(
     cases: &[CaseRun],
     settings: &Settings,
 ) -> Result<(), SimulateError> {
-    let mut layers = cases.iter().filter_map(|one| one.case.layer);
-    if layers.any(|layer| layer.bottom == BottomSurface::Independent) {
+    if !independent_bottoms(cases).is_empty() {
         return Err(SimulateError::IndependentBottom);
     }
     check_number(shapes, settings)?;

@@ -224,7 +224,8 @@ impl Group {
         context.observer.begin("building", 1);
         let clock = Instant::now();
         let meshes = Meshes::new(shape, settings.refine)?;
-        let surface = BuiltSurface::build(meshes, settings.accelerator, context.engine)?;
+        let surface =
+            BuiltSurface::build(meshes, &self.cases, settings.accelerator, context.engine)?;
         let cases = || FacetSums::new(self.cases.iter().map(|run| &run.case));
         let mut sums: Vec<FacetSums<'_>> = surface.shapes().map(|_| cases()).collect();
         let on_meshes = |run: &CaseRun| {

@@ -184,6 +184,7 @@ mod tests {
             let light = Light {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
                 from: HalfSpace::Above,
+                spread: None,
                 random_azimuth: true,
                 stokes: [0.0; 3],
             };

@@ -34,7 +34,7 @@ impl CaseRun {
     fn has_paths_of(&self, other: &Self) -> bool {
         let of = |case: &Case| (case.light, case.bins);
         let are_conductors = [self, other].iter().all(|run| {
-            matches!(run.case.material, Material::Conductor { .. }) && run.case.layer.is_none()
+            matches!(run.case.material, Material::Conductor { .. }) && run.case.layers.is_empty()
         });
         let meshes = self.methods.len().max(other.methods.len());
         let method = |run: &Self, mesh| {

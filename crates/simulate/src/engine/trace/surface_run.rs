@@ -9,17 +9,18 @@ use super::block_run::run_blocks;
 use super::blocks::Blocks;
 use super::joint::joint_sets;
 use super::stage::{Part, StageRun};
-use super::surfaces::{Surfaces, have_independent_bottom};
+use super::surfaces::Surfaces;
 use crate::engine::context::Context;
-use crate::engine::draw::built_surface::BuiltSurface;
+use crate::engine::draw::built_surface::{BuiltSurface, Meshes};
 use crate::engine::draw::drawer::Drawer;
-use crate::engine::prepare::case_run::CaseRun;
+use crate::engine::prepare::case_run::{CaseRun, independent_bottoms};
 use crate::error::SimulateError;
 use crate::input::estimator::Estimator;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::store::SurfaceKey;
 
-/// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
+/// Number of the surface that is the bottom of the uppermost layer below the first one, where bottoms are surfaces of their own; those of
+/// layers below have multiples.
 const FIRST_BOTTOM: u64 = 1 << 50;
 
 /// A surface that was drawn, ready to be traced.
@@ -100,9 +101,11 @@ impl StageRun<'_> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
         let top = draw(number, std::mem::take(memory))?;
-        let bottom = have_independent_bottom(self.cases)
-            .then(|| draw(FIRST_BOTTOM + number, Vec::new()))
-            .transpose()?;
+        let bottoms = independent_bottoms(self.cases).into_iter().map(|layer| {
+            let number = FIRST_BOTTOM * (1 + layer as u64) + number;
+            Ok((layer, draw(number, Vec::new())?))
+        });
+        let bottoms = bottoms.collect::<Result<Vec<_>, SimulateError>>()?;
         // Plain results are left as they are counted.
         let is_plain = self.settings.estimator == Estimator::Plain;
         let slopes = match self.surfaces {
@@ -112,8 +115,10 @@ impl StageRun<'_> {
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let meshes = top.over(bottom);
-        let built = BuiltSurface::build(meshes, self.settings.accelerator, context.engine)?;
+        let over = |meshes: Meshes, (layer, bottom)| meshes.over(layer, bottom);
+        let meshes = bottoms.into_iter().fold(top, over);
+        let accelerator = self.settings.accelerator;
+        let built = BuiltSurface::build(meshes, self.cases, accelerator, context.engine)?;
         seconds.build = clock.elapsed().as_secs_f64();
         Ok(DrawnSurface {
             built: Arc::new(built),

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use asperity_tracer::{BottomSurface, Shape, Window};
+use asperity_tracer::{Shape, Window};
 
 use crate::engine::draw::built_surface::BuiltSurface;
-use crate::engine::prepare::case_run::CaseRun;
+use crate::engine::prepare::case_run::{CaseRun, independent_bottoms};
 use crate::input::cells::Cells;
 use crate::input::limits::{meshes_bytes, shape_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
@@ -71,17 +71,8 @@ pub(crate) fn surface_bytes(
         Cells::Smooth => smooth_meshes_bytes(shape, accelerator, settings.refine),
     };
     let one = surfaces.peak_bytes().max(traced);
-    if have_independent_bottom(cases) {
-        // A bottom of its own is drawn while the surface above is held.
-        traced.saturating_add(one)
-    } else {
-        one
-    }
-}
-
-pub(super) fn have_independent_bottom(cases: &[CaseRun]) -> bool {
-    let layers = cases.iter().filter_map(|run| run.case.layer);
-    layers
-        .into_iter()
-        .any(|layer| layer.bottom == BottomSurface::Independent)
+    // Bottoms of their own are drawn while the surface above is held, and sides that are lit from below are made of all.
+    let held = independent_bottoms(cases).len();
+    let turned = usize::from(cases.iter().any(|run| run.case.is_turned_over())) * (1 + held);
+    one.saturating_add(traced.saturating_mul(held + turned))
 }

@@ -40,7 +40,8 @@ impl Method {
             return Self::uncontrolled(settings, SPECULAR_FACETS);
         }
         // No control variate knows of a layer, and that of one surface is of light from one azimuth.
-        if case.layer.is_some() || case.light.random_azimuth {
+        let light = &case.light;
+        if !case.layers.is_empty() || light.random_azimuth || light.spread.is_some() {
             return Ok(Self::plain(settings));
         }
         if case.light.is_polarised() {

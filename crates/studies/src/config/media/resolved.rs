@@ -1,10 +1,11 @@
 //! Resolved material: what a surface is made of at one wavelength, and the layer below it.
 
 use asperity_optics::{Layer, Material, ParticipatingMedium, PhaseFunction};
-use asperity_simulate::{Coordinate, Coordinates, LayerBelow, short};
+use asperity_simulate::{Coordinate, Coordinates, short};
 use asperity_surface::LengthUnit;
 use asperity_tracer::HalfSpace;
 
+use super::stack::Stack;
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 
@@ -33,6 +34,8 @@ pub(crate) struct NamedMedia {
     pub(crate) absorption: f64,
     /// `true` if the medium below absorbs along the path of light.
     pub(crate) has_body: bool,
+    /// Absorption index of media whose records have none.
+    pub(super) kappa: Option<f64>,
 }
 
 impl Resolved {
@@ -57,6 +60,30 @@ impl Resolved {
         })
     }
 
+    /// The material, and the layers of `medium` below it, for light from the half space `from`. Indices are relative to the medium above
+    /// where there are layers, and to that of the light elsewhere.
+    ///
+    /// # Errors
+    /// As of [`Self::layers`] and [`Self::seen_from`], or if no light comes in through the lowest layer.
+    pub(crate) fn over_layers(
+        self,
+        medium: Option<&MediumConfig>,
+        unit: LengthUnit,
+        from: HalfSpace,
+    ) -> Result<(Self, Vec<Layer>), ConfigError> {
+        let layers = self.layers(medium, unit)?;
+        let Some(lowest) = layers.last() else {
+            return Ok((self.seen_from(from)?, layers));
+        };
+        if from == HalfSpace::Below && !(lowest.end().is_some() && lowest.transmits()) {
+            return Err(ConfigError::unsuitable(
+                "from below",
+                "needs layers that end on an interface, through which the light comes in: give --thickness, and --bottom interface or open",
+            ));
+        }
+        Ok((self, layers))
+    }
+
     fn is_opaque(&self) -> bool {
         self.material.transmitting_index().is_none()
     }
@@ -76,32 +103,27 @@ impl Resolved {
         at
     }
 
-    /// The layer below the surface, whose lengths are in `unit`: a medium that is configured, a body that absorbs, or both. `None` where there
-    /// is neither, and below an opaque body that is thicker than light gets.
+    /// The layers below the surface, whose lengths are in `unit`, from above: of media that are configured, and of a body that absorbs. None
+    /// where there is neither, and below an opaque body that is thicker than light gets.
     ///
     /// # Errors
-    /// [`ConfigError`] if a value is out of range, the material transmits no light, or the body absorbs over lengths without a unit.
-    pub(crate) fn layer(
+    /// [`ConfigError`] if a value is out of range, the material transmits no light, or a body absorbs over lengths without a unit.
+    pub(crate) fn layers(
         &self,
         medium: Option<&MediumConfig>,
         unit: LengthUnit,
-    ) -> Result<Option<LayerBelow>, ConfigError> {
+    ) -> Result<Vec<Layer>, ConfigError> {
         let absorption = self.absorption(medium, unit)?;
-        let layer = match medium {
-            Some(medium) if self.is_thick(medium, absorption)? => return Ok(None),
-            Some(medium) => medium.layer(self.material, absorption)?,
-            None if !self.has_body() => return Ok(None),
+        match medium {
+            Some(medium) if self.is_thick(medium, absorption)? => Ok(Vec::new()),
+            Some(medium) => Stack::new(self, medium, absorption, unit)?.layers(),
+            None if !self.has_body() => Ok(Vec::new()),
             None => {
                 let isotropic = PhaseFunction::Isotropic;
                 let body = ParticipatingMedium::from_coefficients(absorption, 0.0, isotropic)?;
-                Layer::half_space(body)
+                Ok(vec![Layer::half_space(body)])
             }
-        };
-        let bottom = medium.map(|medium| medium.bottom_surface.named());
-        Ok(Some(LayerBelow {
-            layer,
-            bottom: bottom.unwrap_or_default(),
-        }))
+        }
     }
 
     /// Returns `true` if a slab of an opaque body is thicker than light gets.

@@ -119,6 +119,13 @@ pub(super) const FROM: Kind = Kind::Choice(&[
     choice("below", "below the surface"),
 ]);
 
+/// The sides of [`FROM`], and both.
+pub(super) const FROM_EITHER: Kind = Kind::Choice(&[
+    choice("above", "above the surface"),
+    choice("below", "below the surface, or below the layers under it"),
+    choice("both", "one after the other, on one sample"),
+]);
+
 pub(super) const AZIMUTH: Kind = Kind::Choice(&[
     choice(
         "random",

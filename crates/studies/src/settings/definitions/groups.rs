@@ -219,15 +219,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             .needs(&["medium.mean_free_path", "medium.albedo"]),
         variant("absorption and scattering").when(&["medium.absorption", "medium.scattering"]),
     ])
-    .only_with("medium.*")
-    .required("a medium")
-    .unless(&[
-        "material.kind",
-        "-material.kind=dielectric",
-        "-material.kind=conductor",
-        "-material.kind=mirror",
-        "-material.kind=lambertian",
-    ]),
+    .only_with("medium.*"),
     group(&[
         variant("a medium that absorbs or scatters")
             .when(&[
@@ -235,7 +227,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
                 "medium.absorption!0",
                 "medium.scattering!0",
             ])
-            .allows(&["medium.thickness"]),
+            .allows(&["medium.thickness", "medium.phase", "medium.g"]),
         variant("a medium that neither absorbs nor scatters")
             .needs(&["medium.thickness"])
             .by_default(),
@@ -255,8 +247,11 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             .allows(&[
                 "medium.bottom",
                 "medium.bottom_eta",
+                "medium.bottom_material",
+                "medium.bottom_film",
                 "medium.bottom_reflectance",
                 "medium.bottom_surface!flat",
+                "medium.layer",
             ]),
         variant("one without end").by_default(),
     ])
@@ -265,7 +260,12 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         "medium.bottom",
         &[
             variant("interface")
-                .allows(&["medium.bottom_eta", "medium.bottom_surface!flat"])
+                .allows(&[
+                    "medium.bottom_eta",
+                    "medium.bottom_material",
+                    "medium.bottom_film",
+                    "medium.bottom_surface!flat",
+                ])
                 .by_default(),
             variant("lambertian")
                 .allows(&["medium.bottom_reflectance", "medium.bottom_surface!flat"]),
@@ -274,6 +274,10 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             variant("open"),
         ],
     ),
+    group(&[
+        variant("the index beyond the bottom").when(&["medium.bottom_eta"]),
+        variant("the material beyond the bottom").when(&["medium.bottom_material"]),
+    ]),
     // Light, effort and results
     group(&[
         variant("theta and phi").when(&["light.theta", "light.phi"]),

@@ -2,7 +2,7 @@
 
 use asperity_surface::LengthUnit;
 
-use super::choices::{AZIMUTH, FROM};
+use super::choices::{AZIMUTH, FROM, FROM_EITHER};
 use super::commands::{
     ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MAP, MODEL, RENDER, SWEEPS, TRACE, TRACING,
     VERIFY,
@@ -76,8 +76,18 @@ pub(super) const LIGHT: &[Setting] = &table(
             .otherwise("random where surfaces are random and isotropic"),
         setting("from", FROM)
             .help("The side that light comes from")
-            .commands(TRACING.and(CONVERGE))
+            .commands(MAP.and(CONVERGE))
             .default("above"),
+        setting("from", FROM_EITHER)
+            .help("The side that light comes from")
+            .commands(TRACE.and(VERIFY).and(GONIO))
+            .default("above"),
+        setting("spread", Kind::Spread)
+            .help("Directions that light comes from about theta and phi")
+            .commands(TRACE.and(VERIFY).and(GONIO))
+            .value_name("klems|CONE|THETAxPHI")
+            .unit(DEGREES)
+            .otherwise("one direction"),
         WAVELENGTH
             .help("Wavelength of named materials, and to judge lengths against")
             .commands(TRACING.and(CONVERGE).and(MODEL).and(RENDER))

@@ -58,6 +58,8 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
 );
 
 const MEDIUM_IN: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO).and(MODEL);
+/// Commands that trace light in layers.
+const LAYERED: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO);
 const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO).and(MODEL));
 
 pub(super) const MEDIUM: &[Setting] = &table(
@@ -79,14 +81,14 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .value_name("COEFFICIENT")
             .range(Range::AtLeast(0.0))
             .arity(LISTS)
-            .otherwise("0 if scattering is given"),
+            .otherwise("0"),
         setting("scattering", Kind::Number)
             .help("Scattering coefficient")
             .unit("1 / length")
             .value_name("COEFFICIENT")
             .range(Range::AtLeast(0.0))
             .arity(LISTS)
-            .otherwise("0 if absorption is given"),
+            .otherwise("0"),
         setting("phase", PHASE)
             .help("Phase function")
             .otherwise("henyey-greenstein with g, isotropic without"),
@@ -100,14 +102,31 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .range(Range::Above(0.0))
             .arity(LISTS)
             .otherwise("infinite"),
+        setting("layer", Kind::Layer)
+            .help("Further layers below that medium, from above")
+            .commands(LAYERED)
+            .value_name("MATERIAL:THICKNESS")
+            .arity(Arity::ListIn(LAYERED))
+            .otherwise("none"),
         setting("bottom", BOTTOM)
-            .help("What bounds a medium of that thickness")
+            .help("What bounds the medium, or the lowest layer")
             .otherwise("interface"),
         setting("bottom_eta", Kind::Number)
             .help("Index n_beyond / n_layer of a bottom that is an interface")
             .value_name("ETA")
             .range(Range::FromTo(1e-6, 1e6))
-            .otherwise("1 / eta"),
+            .otherwise("that of the medium above"),
+        setting("bottom_material", Kind::Material)
+            .help("Medium beyond a bottom that is an interface")
+            .commands(LAYERED)
+            .value_name("NAME|FILE|N")
+            .otherwise("the medium above"),
+        setting("bottom_film", Kind::Film)
+            .help("Thin film on such a bottom, layer by layer from above")
+            .commands(LAYERED)
+            .value_name("MATERIAL:THICKNESS")
+            .arity(Arity::ListIn(LAYERED))
+            .otherwise("none"),
         setting("bottom_reflectance", Kind::Number)
             .help("Reflectance of a Lambertian bottom")
             .value_name("FRACTION")

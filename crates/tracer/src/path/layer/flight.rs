@@ -1,6 +1,6 @@
 //! Flights: take light inside the layer from interaction to interaction, all of a round together.
 //!
-//! Each round takes all flights one on: to a facet (`query.rs`), to the flat bottom (`bottom.rs`), or to where the
+//! Each round takes all flights one on: to a facet (`flight_query.rs`), to a flat face (`bottom.rs`), or to where the
 //! medium scatters them (`medium.rs`).
 
 use asperity_optics::Bottom;
@@ -9,8 +9,8 @@ use asperity_tally::Loss;
 use glam::DVec3;
 
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
-use crate::path::state::batch::Batch;
+use crate::interaction::stack::TracedLayer;
+use crate::path::state::batch::{Batch, LightInLayer};
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Departure, PathState, Region};
 use crate::path::state::random_numbers::DrawNumbers;
@@ -62,8 +62,8 @@ impl Stage for FlyOn<'_> {
         let reach = &mut into.reach[rows.clone()];
         gather_column(reach, &self.from.reach, self.which);
         gather_column(
-            &mut into.ends_at_bottom[rows.clone()],
-            &self.from.ends_at_bottom,
+            &mut into.ends_at_plane[rows.clone()],
+            &self.from.ends_at_plane,
             self.which,
         );
         into.clear_of[rows.clone()].fill(0);
@@ -78,30 +78,31 @@ impl Stage for FlyOn<'_> {
 }
 
 impl<G: Geometry> Tracer<'_, G> {
-    /// Takes all flights inside the layer to their next interaction.
+    /// Takes all flights inside the layers to their next interaction.
     pub(crate) fn trace_flights(&self, batch: &mut Batch<'_, G::Facet>) {
-        let Some(layer) = &self.layer else {
-            return;
-        };
-        self.begin_flights(layer, batch);
-        std::mem::swap(&mut batch.flights, &mut batch.flown);
-        let mut flown = std::mem::take(&mut batch.flown);
-        self.query_flights(layer, &mut flown, batch);
-        self.fly(layer, &flown, batch);
-        self.interact_at_bottom(batch);
-        flown.at.len = 0;
-        batch.flown = flown;
+        for layer in self.stack.layers() {
+            self.begin_flights(layer, batch);
+            let mut flown = std::mem::take(&mut batch.flown);
+            std::mem::swap(&mut batch.layers[layer.number()].flights, &mut flown);
+            self.query_flights(layer, &mut flown, batch);
+            self.fly(layer, &flown, batch);
+            flown.at.len = 0;
+            batch.flown = flown;
+        }
+        self.interact_at_bottoms(batch);
     }
 
-    /// Begins the flights of light that has entered the layer.
+    /// Begins the flights of light that has entered a layer.
     fn begin_flights(&self, layer: &TracedLayer<'_, G>, batch: &mut Batch<'_, G::Facet>) {
-        let flights = &mut batch.flights;
-        let rows = flights.at.len..flights.at.len + batch.entering.len;
+        let LightInLayer {
+            flights, entering, ..
+        } = &mut batch.layers[layer.number()];
+        let rows = flights.at.len..flights.at.len + entering.len;
         flights.make_room(rows.end);
         batch.met.clear();
-        batch.met.extend(0..batch.entering.len as u32);
+        batch.met.extend(0..entering.len as u32);
         batch.instructions.run(Gather {
-            from: &batch.entering,
+            from: entering,
             which: &batch.met,
             into: &mut flights.at,
         });
@@ -119,10 +120,10 @@ impl<G: Geometry> Tracer<'_, G> {
             length: &mut flights.length[rows.clone()],
         });
         flights.clear_of[rows].fill(0);
-        batch.entering.len = 0;
+        entering.len = 0;
     }
 
-    /// Moves flights that hit nothing to their ends, where they come to the flat bottom, are scattered or leave.
+    /// Moves flights that hit nothing to their ends, where they come to a flat face, are scattered or leave.
     fn fly(&self, layer: &TracedLayer<'_, G>, flown: &Flights, batch: &mut Batch<'_, G::Facet>) {
         // Leave a clear medium that has no end
         let mut which = std::mem::take(&mut batch.elsewhere);
@@ -144,27 +145,32 @@ impl<G: Geometry> Tracer<'_, G> {
         }
 
         // Go to the ends
-        let first = batch.flights.at.len;
-        batch.flights.make_room(first + which.len());
+        let flights = &mut batch.layers[layer.number()].flights;
+        let first = flights.at.len;
+        flights.make_room(first + which.len());
         batch.instructions.run(FlyOn {
             from: flown,
             which: &which,
             aspect: self.geometry.aspect(),
-            into: &mut batch.flights,
+            into: flights,
         });
         batch.elsewhere = which;
-        self.wrap_flights(first, batch);
-        if layer.bottom().is_some() {
-            self.end_at_flat_bottom(layer, first, batch);
-        }
+        self.wrap_flights(layer, first, batch);
+        self.end_at_planes(layer, first, batch);
         self.scatter_in_medium(layer, first, batch);
     }
 
     /// Moves the flights from number `first` on into the tile.
-    fn wrap_flights(&self, first: usize, batch: &mut Batch<'_, G::Facet>) {
+    fn wrap_flights(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        first: usize,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
         let [cx, cy] = self.geometry.extent();
-        for i in first..batch.flights.at.len {
-            let at = &mut batch.flights.at;
+        let number = layer.number();
+        for i in first..batch.layers[number].flights.at.len {
+            let at = &mut batch.layers[number].flights.at;
             let (x, y) = (at.origin[0][i], at.origin[1][i]);
             if (0.0 <= x) & (x < cx) & (0.0 <= y) & (y < cy) {
                 continue;
@@ -180,29 +186,31 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Ends those of the flights from number `first` on that come to the flat bottom, where they interact or leave.
-    fn end_at_flat_bottom(
+    /// Ends those of the flights from number `first` on that come to a flat face, where they interact or leave.
+    fn end_at_planes(
         &self,
         layer: &TracedLayer<'_, G>,
         first: usize,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        for i in first..batch.flights.at.len {
+        let number = layer.number();
+        for i in first..batch.layers[number].flights.at.len {
             let Flights {
-                at, ends_at_bottom, ..
-            } = &mut batch.flights;
-            if !ends_at_bottom[i] || at.flux[i] == 0.0 {
+                at, ends_at_plane, ..
+            } = &mut batch.layers[number].flights;
+            if !ends_at_plane[i] || at.flux[i] == 0.0 {
                 continue;
             }
             let (mut heading, state) = (at.heading(i), at.state(i));
             at.flux[i] = 0.0;
-            layer.put_onto_bottom(&mut heading.origin);
-            if layer.bottom() == Some(Bottom::Open) {
-                self.push_exit(&below_the_bottom(&heading, state), batch);
+            let dz = heading.direction.z;
+            layer.put_onto_plane(&mut heading.origin, dz);
+            let (interface, half_space) = layer.interface_towards(dz);
+            if self.stack.bottom(interface) == Some(Bottom::Open) {
+                self.push_exit(&below(layer, &heading, state), batch);
             } else {
-                batch
-                    .at_bottom
-                    .push(&heading, HalfSpace::Above, DVec3::Z, &state);
+                let above = &mut batch.layers[interface.number() - 1];
+                above.at_bottom.push(&heading, half_space, DVec3::Z, &state);
             }
         }
     }
@@ -217,8 +225,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         if heading.direction.z < 0.0 && layer.bottom().is_none() {
-            let departure = below_the_bottom(heading, state);
-            self.push_exit(&departure, batch);
+            self.push_exit(&below(layer, heading, state), batch);
         } else {
             let loss = match self.geometry.border() {
                 Border::Open => Loss::LeftPatch,
@@ -229,10 +236,17 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 }
 
-/// A ray that leaves downwards below the bottom of the layer.
-fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
+/// A ray that leaves downwards below the bottom of the lowest layer.
+fn below<G: Geometry>(
+    layer: &TracedLayer<'_, G>,
+    heading: &Heading,
+    state: PathState,
+) -> Departure {
     Departure {
-        region: Region::inside(Interface::Bottom).behind(),
+        region: Region {
+            interface: layer.lower(),
+            half_space: HalfSpace::Below,
+        },
         direction: heading.world_direction(),
         state,
     }

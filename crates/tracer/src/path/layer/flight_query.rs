@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::accelerators::SearchedSurface;
 use crate::geometry::{Geometry, Nearby, is_outside};
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Arrival, RayKind, Region, SingleSegment};
@@ -51,12 +51,12 @@ impl<G: Geometry> Stage for FindReach<'_, '_, G> {
         let [_, _, dz] = rows_of(&self.flights.at.direction, 0..n);
         let length = &self.flights.length[..n];
         let reach = &mut self.flights.reach[..n];
-        let ends_at_bottom = &mut self.flights.ends_at_bottom[..n];
+        let ends_at_plane = &mut self.flights.ends_at_plane[..n];
         for i in 0..n {
-            let to_bottom = self.layer.to_flat_bottom(z[i], dz[i]);
-            ends_at_bottom[i] = to_bottom <= length[i];
-            reach[i] = if to_bottom < length[i] {
-                to_bottom
+            let to_plane = self.layer.to_plane(z[i], dz[i]);
+            ends_at_plane[i] = to_plane <= length[i];
+            reach[i] = if to_plane < length[i] {
+                to_plane
             } else {
                 length[i]
             };
@@ -81,7 +81,7 @@ impl<G: Geometry> Stage for FindOutside<'_, '_, G> {
         let reach = &self.flights.reach[..n];
         let outside = &mut self.flights.is_outside[..n];
         let range = self.geometry.z_range();
-        let half_space = self.interface.inner_side();
+        let half_space = self.layer.side_of(self.interface);
         let shift = self.layer.shift_to(self.interface);
         for i in 0..n {
             let ray = TileRay {
@@ -104,7 +104,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.instructions.run(FindReach { layer, flights });
         let mut which = std::mem::take(&mut batch.elsewhere);
         for rank in 0..layer.interfaces() {
-            for interface in [Interface::Top, Interface::Bottom] {
+            for interface in [layer.upper(), layer.lower()] {
                 let Some(surface) = self.surface(interface) else {
                     continue;
                 };
@@ -144,19 +144,19 @@ impl<G: Geometry> Tracer<'_, G> {
             surface: SearchedSurface { geometry, .. },
             ..
         } = query;
-        let half_space = interface.inner_side();
+        let half_space = layer.side_of(interface);
         batch.met.clear();
         batch.searched_flights.clear();
         for &number in query.which {
             let i = number as usize;
-            let from = layer.to_interface(interface, flights.at.heading(i));
+            let from = self.stack.to_interface(interface, flights.at.heading(i));
             let mut heading = from;
             let gone = approach(geometry, &mut heading, half_space, flights.reach[i]);
             flights.length[i] -= gone;
             flights.reach[i] -= gone;
             let ahead = ahead(geometry, half_space, &mut heading, flights.reach[i]);
             if heading != from {
-                let heading = layer.to_upper_surface(interface, heading);
+                let heading = self.stack.to_uppermost(interface, heading);
                 flights.at.set_heading(i, &heading);
             }
             match ahead {
@@ -185,17 +185,19 @@ impl<G: Geometry> Tracer<'_, G> {
         flights: &mut Flights,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        if query.interface == Interface::Top {
+        if query.interface == Interface::TOP {
             batch.met.push(number);
             batch.arrivals.facets.push(hit.facet);
             batch.arrivals.ts.push(hit.t);
             return;
         }
         let i = number as usize;
-        let heading = query
-            .layer
-            .to_interface(Interface::Bottom, flights.at.heading(i));
-        let region = Region::inside(Interface::Bottom);
+        let interface = query.interface;
+        let heading = self.stack.to_interface(interface, flights.at.heading(i));
+        let region = Region {
+            interface,
+            half_space: query.layer.side_of(interface),
+        };
         let ray = heading.query(query.surface.geometry, region.half_space);
         let at = Arrival {
             region,
@@ -216,7 +218,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let geometry = query.surface.geometry;
         let searched = std::mem::take(&mut batch.searched_flights);
         let mut hits = std::mem::take(&mut batch.hits);
-        if query.interface == Interface::Top {
+        if query.interface == Interface::TOP {
             let rays = flights.at.rays(geometry.aspect());
             query
                 .surface
@@ -224,7 +226,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 .closest_hits(geometry, rays, &searched, &mut hits);
         } else {
             let rays = &mut batch.single_search.rays;
-            let all = collect_at_bottom(query, flights, &searched, rays);
+            let all = self.collect_rays(query, flights, &searched, rays);
             query
                 .surface
                 .accelerator
@@ -259,10 +261,10 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let interface = query.interface;
-        let heading = query.layer.to_interface(interface, flights.at.heading(i));
+        let heading = self.stack.to_interface(interface, flights.at.heading(i));
         let segment = SingleSegment {
             interface,
-            query: heading.query(query.surface.geometry, interface.inner_side()),
+            query: heading.query(query.surface.geometry, query.layer.side_of(interface)),
             traversal: Traversal::begin(&heading),
             state: flights.at.state(i),
             kind: RayKind::Path,
@@ -283,14 +285,14 @@ impl<G: Geometry> Tracer<'_, G> {
     ) {
         let interface = segment.interface;
         let beginning = segment.traversal.beginning(&segment.query);
-        let from = layer.to_upper_surface(interface, beginning);
-        let to_bottom = layer.to_flat_bottom(from.origin.z, from.direction.z);
-        let reach = segment.flight.min(to_bottom);
+        let from = self.stack.to_uppermost(interface, beginning);
+        let to_plane = layer.to_plane(from.origin.z, from.direction.z);
+        let reach = segment.flight.min(to_plane);
         let end = match hit {
             Some(hit) if hit.t <= reach => {
                 batch.work.segments += 1;
                 let at = Arrival {
-                    region: Region::inside(interface),
+                    region: segment.region(),
                     heading: segment.traversal.arrival(geometry, &segment.query, &hit),
                     facet: hit.facet,
                 };
@@ -314,9 +316,27 @@ impl<G: Geometry> Tracer<'_, G> {
             return;
         }
         let clear_of = 1 + layer.rank_ahead(from.direction.z, interface);
-        batch
-            .flights
-            .push(&from, &segment.state, segment.flight, clear_of);
+        let flights = &mut batch.layers[layer.number()].flights;
+        flights.push(&from, &segment.state, segment.flight, clear_of);
+    }
+
+    /// Collects the rays of flights in the coordinates of an interface below the uppermost surface, and returns their numbers there.
+    fn collect_rays(
+        &self,
+        query: &FlightQuery<'_, '_, G>,
+        flights: &Flights,
+        which: &[u32],
+        rays: &mut RayBatch,
+    ) -> Vec<u32> {
+        let (interface, half_space) = (query.interface, query.layer.side_of(query.interface));
+        rays.clear();
+        for &i in which {
+            let heading = self
+                .stack
+                .to_interface(interface, flights.at.heading(i as usize));
+            rays.push(&heading.query(query.surface.geometry, half_space));
+        }
+        (0..which.len() as u32).collect()
     }
 }
 
@@ -363,21 +383,4 @@ fn ends_in_tile<G: Geometry>(geometry: &G, flights: &Flights, i: usize) -> bool 
         .at(flights.reach[i]);
     let [cx, cy] = geometry.extent();
     (0.0..cx).contains(&end.x) && (0.0..cy).contains(&end.y)
-}
-
-/// Collects the rays of flights in the coordinates of the bottom, and returns their numbers there.
-fn collect_at_bottom<G: Geometry>(
-    query: &FlightQuery<'_, '_, G>,
-    flights: &Flights,
-    which: &[u32],
-    rays: &mut RayBatch,
-) -> Vec<u32> {
-    rays.clear();
-    for &i in which {
-        let heading = query
-            .layer
-            .to_interface(Interface::Bottom, flights.at.heading(i as usize));
-        rays.push(&heading.query(query.surface.geometry, Interface::Bottom.inner_side()));
-    }
-    (0..which.len() as u32).collect()
 }

@@ -7,8 +7,8 @@ use asperity_tally::Loss;
 use glam::DVec3;
 
 use crate::geometry::Geometry;
-use crate::interaction::layer::TracedLayer;
 use crate::interaction::rayleigh::scatter_rayleigh;
+use crate::interaction::stack::TracedLayer;
 use crate::path::layer::flight::BeginFlights;
 use crate::path::scatter::roulette::Roulette;
 use crate::path::state::batch::Batch;
@@ -76,11 +76,12 @@ impl<G: Geometry> Tracer<'_, G> {
         let polarisation = self.settings.polarisation;
         let chooses_plane =
             polarisation != Polarisation::Averaged && layer.phase() == PhaseFunction::Rayleigh;
-        let rows = first..batch.flights.at.len;
+        let number = layer.number();
+        let rows = first..batch.layers[number].flights.at.len;
         let mut numbers = std::mem::take(&mut batch.numbers);
         batch.instructions.run(DrawNumbers {
             stream: batch.stream,
-            segments: &batch.flights.at,
+            segments: &batch.layers[number].flights.at,
             rows: rows.clone(),
             pairs: if chooses_plane { 3 } else { 2 },
             of: Use::Medium,
@@ -88,22 +89,26 @@ impl<G: Geometry> Tracer<'_, G> {
         });
         self.collide(layer, first, &numbers[0], batch);
         let of_flight = if chooses_plane {
-            self.scatter_rayleigh(rows.clone(), &numbers, &mut batch.flights.at);
+            self.scatter_rayleigh(rows.clone(), &numbers, &mut batch.layers[number].flights.at);
             &numbers[4]
         } else {
             batch.instructions.run(Turn {
                 phase: layer.phase(),
                 numbers: &numbers,
-                segments: &mut batch.flights.at,
+                segments: &mut batch.layers[number].flights.at,
                 rows: rows.clone(),
             });
-            depolarise(polarisation, rows.clone(), &mut batch.flights.at);
+            depolarise(
+                polarisation,
+                rows.clone(),
+                &mut batch.layers[number].flights.at,
+            );
             &numbers[3]
         };
         batch.instructions.run(BeginFlights {
             layer,
             numbers: of_flight,
-            length: &mut batch.flights.length[rows],
+            length: &mut batch.layers[number].flights.length[rows],
         });
         batch.numbers = numbers;
     }
@@ -122,7 +127,7 @@ impl<G: Geometry> Tracer<'_, G> {
             spares_first: false,
         };
         let (albedo, most) = (layer.albedo(), layer.max_scatterings());
-        let Flights { at, .. } = &mut batch.flights;
+        let Flights { at, .. } = &mut batch.layers[layer.number()].flights;
         for (i, u) in (first..at.len).zip(numbers) {
             let flux = at.flux[i];
             if flux == 0.0 {

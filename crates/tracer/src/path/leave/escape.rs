@@ -4,7 +4,7 @@ use asperity_tally::{EventPath, Exit, ExitColumns, Loss, Side, Tallies};
 use glam::{DVec2, DVec3};
 
 use crate::geometry::{CullingClass, Geometry};
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::Interface;
 use crate::path::state::batch::Batch;
 use crate::path::state::conductors::Conductors;
 use crate::path::state::path_state::{Departure, RayKind, Region};
@@ -343,7 +343,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// The side on which light counts that escapes from a region.
     #[inline(always)]
     pub(crate) fn side_of(&self, region: Region) -> Side {
-        if region.interface == Interface::Top && region.half_space == self.incident {
+        if region.interface == Interface::TOP && region.half_space == self.incident {
             Side::Reflected
         } else {
             Side::Transmitted

@@ -1,10 +1,10 @@
 //! Interaction: scatters light at the interfaces at which it has arrived, and decides which branches continue.
 
-use asperity_optics::{Bottom, Material};
+use asperity_optics::Material;
 use asperity_tally::Loss;
 
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::Interface;
 use crate::path::absorbed_cells::AbsorbedCells;
 use crate::path::scatter::branch::{PickBranches, SplitBranches};
 use crate::path::scatter::facets::Scatter;
@@ -32,11 +32,11 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         let mut at = std::mem::take(&mut batch.arrivals.at);
         let normal = std::mem::take(&mut batch.arrivals.normal);
-        self.interact(Interface::Top, &mut at, &normal, batch);
+        self.interact(Interface::TOP, &mut at, &normal, batch);
         batch.arrivals.normal = normal;
         batch.arrivals.at = std::mem::replace(&mut batch.segments, at);
         batch.arrivals.clear();
-        if self.layer.is_some() {
+        if !self.stack.layers().is_empty() {
             self.enter_layer(batch);
         }
     }
@@ -90,7 +90,7 @@ impl<G: Geometry> Tracer<'_, G> {
             self.scatter_jointly(at, normal, batch);
         } else if !divides || material.absorbs() {
             absorb(at, batch);
-            if let (Some(cells), Interface::Top) = (self.absorbed, interface) {
+            if let (Some(cells), Interface::TOP) = (self.absorbed, interface) {
                 self.record_absorbed(at, batch, cells);
             }
             if picks {
@@ -106,16 +106,10 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// The material of an interface, and the half space to whose medium its indices are relative.
     fn material_of(&self, interface: Interface) -> (Material, HalfSpace) {
-        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
-        let material = match (interface, bottom) {
-            (Interface::Top, _) => return (self.material, self.incident),
-            (_, Some(Bottom::Interface { eta })) => Material::Dielectric { eta },
-            (_, Some(Bottom::Mirror)) => Material::Mirror,
-            (_, Some(Bottom::Lambertian { reflectance })) => Material::Lambertian { reflectance },
-            // It absorbs all light.
-            _ => Material::Lambertian { reflectance: 0.0 },
-        };
-        (material, HalfSpace::Above)
+        match self.stack.bottom(interface) {
+            None => (self.material, self.incident),
+            Some(bottom) => (bottom.material(), HalfSpace::Above),
+        }
     }
 
     /// Ends paths that have reached the highest order.
@@ -233,7 +227,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Takes what has entered the layer out of the segments.
+    /// Takes what has entered the uppermost layer out of the segments.
     fn enter_layer(&self, batch: &mut Batch<'_, G::Facet>) {
         let segments = &mut batch.segments;
         let (side, flux) = (&segments.side, &segments.flux);
@@ -246,7 +240,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.instructions.run(Gather {
             from: segments,
             which: &batch.met,
-            into: &mut batch.entering,
+            into: &mut batch.layers[0].entering,
         });
         for &i in &batch.met {
             segments.flux[i as usize] = 0.0;

@@ -5,16 +5,18 @@ use std::ops::Range;
 use asperity_surface::Border;
 use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
+use rand::RngExt;
 
 use crate::geometry::Geometry;
 use crate::path::beam::Beam;
-use crate::path::illumination::Starts;
+use crate::path::illumination::{Illumination, Starts};
 use crate::path::start::surface_starts::StartOnSurface;
 use crate::path::state::batch::{Batch, MAX_IN_FLIGHT};
 use crate::path::state::light_state::LightState;
 use crate::path::state::path_state::{PathRay, PathState, RayKind, Region, axes_turned};
 use crate::path::state::segments::{IncidentState, Segments, rows_of, rows_of_mut};
 use crate::path::tracer::Tracer;
+use crate::random::{Step, Use};
 use crate::sampling::{Positions, Start};
 use crate::vector::Stage;
 
@@ -51,7 +53,7 @@ impl<G: Geometry> Tracer<'_, G> {
     pub(crate) fn start_paths(
         &self,
         beam: &Beam,
-        starts: Starts,
+        illumination: &Illumination,
         positions: &mut Positions,
         batch: &mut Batch<'_, G::Facet>,
     ) {
@@ -59,13 +61,22 @@ impl<G: Geometry> Tracer<'_, G> {
         let mut drawn = std::mem::take(&mut batch.starts);
         positions.draw_many(free, batch.instructions, &mut drawn);
         batch.work.rays += drawn.len() as u64;
-        match starts {
-            Starts::OnSurface => self.start_on_surface(beam, &drawn, batch),
+        match (illumination.starts, illumination.spread) {
+            (_, Some(spread)) => {
+                for start in &drawn {
+                    let draws = &mut batch.stream.draws(start.ray, Step::START, Use::Direction);
+                    let wi = spread.sample(illumination.incidence, || draws.random());
+                    self.emit(&beam.towards(wi), start, batch);
+                }
+            }
+            (Starts::OnSurface, None) => self.start_on_surface(beam, &drawn, batch),
             // Over a surface that repeats nothing has to be found out
-            Starts::FromAbove if self.geometry.border() == Border::Periodic => {
+            (Starts::FromAbove, None) if self.geometry.border() == Border::Periodic => {
                 self.emit_all(beam, &drawn, batch);
             }
-            Starts::FromAbove => drawn.iter().for_each(|start| self.emit(beam, start, batch)),
+            (Starts::FromAbove, None) => {
+                drawn.iter().for_each(|start| self.emit(beam, start, batch))
+            }
         }
         batch.starts = drawn;
     }

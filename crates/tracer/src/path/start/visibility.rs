@@ -3,7 +3,7 @@
 use asperity_tally::Loss;
 
 use crate::geometry::Geometry;
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::Interface;
 use crate::path::leave::escape::{FindCullingClasses, sort_by_culling_class};
 use crate::path::state::arrivals::Arrivals;
 use crate::path::state::batch::Batch;
@@ -145,7 +145,7 @@ impl<G: Geometry> Tracer<'_, G> {
         state: PathState,
     ) -> SingleSegment<G::Facet> {
         SingleSegment {
-            interface: Interface::Top,
+            interface: Interface::TOP,
             query: towards_light.query(self.geometry, self.incident),
             traversal: Traversal::begin(towards_light),
             state,

@@ -49,7 +49,7 @@ impl<F: Copy> Arrivals<F> {
     }
 }
 
-/// Light at the bottom of a layer, in the coordinates of the bottom.
+/// Light at the bottom of a layer, from either side, in the coordinates of the bottom.
 #[derive(Default)]
 pub(crate) struct BottomArrivals {
     pub(crate) at: Segments,

@@ -55,6 +55,29 @@ impl<F> Default for SingleSearch<F> {
     }
 }
 
+/// Light in one layer, and at its bottom.
+pub(crate) struct LightInLayer {
+    /// Light that has arrived at the bottom.
+    pub(crate) at_bottom: BottomArrivals,
+    /// Light that begins inside, in the coordinates of the uppermost surface, before its free flights.
+    pub(crate) entering: Segments,
+    pub(crate) flights: Flights,
+}
+
+impl LightInLayer {
+    fn new(kept: Kept) -> Self {
+        Self {
+            at_bottom: BottomArrivals::new(kept),
+            entering: Segments::new(kept),
+            flights: Flights::new(kept),
+        }
+    }
+
+    const fn in_flight(&self) -> usize {
+        self.flights.at.len + self.entering.len
+    }
+}
+
 /// The state of one batch, or of several that are traced together.
 pub(crate) struct Batch<'r, F> {
     /// Without batches for several conductors, which have tallies of their own.
@@ -80,12 +103,8 @@ pub(crate) struct Batch<'r, F> {
     pub(crate) starts: Vec<Start>,
     /// Light that has arrived at the upper surface.
     pub(crate) arrivals: Arrivals<F>,
-    /// Light that has arrived at the bottom of the layer.
-    pub(crate) at_bottom: BottomArrivals,
-    /// Light that begins inside the layer, in the coordinates of the upper surface, before its free flights.
-    pub(crate) entering: Segments,
-    /// Flights inside the layer.
-    pub(crate) flights: Flights,
+    /// Light in each layer, from above.
+    pub(crate) layers: Vec<LightInLayer>,
     /// Light that has left, not yet in the tally.
     pub(crate) exits: ExitColumns,
     /// Memory that stages use again and again.
@@ -113,6 +132,7 @@ impl<'r, F: Copy> Batch<'r, F> {
         instructions: Instructions,
         illumination: &Illumination,
         polarisation: Polarisation,
+        layers: usize,
     ) -> Self {
         let kept = Kept {
             turn: illumination.turns(polarisation),
@@ -135,9 +155,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             visibility_rays: VisibilityRays::new(kept),
             starts: Vec::new(),
             arrivals: Arrivals::new(kept),
-            at_bottom: BottomArrivals::new(kept),
-            entering: Segments::new(kept),
-            flights: Flights::new(kept),
+            layers: (0..layers).map(|_| LightInLayer::new(kept)).collect(),
             exits: ExitColumns::new(polarisation.polarimetry()),
             classes: Vec::new(),
             hits: Vec::new(),
@@ -194,7 +212,8 @@ impl<'r, F: Copy> Batch<'r, F> {
 
     /// Number of segments in flight, without the visibility rays.
     pub(crate) fn in_flight(&self) -> usize {
-        let inside = self.flights.at.len + self.entering.len;
+        let inside = self.layers.iter().map(LightInLayer::in_flight);
+        let inside: usize = inside.sum();
         self.searched.len() + self.singles.len() + self.arrivals.len() + inside
     }
 

@@ -1,7 +1,7 @@
 //! Flights: segments inside the layer below a surface, field by field.
 
 use crate::geometry::Geometry;
-use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::stack::{Interface, TracedLayer};
 use crate::path::state::path_state::PathState;
 use crate::path::state::segments::{Kept, Segments};
 use crate::periodic::Heading;
@@ -16,9 +16,9 @@ pub(crate) struct Flights {
     pub(crate) length: Vec<f64>,
     /// Number of interfaces ahead that searches have excluded.
     pub(crate) clear_of: Vec<u32>,
-    /// Largest distance that each can fly: to its end or to a flat bottom.
+    /// Largest distance that each can fly: to its end or to a flat face.
     pub(crate) reach: Vec<f64>,
-    pub(crate) ends_at_bottom: Vec<bool>,
+    pub(crate) ends_at_plane: Vec<bool>,
     /// `true` for each flight that lies beyond all heights of the interface under test.
     pub(crate) is_outside: Vec<bool>,
 }
@@ -37,7 +37,7 @@ impl Flights {
         self.length.resize(room, 0.0);
         self.clear_of.resize(room, 0);
         self.reach.resize(room, 0.0);
-        self.ends_at_bottom.resize(room, false);
+        self.ends_at_plane.resize(room, false);
         self.is_outside.resize(room, false);
     }
 

@@ -4,7 +4,7 @@ use asperity_optics::{Turn, reference_axes};
 use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::Interface;
 use crate::path::state::light_state::LightState;
 use crate::periodic::{Heading, Traversal};
 use crate::random::Step;
@@ -64,17 +64,8 @@ impl Region {
     #[inline(always)]
     pub(crate) const fn top(half_space: HalfSpace) -> Self {
         Self {
-            interface: Interface::Top,
+            interface: Interface::TOP,
             half_space,
-        }
-    }
-
-    /// The part of the layer at an interface.
-    #[inline]
-    pub(crate) const fn inside(interface: Interface) -> Self {
-        Self {
-            interface,
-            half_space: interface.inner_side(),
         }
     }
 

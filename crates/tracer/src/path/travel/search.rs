@@ -2,7 +2,7 @@
 
 use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::Interface;
 use crate::path::state::batch::{Batch, SingleSearch};
 use crate::path::state::path_state::{Arrival, Departure, RayKind, Region, SingleSegment};
 use crate::path::state::segments::{Gather, Segments};
@@ -119,7 +119,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let heading = batch.segments.heading(i);
         let half_space = batch.segments.half_space(i);
         let single = SingleSegment {
-            interface: Interface::Top,
+            interface: Interface::TOP,
             query: heading.query(self.geometry, half_space),
             traversal: Traversal::begin(&heading),
             state: batch.segments.state(i),
@@ -159,7 +159,7 @@ impl<G: Geometry> Tracer<'_, G> {
         } = std::mem::take(&mut batch.single_search);
         std::mem::swap(&mut singles, &mut batch.singles);
         hits.resize(singles.len(), None);
-        for interface in [Interface::Top, Interface::Bottom] {
+        for interface in std::iter::once(Interface::TOP).chain(self.stack.interfaces()) {
             let Some(SearchedSurface {
                 geometry,
                 accelerator,
@@ -206,9 +206,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let Some(SearchedSurface { geometry, .. }) = self.surface(region.interface) else {
             return;
         };
-        if let Some(layer) = &self.layer
-            && region == Region::inside(region.interface)
-        {
+        if let Some(layer) = self.stack.layer_at(region.interface, region.half_space) {
             return self.advance_inside(layer, geometry, single, hit, batch);
         }
         match hit {

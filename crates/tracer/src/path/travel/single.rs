@@ -4,10 +4,10 @@ use asperity_tally::Loss;
 
 use crate::accelerators::SearchedSurface;
 use crate::geometry::Geometry;
-use crate::interaction::layer::Interface;
+use crate::interaction::stack::Interface;
 use crate::path::state::batch::Batch;
 use crate::path::state::path_state::{
-    Arrival, Departure, PathRay, PathState, RayKind, Region, SingleSegment,
+    Arrival, Departure, PathRay, PathState, RayKind, SingleSegment,
 };
 use crate::path::state::work::Work;
 use crate::path::tracer::Tracer;
@@ -24,11 +24,10 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let region = ray.region;
-        if let Some(layer) = &self.layer
-            && region == Region::inside(region.interface)
-        {
-            let heading = layer.to_upper_surface(region.interface, ray.heading);
-            batch.entering.push(&heading, HalfSpace::Below, &ray.state);
+        if let Some(layer) = self.stack.layer_at(region.interface, region.half_space) {
+            let heading = self.stack.to_uppermost(region.interface, ray.heading);
+            let entering = &mut batch.layers[layer.number()].entering;
+            entering.push(&heading, HalfSpace::Below, &ray.state);
             return;
         }
         let departure = |ray: &PathRay| Departure {
@@ -37,12 +36,12 @@ impl<G: Geometry> Tracer<'_, G> {
             state: ray.state,
         };
         let Some(SearchedSurface { geometry, .. }) = self.surface(region.interface) else {
-            // Nothing lies below a flat bottom.
+            // Nothing lies below the last bottom if it is flat.
             return self.push_exit(&departure(&ray), batch);
         };
         if let Some(end) = begin(geometry, &mut ray.heading, region.half_space) {
             self.end(end, &departure(&ray), &kind, batch);
-        } else if matches!(kind, RayKind::Path) && region.interface == Interface::Top {
+        } else if matches!(kind, RayKind::Path) && region.interface == Interface::TOP {
             let segments = &mut batch.segments;
             segments.make_room(segments.len + 1);
             batch.searched.push(segments.len as u32);
@@ -66,13 +65,15 @@ impl<G: Geometry> Tracer<'_, G> {
         state: &PathState,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        match (at.region.interface, self.surface(Interface::Bottom)) {
-            (Interface::Bottom, Some(SearchedSurface { geometry, .. })) => {
+        let interface = at.region.interface;
+        match self.stack.surface(interface) {
+            Some(SearchedSurface { geometry, .. }) => {
                 let normal = geometry.normal_at(at.facet, at.heading.origin);
                 let half_space = at.region.half_space;
-                batch.at_bottom.push(&at.heading, half_space, normal, state);
+                let above = &mut batch.layers[interface.number() - 1];
+                above.at_bottom.push(&at.heading, half_space, normal, state);
             }
-            _ => batch.arrivals.push(at, state),
+            None => batch.arrivals.push(at, state),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use asperity_optics::{Bottom, dielectric};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
-use asperity_tracer::{PathSettings, SearchedSurface, TracedLayer, TracedLayerError};
+use asperity_tracer::{PathSettings, SearchedSurface, TracedLayerError};
 
 use super::{Scene, budget, clear, flat, medium, slab};
 use crate::common::{rugged, z_score};
@@ -11,12 +11,12 @@ use asperity_surface::Border;
 #[test]
 fn a_mirror_below_a_clear_layer_returns_all_and_an_absorbing_bottom_nothing() {
     let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
-    let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror)).trace(4, 10);
+    let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::MIRROR)).trace(4, 10);
     assert!(
         (found.means().budget().reflected + found.means().budget().truncated - 1.0).abs() < 1e-13
     );
     assert_eq!(found.means().budget().absorbed, 0.0);
-    let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Absorbing)).trace(4, 10);
+    let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::ABSORBING)).trace(4, 10);
     assert!((found.means().budget().reflected - f).abs() < 1e-13);
     assert!((found.means().budget().absorbed - (1.0 - f)).abs() < 1e-13);
 }
@@ -34,7 +34,7 @@ fn a_lambertian_bottom_below_a_clear_layer_follows_saunderson() {
         .sum();
     let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
     for reflectance in [0.3, 0.8, 1.0] {
-        let bottom = Bottom::Lambertian { reflectance };
+        let bottom = Bottom::lambertian(reflectance);
         let (found, _) = Scene::new(flat(), slab(clear(), 1.0, bottom)).trace(64, 20);
         let exact = f + (1.0 - f) * reflectance * (1.0 - fi) / (1.0 - reflectance * fi);
         let found = found.budget().reflected;
@@ -50,10 +50,7 @@ fn an_interface_below_bends_light_into_the_third_medium() {
     let spec = TallySpec::default().with_medium();
     let scene = Scene {
         theta_deg: 52.0,
-        ..Scene::new(
-            flat(),
-            slab(clear(), 1.0, Bottom::Interface { eta: 1.2 / 1.5 }),
-        )
+        ..Scene::new(flat(), slab(clear(), 1.0, Bottom::interface(1.2 / 1.5)))
     };
     let (found, _) = scene.trace(2, 10);
     let theta_t = (52_f64.to_radians().sin() / 1.2).asin().to_degrees();
@@ -67,10 +64,10 @@ fn an_interface_below_bends_light_into_the_third_medium() {
 fn the_budget_closes_over_every_bottom_and_border() {
     for border in [Border::Periodic, Border::Mirrored, Border::Open] {
         for bottom in [
-            Bottom::Interface { eta: 1.0 / 1.5 },
-            Bottom::Absorbing,
-            Bottom::Mirror,
-            Bottom::Lambertian { reflectance: 0.7 },
+            Bottom::interface(1.0 / 1.5),
+            Bottom::ABSORBING,
+            Bottom::MIRROR,
+            Bottom::lambertian(0.7),
         ] {
             for rough in [false, true] {
                 let scene = Scene {
@@ -105,7 +102,7 @@ fn open_bottoms_with_a_shape_are_refused() {
         scene.trace(64, 20).0
     };
     let open = found(Bottom::Open, None, 1);
-    let matched = found(Bottom::Interface { eta: 1.0 }, None, 2);
+    let matched = found(Bottom::interface(1.0), None, 2);
     for entry in [
         TallySpec::BUDGET.reflected,
         TallySpec::BUDGET.transmitted,
@@ -123,7 +120,7 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
     let refusal =
         |thickness, bottom, shape: Option<SearchedSurface<'_, asperity_tracer::Surface>>| {
             let layer = slab(medium(1.0, 0.5), thickness, bottom);
-            TracedLayer::new(&top, &layer, shape, 100).err()
+            crate::common::layer_below(&top, &layer, shape, 100).err()
         };
     let brute = asperity_tracer::BruteForce;
     let under = |geometry| {
@@ -133,10 +130,10 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
         })
     };
     let thin = |error| matches!(error, Some(TracedLayerError::TooThin { .. }));
-    assert!(thin(refusal(0.5, Bottom::Mirror, None)));
-    assert!(refusal(1.5, Bottom::Mirror, None).is_none());
-    assert!(thin(refusal(1.5, Bottom::Mirror, under(&top))));
-    assert!(refusal(2.5, Bottom::Mirror, under(&top)).is_none());
+    assert!(thin(refusal(0.5, Bottom::MIRROR, None)));
+    assert!(refusal(1.5, Bottom::MIRROR, None).is_none());
+    assert!(thin(refusal(1.5, Bottom::MIRROR, under(&top))));
+    assert!(refusal(2.5, Bottom::MIRROR, under(&top)).is_none());
     let deep = TracedLayerError::TooThin {
         thickness: 2.0,
         depth: 8.285_231_49,
@@ -147,7 +144,7 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
         "invalid thickness 2: must exceed 8.28524, since the surface goes 8.28524 below its mean plane and the bottom rises 0 above its own"
     );
     let other = rugged(10, 10, 1.0, 2, Border::Periodic);
-    let error = refusal(9.0, Bottom::Mirror, under(&other)).unwrap();
+    let error = refusal(9.0, Bottom::MIRROR, under(&other)).unwrap();
     assert!(error.to_string().contains("does not lie under"));
     let error = refusal(9.0, Bottom::Open, under(&top)).unwrap();
     assert_eq!(error, TracedLayerError::OpenShape);
@@ -157,10 +154,10 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
 fn paths_end_at_the_requested_order_at_bottoms_too() {
     // In through the surface is one interaction: the bottom is the second, and may not have it.
     let spec = TallySpec::default().with_medium();
-    let interface = Bottom::Interface { eta: 1.0 / 1.5 };
+    let interface = Bottom::interface(1.0 / 1.5);
     for (kind, rough) in [
-        (Bottom::Mirror, false),
-        (Bottom::Mirror, true),
+        (Bottom::MIRROR, false),
+        (Bottom::MIRROR, true),
         (interface, false),
         (interface, true),
     ] {

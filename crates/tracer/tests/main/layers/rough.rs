@@ -72,7 +72,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     // Over a tile of 16 columns.
     let surface = rough(1.0);
     let refusal = |layer, shape| {
-        let refused = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10);
+        let refused = crate::common::layer_below(&surface, &layer, shape, 10);
         refused.err().map(|error| error.to_string())
     };
     let flat = || None;
@@ -83,7 +83,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     for path in [1e-10, 1e11] {
         assert_eq!(half_space(path), None);
     }
-    let deep = |thickness, shape| refusal(slab(medium(1e6, 0.5), thickness, Bottom::Mirror), shape);
+    let deep = |thickness, shape| refusal(slab(medium(1e6, 0.5), thickness, Bottom::MIRROR), shape);
     let own = || {
         Some(asperity_tracer::SearchedSurface {
             geometry: &surface,
@@ -97,7 +97,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     // A plane is alike everywhere.
     let plane = super::flat();
     let layer = Layer::half_space(medium(1e100, 0.5));
-    assert!(asperity_tracer::TracedLayer::new(&plane, &layer, flat(), 10).is_ok());
+    assert!(crate::common::layer_below(&plane, &layer, flat(), 10).is_ok());
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn scaling_all_lengths_changes_no_byte() {
         let field = waves(16, 1.0, 5);
         let heights = field.heights().iter().map(|h| scale * h).collect();
         let field = HeightField::new(heights, [16, 16], [scale; 2]).unwrap();
-        let bottom = Bottom::Interface { eta: 0.8 };
+        let bottom = Bottom::interface(0.8);
         let scene = Scene {
             bottom: Some(Surface::new(field.clone())),
             ..Scene::new(
@@ -165,7 +165,7 @@ fn the_accelerator_changes_no_byte() {
     for border in [Border::Periodic, Border::Mirrored, Border::Open] {
         let found = |accelerator| {
             let surface = || Surface::new(waves(16, 1.5, 7).with_border(border));
-            let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+            let bottom = Bottom::interface(1.0 / 1.5);
             let scene = Scene {
                 accelerator,
                 bottom: Some(surface()),
@@ -188,7 +188,7 @@ fn light_from_below_a_layer_is_refused() {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let layer = Layer::half_space(medium(1.0, 0.5));
     let shape = None;
-    let layer = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10).unwrap();
+    let layer = crate::common::layer_below(&surface, &layer, shape, 10).unwrap();
     let glass = asperity_optics::Material::dielectric(1.5).unwrap();
     let _ = Tracer::new(
         &surface,

@@ -13,7 +13,7 @@ fn a_slab_far_thinner_than_the_mean_free_path_is_two_interfaces() {
         .map(|theta_deg| [Polarisation::Tracked, Polarisation::Averaged].map(|p| (theta_deg, p)))
         .concat()
     {
-        let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+        let bottom = Bottom::interface(1.0 / 1.5);
         let scene = Scene {
             theta_deg,
             settings: PathSettings::new(Default::default(), 1e-6, 1000)
@@ -81,7 +81,7 @@ fn a_slab_of_one_optical_depth_obeys_beer_and_lambert() {
 
 #[test]
 fn reflected_and_transmitted_light_of_a_conservative_slab_add_to_one() {
-    for bottom in [Bottom::Open, Bottom::Interface { eta: 1.0 / 1.5 }] {
+    for bottom in [Bottom::Open, Bottom::interface(1.0 / 1.5)] {
         let scene = Scene::new(flat(), slab(medium(1.0, 1.0), 5.0, bottom));
         let (found, _) = scene.trace(16, 20);
         let means = found.means();
