@@ -30,7 +30,7 @@ fn flat_stack(indices: &[f64], theta: f64, is_s: bool) -> [f64; 2] {
 #[test]
 fn flat_stacks_from_both_sides_are_the_series_of_their_faces() {
     let folder = Folder::new();
-    let light = "--theta 50 --rays 1e3 --roulette 1e-9 --no-plots --quiet";
+    let light = "--theta 50 --rays 1e3 --roulette 1e-6 --no-plots --quiet";
     let layers = "--eta 1.5 --thickness 10 --layer 1.9:5,1.2:7 --bottom-eta 1/1.2";
     folder.succeed(format!("trace --flat {layers} {light} --from both -o s"));
     let stack = [1.0, 1.5, 1.9, 1.2, 1.0];
@@ -51,8 +51,8 @@ fn flat_stacks_from_both_sides_are_the_series_of_their_faces() {
             rows.map(|row| bins.number(row, "flux")).sum()
         };
         // Roulette ends next to nothing
-        assert!((of_side("reflected") - r).abs() < 1e-6, "{case}");
-        assert!((of_side("transmitted") - t).abs() < 1e-6, "{case}");
+        assert!((of_side("reflected") - r).abs() < 3e-6, "{case}");
+        assert!((of_side("transmitted") - t).abs() < 3e-6, "{case}");
     }
 }
 
@@ -60,7 +60,7 @@ fn flat_stacks_from_both_sides_are_the_series_of_their_faces() {
 #[test]
 fn both_sides_in_one_run_have_the_numbers_of_each_alone() {
     let folder = Folder::new();
-    folder.succeed("generate --tau 16um --sigma 3um --spacing 1um --size 64 --seed 3 -o h.exr");
+    folder.succeed("generate --tau 16um --sigma 3um --spacing 1um --size 128 --seed 3 -o h.exr");
     let slab = "--material BK7 --thickness 1mm --layer water:50um --bottom-material SiO2 --bottom-film MgF2:100nm --kappa 0 \
         --wavelength 500,600 --theta 30 --rays 2e3 --no-plots --quiet";
     folder.succeed(format!("trace h.exr {slab} --from both -o both"));

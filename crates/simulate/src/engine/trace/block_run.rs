@@ -237,6 +237,7 @@ mod tests {
             spec: settings.tally,
             light: Illumination {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
+                spread: None,
                 any_azimuth: false,
                 sampling,
                 starts: Starts::FromAbove,
