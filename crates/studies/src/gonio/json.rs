@@ -11,11 +11,12 @@ use super::summary::{notes, warnings};
 use super::tables::{self, measured};
 use crate::config::Azimuth;
 use crate::output::{BySide, Head};
+use crate::report::appearance::appearance_json;
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::spectrum_columns;
+use crate::report::spectrum_views::columns_of_all;
 use crate::report::views::Views;
 
 /// The contents of summary.json.
@@ -50,7 +51,7 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
     });
     let outcomes: Vec<&Outcome> = measured(outcome).filter_map(|one| one.outcome).collect();
     let planned: Vec<Direction<'_>> = outcome.directions().collect();
-    let mut further = spectrum_columns(planned.iter().map(|one| one.case), &outcomes);
+    let mut further = columns_of_all(planned.iter().map(|one| one.case), &outcomes);
     if let Some(table) = emissivity_table(&SettingEmissivity::of(outcome)) {
         further["emissivity.csv"] = table.description;
     }
@@ -119,6 +120,7 @@ fn results(direction: &Direction<'_>) -> Option<Value> {
         "truncated": truncated,
         "lost": lost,
         "surfaces": outcome.work.realisations,
+        "appearance": appearance_json(outcome),
         "rays": outcome.work.rays,
         "errors_from": outcome.errors_from.name(),
     });

@@ -11,7 +11,8 @@ use super::emissivity::{SettingEmissivity, emissivity_lines};
 use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
-use crate::output::{cut_short, wrapped};
+use crate::output::{Column, Table, cut_short, wrapped};
+use crate::report::appearance::appearance_columns;
 use crate::report::energies::{lost_warning, more_rays_warning};
 use crate::report::spectrum::EMISSIVITY;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
@@ -53,6 +54,7 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
         out.push_str(&report(outcome.spec()).keys(2).text(directions));
+        out.push_str(&appearance(directions));
     }
     let emissivities = SettingEmissivity::of(outcome);
     for line in emissivity_lines(&emissivities) {
@@ -68,6 +70,20 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     wrapped(&out)
+}
+
+/// Readings of instruments near the specular direction, a row per direction; nothing without any.
+fn appearance(directions: &[Direction<'_>]) -> String {
+    type Row<'a> = Direction<'a>;
+    let rows = directions.iter().filter(|one| one.outcome.is_some());
+    let incidence = |row: &Row<'_>| row.case.light.incidence;
+    let table = Table::new()
+        .column(Column::new("theta", "", move |row| {
+            incidence(row).theta_deg()
+        }))
+        .column(Column::new("phi", "", move |row| incidence(row).phi_deg()))
+        .columns(appearance_columns(|row: &Row<'_>| row.outcome));
+    table.keys(2).text(rows)
 }
 
 /// The first direction with much coherent light, and the number of others.

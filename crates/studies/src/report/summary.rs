@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 
 use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, EstimateWithLimit, Head};
+use crate::report::appearance::appearance_json;
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_json;
 use crate::validity::Validity;
@@ -69,6 +70,8 @@ pub struct Summary {
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
+    /// Quantities that instruments near the specular direction read.
+    appearance: serde_json::Map<String, serde_json::Value>,
     /// Quantities of polarised light, under a key of their own.
     #[serde(flatten)]
     polarised: Option<serde_json::Map<String, serde_json::Value>>,
@@ -162,6 +165,7 @@ impl Summary {
             components: spec
                 .has_medium()
                 .then(|| of_components(statistics, &support)),
+            appearance: appearance_json(outcome),
             polarised: polarised_json(statistics)
                 .map(|(key, value)| serde_json::Map::from_iter([(key.to_owned(), value)])),
             comparison: None,

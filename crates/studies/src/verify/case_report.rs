@@ -18,6 +18,7 @@ use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
+use crate::report::appearance::appearance_text;
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{
     endings, errors_table, few_samples, lost_warning, more_rays_warning, recorded_orders,
@@ -160,6 +161,7 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     {
         let _ = writeln!(out, "{line}");
     }
+    out.push_str(&appearance_text(case.outcome));
     out.push_str(&polarised_text(&case.outcome.statistics));
     if let Some(note) = validity.and_then(|validity| validity.note()) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));
