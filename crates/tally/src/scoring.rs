@@ -287,12 +287,18 @@ impl<'c> Tally<'c> {
     /// Adds light to the apertures it falls into, of which `windows` has a bit for each that it may enter. No control variate has a part in them.
     #[inline(always)]
     fn book_apertures(&mut self, mut windows: u8, exit: &Exit) {
+        if windows == 0 {
+            return;
+        }
+        let (start, whole) = (self.spec.offsets().apertures_start(), self.units(exit.flux));
         while windows != 0 {
             let number = windows.trailing_zeros() as usize;
             windows &= windows - 1;
-            let weight = self.windows.weight(number, exit.wo);
-            let units = self.units(weight * exit.flux);
-            self.add(self.spec.offsets().apertures_start() + number, units);
+            let units = match self.windows.weight(number, exit.wo) {
+                1.0 => whole,
+                weight => self.units(weight * exit.flux),
+            };
+            self.add(start + number, units);
         }
     }
 

@@ -76,8 +76,7 @@ impl GonioConfig {
             outcome.directions().filter_map(|one| one.outcome).collect()
         });
         views.csv("appearance.csv", |outcome| {
-            let directions = outcome.directions();
-            appearance_table(directions.filter_map(|one| one.outcome))
+            appearance_table(outcome.sample_lights())
         });
         views.csv("emissivity.csv", |outcome| {
             emissivity_table(&SettingEmissivity::of(outcome))

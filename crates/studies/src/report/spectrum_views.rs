@@ -6,7 +6,7 @@ use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, 
 use asperity_simulate::{Case, CaseGroup, Outcome};
 use serde_json::Value;
 
-use super::appearance::describe_appearance;
+use super::appearance::{SampleLight, describe_appearance};
 use super::colours::{SideColour, colour_table};
 use super::spectrum::{
     EMISSIVITY, Quantity, Spectrum, Wavelengths, emissivity, results_of, spectra,
@@ -63,11 +63,12 @@ fn spectrum_table<'a>(spectra: &[Spectrum<'a>]) -> Option<Csv<'a>> {
 pub(crate) fn columns_of_all<'c>(
     cases: impl IntoIterator<Item = &'c Case>,
     outcomes: &[&Outcome],
+    samples: impl IntoIterator<Item = SampleLight<'c>>,
 ) -> Value {
     let mut views: Views<'_, &[&Outcome]> = Views::new();
     add_spectra(&mut views, cases, false, |outcomes| outcomes.to_vec());
     let mut columns = views.columns(&outcomes);
-    describe_appearance(&mut columns, outcomes.iter().copied());
+    describe_appearance(&mut columns, samples);
     columns
 }
 

@@ -8,7 +8,6 @@ use serde::{Serialize, Serializer};
 
 use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, EstimateWithLimit, Head};
-use crate::report::appearance::appearance_json;
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_json;
 use crate::validity::Validity;
@@ -71,7 +70,7 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
     /// Quantities that instruments near the specular direction read.
-    appearance: serde_json::Map<String, serde_json::Value>,
+    pub(crate) appearance: serde_json::Map<String, serde_json::Value>,
     /// Quantities of polarised light, under a key of their own.
     #[serde(flatten)]
     polarised: Option<serde_json::Map<String, serde_json::Value>>,
@@ -125,7 +124,7 @@ fn side_by_side<S: Serializer>(work: &SummaryWork, serializer: S) -> Result<S::O
 }
 
 impl Summary {
-    /// Summary of an outcome, without comparison, columns, lobes, warnings and validity.
+    /// Summary of an outcome, without comparison, appearance, columns, lobes, warnings and validity.
     #[must_use]
     pub(crate) fn new(
         command: &'static str,
@@ -165,7 +164,7 @@ impl Summary {
             components: spec
                 .has_medium()
                 .then(|| of_components(statistics, &support)),
-            appearance: appearance_json(outcome),
+            appearance: serde_json::Map::new(),
             polarised: polarised_json(statistics)
                 .map(|(key, value)| serde_json::Map::from_iter([(key.to_owned(), value)])),
             comparison: None,

@@ -43,7 +43,7 @@ fn trace_table(outcome: &TraceOutcome) -> String {
         found.statistics.batches(),
         found.errors_from,
         energy_table(&found.statistics, &FluxBasis::of(found)),
-        appearance_text(found),
+        appearance_text(outcome.sample_light()),
         polarised_text(&found.statistics),
         errors_table(&found.errors),
         work_line(&found.work),

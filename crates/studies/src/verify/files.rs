@@ -11,7 +11,7 @@ use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files};
-use crate::report::appearance::{appearance_table, describe_appearance};
+use crate::report::appearance::{appearance_json, appearance_table, describe_appearance};
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
@@ -63,7 +63,7 @@ impl VerifyConfig {
             outcome.outcomes()
         });
         views.csv("appearance.csv", |outcome| {
-            appearance_table(outcome.outcomes())
+            appearance_table(outcome.sample_lights())
         });
         views.json("summary.json", |outcome| Some(verify_summary(outcome)));
         Ok(views)
@@ -149,7 +149,11 @@ pub(super) fn verify_summary(outcome: &VerifyOutcome) -> Value {
         seed: outcome.config.run.seed,
         config: config(outcome),
         cases: cases.collect(),
-        columns: columns_of_all(&outcome.plan.cases, &outcome.outcomes()),
+        columns: columns_of_all(
+            &outcome.plan.cases,
+            &outcome.outcomes(),
+            outcome.sample_lights()
+        ),
         seconds: outcome.seconds,
     })
 }
@@ -165,7 +169,8 @@ fn case_summary(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Summary {
     let mut summary = Summary::new("verify", config, case.outcome, outcome.stopping(case));
     summary.comparison = Some(json!(ComparisonJson::of(case)));
     summary.columns = tables.columns(outcome.shown(case));
-    describe_appearance(&mut summary.columns, [case.outcome]);
+    describe_appearance(&mut summary.columns, [outcome.sample_light(case)]);
+    summary.appearance = appearance_json(outcome.sample_light(case));
     summary.lobes = case.lobes();
     summary.warnings = warnings(outcome, case);
     summary.validity = outcome.validity(case);
