@@ -7,6 +7,7 @@
 )]
 
 mod absorbed_map;
+mod appearance;
 mod areal;
 mod attenuation;
 mod attenuation_files;

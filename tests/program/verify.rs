@@ -258,6 +258,7 @@ fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     folder.write("out/notes.txt", "mine");
     folder.succeed(format!("{fixed} --models none --no-plots"));
     let expected = [
+        "appearance.csv",
         "histogram.csv",
         "in_plane.csv",
         "manifest.json",

@@ -1,5 +1,6 @@
 //! Input of a run: cases and settings.
 
+pub(crate) mod apertures;
 pub(crate) mod case;
 pub(crate) mod case_words;
 pub(crate) mod cells;

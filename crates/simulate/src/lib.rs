@@ -6,7 +6,7 @@
 //! is told of progress and may stop the run. A [`Simulation`] resumes from the finished parts that a
 //! [`SurfaceStore`] has kept.
 //!
-//! Folders: `input` (what is simulated, and limits), `bins` (bins that refine around narrow lobes), `methods` (how a case is estimated), `engine`
+//! Folders: `input` (what is simulated, apertures, and limits), `bins` (bins that refine around narrow lobes), `methods` (how a case is estimated), `engine`
 //! (prepare, draw, plan, trace, reduce), `errors` (budget, mesh error, refinement), `output`.
 //!
 //! # Random streams
@@ -37,6 +37,7 @@ pub use engine::simulation::{Simulation, simulate};
 pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
+pub use input::apertures::{CLEAR_DEG, CaseApertures, SPECULAR_DEG, STRAIGHT_DEG};
 pub use input::case::{Case, CaseBins, Light};
 pub use input::case_words::{CaseColumn, CaseGroup, CasePart, GGX_ALPHA, bottom_text};
 pub use input::cells::Cells;

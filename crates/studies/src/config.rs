@@ -344,6 +344,19 @@ pub struct OutputConfig {
     /// Write a map of the light that each cell absorbs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub absorbed_map: bool,
+    /// Coherent light in the specular directions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coherent: Option<Coherent>,
+}
+
+/// Coherent light that is added to readings in the specular directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coherent {
+    /// None: rays alone.
+    None,
+    /// That of the Kirchhoff approximation.
+    Kirchhoff,
 }
 
 /// A verification: surfaces, material, light, effort and models. Every key has a default.

@@ -51,9 +51,9 @@ pub use config::structure::{
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
-    Azimuth, CompareConfig, GaussianName, HeightsChoice, Incident, LightConfig, MaterialConfig,
-    OutputConfig, Roughness, RunConfig, SecondScale, Spectrum, SurfaceConfig, SurfaceFileError,
-    SurfaceFiles, VerifyConfig,
+    Azimuth, Coherent, CompareConfig, GaussianName, HeightsChoice, Incident, LightConfig,
+    MaterialConfig, OutputConfig, Roughness, RunConfig, SecondScale, Spectrum, SurfaceConfig,
+    SurfaceFileError, SurfaceFiles, VerifyConfig,
 };
 pub use converge::{
     ConvergeConfig, ConvergeOutcome, ConvergePlan, ConvergeRun, ConvergeStudy, ConvergeWork,

@@ -16,8 +16,8 @@ pub(crate) use align::{aligned, folded, indented, listed, note_lines};
 pub(crate) use basis::{Basis, EstimateWithLimit};
 pub(crate) use by_side::BySide;
 pub(crate) use columns::{
-    GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
-    projected_solid_angle, ray_count, solid_angle_column,
+    GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, incidence_columns,
+    over, projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;
 pub(crate) use number::{

@@ -80,7 +80,7 @@ impl Study for TraceStudy {
         self.config.views(&self.cases)
     }
 
-    /// The time that a run is given, its plots, paths and map of absorbed light, and a wavelength that changes nothing that is traced, do not
+    /// The time that a run is given, its plots, paths and map of absorbed light, coherent light, and a wavelength that changes nothing that is traced, do not
     /// belong to the header.
     fn header(&self) -> Result<Header, ConfigError> {
         let mut settings = self.config.clone();
@@ -90,6 +90,7 @@ impl Study for TraceStudy {
             plots: true,
             paths: None,
             absorbed_map: false,
+            coherent: None,
         };
         let mut settings = json!(settings);
         settings["points"] = json!(self.cases[0].surface);

@@ -9,11 +9,13 @@
 //! `lambda` is the wavelength in the medium above the surface, to which the indices here are relative: that in vacuum over the index of the medium.
 
 mod coherence;
+mod flat_light;
 mod judgement;
 mod words;
 
 #[cfg(test)]
 mod tests;
 
+pub(crate) use flat_light::CoherentLight;
 pub use judgement::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub(crate) use words::{first_warning, note_of_several, wavelength_warnings};

@@ -1,5 +1,6 @@
 //! Bin finder: finds the rings and sectors of directions without inverse trigonometric functions.
 
+pub(crate) mod aperture_windows;
 pub(crate) mod exit_columns;
 pub(crate) mod in_plane;
 pub(crate) mod keys;

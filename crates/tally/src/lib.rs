@@ -17,6 +17,7 @@
 //! | `bins(side, component)` | `[n_theta, n_phi]`, theta from +z, phi from 0 or the first edge, row by row | [`BinFilter`] |
 //! | `rings(side, component)` | `[n_theta]`, from +z | [`RingFilter`] |
 //! | `in_plane(side, component)` | `[2 n_theta]`, from -90 to +90 degrees | [`InPlaneFilter`] |
+//! | `apertures()` | one value per aperture | [`Apertures`] |
 //! | `budget()` | seven values with names | [`Budget`] |
 //!
 //! [`Component`] is the one vocabulary for parts of the light; a component carries the names that tables
@@ -38,6 +39,7 @@ pub use scoring::control_variate::{ControlVariate, UnshadowedFluxes, VisibleFrac
 pub use scoring::joint::{JointExit, JointTallies};
 pub use scoring::{Azimuth, Tallies, Tally};
 pub use side::{Side, Sides};
+pub use spec::apertures::{Aperture, ApertureShape, Apertures};
 pub use spec::budget::Budget;
 pub use spec::component::{Component, ComponentFilter, MAX_LISTED_ORDER};
 pub use spec::edges::{SideEdges, SideEdgesError};

@@ -7,11 +7,12 @@ pub(crate) mod joint;
 use std::ops::AddAssign;
 
 use crate::binning::BinFinder;
+use crate::binning::aperture_windows::ApertureWindows;
 use crate::binning::exit_columns::ExitColumns;
 use crate::binning::in_plane::InPlaneSlice;
 use crate::spec::filters::Half;
 use crate::spec::offsets::{BinOffsets, Target};
-use crate::{Component, Exit, Loss, Score, Side, TallySpec, TallyValues};
+use crate::{Aperture, Component, Exit, Loss, Score, Side, TallySpec, TallyValues};
 use closing::close;
 use control_variate::ControlVariate;
 
@@ -46,7 +47,7 @@ const LOW_DIGITS: u32 = 62;
 /// Under a [`ControlVariate`] it holds the difference: visible light that is
 /// scattered once counts with one minus its visible fraction, and light that would be scattered
 /// so but is shadowed or masked counts with minus that fraction. [`ControlVariate::complete`] adds the
-/// mean of what was subtracted.
+/// mean of what was subtracted. Apertures have no part in it: all light that is visible counts in full.
 ///
 /// # Examples
 /// ```
@@ -77,6 +78,7 @@ pub struct Tally<'c> {
     finder: BinFinder,
     /// `None` where the azimuth is free.
     slice: Option<InPlaneSlice>,
+    windows: ApertureWindows,
     /// Exact sums of all batches, in units of flux: those of one entry side by side, since paths that start side by side often end in
     /// the same bin.
     sums: Vec<i128>,
@@ -91,8 +93,20 @@ pub struct Tally<'c> {
 
 impl<'c> Tally<'c> {
     /// An empty tally.
+    ///
+    /// # Panics
+    /// If the azimuth is free and an aperture lies off the vertical.
     #[must_use]
     pub fn new(spec: TallySpec, azimuth: Azimuth) -> Self {
+        let forward = match azimuth {
+            Azimuth::From(forward) => forward,
+            Azimuth::Free => 0.0,
+        };
+        let is_vertical = |one: Aperture| one.theta.sin().abs() < 1e-9;
+        assert!(
+            azimuth != Azimuth::Free || spec.apertures().iter().all(is_vertical),
+            "apertures off the vertical need an azimuth"
+        );
         Self {
             spec,
             control_variate: None,
@@ -103,6 +117,7 @@ impl<'c> Tally<'c> {
                 }
                 Azimuth::Free => None,
             },
+            windows: ApertureWindows::new(&spec, forward),
             sums: vec![0; spec.len()],
             scale: HIGH,
             hit: units(1.0, HIGH),
@@ -155,6 +170,7 @@ impl<'c> Tally<'c> {
     fn clone_empty(&self) -> Self {
         Self {
             finder: self.finder.clone(),
+            windows: self.windows.clone(),
             sums: Vec::new(),
             batches: 0,
             batch: 0,
@@ -166,6 +182,7 @@ impl<'c> Tally<'c> {
     /// that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
         let at = self.direction(exit);
+        self.book_apertures(self.windows.of(exit.side, exit.wo), exit);
         self.book(exit, self.weight(exit, at.ring) * exit.flux, &at);
     }
 
@@ -176,6 +193,7 @@ impl<'c> Tally<'c> {
         if let Some(slice) = &self.slice {
             slice.locate(exits);
         }
+        self.windows.locate(exits);
         exits.find_targets(&self.spec.offsets());
     }
 
@@ -190,6 +208,7 @@ impl<'c> Tally<'c> {
             self.weight(&exit, ring)
         };
         let at = Direction::located(exits, i);
+        self.book_apertures(exits.windows_of(i), &exit);
         self.book(&exit, weight * exit.flux, &at);
         if !exits.measures.is_empty() && !exits.is_masked[i] {
             self.book_measures(&exit, &exits.measures, i, &at);
@@ -262,6 +281,24 @@ impl<'c> Tally<'c> {
         }
         if !spec.components().is_empty() {
             self.book_components(exit, flux, hit, at);
+        }
+    }
+
+    /// Adds light to the apertures it falls into, of which `windows` has a bit for each that it may enter. No control variate has a part in them.
+    #[inline(always)]
+    fn book_apertures(&mut self, mut windows: u8, exit: &Exit) {
+        if windows == 0 {
+            return;
+        }
+        let (start, whole) = (self.spec.offsets().apertures_start(), self.units(exit.flux));
+        while windows != 0 {
+            let number = windows.trailing_zeros() as usize;
+            windows &= windows - 1;
+            let units = match self.windows.weight(number, exit.wo) {
+                1.0 => whole,
+                weight => self.units(weight * exit.flux),
+            };
+            self.add(start + number, units);
         }
     }
 

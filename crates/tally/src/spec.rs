@@ -2,6 +2,7 @@
 //!
 //! The order of the entries is private to this crate: see `spec/offsets.rs`.
 
+pub(crate) mod apertures;
 pub(crate) mod budget;
 pub(crate) mod component;
 pub(crate) mod edges;
@@ -16,6 +17,7 @@ use std::ops::Range;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::{EventPath, Side, Sides};
+use apertures::Apertures;
 use budget::Budget;
 use component::{Component, MAX_LISTED_ORDER};
 use entry::{Entries, Entry, Score};
@@ -44,6 +46,7 @@ pub enum SpecError {
 /// | flux into rings | side; [`Component::ORDERS`], all; `[n_theta]` |
 /// | flux into in-plane bins | side; [`Component::ORDERS`], all; `[2 n_theta]` |
 /// | rays in bins | side; single, multiple; `[n_theta, n_phi]` |
+/// | flux into apertures | [`Apertures`], of all light |
 ///
 /// Each of [`TallySpec::components`] has flux, bins, rays, rings and in-plane bins besides. Entries of a
 /// side that is not recorded keep their positions and stay zero.
@@ -68,6 +71,7 @@ pub struct TallySpec {
     #[serde(deserialize_with = "components_by_name")]
     components: &'static [Component],
     polarimetry: Polarimetry,
+    apertures: Apertures,
 }
 
 /// Reads the names of components that a spec of this crate keeps: none, or those of the medium.
@@ -158,6 +162,24 @@ impl TallySpec {
             polarimetry,
             ..self
         }
+    }
+
+    /// Returns a spec of these entries and the flux into apertures, which replace any given before.
+    #[must_use]
+    pub const fn with_apertures(self, apertures: Apertures) -> Self {
+        Self { apertures, ..self }
+    }
+
+    /// Apertures whose flux is kept.
+    #[must_use]
+    pub const fn apertures(&self) -> &Apertures {
+        &self.apertures
+    }
+
+    /// Flux into each aperture, in their order.
+    #[must_use]
+    pub const fn aperture_entries(&self) -> Entries {
+        Entries::new(self.offsets().apertures_start(), self.apertures.len())
     }
 
     /// Measures kept of polarised light.
@@ -261,6 +283,7 @@ impl TallySpec {
             grid: self.grid,
             components: self.components,
             polarimetry: self.polarimetry,
+            apertures: self.apertures.len(),
         }
     }
 
@@ -428,6 +451,7 @@ impl Default for TallySpec {
             sides: Sides::Both,
             components: &[],
             polarimetry: Polarimetry::Nothing,
+            apertures: Apertures::default(),
         }
     }
 }

@@ -8,7 +8,7 @@ pub(crate) mod surface_counts;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Entry, Measure, Polarimetry, TallyResult, TallySpec, TallyValues};
+use crate::{Component, Entry, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyValues};
 use batches::{Estimate, add_batch, standard_error};
 use few_rays::is_of_few_rays;
 
@@ -40,6 +40,8 @@ pub struct TallyStatistics {
     squares: TallyValues,
     /// Co-moments of measures with what they are compared with, in the order of their entries: see [`TallyStatistics::over_flux`].
     products: Vec<f64>,
+    /// Co-moments of the fluxes of both sides and of all apertures with each other, row by row; none without apertures.
+    aperture_products: Vec<f64>,
     /// Flux entries that have measures, in the order of these.
     #[serde(skip)]
     measured_fluxes: Vec<usize>,
@@ -56,6 +58,7 @@ impl TallyStatistics {
             means: TallyValues::zeros(spec),
             squares: TallyValues::zeros(spec),
             products: vec![0.0; spec.len() - spec.offsets().measures_start()],
+            aperture_products: vec![0.0; correlated(&spec).count().pow(2)],
             measured_fluxes: match spec.polarimetry() {
                 Polarimetry::Nothing => Vec::new(),
                 _ => spec.offsets().measured_fluxes().collect(),
@@ -120,6 +123,14 @@ impl TallyStatistics {
                 self.products[number] += of_flux * (batch[entry] - means[entry]);
             }
         }
+        let off = |entry: Entry| batch[entry.0] - means[entry.0];
+        let entries = correlated(self.means.spec());
+        let pairs = entries
+            .clone()
+            .flat_map(|a| entries.clone().map(move |b| (a, b)));
+        for (product, (a, b)) in self.aperture_products.iter_mut().zip(pairs) {
+            *product += weight * off(a) * off(b);
+        }
     }
 
     /// A measure over the flux that it is kept with; `None` where that has the relative error of fewer than [`FEW_RAYS`](crate::FEW_RAYS) rays, or
@@ -146,6 +157,17 @@ impl TallyStatistics {
             mean: ratio,
             se: se.map(|se| se / below.abs()),
         })
+    }
+
+    /// Covariance of the means of two entries by the scatter of the batches: of the fluxes of the sides and of apertures; `None` of others, without
+    /// apertures, and with fewer than two batches.
+    #[must_use]
+    pub fn covariance(&self, a: Entry, b: Entry) -> Option<f64> {
+        let count = correlated(self.spec()).count();
+        let place = |entry| correlated(self.spec()).position(|one| one == entry);
+        let product = self.aperture_products[place(a)? * count + place(b)?];
+        let n = self.batches as f64;
+        (self.batches > 1).then(|| product / (n * (n - 1.0)))
     }
 
     /// Returns statistics that report no standard error below those given: where rare events decide, batches
@@ -184,6 +206,14 @@ impl TallyStatistics {
     }
 }
 
+/// Entries whose covariances are kept: the fluxes of both sides and of all apertures, if there are any of these.
+fn correlated(spec: &TallySpec) -> impl Iterator<Item = Entry> + Clone + use<> {
+    let apertures = spec.aperture_entries();
+    let sides = Side::BOTH.map(|side| spec.flux_entry(side, Component::All));
+    let sides = sides.into_iter().filter(move |_| !apertures.is_empty());
+    sides.chain(apertures.iter())
+}
+
 /// Statistics in their written form, perhaps of values that do not go together.
 #[derive(Deserialize)]
 struct SavedStatistics {
@@ -191,6 +221,7 @@ struct SavedStatistics {
     means: TallyValues,
     squares: TallyValues,
     products: Vec<f64>,
+    aperture_products: Vec<f64>,
     least_errors: Option<TallyValues>,
 }
 
@@ -203,6 +234,7 @@ impl TryFrom<SavedStatistics> for TallyStatistics {
         let same_spec = |values: &TallyValues| values.spec() == empty.spec();
         if !others.into_iter().flatten().all(same_spec)
             || saved.products.len() != empty.products.len()
+            || saved.aperture_products.len() != empty.aperture_products.len()
         {
             return Err("statistics of several tally specs".to_owned());
         }
@@ -211,6 +243,7 @@ impl TryFrom<SavedStatistics> for TallyStatistics {
             means: saved.means,
             squares: saved.squares,
             products: saved.products,
+            aperture_products: saved.aperture_products,
             least_errors: saved.least_errors,
             ..empty
         })
@@ -237,8 +270,7 @@ impl TallyResult for TallyStatistics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Component, Side};
-    use crate::{HemisphereGrid, SideEdges, Sides};
+    use crate::{Aperture, HemisphereGrid, SideEdges, Sides};
 
     #[test]
     fn a_ratio_has_the_error_of_what_both_do_not_share() {
@@ -271,6 +303,34 @@ mod tests {
         assert_eq!(statistics.over_flux(flux, Measure::Averaging), None);
         let transmitted = spec.flux_entry(Side::Transmitted, Component::All);
         assert_eq!(statistics.over_flux(transmitted, m10), None);
+    }
+
+    #[test]
+    fn covariances_of_apertures_are_those_of_the_textbook() {
+        let cones = [0.1, 0.2].map(|half| Aperture::cone(Side::Reflected, 0.3, half));
+        let spec = TallySpec::default().with_apertures(cones.into_iter().collect());
+        let [a, b] = [0, 1].map(|i| spec.aperture_entries().get(i));
+        let all = spec.flux_entry(Side::Reflected, Component::All);
+        let mut statistics = TallyStatistics::new(spec);
+        let samples = [[1.0, 2.0, 5.0], [2.0, 2.0, 7.0], [6.0, 5.0, 9.0]];
+        for sample in samples {
+            let mut batch = TallyValues::zeros(spec);
+            for (entry, value) in [a, b, all].into_iter().zip(sample) {
+                batch[entry] = value;
+            }
+            statistics.push(&batch);
+        }
+        // Deviations -2, -1, 3; -1, -1, 2; -2, 0, 2: sums of products over 3 * 2
+        for (x, y, products) in [(a, a, 14.0), (a, b, 9.0), (b, a, 9.0), (a, all, 10.0)] {
+            let found = statistics.covariance(x, y).unwrap();
+            assert!((found - products / 6.0).abs() < 1e-14, "{found}");
+        }
+        assert_eq!(statistics.covariance(a, TallySpec::BUDGET.lost), None);
+        let saved = serde_json::to_value(&statistics).unwrap();
+        let restored: TallyStatistics = serde_json::from_value(saved).unwrap();
+        assert_eq!(restored.covariance(a, b), statistics.covariance(a, b));
+        let empty = TallyStatistics::new(TallySpec::default());
+        assert_eq!(empty.covariance(all, all), None);
     }
 
     const LOST: Entry = TallySpec::BUDGET.lost;

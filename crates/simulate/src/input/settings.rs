@@ -6,6 +6,7 @@
 use asperity_tally::TallySpec;
 use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, Sampling};
 
+use super::apertures::CaseApertures;
 use super::case::Case;
 use super::estimator::Estimator;
 use super::path_choice::PathChoice;
@@ -82,13 +83,14 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Tally spec of a case: that of the settings, with the bins of the case if it has any.
+    /// Tally spec of a case: that of the settings, with the bins of the case if it has any, and its apertures.
     #[must_use]
     pub fn spec_of(&self, case: &Case) -> TallySpec {
-        match case.bins {
+        let spec = match case.bins {
             Some(bins) => self.tally.with_bins(bins.grid, bins.in_plane_half_width),
             None => self.tally,
-        }
+        };
+        spec.with_apertures(CaseApertures::of(case).list())
     }
 
     /// The largest of what is recorded of these cases.

@@ -80,6 +80,8 @@ impl AnalyticResult {
             errors[TallySpec::BUDGET.absorbed] = 0.0;
         }
         errors.clear_hits();
+        // Nothing is integrated over apertures: any part of the light may be in them.
+        errors[spec.aperture_entries()].fill(1.0);
         Ok(Some(Self {
             method: Method {
                 control_variate: Some((control_variate, ControlVariateMean::GaussianSlopes)),

@@ -7,6 +7,7 @@
 )]
 
 mod after;
+mod apertures;
 mod budget;
 mod conductors;
 mod engines;

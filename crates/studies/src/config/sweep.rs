@@ -129,13 +129,14 @@ impl VerifyConfig {
         document
     }
 
-    /// The settings that the results depend on: neither the time that a run is given, nor plots, nor a wavelength that changes nothing that
+    /// The settings that the results depend on: neither the time that a run is given, nor plots and coherent light, nor a wavelength that changes nothing that
     /// is traced.
     pub(crate) fn document(&self) -> Value {
         let mut settings = self.clone();
         settings.run.max_time = None;
         settings.light.forget_wavelength(&settings.material);
         settings.output.plots = true;
+        settings.output.coherent = None;
         json!(settings)
     }
 

@@ -13,8 +13,8 @@ use crate::config::medium::MediumConfig;
 use crate::config::sun::SunConfig;
 use crate::config::values::{Number, OneOrMany};
 use crate::config::{
-    Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig,
+    Azimuth, Coherent, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig,
+    RunConfig, SurfaceConfig, VerifyConfig,
 };
 use crate::error::StudyError;
 use crate::settings::spread_text::SpreadText;
@@ -125,6 +125,9 @@ pub struct GonioOutput {
     pub plots: bool,
     /// The discs that share their colours.
     pub scale: PlotScale,
+    /// Coherent light in the specular directions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coherent: Option<Coherent>,
 }
 
 /// A measurement: surfaces, materials, directions and effort. Every key has a default.
@@ -197,6 +200,7 @@ impl GonioConfig {
                 plots: true,
                 paths: None,
                 absorbed_map: false,
+                coherent: None,
             },
         })
     }

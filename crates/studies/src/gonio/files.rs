@@ -12,6 +12,7 @@ use super::summary::gonio_table;
 use super::{figures, tables};
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
+use crate::report::appearance::appearance_table;
 use crate::report::case_views::CaseViews;
 use crate::report::error::ReportError;
 use crate::report::spectrum_views::add_spectra;
@@ -73,6 +74,9 @@ impl GonioConfig {
         }
         add_spectra(&mut views, &plan.cases, self.output.plots, |outcome| {
             outcome.directions().filter_map(|one| one.outcome).collect()
+        });
+        views.csv("appearance.csv", |outcome| {
+            appearance_table(outcome.sample_lights())
         });
         views.csv("emissivity.csv", |outcome| {
             emissivity_table(&SettingEmissivity::of(outcome))

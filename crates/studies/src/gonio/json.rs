@@ -11,11 +11,12 @@ use super::summary::{notes, warnings};
 use super::tables::{self, measured};
 use crate::config::Azimuth;
 use crate::output::{BySide, Head};
+use crate::report::appearance::appearance_json;
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::polarised::polarised_json;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::spectrum_columns;
+use crate::report::spectrum_views::columns_of_all;
 use crate::report::views::Views;
 
 /// The contents of summary.json.
@@ -50,7 +51,11 @@ pub(super) fn gonio_summary(outcome: &GonioOutcome) -> Value {
     });
     let outcomes: Vec<&Outcome> = measured(outcome).filter_map(|one| one.outcome).collect();
     let planned: Vec<Direction<'_>> = outcome.directions().collect();
-    let mut further = spectrum_columns(planned.iter().map(|one| one.case), &outcomes);
+    let mut further = columns_of_all(
+        planned.iter().map(|one| one.case),
+        &outcomes,
+        outcome.sample_lights(),
+    );
     if let Some(table) = emissivity_table(&SettingEmissivity::of(outcome)) {
         further["emissivity.csv"] = table.description;
     }
@@ -85,14 +90,14 @@ fn config(outcome: &GonioOutcome) -> Value {
 }
 
 /// One direction: its fluxes by component and side, brightest bins, and lobes of single scattering next to the bins that hold their middles.
-fn describe(outcome: &GonioOutcome, direction: &Direction<'_>) -> Value {
+fn describe<'a>(outcome: &GonioOutcome<'a>, direction: &Direction<'a>) -> Value {
     let incidence = direction.case.light.incidence;
     let mut out = json!({
         "direction": direction.case.direction_name(),
         "setting": direction.setting,
         "theta_i_deg": incidence.theta_deg(),
         "phi_i_deg": incidence.phi_deg(),
-        "results": results(direction),
+        "results": results(outcome, direction),
         "bins": direction.spec.grid().to_string(),
         "peak": BySide::of(|side| Peak::of(direction, side)),
         "lobes": direction.lobes(),
@@ -104,7 +109,7 @@ fn describe(outcome: &GonioOutcome, direction: &Direction<'_>) -> Value {
 }
 
 /// The fluxes; `None` if the direction was not measured yet, and on a side that is not recorded.
-fn results(direction: &Direction<'_>) -> Option<Value> {
+fn results<'a>(all: &GonioOutcome<'a>, direction: &Direction<'a>) -> Option<Value> {
     let outcome = direction.outcome?;
     let flux: Map<String, Value> = components(&direction.spec)
         .map(|component| {
@@ -119,6 +124,7 @@ fn results(direction: &Direction<'_>) -> Option<Value> {
         "truncated": truncated,
         "lost": lost,
         "surfaces": outcome.work.realisations,
+        "appearance": appearance_json(all.sample_light(direction)?),
         "rays": outcome.work.rays,
         "errors_from": outcome.errors_from.name(),
     });

@@ -10,6 +10,7 @@ use super::config::GonioConfig;
 use super::sample::Sample;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{EstimateWithLimit, over, projected_solid_angle};
+use crate::report::appearance::SampleLight;
 use crate::report::flux_basis::FluxBasis;
 use crate::report::shown_case::ShownCase;
 use crate::validity::Validity;
@@ -138,6 +139,18 @@ impl<'a> GonioOutcome<'a> {
             Some(one) => Validity::new(&one.lengths, None, case, &direction.spec, wavelength),
             None => Validity::of_random(case, &direction.spec, wavelength),
         }
+    }
+
+    /// A direction as a sample whose appearance is judged; `None` if it was not measured.
+    pub(super) fn sample_light(&self, direction: &Direction<'a>) -> Option<SampleLight<'a>> {
+        let validity = self.validity(direction);
+        let chosen = self.config.output.coherent;
+        Some(SampleLight::new(direction.outcome?, validity, chosen))
+    }
+
+    /// All that were measured as such samples.
+    pub(super) fn sample_lights(&self) -> impl Iterator<Item = SampleLight<'a>> {
+        self.directions().filter_map(|one| self.sample_light(&one))
     }
 
     /// A direction as tables and figures of single cases show it; `None` if it was not measured.

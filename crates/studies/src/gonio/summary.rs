@@ -11,7 +11,8 @@ use super::emissivity::{SettingEmissivity, emissivity_lines};
 use super::outcome::{Direction, GonioOutcome};
 use super::tables::{measured, report};
 use crate::config::lobes::BinnedLobe;
-use crate::output::{cut_short, wrapped};
+use crate::output::{Column, Table, cut_short, wrapped};
+use crate::report::appearance::{appearance_columns, coherent_note, coherent_warning};
 use crate::report::energies::{lost_warning, more_rays_warning};
 use crate::report::spectrum::EMISSIVITY;
 use crate::validity::{first_warning, note_of_several, wavelength_warnings};
@@ -53,10 +54,14 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
         out.push_str(&report(outcome.spec()).keys(2).text(directions));
+        out.push_str(&appearance(outcome, directions));
     }
     let emissivities = SettingEmissivity::of(outcome);
     for line in emissivity_lines(&emissivities) {
         let _ = writeln!(out, "\n{line}");
+    }
+    if let Some(note) = coherent_note(outcome.sample_lights()) {
+        let _ = writeln!(out, "\n{note}");
     }
     if let Some(note) = validity_note(outcome) {
         let _ = writeln!(out, "\n{}", wrapped(&format!("note: {note}")));
@@ -68,6 +73,26 @@ pub(super) fn gonio_table(outcome: &GonioOutcome) -> String {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     wrapped(&out)
+}
+
+/// Readings of instruments near the specular direction, a row per direction; nothing without any.
+fn appearance<'a>(outcome: &'a GonioOutcome<'a>, directions: &[Direction<'a>]) -> String {
+    type Row<'a> = Direction<'a>;
+    let samples = directions
+        .iter()
+        .filter_map(|one| outcome.sample_light(one));
+    let has_coherent = coherent_note(samples).is_some();
+    let rows = directions.iter().filter(|one| one.outcome.is_some());
+    let incidence = |row: &Row<'_>| row.case.light.incidence;
+    let table = Table::new()
+        .column(Column::new("theta", "", move |row| {
+            incidence(row).theta_deg()
+        }))
+        .column(Column::new("phi", "", move |row| incidence(row).phi_deg()))
+        .columns(appearance_columns(has_coherent, |row: &Row<'a>| {
+            outcome.sample_light(row)
+        }));
+    table.keys(2).text(rows)
 }
 
 /// The first direction with much coherent light, and the number of others.
@@ -120,6 +145,8 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
     let wavelength = outcome.config.light.wavelength_nm();
     let is_named = outcome.config.material.media().is_some();
     notes.extend(wavelength_warnings(wavelength, is_named, outcome.unit()));
+    let chosen = outcome.config.output.coherent;
+    notes.extend(coherent_warning(chosen, outcome.unit()));
     if !SettingEmissivity::of(outcome).is_empty() {
         notes.push(EMISSIVITY.to_owned());
     }

@@ -1,6 +1,5 @@
 //! The tables of a measurement: gonio.csv, in_plane.csv, bsdf.csv, and those of single directions.
 
-use asperity_optics::Incidence;
 use asperity_simulate::CaseGroup;
 use asperity_tally::{Component, Estimate, Polarimetry, Side, TallySpec};
 
@@ -8,8 +7,8 @@ use super::components::components;
 use super::outcome::{Direction, GonioOutcome};
 use super::peak::Peak;
 use crate::output::{
-    Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, over,
-    solid_angle_column,
+    Column, GridBin, Table, bin_centre_columns, bin_columns, case_columns, grid_bin_columns,
+    incidence_columns, over, solid_angle_column,
 };
 use crate::report::fluxes::{AVERAGING, Fluxes};
 use crate::report::views::Csv;
@@ -48,23 +47,6 @@ fn averaging_column<'a>(spec: &TallySpec, side: Side) -> Option<Column<'a, Direc
         let difference = move |row: &Direction<'_>| row.tracked_less_averaged(side);
         Column::estimate(name, AVERAGING, difference)
     })
-}
-
-/// The columns `theta_i_deg` and `phi_i_deg`.
-fn incidence_columns<'a, R: 'a>(
-    incidence: impl Fn(&R) -> Incidence + Copy + 'a,
-) -> [Column<'a, R>; 2] {
-    let column = |name, about, angle: fn(Incidence) -> f64| {
-        Column::new(name, about, move |row: &R| angle(incidence(row))).unit("deg")
-    };
-    [
-        column(
-            "theta_i_deg",
-            "polar angle of the light",
-            Incidence::theta_deg,
-        ),
-        column("phi_i_deg", "azimuth of the light", Incidence::phi_deg),
-    ]
 }
 
 /// directions/NAME.csv: a row per bin.

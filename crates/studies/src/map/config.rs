@@ -135,6 +135,7 @@ impl MapConfig {
                 plots: true,
                 paths: None,
                 absorbed_map: false,
+                coherent: None,
             },
         })
     }

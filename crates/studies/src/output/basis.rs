@@ -69,6 +69,20 @@ impl EstimateWithLimit {
         }
     }
 
+    /// The estimate in another unit, of which `factor` make one.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        let Estimate { mean, se } = self.estimate;
+        Self {
+            estimate: Estimate {
+                mean: factor * mean,
+                se: se.map(|se| factor * se),
+            },
+            below: self.below.map(|below| factor * below),
+            above: None,
+            ..self
+        }
+    }
+
     /// Returns `true` if all samples are zero.
     pub(crate) fn is_nothing(&self) -> bool {
         self.estimate.mean == 0.0 && self.estimate.se == Some(0.0)

@@ -1,5 +1,6 @@
 //! Columns that several tables share: bins of the hemispheres, materials, fluxes.
 
+use asperity_optics::Incidence;
 use asperity_simulate::{Case, CaseColumn, CaseGroup};
 use asperity_tally::{BinFilter, Estimate, HemisphereGrid, Side};
 use serde_json::Value;
@@ -118,6 +119,23 @@ pub(crate) fn over(estimate: Estimate, divisor: f64) -> Estimate {
         mean: estimate.mean / divisor,
         se: estimate.se.map(|se| se / divisor),
     }
+}
+
+/// The columns `theta_i_deg` and `phi_i_deg`.
+pub(crate) fn incidence_columns<'a, R: 'a>(
+    incidence: impl Fn(&R) -> Incidence + Copy + 'a,
+) -> [Column<'a, R>; 2] {
+    let column = |name, about, angle: fn(Incidence) -> f64| {
+        Column::new(name, about, move |row: &R| angle(incidence(row))).unit("deg")
+    };
+    [
+        column(
+            "theta_i_deg",
+            "polar angle of the light",
+            Incidence::theta_deg,
+        ),
+        column("phi_i_deg", "azimuth of the light", Incidence::phi_deg),
+    ]
 }
 
 /// The columns that describe cases by the quantities of `groups`.

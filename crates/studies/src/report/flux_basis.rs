@@ -70,6 +70,20 @@ impl FluxBasis {
         self.with_limit(is_possible, flux)
     }
 
+    /// Part of the light of a side, which is a flux of `whole`.
+    pub(crate) fn part(&self, side: Side, whole: f64, part: Estimate) -> EstimateWithLimit {
+        let of_part = |basis: Basis| match basis {
+            Basis::Samples(count) => Basis::Samples(count * whole),
+            other => other,
+        };
+        let basis = Self {
+            zero: of_part(self.zero),
+            nonzero: of_part(self.nonzero),
+            ..*self
+        };
+        basis.flux(side, part)
+    }
+
     /// Flux that was absorbed.
     pub(crate) fn absorbed(&self, flux: Estimate) -> EstimateWithLimit {
         if self.absorbs && self.zero == Basis::Quadrature {

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
 use asperity_simulate::{Case, CaseGroup, Outcome};
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use super::appearance::{SampleLight, describe_appearance};
 use super::colours::{SideColour, colour_table};
 use super::spectrum::{
     EMISSIVITY, Quantity, Spectrum, Wavelengths, emissivity, results_of, spectra,
@@ -58,19 +59,17 @@ fn spectrum_table<'a>(spectra: &[Spectrum<'a>]) -> Option<Csv<'a>> {
     Some(table.with_rows(rows))
 }
 
-/// Name, unit and description of the columns of the tables of spectra, by file; null without any.
-pub(crate) fn spectrum_columns<'c>(
+/// Name, unit and description of the columns of the tables of all cases, by file.
+pub(crate) fn columns_of_all<'c>(
     cases: impl IntoIterator<Item = &'c Case>,
     outcomes: &[&Outcome],
+    samples: impl IntoIterator<Item = SampleLight<'c>>,
 ) -> Value {
     let mut views: Views<'_, &[&Outcome]> = Views::new();
     add_spectra(&mut views, cases, false, |outcomes| outcomes.to_vec());
-    let columns = views.columns(&outcomes);
-    if columns == json!({}) {
-        Value::Null
-    } else {
-        columns
-    }
+    let mut columns = views.columns(&outcomes);
+    describe_appearance(&mut columns, samples);
+    columns
 }
 
 /// The spectra as text, each below its label, with notes on them; `None` without any.

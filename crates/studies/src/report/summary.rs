@@ -69,6 +69,8 @@ pub struct Summary {
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
+    /// Quantities that instruments near the specular direction read.
+    pub(crate) appearance: serde_json::Map<String, serde_json::Value>,
     /// Quantities of polarised light, under a key of their own.
     #[serde(flatten)]
     polarised: Option<serde_json::Map<String, serde_json::Value>>,
@@ -122,7 +124,7 @@ fn side_by_side<S: Serializer>(work: &SummaryWork, serializer: S) -> Result<S::O
 }
 
 impl Summary {
-    /// Summary of an outcome, without comparison, columns, lobes, warnings and validity.
+    /// Summary of an outcome, without comparison, appearance, columns, lobes, warnings and validity.
     #[must_use]
     pub(crate) fn new(
         command: &'static str,
@@ -162,6 +164,7 @@ impl Summary {
             components: spec
                 .has_medium()
                 .then(|| of_components(statistics, &support)),
+            appearance: serde_json::Map::new(),
             polarised: polarised_json(statistics)
                 .map(|(key, value)| serde_json::Map::from_iter([(key.to_owned(), value)])),
             comparison: None,

@@ -11,11 +11,12 @@ use super::plan::PlannedTrace;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::output::{CaseInFolder, Head, SummaryOfCases};
+use crate::report::appearance::{appearance_json, appearance_table, describe_appearance};
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::figures::height_map_figure;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::{add_spectra, has_spectra, spectrum_columns};
+use crate::report::spectrum_views::{add_spectra, columns_of_all, has_spectra};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 
@@ -73,6 +74,9 @@ impl TraceConfig {
         add_spectra(&mut views, cases, self.output.plots, |found| {
             found.outcomes()
         });
+        views.csv("appearance.csv", |found| {
+            appearance_table(found.sample_lights())
+        });
         views.json("summary.json", |found| Some(traces_summary(found)));
         Ok(views)
     }
@@ -106,7 +110,7 @@ pub(super) fn traces_summary(found: &TraceOutcomes) -> Value {
         seed: config.run.seed,
         config: config_json(config, &config.run, &[]),
         cases: cases.collect(),
-        columns: spectrum_columns(found.planned, &found.outcomes()),
+        columns: columns_of_all(found.planned, &found.outcomes(), found.sample_lights()),
         seconds: found.seconds,
     })
 }
@@ -122,6 +126,8 @@ fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let mut summary = Summary::new("trace", config, outcome.outcome, outcome.stopping());
     summary.comparison = outcome.comparison.as_ref().map(TraceComparison::to_json);
     summary.columns = tables.columns(outcome.shown());
+    describe_appearance(&mut summary.columns, [outcome.sample_light()]);
+    summary.appearance = appearance_json(outcome.sample_light());
     if let Some(paths) = paths_table(outcome) {
         summary.columns["paths.csv"] = paths.description;
     }

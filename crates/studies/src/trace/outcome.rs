@@ -6,6 +6,7 @@ use asperity_tally::TallySpec;
 use super::comparison::TraceComparison;
 use super::plan::PlannedTrace;
 use crate::config::lobes::BinnedLobe;
+use crate::report::appearance::SampleLight;
 use crate::report::energies::{lost_warning, more_rays_warning};
 
 /// Results of all cases on given surfaces.
@@ -21,6 +22,11 @@ impl<'a> TraceOutcomes<'a> {
     /// The results of the engine.
     pub(super) fn outcomes(&self) -> Vec<&'a Outcome> {
         self.each.iter().map(|one| one.outcome).collect()
+    }
+
+    /// The results as samples whose appearance is judged.
+    pub(super) fn sample_lights(&self) -> impl Iterator<Item = SampleLight<'a>> {
+        self.each.iter().map(TraceOutcome::sample_light)
     }
 
     /// The results of the case of that number; `None` if a stop came before it.
@@ -45,7 +51,13 @@ pub struct TraceOutcome<'a> {
     pub stopped_by: Option<StoppedBy>,
 }
 
-impl TraceOutcome<'_> {
+impl<'a> TraceOutcome<'a> {
+    /// The results as a sample whose appearance is judged.
+    pub(super) fn sample_light(&self) -> SampleLight<'a> {
+        let study = self.study;
+        SampleLight::new(self.outcome, study.validity, study.config.output.coherent)
+    }
+
     /// Returns `true` if a stop came before the comparison that was requested.
     pub(super) const fn lacks_comparison(&self) -> bool {
         self.comparison.is_none() && self.study.comparison.is_some()

@@ -12,6 +12,7 @@ use crate::config::medium::MediumConfig;
 use crate::config::trace::TraceConfig;
 use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
+use crate::report::appearance::coherent_warning;
 use crate::surface_lengths::SurfaceLengths;
 use crate::validity::{Validity, wavelength_warnings};
 
@@ -99,6 +100,7 @@ impl PlannedTrace {
         let wavelength = config.light.wavelength_nm();
         let is_named = config.material.media().is_some();
         warnings.extend(wavelength_warnings(wavelength, is_named, tops.first.unit));
+        warnings.extend(coherent_warning(config.output.coherent, tops.first.unit));
         let validity = Validity::new(
             &given.lengths,
             given.of_bottom.as_ref(),

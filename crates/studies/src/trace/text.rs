@@ -7,6 +7,7 @@ use asperity_simulate::{Case, CaseGroup};
 use super::comparison_text::comparison_text;
 use super::outcome::{TraceOutcome, TraceOutcomes};
 use crate::output::wrapped;
+use crate::report::appearance::appearance_text;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::polarised::polarised_text;
@@ -34,13 +35,14 @@ fn trace_table(outcome: &TraceOutcome) -> String {
     let validity = outcome.study.validity;
     let first_lines = validity.and_then(|validity| validity.first_lines(&found.statistics));
     let mut text = format!(
-        "{}, {}\n{}flux fractions; standard errors from {} {}\n{}{}{}{}\n",
+        "{}, {}\n{}flux fractions; standard errors from {} {}\n{}{}{}{}{}\n",
         outcome.study.name,
         light_line(&found.case),
         first_lines.map_or_else(String::new, |line| line + "\n"),
         found.statistics.batches(),
         found.errors_from,
         energy_table(&found.statistics, &FluxBasis::of(found)),
+        appearance_text(outcome.sample_light()),
         polarised_text(&found.statistics),
         errors_table(&found.errors),
         work_line(&found.work),

@@ -18,6 +18,7 @@ use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, EstimateWithLimit, Format, TEXT_WIDTH, Table, distance, wrapped};
+use crate::report::appearance::{appearance_text, coherent_warning};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{
     endings, errors_table, few_samples, lost_warning, more_rays_warning, recorded_orders,
@@ -51,6 +52,7 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
     let is_named = outcome.config.material.media().is_some();
     let unit = case.outcome.case.at.unit;
     warnings.extend(wavelength_warnings(wavelength, is_named, unit));
+    warnings.extend(coherent_warning(outcome.config.output.coherent, unit));
     warnings.extend(gaussian_models_of_ggx(case));
     if outcome.config.lacks_models(case) {
         warnings.push(
@@ -160,6 +162,7 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
     {
         let _ = writeln!(out, "{line}");
     }
+    out.push_str(&appearance_text(outcome.sample_light(case)));
     out.push_str(&polarised_text(&case.outcome.statistics));
     if let Some(note) = validity.and_then(|validity| validity.note()) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {note}")));

@@ -11,12 +11,13 @@ use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files};
+use crate::report::appearance::{appearance_json, appearance_table, describe_appearance};
 use crate::report::case_views::CaseViews;
 use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures;
 use crate::report::shown_case::ShownCase;
-use crate::report::spectrum_views::{add_spectra, has_spectra, spectrum_columns};
+use crate::report::spectrum_views::{add_spectra, columns_of_all, has_spectra};
 use crate::report::summary::Summary;
 use crate::report::views::{Views, case_folders};
 
@@ -60,6 +61,9 @@ impl VerifyConfig {
         }
         add_spectra(&mut views, cases, self.output.plots, |outcome| {
             outcome.outcomes()
+        });
+        views.csv("appearance.csv", |outcome| {
+            appearance_table(outcome.sample_lights())
         });
         views.json("summary.json", |outcome| Some(verify_summary(outcome)));
         Ok(views)
@@ -145,7 +149,11 @@ pub(super) fn verify_summary(outcome: &VerifyOutcome) -> Value {
         seed: outcome.config.run.seed,
         config: config(outcome),
         cases: cases.collect(),
-        columns: spectrum_columns(&outcome.plan.cases, &outcome.outcomes()),
+        columns: columns_of_all(
+            &outcome.plan.cases,
+            &outcome.outcomes(),
+            outcome.sample_lights()
+        ),
         seconds: outcome.seconds,
     })
 }
@@ -161,6 +169,8 @@ fn case_summary(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Summary {
     let mut summary = Summary::new("verify", config, case.outcome, outcome.stopping(case));
     summary.comparison = Some(json!(ComparisonJson::of(case)));
     summary.columns = tables.columns(outcome.shown(case));
+    describe_appearance(&mut summary.columns, [outcome.sample_light(case)]);
+    summary.appearance = appearance_json(outcome.sample_light(case));
     summary.lobes = case.lobes();
     summary.warnings = warnings(outcome, case);
     summary.validity = outcome.validity(case);

@@ -6,6 +6,7 @@ use asperity_simulate::{Outcome, StoppedBy, Stopping};
 use super::plan::Plan;
 use crate::comparison::judgement::Judgement;
 use crate::config::VerifyConfig;
+use crate::report::appearance::SampleLight;
 use crate::validity::Validity;
 
 /// Results of a verification, judged.
@@ -54,6 +55,17 @@ impl<'a> VerifyOutcome<'a> {
     pub(crate) fn validity(&self, case: &Judgement<'_>) -> Option<Validity> {
         let wavelength = self.config.light.wavelength_nm();
         Validity::of_random(&case.outcome.case, case.spec(), wavelength)
+    }
+
+    /// A case as a sample whose appearance is judged.
+    pub(crate) fn sample_light<'b>(&self, case: &Judgement<'b>) -> SampleLight<'b> {
+        let chosen = self.config.output.coherent;
+        SampleLight::new(case.outcome, self.validity(case), chosen)
+    }
+
+    /// All cases as such samples.
+    pub(crate) fn sample_lights(&self) -> impl Iterator<Item = SampleLight<'_>> {
+        self.cases.iter().map(|case| self.sample_light(case))
     }
 
     /// Number of cases that an interrupt came before.

@@ -47,11 +47,12 @@ pub struct ExitColumns {
     pub(crate) batch: Vec<u32>,
     /// Measures over the flux, as many as are kept.
     pub(crate) measures: Vec<Vec<f64>>,
-    /// Rings, sectors, halves of the in-plane slice and entries that [`crate::Tallies::locate`] has found.
+    /// Rings, sectors, halves of the in-plane slice, entries and apertures (a bit for each; empty without any) that [`crate::Tallies::locate`] has found.
     pub(crate) ring: Vec<u32>,
     pub(crate) sector: Vec<u32>,
     pub(crate) slice: Vec<InSlice>,
     pub(crate) targets: Vec<Target>,
+    pub(crate) windows: Vec<u8>,
 }
 
 /// Exits that are about to be written: the fields of [`Exit`].
@@ -208,6 +209,15 @@ impl ExitColumns {
         }
     }
 
+    /// Apertures that exit number `i` may enter, a bit for each; none of a masked one.
+    #[inline(always)]
+    pub(crate) fn windows_of(&self, i: usize) -> u8 {
+        match self.is_masked[i] {
+            true => 0,
+            false => self.windows.get(i).copied().unwrap_or(0),
+        }
+    }
+
     /// Direction of exit number `i`.
     #[inline(always)]
     pub(crate) fn wo(&self, i: usize) -> DVec3 {
@@ -228,5 +238,6 @@ impl ExitColumns {
         self.sector.clear();
         self.slice.clear();
         self.targets.clear();
+        self.windows.clear();
     }
 }

@@ -106,6 +106,7 @@ impl<'c> JointTallies<'c> {
         let (exit, at) = (exits.exit(i), Direction::located(exits, i));
         let is_masked = exits.is_masked[i];
         self.select(batch);
+        self.book_apertures(exits.windows_of(i), &exit, fluxes);
         let rings = self.pairs.spec.grid().n_theta();
         let first = (exit.side.index() * rings + at.ring) * materials;
         let fractions = self.fractions.get(first..first + materials);
@@ -140,6 +141,22 @@ impl<'c> JointTallies<'c> {
             for entry in entries.into_iter().flatten() {
                 self.pairs.add(entry + number, &self.units[..]);
             }
+        }
+    }
+
+    /// Adds light of each material to the apertures it falls into: as [`Tally::book_apertures`].
+    #[inline(always)]
+    fn book_apertures(&mut self, mut windows: u8, exit: &Exit, fluxes: &[f64]) {
+        while windows != 0 {
+            let number = windows.trailing_zeros() as usize;
+            windows &= windows - 1;
+            let weight = self.pairs.windows.weight(number, exit.wo);
+            for (weighted, flux) in self.weighted.iter_mut().zip(fluxes) {
+                *weighted = weight * flux;
+            }
+            find_units(&self.weighted, self.pairs.scale, &mut self.units);
+            let entry = self.pairs.spec.offsets().apertures_start() + number;
+            self.pairs.add(entry, &self.units[..]);
         }
     }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{
-    ComponentFilter, Event, EventPath, ExitColumns, HemisphereGrid, Polarimetry, Sides, Tallies,
-    TallyResult, UnshadowedFluxes, VisibleFractions,
+    ApertureShape, Apertures, ComponentFilter, Event, EventPath, ExitColumns, HemisphereGrid,
+    Polarimetry, Sides, Tallies, TallyResult, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_optics::from_spherical;
 
@@ -275,13 +275,93 @@ fn a_side_that_is_not_recorded_fills_no_bin() {
     }
 }
 
+/// All light of a side, a cone on each side, and a receptor where the centre is off the vertical.
+fn apertures(theta: f64) -> Apertures {
+    let shape = ApertureShape::Receptor {
+        in_plane: [0.4, 0.9],
+        across: [0.8, 1.1],
+    };
+    let [reflected, transmitted] = Side::BOTH;
+    let cone = Aperture::cone(reflected, theta, 0.5);
+    let always = [
+        Aperture::whole(transmitted),
+        cone,
+        Aperture::cone(transmitted, std::f64::consts::PI - theta, 0.7),
+    ];
+    let receptor = (theta > 0.0).then_some(Aperture { shape, ..cone });
+    always.into_iter().chain(receptor).collect()
+}
+
+/// Apertures take light by its angles to their centres and by the offsets from these, visible light in full under a control variate too, and no
+/// light that is masked.
+#[test]
+fn apertures_take_all_visible_light_with_its_weight() {
+    let forward = 0.3;
+    let spec = full_spec().with_apertures(apertures(0.9));
+    let fractions = VisibleFractions {
+        rings: [vec![0.8; 6], vec![0.6; 6]],
+        absorbed: 0.5,
+    };
+    let mut fluxes = UnshadowedFluxes::zeros(&spec);
+    fluxes.rings = [vec![0.1; 6], vec![0.05; 6]];
+    let control_variate = ControlVariate::new(spec, fractions, &fluxes);
+    let exits = uneven_exits(4000);
+    let near = |exit: &Exit, theta: f64, angle: f64| {
+        exit.wo.angle_between(from_spherical(theta, forward)) <= angle
+    };
+    let part = |offset: f64, source: f64, receptor: f64| {
+        let ends = [offset - 0.5 * source, offset + 0.5 * source];
+        let [from, to] = ends.map(|end| end.clamp(-0.5 * receptor, 0.5 * receptor));
+        (to - from) / source
+    };
+    let weights = |exit: &Exit| {
+        let is_reflected = exit.side == Side::Reflected;
+        let turned = glam::DQuat::from_rotation_z(-forward) * exit.wo;
+        let [polar, aside] = [turned.x.atan2(turned.z), turned.y.asin()];
+        let receptor = part(polar - 0.9, 0.4, 0.9) * part(aside, 0.8, 1.1);
+        let theta = std::f64::consts::PI - 0.9;
+        [
+            f64::from(!is_reflected),
+            f64::from(is_reflected && near(exit, 0.9, 0.5)),
+            f64::from(!is_reflected && near(exit, theta, 0.7)),
+            if is_reflected { receptor } else { 0.0 },
+        ]
+    };
+    let mut expected = [0.0; 4];
+    for exit in &exits {
+        for (sum, weight) in expected.iter_mut().zip(weights(exit)) {
+            *sum += weight * exit.flux;
+        }
+    }
+    let one = Tally::new(spec, Azimuth::From(forward));
+    for control_variate in [None, Some(&control_variate)] {
+        let empty = one.clone().with_control_variate(control_variate);
+        let mut tallies = Tallies::new(empty, 1);
+        let mut columns = ExitColumns::new(Polarimetry::Mueller);
+        for exit in &exits {
+            columns.push(exit, 0);
+            columns.push_masked(exit, 0);
+        }
+        tallies.locate(&mut columns);
+        tallies.add_located(&mut columns);
+        let mut values = tallies.into_fractions(1).remove(0);
+        if let Some(one) = control_variate {
+            one.complete(&mut values);
+        }
+        let found: Vec<f64> = values.apertures().collect();
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+}
+
 /// Many exits of several batches at once are counted as one after the other: in directions over both hemispheres, on edges of bins and of
 /// the slice, vertical and grazing.
 #[test]
 fn located_exits_count_as_single_ones() {
     let grid = HemisphereGrid::new(7, 12).unwrap();
-    let spec = TallySpec::new(grid, 0.2).unwrap().with_medium();
     let n_theta = grid.n_theta();
+    let bins = TallySpec::new(grid, 0.2).unwrap().with_medium();
     let fractions = crate::VisibleFractions {
         rings: [0.3, 0.6].map(|f| (0..n_theta).map(|ring| f * ring as f64 / 7.0).collect()),
         absorbed: 0.5,
@@ -289,10 +369,9 @@ fn located_exits_count_as_single_ones() {
     let fluxes = crate::UnshadowedFluxes {
         bins: vec![0.1; grid.len()],
         rings: [vec![0.1; n_theta], vec![0.1; n_theta]],
-        in_plane: Side::BOTH.map(|side| vec![0.1; spec.in_plane_filter(side).len()]),
+        in_plane: Side::BOTH.map(|side| vec![0.1; bins.in_plane_filter(side).len()]),
         absorbed: 0.1,
     };
-    let control_variate = ControlVariate::new(spec, fractions, &fluxes);
     let exits: Vec<(Exit, bool)> = (0..6000_u32)
         .map(|i| {
             let x = f64::from(i);
@@ -319,7 +398,9 @@ fn located_exits_count_as_single_ones() {
             (exit, i % 6 == 0)
         })
         .collect();
-    for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
+    for (azimuth, theta) in [(Azimuth::From(0.3), 0.9), (Azimuth::Free, 0.0)] {
+        let spec = bins.with_apertures(apertures(theta));
+        let control_variate = ControlVariate::new(spec, fractions.clone(), &fluxes);
         for control_variate in [None, Some(&control_variate)] {
             let empty = Tally::new(spec, azimuth).with_control_variate(control_variate);
             let mut single = vec![empty.clone(); 3];

@@ -1,8 +1,8 @@
 //! Bin offsets: positions in memory of the entries of a tally. Private to this crate.
 //!
 //! The budget comes first. Flux by side follows: of multiple scattering, of grouped orders, of each order and of each event path; then bins,
-//! rings, in-plane bins and rays in bins. Each component kept in full has its flux, bins, rays, rings and in-plane bins. The measures of
-//! polarised light come last: all of one position, which is a flux entry that has measures, follow one another.
+//! rings, in-plane bins and rays in bins. Each component kept in full has its flux, bins, rays, rings and in-plane bins. Apertures follow. The
+//! measures of polarised light come last: all of one position, which is a flux entry that has measures, follow one another.
 
 use super::component::{Component, FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
 use super::entry::{Entries, Entry, Score};
@@ -25,12 +25,14 @@ const ORDERS_START: usize = GROUPED_START + 2;
 const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
 const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 
-/// Offsets of all entries of a spec: they follow from its grid, the components kept in full and what is kept of polarised light.
+/// Offsets of all entries of a spec: they follow from its grid, the components kept in full, its apertures and what is kept of polarised light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BinOffsets {
     pub(crate) grid: HemisphereGrid,
     pub(crate) components: &'static [Component],
     pub(crate) polarimetry: Polarimetry,
+    /// Number of apertures.
+    pub(crate) apertures: usize,
 }
 
 /// Entries that every exit counts for.
@@ -144,10 +146,16 @@ impl BinOffsets {
         self.hits(Component::SURFACE.len()) + number * (2 + 2 * bins + 3 * rings) + before
     }
 
+    /// First entry of the apertures.
+    #[inline]
+    pub(crate) const fn apertures_start(&self) -> usize {
+        self.of_component(self.components.len(), Score::Flux)
+    }
+
     /// First entry of the measures of polarised light.
     #[inline]
     pub(crate) const fn measures_start(&self) -> usize {
-        self.of_component(self.components.len(), Score::Flux)
+        self.apertures_start() + self.apertures
     }
 
     /// Flux entries that have measures, in the order of their positions: flux, rings and in-plane bins of [`Component::RINGS`], bins of all
@@ -236,6 +244,7 @@ mod tests {
                 grid: HemisphereGrid::new(3, 4).unwrap(),
                 components,
                 polarimetry: Polarimetry::Mueller,
+                apertures: 3,
             };
             let mut uses = vec![0; offsets.len()];
             let mut count = |entries: Entries| entries.range().for_each(|i| uses[i] += 1);
@@ -260,6 +269,7 @@ mod tests {
                     }
                 }
             }
+            count(Entries::new(offsets.apertures_start(), offsets.apertures));
             for (position, flux) in offsets.measured_fluxes().enumerate() {
                 let first = offsets.measures_of(Entry(flux)).unwrap();
                 assert_eq!(first, offsets.measures_at(position));

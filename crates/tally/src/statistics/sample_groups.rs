@@ -72,8 +72,8 @@ pub(crate) fn raise_unseen(
     }
 }
 
-/// Groups of entries among which the light of one component of a side is divided: orders, event paths, and the bins, rings or in-plane bins
-/// of `scores`.
+/// Groups of entries among which the light of one component of a side is divided: orders, event paths, apertures, and the bins, rings or
+/// in-plane bins of `scores`.
 pub(crate) fn flux_groups<const N: usize>(
     spec: &TallySpec,
     scores: [Score; N],
@@ -83,6 +83,9 @@ pub(crate) fn flux_groups<const N: usize>(
         let paths = paths.map(move |path| spec.event_path_entry(side, path));
         let paths = paths.chain([spec.longer_paths_entry(side)]).collect();
         let orders = spec.order_entries(side).iter().collect();
+        let apertures = spec.aperture_entries().iter().zip(spec.apertures().iter());
+        let apertures = apertures.filter(|(_, aperture)| aperture.side == side);
+        let apertures = apertures.map(|(entry, _)| entry).collect();
         let split = scores.into_iter().flat_map(move |score| {
             let listed: &[Component] = match score {
                 Score::BinFlux => &Component::BINS,
@@ -91,7 +94,7 @@ pub(crate) fn flux_groups<const N: usize>(
             let all = listed.iter().chain(spec.components());
             all.map(move |&component| entries_of(spec, score, side, component))
         });
-        [paths, orders].into_iter().chain(split)
+        [paths, orders, apertures].into_iter().chain(split)
     })
 }
 

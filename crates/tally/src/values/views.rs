@@ -48,6 +48,12 @@ pub trait TallyResult {
         self.at(self.spec().longer_paths_entry(side))
     }
 
+    /// Flux into each aperture, in the order of [`TallySpec::apertures`].
+    fn apertures(&self) -> impl Iterator<Item = Self::Value> {
+        let entries = self.spec().aperture_entries();
+        entries.iter().map(|entry| self.at(entry))
+    }
+
     /// The energy budget.
     fn budget(&self) -> Budget<Self::Value> {
         TallySpec::BUDGET.map(|entry| self.at(entry))

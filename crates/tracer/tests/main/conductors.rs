@@ -3,7 +3,8 @@
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_tally::{
-    ControlVariate, Sides, Tallies, TallySpec, UnshadowedFluxes, VisibleFractions,
+    Aperture, ApertureShape, ControlVariate, Side, Sides, Tallies, TallySpec, UnshadowedFluxes,
+    VisibleFractions,
 };
 use asperity_tracer::{
     AcceleratorKind, BatchedRays, BuildAccelerator, HalfSpace, Illumination, MeshSurface,
@@ -99,7 +100,21 @@ impl Scene {
     }
 
     fn spec(&self) -> TallySpec {
+        let theta = self.light.incidence.theta();
+        let apertures = [
+            Aperture::whole(Side::Reflected),
+            Aperture::cone(Side::Reflected, theta, 0.4),
+        ];
+        // Vertical light of any azimuth has no plane of incidence
+        let receptor = (theta > 0.0).then_some(Aperture {
+            shape: ApertureShape::Receptor {
+                in_plane: [0.2, 0.5],
+                across: [0.3, 0.6],
+            },
+            ..apertures[1]
+        });
         TallySpec::default()
+            .with_apertures(apertures.into_iter().chain(receptor).collect())
             .with_polarimetry(self.polarisation.polarimetry())
             .with_sides(self.sides)
             .with_medium()

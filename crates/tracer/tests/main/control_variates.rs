@@ -4,12 +4,14 @@
 //! Broken as a trial, each of these was seen to fail: the weight without its cosine, the sum without it,
 //! the shadow behind the first facet left out, a fraction that is subtracted but not added.
 
+use std::f64::consts::PI;
+
 use crate::common::{rugged, waves};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{
-    Component, ControlVariate, Entry, HemisphereGrid, Sides, TallyResult, TallySpec,
-    TallyStatistics, TallyValues, VisibleFractions,
+    Aperture, ApertureShape, Component, ControlVariate, Entry, HemisphereGrid, Side, Sides,
+    TallyResult, TallySpec, TallyStatistics, TallyValues, VisibleFractions,
 };
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
@@ -47,7 +49,21 @@ impl Setting {
 
     fn spec(&self) -> TallySpec {
         let grid = HemisphereGrid::new(6, 8).unwrap();
-        TallySpec::new(grid, 0.3).unwrap().with_sides(self.sides)
+        let theta = self.theta_deg.to_radians();
+        let apertures = [
+            Aperture::whole(Side::Reflected),
+            Aperture::cone(Side::Reflected, theta, 0.3),
+            Aperture::cone(Side::Transmitted, PI - 0.7 * theta, 0.3),
+            Aperture {
+                shape: ApertureShape::Receptor {
+                    in_plane: [0.3, 0.5],
+                    across: [0.1, 0.6],
+                },
+                ..Aperture::cone(Side::Reflected, theta, 0.0)
+            },
+        ];
+        let spec = TallySpec::new(grid, 0.3).unwrap().with_sides(self.sides);
+        spec.with_apertures(apertures.into_iter().collect())
     }
 
     fn incidence(&self) -> Incidence {
@@ -117,6 +133,7 @@ impl Setting {
         let budget = TallySpec::BUDGET;
         let mut entries = budget.parts().to_vec();
         entries.extend([budget.left_patch, budget.not_recorded]);
+        entries.extend(spec.aperture_entries());
         for side in spec.sides() {
             entries.extend([
                 spec.flux_entry(side, Component::Multiple),

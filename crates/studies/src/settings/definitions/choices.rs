@@ -234,6 +234,14 @@ pub(super) const QUANTITY: Kind = Kind::Choice(&[
     choice("in-plane", "bins of the in-plane slice, relative"),
 ]);
 
+pub(super) const COHERENT: Kind = Kind::Choice(&[
+    choice("none", "rays alone"),
+    choice(
+        "kirchhoff",
+        "the coherent fraction of a flat sample's light, by the Kirchhoff approximation",
+    ),
+]);
+
 pub(super) const SCALE: Kind = Kind::Choice(&[
     choice("common", "all discs of a figure"),
     choice("rows", "the discs of one angle of incidence"),

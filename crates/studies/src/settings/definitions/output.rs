@@ -1,9 +1,9 @@
 //! `[output]`, where results are written, and the settings of every command.
 
-use super::choices::SCALE;
+use super::choices::{COHERENT, SCALE};
 use super::commands::{
     ATTENUATION, CONVERGE, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS, TRACE,
-    TRACING,
+    TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -27,6 +27,10 @@ pub(super) const FIGURES: &[Setting] = &table(
         setting("absorbed_map", Kind::Switch)
             .help("Map of the light that each cell absorbs")
             .commands(TRACE),
+        setting("coherent", COHERENT)
+            .help("Coherent light in gloss, haze and scatter")
+            .commands(TRACE.and(VERIFY).and(GONIO))
+            .otherwise("kirchhoff where a wavelength and the unit of lengths are known"),
         setting("scale", SCALE)
             .help("Discs of a figure that share a colour scale")
             .commands(GONIO)
