@@ -6,7 +6,6 @@
 
 use std::f64::consts::PI;
 
-use asperity_optics::Bottom;
 use asperity_tally::{Aperture, ApertureShape, Apertures, Side};
 
 use crate::input::case::Case;
@@ -66,7 +65,7 @@ impl CaseApertures {
     /// The apertures of a case.
     #[must_use]
     pub fn of(case: &Case) -> Self {
-        let incidence = case.light.incidence;
+        let (incident, incidence) = (&case.light, case.light.incidence);
         let gloss = |&(theta_deg, receptor): &(f64, [f64; 2])| {
             let is_at = (incidence.theta_deg() - theta_deg).abs() <= ROUNDING_DEG;
             let full = |i: usize| [GLOSS_SOURCE[i], receptor[i]].map(f64::to_radians);
@@ -94,7 +93,11 @@ impl CaseApertures {
                 incidence.theta(),
                 SPECULAR_DEG.to_radians(),
             ),
-            gloss: GLOSS.iter().find_map(gloss),
+            // Its source is one of light of one direction
+            gloss: match incident.spread {
+                None => GLOSS.iter().find_map(gloss),
+                Some(_) => None,
+            },
             straight: through(STRAIGHT_DEG),
             clear: through(CLEAR_DEG),
         }
@@ -114,24 +117,34 @@ impl Case {
     /// Index of the medium that light leaves into behind the sample, relative to that it comes from; `None` where none leaves.
     #[must_use]
     pub fn index_beyond(&self) -> Option<f64> {
-        let inside = self.material.transmitting_index()?;
-        let Some(below) = self.layer else {
-            return Some(inside);
-        };
-        match below.layer.end().map(|slab| slab.bottom) {
-            None | Some(Bottom::Open) => below.layer.transmits().then_some(inside),
-            Some(Bottom::Interface { eta }) => Some(inside * eta),
-            Some(_) => None,
+        self.indices_behind()?.pop()
+    }
+
+    /// Indices of all media behind the first interface that the light meets, relative to that it comes from; `None` where it does not get to
+    /// the last.
+    fn indices_behind(&self) -> Option<Vec<f64>> {
+        let (material, layers) = self.towards_light()?;
+        let mut index = material.transmitting_index()?;
+        let mut all = vec![index];
+        for layer in &layers {
+            if !layer.transmits() {
+                return None;
+            }
+            if let Some(slab) = layer.end() {
+                index *= slab.bottom.index_beyond()?;
+                all.push(index);
+            }
         }
+        Some(all)
     }
 }
 
 /// Polar angle from +z of light that passes a flat sample, radians; `None` where it is totally reflected or stays inside.
 fn straight_theta(case: &Case) -> Option<f64> {
     let sin_i = case.light.incidence.theta().sin();
-    let inside = case.material.transmitting_index()?;
-    let index = case.index_beyond()?;
-    let passes = sin_i < inside && sin_i < index;
+    let indices = case.indices_behind()?;
+    let index = *indices.last()?;
+    let passes = indices.iter().all(|index| sin_i < *index);
     passes.then(|| {
         // The incident direction itself where the media are equal
         let is_same = (index - 1.0).abs() < 1e-12;
@@ -144,9 +157,8 @@ fn straight_theta(case: &Case) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use asperity_optics::{Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
+    use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
     use asperity_surface::HeightField;
-    use asperity_tracer::{BottomSurface, LayerBelow};
 
     use super::*;
     use crate::input::case::Light;
@@ -176,15 +188,12 @@ mod tests {
         let phase = PhaseFunction::Isotropic;
         let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, phase).unwrap();
         for (bottom, expected) in [
-            (Bottom::Interface { eta: 1.0 / 1.5 }, Some(60.0)),
-            (Bottom::Mirror, None),
+            (Bottom::interface(1.0 / 1.5), Some(60.0)),
+            (Bottom::MIRROR, None),
         ] {
             let layer = Layer::slab(clear, 3.0, bottom).unwrap();
             let slab = Case {
-                layer: Some(LayerBelow {
-                    layer,
-                    bottom: BottomSurface::Flat,
-                }),
+                layers: vec![layer],
                 ..case(60.0, 1.5)
             };
             let found = straight_deg(&slab);

@@ -1,6 +1,6 @@
 //! Shown case: the results of one case as its tables and figures show them.
 
-use asperity_optics::{Incidence, Layer};
+use asperity_optics::Incidence;
 use asperity_simulate::{Case, Outcome};
 use asperity_tally::{Side, TallySpec};
 use asperity_tracer::HalfSpace;
@@ -65,10 +65,7 @@ impl<'a> ShownCase<'a> {
         match side {
             Side::Reflected => Some(self.incidence().theta_deg()),
             Side::Transmitted => {
-                let (material, layers) = self.case().towards_light()?;
-                let indices = layers.iter().filter_map(Layer::end);
-                let indices = indices.map(|slab| slab.bottom.index_beyond());
-                let index = material.transmitting_index()? * indices.product::<Option<f64>>()?;
+                let index = self.case().index_beyond()?;
                 let sin_beta = self.incidence().theta().sin() / index;
                 (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
             }

@@ -3,7 +3,7 @@
 //! The Kirchhoff approximation: the phase of a wave follows the height of the surface, without shadowing. It takes a beam that is coherent over more
 //! than the correlation length, a radius of curvature that is large against the wavelength, and light that is not grazing.
 
-use asperity_optics::{Bottom, FacetMueller, Layer, PolarisedFresnel, polarised_dielectric};
+use asperity_optics::{FacetMueller, Layer, PolarisedFresnel};
 use asperity_simulate::Case;
 use asperity_tally::Side;
 
@@ -34,29 +34,27 @@ impl Validity {
     }
 }
 
-/// Flux that a flat sample sends to a side without scattering inside; `None` of reflected light over a layer.
+/// Flux that a flat sample sends to a side without scattering inside; `None` of reflected light over a layer, and behind several.
 fn flat_flux(case: &Case, side: Side) -> Option<f64> {
     let cos_theta_i = case.light.incidence.theta().cos();
-    let top = case.material.polarised_fresnel(cos_theta_i);
-    match (case.layer, side) {
-        (None, Side::Reflected) => Some(top.reflected.m00),
-        (None, Side::Transmitted) => Some(top.transmitted.m00),
-        (Some(_), Side::Reflected) => None,
-        (Some(below), Side::Transmitted) => {
-            let inside = case.material.reversed().polarised_fresnel(top.cos_theta_t);
-            Some(through(&top, inside.reflected, &below.layer))
+    let (material, layers) = case.towards_light()?;
+    let top = material.polarised_fresnel(cos_theta_i);
+    match (layers.as_slice(), side) {
+        ([], Side::Reflected) => Some(top.reflected.m00),
+        ([], Side::Transmitted) => Some(top.transmitted.m00),
+        ([layer], Side::Transmitted) => {
+            let inside = material.reversed().polarised_fresnel(top.cos_theta_t);
+            Some(through(&top, inside.reflected, layer))
         }
+        _ => None,
     }
 }
 
 /// Fraction of unpolarised light that passes a flat layer, reflected in it any number of times. `inside`: reflection at its top from inside.
 fn through(top: &PolarisedFresnel, inside: FacetMueller, layer: &Layer) -> f64 {
     let (depth, bottom) = layer.end().map_or((0.0, None), |slab| {
-        let end = match slab.bottom {
-            Bottom::Interface { eta } => Some(polarised_dielectric(top.cos_theta_t, eta)),
-            _ => None,
-        };
-        (slab.thickness / top.cos_theta_t, end)
+        let end = slab.bottom.material().polarised_fresnel(top.cos_theta_t);
+        (slab.thickness / top.cos_theta_t, Some(end))
     });
     let passed = (-layer.medium().extinction() * depth).exp();
     // s and p
@@ -71,7 +69,7 @@ fn through(top: &PolarisedFresnel, inside: FacetMueller, layer: &Layer) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use asperity_optics::{Material, ParticipatingMedium, PhaseFunction};
+    use asperity_optics::{Bottom, Material, ParticipatingMedium, PhaseFunction};
 
     use super::*;
 
@@ -82,7 +80,7 @@ mod tests {
         let slab = |absorption: f64| {
             let phase = PhaseFunction::Isotropic;
             let medium = ParticipatingMedium::from_coefficients(absorption, 0.0, phase).unwrap();
-            Layer::slab(medium, 2.0, Bottom::Interface { eta: 1.0 / 1.5 }).unwrap()
+            Layer::slab(medium, 2.0, Bottom::interface(1.0 / 1.5)).unwrap()
         };
         let passed = |cos_theta: f64, absorption: f64| {
             let top = glass.polarised_fresnel(cos_theta);
