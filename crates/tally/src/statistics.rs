@@ -57,7 +57,7 @@ impl TallyStatistics {
             batches: 0,
             means: TallyValues::zeros(spec),
             squares: TallyValues::zeros(spec),
-            products: vec![0.0; spec.len() - spec.offsets().measures_start()],
+            products: vec![0.0; spec.offsets().apertures_start() - spec.offsets().measures_start()],
             aperture_products: vec![0.0; correlated(&spec).count().pow(2)],
             measured_fluxes: match spec.polarimetry() {
                 Polarimetry::Nothing => Vec::new(),
@@ -109,7 +109,7 @@ impl TallyStatistics {
     /// Adds a batch to the co-moments of measures and fluxes, before it is added to the means.
     fn add_products(&mut self, batch: &[f64]) {
         let means = self.means.as_slice();
-        let start = means.len() - self.products.len();
+        let start = self.spec().offsets().measures_start();
         let measures = self.spec().polarimetry().len().max(1);
         let weight = 1.0 - 1.0 / self.batches as f64;
         for (position, &flux) in self.measured_fluxes.iter().enumerate() {
@@ -143,7 +143,7 @@ impl TallyStatistics {
         let entry = self.spec().measure_entry(flux, measure)?;
         let first = Measure::Element { row: 0, column: 0 };
         let flux = self.spec().measure_entry(flux, first).unwrap_or(flux);
-        let number = entry.0 - (self.means.as_slice().len() - self.products.len());
+        let number = entry.0 - self.spec().offsets().measures_start();
         let (below, above) = (self.means[flux], self.means[entry]);
         if below == 0.0 || is_of_few_rays(self.at(flux)) {
             return None;

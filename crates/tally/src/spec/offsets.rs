@@ -1,8 +1,8 @@
 //! Bin offsets: positions in memory of the entries of a tally. Private to this crate.
 //!
 //! The budget comes first. Flux by side follows: of multiple scattering, of grouped orders, of each order and of each event path; then bins,
-//! rings, in-plane bins and rays in bins. Each component kept in full has its flux, bins, rays, rings and in-plane bins. Apertures follow. The
-//! measures of polarised light come last: all of one position, which is a flux entry that has measures, follow one another.
+//! rings, in-plane bins and rays in bins. Each component kept in full has its flux, bins, rays, rings and in-plane bins. The measures of
+//! polarised light follow: all of one position, which is a flux entry that has measures, stand together. Apertures come last.
 
 use super::component::{Component, FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
 use super::entry::{Entries, Entry, Score};
@@ -51,6 +51,12 @@ pub(crate) struct Target {
 impl BinOffsets {
     /// Number of entries.
     pub(crate) const fn len(&self) -> usize {
+        self.apertures_start() + self.apertures
+    }
+
+    /// First entry of the apertures.
+    #[inline]
+    pub(crate) const fn apertures_start(&self) -> usize {
         let measured = 2 * GROUPS * (1 + 3 * self.grid.n_theta()) + self.grid.len();
         self.measures_start() + measured * self.polarimetry.len()
     }
@@ -146,16 +152,10 @@ impl BinOffsets {
         self.hits(Component::SURFACE.len()) + number * (2 + 2 * bins + 3 * rings) + before
     }
 
-    /// First entry of the apertures.
-    #[inline]
-    pub(crate) const fn apertures_start(&self) -> usize {
-        self.of_component(self.components.len(), Score::Flux)
-    }
-
     /// First entry of the measures of polarised light.
     #[inline]
     pub(crate) const fn measures_start(&self) -> usize {
-        self.apertures_start() + self.apertures
+        self.of_component(self.components.len(), Score::Flux)
     }
 
     /// Flux entries that have measures, in the order of their positions: flux, rings and in-plane bins of [`Component::RINGS`], bins of all
