@@ -1,7 +1,4 @@
-//! Case: one surface source, one material, one direction of light.
-//!
-//! A wavelength will join here as one more coordinate, and from it the material. A sweep over wavelengths then
-//! makes one case per wavelength; cases that differ in it alone share their surfaces as they do today.
+//! Case: one surface source, one material over its layers, one direction of light or a patch of them.
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, Spread};
 use asperity_tally::HemisphereGrid;
