@@ -86,7 +86,8 @@ fn both_sides_in_one_run_have_the_numbers_of_each_alone() {
 #[test]
 fn gonio_measures_both_sides_over_the_patches_of_klems() {
     let folder = with_surface();
-    let flags = "--eta 1.5 --thickness 30 --theta 0,30,82 --spread klems --rays 1e3 --no-plots";
+    let flags =
+        "--eta 1.5 --thickness 30 --theta 0,30,82 --light-spread klems --rays 1e3 --no-plots";
     let text = folder.succeed(format!("gonio --surface h.exr {flags} --from both -o g"));
     unwrapped(&text).must_contain("light = from below");
     let table = Table::read(&folder.join("g/gonio.csv"));
@@ -138,9 +139,9 @@ fn what_lets_no_light_in_and_wrong_layers_are_refused() {
             "--thickness 30 --bottom mirror --bottom-material 1.3",
             "goes with bottom interface",
         ),
-        ("--theta 80 --spread 15", "reaches the horizon"),
-        ("--spread round", "klems"),
-        ("--spread klems --models smith", "one direction"),
+        ("--theta 80 --light-spread 15", "reaches the horizon"),
+        ("--light-spread round", "klems"),
+        ("--light-spread klems --models smith", "one direction"),
     ] {
         let line = match flags.contains("--theta") {
             true => format!("trace h.exr {flags} -o o"),

@@ -270,7 +270,7 @@ mod tests {
             ),
             (
                 &format!("{path}\n[light]\nfrom = \"below\""),
-                "comes from above",
+                "layers that end on an interface",
             ),
             (
                 &format!("{path}\n[run]\nestimator = \"controlled\""),

@@ -85,6 +85,7 @@ pub(super) const LIGHT: &[Setting] = &table(
         setting("spread", Kind::Spread)
             .help("Directions that light comes from about theta and phi")
             .commands(TRACE.and(VERIFY).and(GONIO))
+            .flag(Flag::Named("light-spread"))
             .value_name("klems|CONE|THETAxPHI")
             .unit(DEGREES)
             .otherwise("one direction"),
