@@ -65,7 +65,7 @@ pub enum CaseModel {
     /// Model of a rough surface with nothing below that scatters.
     Surface(Box<dyn ScatteringModel>),
     /// Model of a medium between flat faces.
-    Layer(FlatLayer),
+    Layer(Box<FlatLayer>),
 }
 
 impl CaseModel {
@@ -81,7 +81,7 @@ impl CaseModel {
             LayerPaths::by_name(name),
         ) {
             ([layer], Material::Dielectric { eta }, Some(paths)) => {
-                Ok(Self::Layer(FlatLayer::new(eta, layer, paths)?))
+                Ok(Self::Layer(Box::new(FlatLayer::new(eta, layer, paths)?)))
             }
             ([_, ..], ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
             ([], _, Some(_)) => Err(of_other_layers(false)),

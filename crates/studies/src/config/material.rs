@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::media::{Media, Resolved};
 use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
 use crate::config::values::{Number, OneOrMany};
 
 /// `[material]`: the material of the surface.
@@ -61,7 +62,7 @@ impl MaterialConfig {
         })
     }
 
-    /// Prepares named media for all `wavelengths` of a run, nanometres.
+    /// Prepares named media for all `wavelengths` of a run, nanometres, with the layers of `medium`.
     ///
     /// # Errors
     /// [`ConfigError`] if there are several of a material that does not depend on them, an absorption index is given that is known, or a record
@@ -69,10 +70,11 @@ impl MaterialConfig {
     pub(crate) fn prepare(
         &mut self,
         wavelengths: Option<&OneOrMany<Number>>,
+        medium: Option<&MediumConfig>,
     ) -> Result<(), ConfigError> {
         let wavelengths = wavelengths.map_or(&[][..], OneOrMany::as_slice);
         match (self, wavelengths.len()) {
-            (Self::Media(media), _) => media.prepare(wavelengths),
+            (Self::Media(media), _) => media.prepare(wavelengths, medium),
             (_, 0 | 1) => Ok(()),
             (_, count) => Err(ConfigError::unsuitable(
                 format!("{count} wavelengths"),

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use self::resolved::{NamedMedia, Resolved};
 use crate::config::error::ConfigError;
 use crate::config::film_layer::FilmLayer;
+use crate::config::medium::MediumConfig;
 use crate::config::named_material::NamedMaterial;
 use crate::config::values::{Number, OneOrMany};
 
@@ -91,12 +92,16 @@ impl Media {
         })
     }
 
-    /// Decides for all wavelengths of a run, nanometres, whether the medium below absorbs along the path of light.
+    /// Decides for all wavelengths of a run, nanometres, whether the medium below absorbs along the path of light. `medium`: the layers.
     ///
     /// # Errors
     /// [`ConfigError`] if an absorption index is given where all records have one, or a record has no index.
-    pub(super) fn prepare(&mut self, wavelengths: &[Number]) -> Result<(), ConfigError> {
-        self.check_kappa(wavelengths)?;
+    pub(super) fn prepare(
+        &mut self,
+        wavelengths: &[Number],
+        medium: Option<&MediumConfig>,
+    ) -> Result<(), ConfigError> {
+        self.check_kappa(wavelengths, medium)?;
         let given = self.kappa.iter().flat_map(OneOrMany::as_slice);
         let given = given.fold(0.0, |most: f64, kappa| most.max(kappa.0));
         let mut has_body = false;
@@ -108,12 +113,17 @@ impl Media {
         Ok(())
     }
 
-    fn check_kappa(&self, wavelengths: &[Number]) -> Result<(), ConfigError> {
+    fn check_kappa(
+        &self,
+        wavelengths: &[Number],
+        medium: Option<&MediumConfig>,
+    ) -> Result<(), ConfigError> {
         let Some(first) = self.kappa.as_ref().and_then(OneOrMany::first) else {
             return Ok(());
         };
         let films = self.films().iter().map(|film| &film.material);
         let all = std::iter::once(&self.below).chain(&self.above).chain(films);
+        let all = all.chain(medium.into_iter().flat_map(MediumConfig::materials));
         for named in all {
             for wavelength in wavelengths {
                 if named.index(wavelength.0)?.k.is_none() {

@@ -157,6 +157,15 @@ impl Interactions {
 }
 
 impl MediumConfig {
+    /// Materials of further layers, and of the bottom.
+    pub(super) fn materials(&self) -> impl Iterator<Item = &NamedMaterial> {
+        let layers = self.layers.iter().flat_map(OneOrMany::as_slice);
+        let films = self.bottom_film.iter().flat_map(OneOrMany::as_slice);
+        let layers = layers.map(|layer| &layer.material);
+        let films = films.map(|film| &film.material);
+        layers.chain(&self.bottom_material).chain(films)
+    }
+
     /// Number of the lowest layer.
     #[must_use]
     pub fn lowest(&self) -> usize {

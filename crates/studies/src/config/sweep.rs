@@ -93,7 +93,10 @@ impl VerifyConfig {
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
-        config.material.prepare(config.light.wavelength.as_ref())?;
+        let medium = config.medium.as_ref();
+        config
+            .material
+            .prepare(config.light.wavelength.as_ref(), medium)?;
         let mut singles = Vec::new();
         for side in self.light.from.sides() {
             let mut config = config.clone();

@@ -75,7 +75,10 @@ impl TraceConfig {
     /// [`ConfigError`] if a list is empty or makes no difference, or there are too many combinations.
     pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut config = self.clone();
-        config.material.prepare(config.light.wavelength.as_ref())?;
+        let medium = config.medium.as_ref();
+        config
+            .material
+            .prepare(config.light.wavelength.as_ref(), medium)?;
         let mut singles = Vec::new();
         for side in self.light.from.sides() {
             let mut config = config.clone();

@@ -112,7 +112,10 @@ impl ModelConfig {
     /// Configurations of every combination of the lists.
     pub(super) fn combinations(&self) -> Result<Combinations, ConfigError> {
         let mut config = self.clone();
-        config.material.prepare(config.light.wavelength.as_ref())?;
+        let medium = config.medium.as_ref();
+        config
+            .material
+            .prepare(config.light.wavelength.as_ref(), medium)?;
         let singles = expanded(&config, &DIMENSIONS)?;
         let mut varied = DIMENSIONS.to_vec();
         varied.retain(|(_, list)| list(&mut config).is_some_and(|list| list.as_slice().len() > 1));
