@@ -1,29 +1,29 @@
 //! Media: named materials above and below the surface, with thin films between them.
 //!
 //! Indices are relative to the medium above, which is clear, and of index one unless it is named. The medium below is
-//! - opaque where light does not get farther than [`OPAQUE_DEPTH`] wavelengths: a conductor, whose index is complex;
+//! - opaque where light does not get farther than [`OPAQUE_DEPTH`](faces::OPAQUE_DEPTH) wavelengths: a conductor, whose index is complex;
 //! - clear where light gets farther than [`CLEAR_NM`] at all other wavelengths of a run: a dielectric;
 //! - a dielectric above a body that absorbs along the path of light, otherwise. The index of its interface is then real, which changes its
 //!   reflectance by about `(k / n)^2`, but by more near the critical angle of light from a medium of higher index.
 
+mod faces;
+mod named_media;
 mod resolved;
 mod stack;
 
 use std::f64::consts::PI;
 
-use asperity_optics::{Film, Films, Material};
 use asperity_simulate::short;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use self::resolved::{NamedMedia, Resolved};
+use self::faces::{face, is_opaque, layers_of_film, unknown_absorption};
+pub(crate) use self::named_media::NamedMedia;
+pub(crate) use self::resolved::Resolved;
 use crate::config::error::ConfigError;
 use crate::config::film_layer::FilmLayer;
 use crate::config::medium::MediumConfig;
 use crate::config::named_material::NamedMaterial;
 use crate::config::values::{Number, OneOrMany};
-
-/// Depth in wavelengths at which 1/e of the light is left, below which a medium is opaque.
-const OPAQUE_DEPTH: f64 = 10.0;
 
 /// Depth in nanometres at which 1/e of the light is left, beyond which a medium without end is clear: 1 mm.
 const CLEAR_NM: f64 = 1e6;
@@ -166,49 +166,9 @@ impl Media {
     }
 }
 
-/// The layers of a film between media, the first of which has the index `n_above`; `of`: the index of a material.
-fn layers_of_film(
-    films: &[FilmLayer],
-    n_above: f64,
-    wavelength_nm: f64,
-    of: impl Fn(&NamedMaterial) -> Result<[f64; 2], ConfigError>,
-) -> Result<Vec<Film>, ConfigError> {
-    let layer = |film: &FilmLayer| {
-        let [n, k] = of(&film.material)?;
-        Ok(Film {
-            eta: n / n_above,
-            kappa: k / n_above,
-            phase: 2.0 * PI * film.thickness_nm * n_above / wavelength_nm,
-        })
-    };
-    films.iter().map(layer).collect()
-}
-
-/// The material of a face: a substrate of relative index `eta + i kappa`, opaque or not, under thin films.
-fn face(films: &[Film], [eta, kappa]: [f64; 2], is_opaque: bool) -> Result<Material, ConfigError> {
-    let kappa = if is_opaque { kappa } else { 0.0 };
-    Ok(match (films, is_opaque) {
-        ([], true) => Material::conductor(eta, kappa)?,
-        ([], false) => Material::dielectric(eta)?,
-        (films, _) => Material::coated(Films::new(films)?, eta, kappa)?,
-    })
-}
-
-/// Returns `true` if a medium of this absorption index lets no light through.
-fn is_opaque(k: f64) -> bool {
-    4.0 * PI * k * OPAQUE_DEPTH > 1.0
-}
-
 /// Returns `true` if light is absorbed in a medium within a depth that may matter, and not at once.
 fn is_body(k: f64, wavelength_nm: f64) -> bool {
     !is_opaque(k) && 4.0 * PI * k / wavelength_nm * CLEAR_NM > 1.0
-}
-
-/// Refusal of a record without an absorption index.
-fn unknown_absorption(named: &NamedMaterial, wavelength_nm: f64) -> ConfigError {
-    let given = format!("material {} at {} nm", named.name, short(wavelength_nm));
-    let reason = "its record has no absorption index there; give it by --kappa, 0 for a clear one";
-    ConfigError::unsuitable(given, reason)
 }
 
 /// The refractive index of the medium above, of `[n, k]`.

@@ -5,6 +5,7 @@ use asperity_simulate::{Coordinate, Coordinates, short};
 use asperity_surface::LengthUnit;
 use asperity_tracer::HalfSpace;
 
+use super::named_media::NamedMedia;
 use super::stack::Stack;
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
@@ -19,23 +20,6 @@ pub(crate) struct Resolved {
     pub(crate) material: Material,
     /// The media that it is between, where they are named.
     pub(crate) named: Option<NamedMedia>,
-}
-
-/// Named media at one wavelength.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct NamedMedia {
-    /// Their names, as in `silicon under SiO2 100 nm in water`.
-    pub(crate) words: String,
-    /// Wavelength in vacuum, nanometres.
-    pub(crate) wavelength_nm: f64,
-    /// Refractive index of the medium above.
-    pub(crate) index_above: f64,
-    /// Absorption coefficient of the medium below, 1 / nm.
-    pub(crate) absorption: f64,
-    /// `true` if the medium below absorbs along the path of light.
-    pub(crate) has_body: bool,
-    /// Absorption index of media whose records have none.
-    pub(super) kappa: Option<f64>,
 }
 
 impl Resolved {
@@ -116,7 +100,10 @@ impl Resolved {
         let absorption = self.absorption(medium, unit)?;
         match medium {
             Some(medium) if self.is_thick(medium, absorption)? => Ok(Vec::new()),
-            Some(medium) => Stack::new(self, medium, absorption, unit)?.layers(),
+            Some(medium) => {
+                let named = self.named.as_ref();
+                Stack::new(self.material, named, medium, absorption, unit)?.layers()
+            }
             None if !self.has_body() => Ok(Vec::new()),
             None => {
                 let isotropic = PhaseFunction::Isotropic;

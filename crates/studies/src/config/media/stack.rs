@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use asperity_optics::{Bottom, BottomSurface, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::LengthUnit;
 
-use super::resolved::Resolved;
-use super::{face, is_opaque, layers_of_film, unknown_absorption};
+use super::faces::{face, is_opaque, layers_of_film, unknown_absorption};
+use super::named_media::NamedMedia;
 use crate::config::error::ConfigError;
 use crate::config::film_layer::FilmLayer;
 use crate::config::layer_config::LayerConfig;
@@ -17,7 +17,7 @@ use crate::settings::film_text::index;
 
 /// Layers below a surface, of a configuration without lists.
 pub(super) struct Stack<'a> {
-    resolved: &'a Resolved,
+    named: Option<&'a NamedMedia>,
     medium: &'a MediumConfig,
     unit: LengthUnit,
     /// Index of the medium above.
@@ -42,18 +42,16 @@ impl<'a> Stack<'a> {
     /// # Errors
     /// [`ConfigError`] if a value is out of range, or the material transmits no light.
     pub(super) fn new(
-        resolved: &'a Resolved,
+        material: Material,
+        named: Option<&'a NamedMedia>,
         medium: &'a MediumConfig,
         absorption: f64,
         unit: LengthUnit,
     ) -> Result<Self, ConfigError> {
-        let Some(eta) = resolved.material.transmitting_index() else {
-            return Err(ConfigError::medium_below(resolved.material));
+        let Some(eta) = material.transmitting_index() else {
+            return Err(ConfigError::medium_below(material));
         };
-        let n_above = resolved
-            .named
-            .as_ref()
-            .map_or(1.0, |named| named.index_above);
+        let n_above = named.map_or(1.0, |named| named.index_above);
         let thickness = medium.thickness.as_ref();
         let thickness = thickness.map(|one| one.one("thickness")).transpose()?;
         let first = StackLayer {
@@ -63,7 +61,7 @@ impl<'a> Stack<'a> {
             shape: BottomSurface::Flat,
         };
         let mut stack = Self {
-            resolved,
+            named,
             medium,
             unit,
             n_above,
@@ -105,7 +103,7 @@ impl<'a> Stack<'a> {
 
     /// Index of a material of the stack.
     fn index(&self, material: &NamedMaterial) -> Result<[f64; 2], ConfigError> {
-        let Some(named) = &self.resolved.named else {
+        let Some(named) = self.named else {
             return index(&material.name).ok_or_else(|| {
                 let reason = "below a surface without a named material give indices, or name that one too, as by --material 1.5";
                 ConfigError::unsuitable(material.name.clone(), reason)
@@ -122,9 +120,8 @@ impl<'a> Stack<'a> {
         if k == 0.0 {
             return Ok(0.0);
         }
-        let named = self.resolved.named.as_ref();
         let nm = LengthUnit::Nanometre.conversion(self.unit);
-        let (Some(named), Some(nm)) = (named, nm) else {
+        let (Some(named), Some(nm)) = (self.named, nm) else {
             let reason = "absorbs by its index over lengths with a unit alone, at the wavelength of a named material; or give absorption";
             return Err(ConfigError::unsuitable(given.to_owned(), reason));
         };
@@ -172,7 +169,7 @@ impl<'a> Stack<'a> {
             .bottom_film
             .as_ref()
             .map_or(&[][..], OneOrMany::as_slice);
-        let films = match (films, &self.resolved.named) {
+        let films = match (films, self.named) {
             ([], _) => Vec::new(),
             ([first, ..], None) => {
                 let given = format!("bottom_film {}", FilmLayer::label(first));
