@@ -192,6 +192,7 @@ fn clear_index(
 
 #[cfg(test)]
 mod tests {
+    use asperity_optics::Material;
     use asperity_simulate::Case;
 
     use super::*;
