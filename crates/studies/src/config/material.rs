@@ -83,7 +83,7 @@ impl MaterialConfig {
         }
     }
 
-    /// The same interface for light from the other side, where indices are relative to the medium of the light.
+    /// Interface for light from the other side, with indices relative to the medium that this light comes from.
     pub(crate) fn other_side(&self) -> Self {
         match self {
             Self::Dielectric { eta } => {

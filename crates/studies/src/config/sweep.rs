@@ -8,8 +8,9 @@ use asperity_simulate::{Case, Coordinates, Light, SurfaceSource};
 use serde_json::{Value, json};
 
 use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
 use crate::config::values::{Number, OneOrMany};
-use crate::config::{Incident, VerifyConfig};
+use crate::config::{Incident, LightConfig, MaterialConfig, VerifyConfig};
 
 /// Most cases of a sweep.
 const MAX_CASES: f64 = 20_000.0;
@@ -41,6 +42,41 @@ const DIMENSIONS: [(&str, Dimension<VerifyConfig>); 13] = [
     ("theta", |config| Some(&mut config.light.theta)),
     ("phi", |config| Some(&mut config.light.phi)),
 ];
+
+/// Sample of a configuration, and the light that falls on it.
+pub(crate) struct LitSample<'c> {
+    pub(crate) material: &'c mut MaterialConfig,
+    pub(crate) medium: Option<&'c MediumConfig>,
+    pub(crate) light: &'c mut LightConfig,
+}
+
+/// The configurations of [`expanded`] for each side that light comes from, one side after the other. A sample that is lit from both, without
+/// layers, has the reciprocal index from below.
+///
+/// # Errors
+/// [`ConfigError`] as of [`expanded`], or if named media have no indices.
+pub(crate) fn expanded_by_side<C: Clone>(
+    config: &C,
+    sample: fn(&mut C) -> LitSample<'_>,
+    dimensions: &[(&'static str, Dimension<C>)],
+) -> Result<Vec<C>, ConfigError> {
+    let mut config = config.clone();
+    let lit = sample(&mut config);
+    lit.material
+        .prepare(lit.light.wavelength.as_ref(), lit.medium)?;
+    let from = lit.light.from;
+    let mut singles = Vec::new();
+    for side in from.sides() {
+        let mut config = config.clone();
+        let lit = sample(&mut config);
+        lit.light.from = *side;
+        if from == Incident::Both && *side == Incident::Below && lit.medium.is_none() {
+            *lit.material = lit.material.other_side();
+        }
+        singles.extend(expanded(&config, dimensions)?);
+    }
+    Ok(singles)
+}
 
 /// The configurations of every combination of the lists, each with one value per list, the last list fastest.
 ///
@@ -82,6 +118,14 @@ pub(crate) fn expanded<C: Clone>(
     Ok(lists.into_iter().fold(vec![config.clone()], with_values))
 }
 
+fn lit_sample(config: &mut VerifyConfig) -> LitSample<'_> {
+    LitSample {
+        material: &mut config.material,
+        medium: config.medium.as_ref(),
+        light: &mut config.light,
+    }
+}
+
 fn interactions(config: &mut VerifyConfig) -> Option<[Option<&mut OneOrMany<Number>>; 4]> {
     Some(config.medium.as_mut()?.interactions.lists())
 }
@@ -92,24 +136,7 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        let mut config = self.clone();
-        let medium = config.medium.as_ref();
-        config
-            .material
-            .prepare(config.light.wavelength.as_ref(), medium)?;
-        let mut singles = Vec::new();
-        for side in self.light.from.sides() {
-            let mut config = config.clone();
-            config.light.from = *side;
-            if self.light.from == Incident::Both
-                && *side == Incident::Below
-                && self.medium.is_none()
-            {
-                config.material = config.material.other_side();
-            }
-            singles.extend(expanded(&config, &DIMENSIONS)?);
-        }
-        Ok(singles)
+        expanded_by_side(self, lit_sample, &DIMENSIONS)
     }
 
     /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given

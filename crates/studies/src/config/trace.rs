@@ -15,7 +15,7 @@ use crate::config::error::ConfigError;
 use crate::config::media::Resolved;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
-use crate::config::sweep::{Dimension, expanded};
+use crate::config::sweep::{Dimension, LitSample, expanded_by_side};
 use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
 };
@@ -60,6 +60,14 @@ const DIMENSIONS: [(&str, Dimension<TraceConfig>); 3] = [
     }),
 ];
 
+fn lit_sample(config: &mut TraceConfig) -> LitSample<'_> {
+    LitSample {
+        material: &mut config.material,
+        medium: config.medium.as_ref(),
+        light: &mut config.light,
+    }
+}
+
 impl TraceConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
@@ -74,24 +82,7 @@ impl TraceConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty or makes no difference, or there are too many combinations.
     pub fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        let mut config = self.clone();
-        let medium = config.medium.as_ref();
-        config
-            .material
-            .prepare(config.light.wavelength.as_ref(), medium)?;
-        let mut singles = Vec::new();
-        for side in self.light.from.sides() {
-            let mut config = config.clone();
-            config.light.from = *side;
-            if self.light.from == Incident::Both
-                && *side == Incident::Below
-                && self.medium.is_none()
-            {
-                config.material = config.material.other_side();
-            }
-            singles.extend(expanded(&config, &DIMENSIONS)?);
-        }
-        Ok(singles)
+        expanded_by_side(self, lit_sample, &DIMENSIONS)
     }
 
     /// The material of a configuration without lists, and the layers below it, in lengths of `unit`.

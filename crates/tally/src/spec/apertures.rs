@@ -92,7 +92,7 @@ impl Apertures {
         self.len
     }
 
-    /// Returns `true` if there are none.
+    /// Returns `true` if the list is empty.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len == 0

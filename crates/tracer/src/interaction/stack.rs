@@ -390,7 +390,7 @@ impl<G: Geometry> TracedLayer<'_, G> {
         }
     }
 
-    /// Distance from a height to the flat face ahead of a direction that rises by `dz`; infinite if that face is none.
+    /// Distance from a height to the flat face ahead of a direction that rises by `dz`; infinite if no flat face lies ahead.
     #[inline(always)]
     pub(crate) fn to_plane(&self, z: f64, dz: f64) -> f64 {
         let [upper, lower] = self.planes;
