@@ -31,8 +31,8 @@ fn flat_black_glass_is_the_standard_of_gloss() {
         let line =
             format!("trace --flat --eta 1.567 --theta {theta} --rays 1e3 --no-plots -o {theta}");
         let text = folder.succeed(line);
-        text.must_contain("gloss (GU, by rays alone)   100 (exact)");
-        text.must_contain("TIS beyond 2 deg            0 (exact)");
+        text.must_contain("gloss (GU, by rays alone)  100 (exact)");
+        text.must_contain("TIS (beyond 2 deg)         0 (exact)");
         let found = readings(&folder, &format!("{theta}/appearance.csv"));
         assert!((found["gloss"][0] - 100.0).abs() < 1e-10, "{found:?}");
         assert_eq!(found["tis"], [0.0, 0.0]);

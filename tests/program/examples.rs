@@ -29,6 +29,7 @@ macro_rules! examples {
 examples! {
     averaging: "../../examples/averaging.rs",
     custom_component: "../../examples/custom_component.rs",
+    gloss: "../../examples/gloss.rs",
     library: "../../examples/library.rs",
     masking_figure: "../../examples/masking_figure.rs",
     measured_height_map: "../../examples/measured_height_map.rs",

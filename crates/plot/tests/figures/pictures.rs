@@ -27,6 +27,7 @@ fn sample(kind: &str) -> Option<Figure> {
         "render" => return None,
         "PolarLobes" => in_plane::polar(in_plane::both_sides(2.0), Sides::Both).draw(),
         "Curves" => curves::sample().draw(),
+        "InPlaneCurves" => in_plane::curves(in_plane::both_sides(2.0)).draw(),
         "Diagram" => diagram::diagram(Stroke::Arrow, vec![[-1.0, -1.0], [1.0, 1.0]]).draw(),
         "ErrorOverTime" => error_over_time::sample().draw(),
         "Hemispheres" => {

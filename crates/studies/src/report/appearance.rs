@@ -69,12 +69,12 @@ impl Quantity {
     const fn label(self, has_coherent: bool) -> &'static str {
         match self {
             Self::Reflectance => "reflectance",
-            Self::Specular => "reflected within 2 deg",
-            Self::Scatter => "TIS beyond 2 deg",
+            Self::Specular => "specular (2 deg)",
+            Self::Scatter => "TIS (beyond 2 deg)",
             Self::Gloss if has_coherent => "gloss (GU)",
             Self::Gloss => "gloss (GU, by rays alone)",
             Self::Transmittance => "transmittance",
-            Self::Straight => "transmitted within 2.5 deg",
+            Self::Straight => "straight (2.5 deg)",
             Self::Haze => "haze",
             Self::Clarity => "clarity",
         }
