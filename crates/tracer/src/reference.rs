@@ -163,9 +163,23 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         loop {
             // Find what the path comes to next, and move it there
             match self.next_event(path, rng) {
-                NextEvent::End(end) => return end,
+                NextEvent::End(end) => {
+                    if end == PathEnd::Absorbed {
+                        path.absorbed += std::mem::take(&mut path.flux);
+                    }
+                    return end;
+                }
 
                 NextEvent::Interface(hit) => {
+                    // Absorb along the way through a medium that does not scatter
+                    let layer = self.layer_of(path.space);
+                    if let Some(left) = layer.and_then(|layer| layer.transmittance(hit.t)) {
+                        path.absorbed += path.flux * (1.0 - left);
+                        path.flux *= left;
+                    }
+                    if path.flux == 0.0 {
+                        return PathEnd::Absorbed;
+                    }
                     if let Some(end) = self.move_to_interface(path, &hit) {
                         return end;
                     }

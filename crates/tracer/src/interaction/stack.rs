@@ -21,7 +21,10 @@ pub(crate) struct TracedLayer<'a, G: Geometry> {
     faces: [Option<Face<'a, G>>; 2],
     /// z of these faces where they are planes; infinite elsewhere.
     planes: [f64; 2],
+    /// That between scatterings and absorptions at points; infinite of a medium that only absorbs.
     mean_free_path: f64,
+    /// Absorption coefficient of a medium that only absorbs, by which light is weighted along its way; zero of others.
+    absorption: f64,
     albedo: f64,
     phase: PhaseFunction,
     max_scatterings: u32,
@@ -63,10 +66,12 @@ fn rounded_up(length: f64) -> f64 {
 pub enum TracedLayerError {
     /// The surfaces would touch.
     #[error(
-        "invalid thickness {thickness}: must exceed {}, since the surface goes {} below its mean plane and the bottom rises {} above its own",
+        "invalid thickness {thickness} of layer {layer}: must exceed {}, since the face above goes {} below its mean plane and that below rises {} above its own",
         rounded_up(depth + height), rounded_up(*depth), rounded_up(*height)
     )]
     TooThin {
+        /// Number of the layer, from 1.
+        layer: usize,
         /// Between both mean planes.
         thickness: f64,
         /// Depth of the lowest point of the surface below its mean plane.
@@ -180,12 +185,17 @@ impl<'a, G: Geometry> TracedStack<'a, G> {
                 .end()
                 .is_some_and(|slab| slab.shape == BottomSurface::Same);
             let surface = own.or(is_same.then_some(top));
-            let lower = Face::below(&upper, top.geometry, layer, surface)?;
+            let lower = Face::below(&upper, top.geometry, (number + 1, layer), surface)?;
             let plane = |face: Option<Face<'a, G>>, none: f64| {
                 face.filter(|face| face.surface.is_none())
                     .map_or(none, |face| face.z)
             };
             let medium = layer.medium();
+            let unit = top.geometry.unit();
+            let [mean_free_path, absorption] = match medium.albedo() {
+                0.0 => [f64::INFINITY, medium.extinction() * unit],
+                _ => [medium.mean_free_path() / unit, 0.0],
+            };
             traced.push(TracedLayer {
                 upper: Interface(number as u32),
                 faces: [Some(upper), lower],
@@ -193,7 +203,8 @@ impl<'a, G: Geometry> TracedStack<'a, G> {
                     plane(Some(upper), f64::INFINITY),
                     plane(lower, f64::NEG_INFINITY),
                 ],
-                mean_free_path: medium.mean_free_path() / top.geometry.unit(),
+                mean_free_path,
+                absorption,
                 albedo: medium.albedo(),
                 phase: medium.phase(),
                 max_scatterings,
@@ -275,11 +286,11 @@ impl<'a, G: Geometry> TracedStack<'a, G> {
 }
 
 impl<'a, G: Geometry> Face<'a, G> {
-    /// The face below a layer under the face `upper`; `None` below a half space.
+    /// The face below layer number `number` under the face `upper`; `None` below a half space.
     fn below(
         upper: &Self,
         top: &G,
-        layer: &Layer,
+        (number, layer): (usize, &Layer),
         surface: Option<SearchedSurface<'a, G>>,
     ) -> Result<Option<Self>, TracedLayerError> {
         let surface = surface.filter(|_| layer.end().is_some());
@@ -332,6 +343,7 @@ impl<'a, G: Geometry> Face<'a, G> {
         };
         if depth + height >= slab.thickness / unit {
             return Err(TracedLayerError::TooThin {
+                layer: number,
                 thickness: slab.thickness,
                 depth: depth * unit,
                 height: height * unit,
@@ -388,6 +400,12 @@ impl<G: Geometry> TracedLayer<'_, G> {
         } else {
             depth * self.mean_free_path
         }
+    }
+
+    /// Fraction of light that is left after a distance in a medium that only absorbs; `None` of others.
+    #[inline(always)]
+    pub(crate) fn transmittance(&self, distance: f64) -> Option<f64> {
+        (self.absorption > 0.0).then(|| (-self.absorption * distance).exp())
     }
 
     /// Distance from a height to the flat face ahead of a direction that rises by `dz`; infinite if no flat face lies ahead.
@@ -500,7 +518,10 @@ fn check_tile<G: Geometry>(top: &G, bottom: &G) -> Result<(), TracedLayerError> 
     if same_cells && top.border() == bottom.border() {
         return Ok(());
     }
-    let tile = |of: &G| of.extent().map(|e| e * of.unit());
+    let tile = |of: &G| {
+        let [x, y] = of.extent().map(|e| e * of.unit());
+        [x, y / of.aspect()]
+    };
     Err(TracedLayerError::OtherTile {
         top: tile(top),
         top_border: top.border(),

@@ -62,6 +62,9 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             }
         }
         if reach.is_infinite() {
+            if layer.transmittance(reach).is_some() {
+                return NextEvent::End(PathEnd::Absorbed);
+            }
             // Nothing ends a clear medium.
             return NextEvent::End(failed.unwrap_or(PathEnd::Below));
         }

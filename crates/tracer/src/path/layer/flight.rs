@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::geometry::Geometry;
 use crate::interaction::stack::TracedLayer;
+use crate::path::layer::flight_query::absorb_along;
 use crate::path::state::batch::{Batch, LightInLayer};
 use crate::path::state::flights::Flights;
 use crate::path::state::path_state::{Departure, PathState, Region};
@@ -85,7 +86,7 @@ impl<G: Geometry> Tracer<'_, G> {
             let mut flown = std::mem::take(&mut batch.flown);
             std::mem::swap(&mut batch.layers[layer.number()].flights, &mut flown);
             self.query_flights(layer, &mut flown, batch);
-            self.fly(layer, &flown, batch);
+            self.fly(layer, &mut flown, batch);
             flown.at.len = 0;
             batch.flown = flown;
         }
@@ -124,7 +125,12 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Moves flights that hit nothing to their ends, where they come to a flat face, are scattered or leave.
-    fn fly(&self, layer: &TracedLayer<'_, G>, flown: &Flights, batch: &mut Batch<'_, G::Facet>) {
+    fn fly(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        flown: &mut Flights,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
         // Leave a clear medium that has no end
         let mut which = std::mem::take(&mut batch.elsewhere);
         which.clear();
@@ -137,7 +143,11 @@ impl<G: Geometry> Tracer<'_, G> {
             } else {
                 batch.work.segments += 1;
             }
-            if flown.reach[i].is_infinite() {
+            let reach = flown.reach[i];
+            if !absorb_along(layer, (flown, i), reach, batch) {
+                continue;
+            }
+            if reach.is_infinite() {
                 self.leave_clear_medium(layer, &flown.at.heading(i), flown.at.state(i), batch);
             } else {
                 which.push(i as u32);

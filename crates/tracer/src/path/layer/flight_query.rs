@@ -154,6 +154,9 @@ impl<G: Geometry> Tracer<'_, G> {
             let gone = approach(geometry, &mut heading, half_space, flights.reach[i]);
             flights.length[i] -= gone;
             flights.reach[i] -= gone;
+            if !absorb_along(layer, (flights, i), gone, batch) {
+                continue;
+            }
             let ahead = ahead(geometry, half_space, &mut heading, flights.reach[i]);
             if heading != from {
                 let heading = self.stack.to_uppermost(interface, heading);
@@ -185,13 +188,16 @@ impl<G: Geometry> Tracer<'_, G> {
         flights: &mut Flights,
         batch: &mut Batch<'_, G::Facet>,
     ) {
+        let i = number as usize;
+        if !absorb_along(query.layer, (flights, i), hit.t, batch) {
+            return;
+        }
         if query.interface == Interface::TOP {
             batch.met.push(number);
             batch.arrivals.facets.push(hit.facet);
             batch.arrivals.ts.push(hit.t);
             return;
         }
-        let i = number as usize;
         let interface = query.interface;
         let heading = self.stack.to_interface(interface, flights.at.heading(i));
         let region = Region {
@@ -291,6 +297,11 @@ impl<G: Geometry> Tracer<'_, G> {
         let end = match hit {
             Some(hit) if hit.t <= reach => {
                 batch.work.segments += 1;
+                if let Some(left) = layer.transmittance(hit.t) {
+                    let flux = segment.state.flux;
+                    segment.state.flux = flux * left;
+                    batch.add_loss(&segment.state, Loss::Absorbed, flux - segment.state.flux);
+                }
                 let at = Arrival {
                     region: segment.region(),
                     heading: segment.traversal.arrival(geometry, &segment.query, &hit),
@@ -338,6 +349,22 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         (0..which.len() as u32).collect()
     }
+}
+
+/// Absorbs the light of flight number `i` along a distance in a medium that only absorbs; returns `false` if none is left.
+pub(super) fn absorb_along<G: Geometry>(
+    layer: &TracedLayer<'_, G>,
+    (flights, i): (&mut Flights, usize),
+    distance: f64,
+    batch: &mut Batch<'_, G::Facet>,
+) -> bool {
+    if let Some(left) = layer.transmittance(distance) {
+        let state = flights.at.state(i);
+        let kept = state.flux * left;
+        flights.at.flux[i] = kept;
+        batch.add_loss(&state, Loss::Absorbed, state.flux - kept);
+    }
+    flights.at.flux[i] > 0.0
 }
 
 /// Adds the flights whose numbers are in `batch.met` to the arrivals, whose facets are already there.

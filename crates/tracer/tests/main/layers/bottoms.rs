@@ -135,13 +135,14 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
     assert!(thin(refusal(1.5, Bottom::MIRROR, under(&top))));
     assert!(refusal(2.5, Bottom::MIRROR, under(&top)).is_none());
     let deep = TracedLayerError::TooThin {
+        layer: 1,
         thickness: 2.0,
         depth: 8.285_231_49,
         height: 0.0,
     };
     assert_eq!(
         deep.to_string(),
-        "invalid thickness 2: must exceed 8.28524, since the surface goes 8.28524 below its mean plane and the bottom rises 0 above its own"
+        "invalid thickness 2 of layer 1: must exceed 8.28524, since the face above goes 8.28524 below its mean plane and that below rises 0 above its own"
     );
     let other = rugged(10, 10, 1.0, 2, Border::Periodic);
     let error = refusal(9.0, Bottom::MIRROR, under(&other)).unwrap();
