@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-use crate::support::{Folder, InFolder, MustContain};
+use crate::support::{Folder, InFolder, MustContain, unwrapped};
 
 /// Columns of appearance.csv by the quantity: value and standard error by rays, coherent light, and value and error together.
 fn columns(folder: &Path, name: &str) -> BTreeMap<String, [f64; 5]> {
@@ -74,7 +74,7 @@ fn haze_and_clarity_are_of_light_that_passes_a_slab() {
     }
     folder
         .text("s2000/report.txt")
-        .must_contain("haze                        0 (<");
+        .must_contain("haze                0 (<");
 }
 
 #[test]
@@ -154,7 +154,14 @@ fn a_wavelength_adds_coherent_light() {
     );
     assert!(tis[2].is_nan() && tis[3] < tis[0]);
     let gloss = found["gloss"];
-    let unit = gloss[2] / coherent;
+    // Black glass of n = 1.567 at 20 degrees
+    let cos_t = (1.0 - (1.0 - cos * cos) / (1.567 * 1.567)).sqrt();
+    let [s, p] = [
+        (cos - 1.567 * cos_t) / (cos + 1.567 * cos_t),
+        (1.567 * cos - cos_t) / (1.567 * cos + cos_t),
+    ];
+    let unit = 200.0 / (s * s + p * p);
+    assert!((gloss[2] / (unit * coherent) - 1.0).abs() < 1e-12);
     assert!((gloss[3] - unit * coherent - (1.0 - fraction) * gloss[0]).abs() < 1e-9);
     let summary = folder.json("with/summary.json");
     assert_eq!(summary["appearance"]["gloss"]["together"]["mean"], gloss[3]);
@@ -175,4 +182,24 @@ fn a_wavelength_adds_coherent_light() {
         "verify --smoothness 30 --rays 1e3 --realisations 1 --models none --coherent kirchhoff",
     );
     text.must_contain("--coherent kirchhoff has no effect");
+    let text = folder.succeed(format!("{line} --coherent kirchhoff --stokes 1,1,0,0"));
+    unwrapped(&text).must_contain("no effect, since the light is polarised");
+}
+
+/// Apertures are about one direction.
+#[test]
+fn light_of_many_directions_has_reflectance_and_transmittance_alone() {
+    let folder = Folder::new();
+    let text = folder.succeed(
+        "trace --flat --eta 1.5 --thickness 10 --theta 30 --light-spread klems --rays 1e3 --no-plots -o out",
+    );
+    assert!(!text.contains("haze"), "{text}");
+    let found = readings(&folder, "out/appearance.csv");
+    assert!(
+        found.keys().eq(["reflectance", "transmittance"]),
+        "{found:?}"
+    );
+    folder
+        .refused("trace --flat --theta 33 --light-spread klems")
+        .must_contain("the nearest is theta 30, phi 0 deg");
 }

@@ -18,7 +18,7 @@ use crate::{Incidence, around, from_spherical};
 ///
 /// // The patch of the Klems basis around 30 degrees: 25 to 35 degrees, a twentieth of the azimuths
 /// let incidence = Incidence::from_degrees(30.0, 0.0)?;
-/// let spread = Spread::klems(incidence);
+/// let spread = Spread::klems(incidence)?;
 /// let ring = 25_f64.to_radians().cos().powi(2) - 35_f64.to_radians().cos().powi(2);
 /// let patch = std::f64::consts::PI * ring / 20.0;
 /// assert!((spread.projected_solid_angle(incidence) / patch - 1.0).abs() < 1e-12);
@@ -55,6 +55,19 @@ pub enum SpreadError {
         /// Polar angle of its axis, degrees.
         theta: f64,
     },
+    /// A direction that is not the centre of a patch of the Klems basis.
+    #[error(
+        "theta {theta}, phi {phi} deg is not the centre of a patch of the Klems basis; the nearest is theta {}, phi {} deg",
+        centre[0], centre[1]
+    )]
+    OffCentre {
+        /// Polar angle, degrees.
+        theta: f64,
+        /// Azimuth, degrees.
+        phi: f64,
+        /// The centre of the patch that it lies in.
+        centre: [f64; 2],
+    },
     /// Widths out of range.
     #[error(
         "a patch is {0} x {1} deg wide; theta must be above 0 and at most 180, phi above 0 and at most 360"
@@ -62,11 +75,11 @@ pub enum SpreadError {
     BadWidth(f64, f64),
 }
 
-/// Bounds of the polar angle of the rings of the full Klems basis, degrees, and the number of patches in each.
+/// Upper bounds of the polar angle of the rings of the full Klems basis, degrees, and the number of patches in each.
 ///
 /// # Source
 /// J. H. Klems, ASHRAE Transactions 100 (1994); the bounds are those of LBNL's Window.
-const KLEMS: [(f64, f64); 9] = [
+pub const KLEMS: [(f64, f64); 9] = [
     (5.0, 1.0),
     (15.0, 8.0),
     (25.0, 16.0),
@@ -111,9 +124,11 @@ impl Spread {
         })
     }
 
-    /// The patch of the full Klems basis that holds the direction of `incidence`.
-    #[must_use]
-    pub fn klems(incidence: Incidence) -> Self {
+    /// The patch of the full Klems basis about the direction of `incidence`.
+    ///
+    /// # Errors
+    /// [`SpreadError::OffCentre`] unless that is the centre of a patch.
+    pub fn klems(incidence: Incidence) -> Result<Self, SpreadError> {
         let theta = incidence.theta_deg();
         let below = KLEMS.iter().take_while(|(bound, _)| theta >= *bound);
         let ring = below.count().min(KLEMS.len() - 1);
@@ -122,10 +137,22 @@ impl Spread {
         // Patches are centred on multiples of their width
         let width = TAU / count;
         let middle = (incidence.phi() / width).round() * width;
-        Self::Patch {
+        // The first patch is about the normal
+        let centre = if ring == 0 {
+            0.0
+        } else {
+            0.5 * (lower + upper)
+        };
+        let phi = incidence.phi_deg();
+        let is_off = |a: f64, b: f64| (a - b).abs() > 1e-6;
+        if is_off(theta, centre) || ring > 0 && is_off(phi, middle.to_degrees()) {
+            let centre = [centre, middle.to_degrees().round().rem_euclid(360.0)];
+            return Err(SpreadError::OffCentre { theta, phi, centre });
+        }
+        Ok(Self::Patch {
             theta: [lower, upper].map(f64::to_radians),
             phi: [middle - 0.5 * width, middle + 0.5 * width],
-        }
+        })
     }
 
     /// Projected solid angle, steradians.
@@ -213,16 +240,29 @@ mod tests {
         assert!(all.iter().all(|w| w.dot(incidence.wi()) >= cos - 1e-12));
         assert!(all.iter().all(|w| (w.length() - 1.0).abs() < 1e-14));
 
-        let klems = Spread::klems(incidence);
+        let klems = Spread::klems(incidence).unwrap();
         let Spread::Patch { theta, phi } = klems else {
             panic!("{klems:?}")
         };
         assert_eq!(theta, [45.0, 55.0].map(f64::to_radians));
         assert!((phi[0] + 7.5_f64.to_radians()).abs() < 1e-12);
         let all = directions(klems, &mut uniform);
+        // The square of the sine is uniform: 0.0494 wide, its mean to 0.0494 / sqrt(12 * count)
+        let [a, b] = theta.map(|theta| theta.sin().powi(2));
         let squares = all.iter().map(|w| w.x * w.x + w.y * w.y).sum::<f64>() / f64::from(count);
-        let middle = 0.5 * (theta[0].sin().powi(2) + theta[1].sin().powi(2));
-        assert!((squares - middle).abs() < 1e-3);
+        let se = (b - a) / (12.0 * f64::from(count)).sqrt();
+        assert!((squares - 0.5 * (a + b)).abs() < 4.0 * se, "{squares}");
+        let azimuths = all.iter().map(|w| w.y.atan2(w.x));
+        let square = azimuths.clone().map(|phi| phi * phi).sum::<f64>() / f64::from(count);
+        assert!(
+            azimuths
+                .clone()
+                .all(|azimuth| azimuth.abs() <= phi[1] + 1e-12)
+        );
+        assert!(
+            (3.0 * square / phi[1].powi(2) - 1.0).abs() < 0.02,
+            "{square}"
+        );
     }
 
     #[test]
@@ -230,11 +270,27 @@ mod tests {
         let mut sum = 0.0;
         let mut lower = 0.0;
         for (upper, count) in KLEMS {
-            let incidence = Incidence::from_degrees(0.5 * (lower + upper), 359.0).unwrap();
-            sum += count * Spread::klems(incidence).projected_solid_angle(incidence);
+            let theta = if lower == 0.0 {
+                0.0
+            } else {
+                0.5 * (lower + upper)
+            };
+            let incidence = Incidence::from_degrees(theta, 360.0 - 360.0 / count).unwrap();
+            let patch = Spread::klems(incidence).unwrap();
+            sum += count * patch.projected_solid_angle(incidence);
             lower = upper;
         }
         assert!((sum - PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn patches_of_klems_are_named_by_their_centres() {
+        let patch = |theta, phi| Spread::klems(Incidence::from_degrees(theta, phi).unwrap());
+        assert!(patch(82.5, 330.0).is_ok() && patch(0.0, 77.0).is_ok());
+        for (theta, phi) in [(33.0, 0.0), (30.0, 3.0), (1.0, 0.0)] {
+            let error = patch(theta, phi).unwrap_err().to_string();
+            assert!(error.contains("the nearest is"), "{error}");
+        }
     }
 
     #[test]

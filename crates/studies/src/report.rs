@@ -1,5 +1,6 @@
 //! Report: tables of fluxes, summaries, figures, and the files of a study.
 
+mod aperture_light;
 pub(crate) mod appearance;
 pub(crate) mod areal_parameters;
 pub(crate) mod case_views;

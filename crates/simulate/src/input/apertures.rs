@@ -65,7 +65,7 @@ impl CaseApertures {
     /// The apertures of a case.
     #[must_use]
     pub fn of(case: &Case) -> Self {
-        let (incident, incidence) = (&case.light, case.light.incidence);
+        let incidence = case.light.incidence;
         let gloss = |&(theta_deg, receptor): &(f64, [f64; 2])| {
             let is_at = (incidence.theta_deg() - theta_deg).abs() <= ROUNDING_DEG;
             let full = |i: usize| [GLOSS_SOURCE[i], receptor[i]].map(f64::to_radians);
@@ -93,11 +93,7 @@ impl CaseApertures {
                 incidence.theta(),
                 SPECULAR_DEG.to_radians(),
             ),
-            // Its source is one of light of one direction
-            gloss: match incident.spread {
-                None => GLOSS.iter().find_map(gloss),
-                Some(_) => None,
-            },
+            gloss: GLOSS.iter().find_map(gloss),
             straight: through(STRAIGHT_DEG),
             clear: through(CLEAR_DEG),
         }

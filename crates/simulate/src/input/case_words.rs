@@ -2,6 +2,7 @@
 //!
 //! Labels, folder names, titles of figures, columns of tables and members of JSON follow from the parts listed here.
 
+use asperity_numerics::fnv1a;
 use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, Slab, Spread};
 use asperity_surface::LengthUnit;
 use asperity_synthesis::SurfaceRecipe;
@@ -85,6 +86,17 @@ pub struct CaseColumn {
     pub about: String,
     /// Number or text; null where the case has no such quantity.
     pub value: Value,
+}
+
+/// Longest name of a folder: file systems take 255 bytes, of which endings and counters take some.
+const LONGEST_NAME: usize = 120;
+
+/// A name for a folder; of one that is too long the beginning, and a hash of all.
+fn shortened(name: String) -> String {
+    match name.char_indices().nth(LONGEST_NAME) {
+        None => name,
+        Some((end, _)) => format!("{}_{:08x}", &name[..end], fnv1a(name.bytes()) as u32),
+    }
 }
 
 /// A refractive index, as a quotient where the reciprocal is the shorter number: `1/1.5`.
@@ -414,7 +426,7 @@ impl Case {
             .chain(self.spread_texts().map(|[_, tag]| tag))
             .chain(from)
             .chain(after);
-        parts.collect::<Vec<_>>().join("_")
+        shortened(parts.collect::<Vec<_>>().join("_"))
     }
 
     /// The folder's name with the azimuth of the light, as in `s3_n1.4_theta30_phi0`.
@@ -586,6 +598,11 @@ impl Case {
                 json!(slab.map(|slab| bottom_text(slab.bottom))),
             ),
         ];
+        if self.layers.len() > 1 {
+            let all: Vec<String> = self.layer_texts().collect();
+            let about = "all layers from above";
+            columns.push(column(Layer, "layers", "", about, json!(all.join("; "))));
+        }
         let others = self.at.others.iter();
         columns.extend(others.map(|one| {
             column(
@@ -603,6 +620,10 @@ impl Case {
             "half space that the light comes from",
             json!(self.light.from),
         ));
+        if let Some([spread, _]) = self.spread_texts() {
+            let about = "directions that the light comes from";
+            columns.push(column(Other, "light_spread", "", about, json!(spread)));
+        }
         columns.push(column(
             Light,
             "theta_deg",

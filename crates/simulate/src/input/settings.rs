@@ -83,14 +83,18 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Tally spec of a case: that of the settings, with the bins of the case if it has any, and its apertures.
+    /// Tally spec of a case: that of the settings, with the bins of the case if it has any, and the apertures of light of one direction.
     #[must_use]
     pub fn spec_of(&self, case: &Case) -> TallySpec {
         let spec = match case.bins {
             Some(bins) => self.tally.with_bins(bins.grid, bins.in_plane_half_width),
             None => self.tally,
         };
-        spec.with_apertures(CaseApertures::of(case).list())
+        match case.light.spread {
+            None => spec.with_apertures(CaseApertures::of(case).list()),
+            // Apertures are about one direction
+            Some(_) => spec,
+        }
     }
 
     /// The largest of what is recorded of these cases.

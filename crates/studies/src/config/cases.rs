@@ -92,7 +92,7 @@ pub(crate) fn check_unpolarised(stokes: [f64; 3]) -> Result<(), ConfigError> {
 /// Checks that light comes from one direction, as models have it.
 pub(crate) fn check_one_direction(has_spread: bool) -> Result<(), ConfigError> {
     if has_spread {
-        let needed = "light of one direction; leave out spread, or the models";
+        let needed = "light of one direction; take --models none, or leave out --light-spread";
         return Err(ConfigError::missing("a comparison with models", needed));
     }
     Ok(())

@@ -279,7 +279,7 @@ mod tests {
             ),
             (
                 &format!("{path}\n[light]\nfrom = \"below\""),
-                "layers that end on an interface",
+                "needs layers that end",
             ),
             (
                 &format!("{path}\n[run]\nestimator = \"controlled\""),

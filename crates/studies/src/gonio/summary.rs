@@ -146,7 +146,8 @@ pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
     let is_named = outcome.config.material.media().is_some();
     notes.extend(wavelength_warnings(wavelength, is_named, outcome.unit()));
     let chosen = outcome.config.output.coherent;
-    notes.extend(coherent_warning(chosen, outcome.unit()));
+    let case = outcome.plan.cases.first();
+    notes.extend(case.and_then(|case| coherent_warning(chosen, case)));
     if !SettingEmissivity::of(outcome).is_empty() {
         notes.push(EMISSIVITY.to_owned());
     }

@@ -1,22 +1,18 @@
 //! Appearance: what instruments near the specular direction read, from the apertures of a tally.
 //!
-//! Light in an aperture is taken as the part of the light of its side that falls into it, times all light of the side: scatter that both have in
-//! common cancels, and a control variate of the whole counts.
-//!
 //! Coherent light, which rays do not have, is in every aperture about the specular directions. What is left of the light is scattered as rays are.
 
 use asperity_optics::dielectric;
 use asperity_simulate::{Case, CaseApertures, CaseGroup, Outcome, short};
 use asperity_surface::LengthUnit;
-use asperity_tally::{
-    Aperture, Component, Entry, Estimate, Side, TallyResult, TallyStatistics, is_of_few_rays,
-};
+use asperity_tally::{Component, Estimate, Side, TallyResult};
 use serde_json::{Map, Value, json};
 
 use crate::config::Coherent;
 use crate::output::{
     Cell, Column, EstimateWithLimit, Table, case_columns, incidence_columns, with_error, wrapped,
 };
+use crate::report::aperture_light::{Parts, entry};
 use crate::report::flux_basis::FluxBasis;
 use crate::report::views::Csv;
 use crate::validity::{CoherentLight, Validity};
@@ -130,15 +126,8 @@ impl Quantity {
             },
             Self::Clarity => {
                 let all = entry(statistics, apertures.straight?)?;
-                let within = Parts {
-                    total: all,
-                    all,
-                    ..parts
-                };
+                let within = parts.within(all)?;
                 let light = statistics.at(all).mean;
-                if light == 0.0 {
-                    return None;
-                }
                 let clarity = |coherent| {
                     let ring = within.outside(coherent);
                     Estimate {
@@ -177,10 +166,11 @@ impl<'a> SampleLight<'a> {
             Some(chosen) => chosen == Coherent::Kirchhoff,
             None => !validity.wavelength_is_assumed,
         };
-        let is_polarised = outcome.case.light.is_polarised();
+        let light = &outcome.case.light;
+        let is_one_wave = !light.is_polarised() && light.spread.is_none();
         Self {
             outcome,
-            phases: validity.filter(|validity| counts(validity) && !is_polarised),
+            phases: validity.filter(|validity| counts(validity) && is_one_wave),
         }
     }
 
@@ -217,109 +207,6 @@ impl Reading {
     /// The reading that stands for the sample.
     fn best(&self) -> EstimateWithLimit {
         self.together.map_or(self.rays, EstimateWithLimit::from)
-    }
-}
-
-impl CoherentLight {
-    /// A flux by rays, scaled by what is not coherent, with this light added.
-    fn with_rays(self, rays: Estimate) -> Estimate {
-        let rest = 1.0 - self.fraction;
-        Estimate {
-            mean: self.flux + rest * rays.mean,
-            se: rays.se.map(|se| rest * se),
-        }
-    }
-}
-
-fn entry(statistics: &TallyStatistics, aperture: Aperture) -> Option<Entry> {
-    let spec = statistics.spec();
-    let number = spec.apertures().position(aperture)?;
-    Some(spec.aperture_entries().get(number))
-}
-
-/// Light in an aperture, next to that which it is a part of.
-#[derive(Clone, Copy)]
-struct Parts<'a> {
-    statistics: &'a TallyStatistics,
-    /// Flux of the side.
-    total: Entry,
-    /// The same, as apertures count it, or that of a wider aperture.
-    all: Entry,
-    part: Entry,
-}
-
-impl<'a> Parts<'a> {
-    /// Light in an aperture of a result; `None` if none of its side was found, or nothing was traced.
-    fn of(outcome: &'a Outcome, apertures: &CaseApertures, aperture: Aperture) -> Option<Self> {
-        let statistics = &outcome.statistics;
-        let side = aperture.side;
-        let all = entry(statistics, apertures.all[side.index()])?;
-        let is_known = outcome.deviation_bound.is_none() && statistics.at(all).mean > 0.0;
-        Some(Self {
-            statistics,
-            total: statistics.spec().flux_entry(side, Component::All),
-            all,
-            part: entry(statistics, aperture)?,
-        })
-        .filter(|_| is_known)
-    }
-
-    fn mean(&self, entry: Entry) -> f64 {
-        self.statistics.at(entry).mean
-    }
-
-    fn fraction(&self) -> f64 {
-        self.mean(self.part) / self.mean(self.all)
-    }
-
-    /// Standard error of a sum of entries with these weights.
-    fn error(&self, weights: &[(Entry, f64)]) -> Option<f64> {
-        let mut square = 0.0;
-        for &(a, weight) in weights {
-            for &(b, other) in weights {
-                square += weight * other * self.statistics.covariance(a, b)?;
-            }
-        }
-        Some(square.max(0.0).sqrt())
-    }
-
-    /// Flux into the aperture: its part of all light, times that, with the error of a product of means to first order.
-    fn flux(&self) -> Estimate {
-        let fraction = self.fraction();
-        let scale = self.mean(self.total) / self.mean(self.all);
-        let of_total = self.mean(self.part) / self.mean(self.total);
-        let weights = [
-            (self.part, 1.0),
-            (self.all, -fraction),
-            (self.total, of_total),
-        ];
-        // Few rays have at least the error of one more.
-        let own = self.statistics.at(self.part);
-        let least = own.se.filter(|_| is_of_few_rays(own)).unwrap_or(0.0);
-        Estimate {
-            mean: fraction * self.mean(self.total),
-            se: self.error(&weights).map(|se| scale * se.max(least)),
-        }
-    }
-
-    /// Fraction of the light that is not in the aperture, which coherent light is in.
-    fn outside(&self, coherent: Option<CoherentLight>) -> Estimate {
-        let (rest, added) = coherent.map_or((1.0, 0.0), |one| (1.0 - one.fraction, one.flux));
-        let [part, all, total] = [self.part, self.all, self.total].map(|entry| self.mean(entry));
-        let fraction = part / all;
-        let scattered = rest * total;
-        let light = added + scattered;
-        let of_total = (1.0 - fraction) * all * added / (total * light);
-        let weights = [
-            (self.part, -1.0),
-            (self.all, fraction),
-            (self.total, of_total),
-        ];
-        let scale = scattered / light / all;
-        Estimate {
-            mean: scale * (all - part),
-            se: self.error(&weights).map(|se| scale * se),
-        }
     }
 }
 
@@ -411,11 +298,10 @@ pub(crate) fn appearance_json(sample: SampleLight<'_>) -> Map<String, Value> {
     members.collect()
 }
 
-/// The quantities beyond reflectance and transmittance as text, a line each.
+/// The quantities as text, a line each; reflectance and transmittance where coherent light changes them.
 pub(crate) fn appearance_text(sample: SampleLight<'_>) -> String {
-    let rows: Vec<Row<'_>> = rows(sample)
-        .filter(|row| !row.quantity.is_total())
-        .collect();
+    let is_shown = |row: &Row<'_>| !row.quantity.is_total() || row.reading.together.is_some();
+    let rows: Vec<Row<'_>> = rows(sample).filter(is_shown).collect();
     if rows.is_empty() {
         return String::new();
     }
@@ -464,18 +350,24 @@ pub(crate) fn coherent_note<'a>(
         false => "",
     };
     Some(wrapped(&format!(
-        "coherent light by the Kirchhoff approximation at {} nm{assumed}: the coherent fraction of a flat sample's light is in the specular direction, and rays are scaled by the rest. It holds for a beam that is coherent over more than the correlation length, without shadowing, where the radius of curvature is large against the wavelength (see validity), and not at grazing angles. Heights of all lateral scales count: of a measured surface, --l-filter removes waves longer than the beam is coherent over",
+        "coherent light by the Kirchhoff approximation at {} nm{assumed}: the coherent fraction of a flat sample's light is in the specular direction, and rays are scaled by the rest. It holds for a beam that is coherent over more than the correlation length, without shadowing, where the radius of curvature is large against the wavelength (see validity), and not at grazing angles. Both sides are taken apart, and need not add up to what rays conserve. Light that layers reflect, and light behind several layers, stays by rays. Heights of all lateral scales count: of a measured surface, --l-filter removes roughness longer than the coherence width of the beam. appearance.csv has rays and coherent light apart",
         short(phases.wavelength_nm)
     )))
 }
 
-/// Warning on coherent light that is requested over lengths without a unit.
-pub(crate) fn coherent_warning(chosen: Option<Coherent>, unit: LengthUnit) -> Option<String> {
-    let is_unknown = LengthUnit::Nanometre.conversion(unit).is_none();
-    (chosen == Some(Coherent::Kirchhoff) && is_unknown).then(|| {
-        "--coherent kirchhoff has no effect, since the lengths of the surface have no unit: give one by --unit, or to a file by --assume-unit"
-            .to_owned()
-    })
+/// Warning on coherent light that is requested where none is added.
+pub(crate) fn coherent_warning(chosen: Option<Coherent>, case: &Case) -> Option<String> {
+    let reason = if LengthUnit::Nanometre.conversion(case.at.unit).is_none() {
+        "the lengths of the surface have no unit: give one by --unit, or to a file by --assume-unit"
+    } else if case.light.is_polarised() {
+        "the light is polarised"
+    } else if case.light.spread.is_some() {
+        "the light comes from many directions"
+    } else {
+        return None;
+    };
+    let is_chosen = chosen == Some(Coherent::Kirchhoff);
+    is_chosen.then(|| format!("--coherent kirchhoff has no effect, since {reason}"))
 }
 
 /// Columns of a table of text with a row per case, next to those that tell cases apart.
@@ -489,60 +381,4 @@ pub(crate) fn appearance_columns<'a, R: 'a>(
         let value = move |row: &R| Some(quantity.of(&sample(row)?)?.best());
         Column::estimate(quantity.label(has_coherent), "", value).dropped_if_empty()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use asperity_tally::{TallySpec, TallyValues};
-
-    use super::*;
-
-    /// Batches whose light varies, a quarter of it in a cone: what both have in common cancels, and coherent light is in the cone.
-    #[test]
-    fn errors_of_parts_are_of_what_the_light_does_not_share() {
-        let cone = Aperture::cone(Side::Reflected, 0.3, 0.1);
-        let apertures = [Aperture::whole(Side::Reflected), cone];
-        let spec = TallySpec::default().with_apertures(apertures.into_iter().collect());
-        let [all, part] = [0, 1].map(|i| spec.aperture_entries().get(i));
-        let total = spec.flux_entry(Side::Reflected, Component::All);
-        let statistics = |noise: [f64; 4]| {
-            let mut statistics = TallyStatistics::new(spec);
-            for (flux, noise) in [0.5, 0.7, 0.4, 0.8].into_iter().zip(noise) {
-                let mut batch = TallyValues::zeros(spec);
-                batch[all] = flux;
-                batch[part] = 0.25 * flux + noise;
-                batch[total] = 0.6;
-                statistics.push(&batch);
-            }
-            statistics
-        };
-        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-12;
-        let exact = statistics([0.0; 4]);
-        let parts = |statistics| Parts {
-            statistics,
-            total,
-            all,
-            part,
-        };
-        let outside = parts(&exact).outside(None);
-        assert!(near(outside.mean, 0.75) && near(outside.se.unwrap(), 0.0));
-        let flux = parts(&exact).flux();
-        assert!(near(flux.mean, 0.15) && near(flux.se.unwrap(), 0.0));
-
-        let noise = [0.01, -0.02, 0.015, -0.005];
-        let noisy = statistics(noise);
-        let squares: f64 = noise.iter().map(|one| one * one).sum();
-        let se = (squares / 12.0).sqrt() / 0.6;
-        assert!(near(parts(&noisy).outside(None).se.unwrap(), se));
-        assert!(near(parts(&noisy).flux().se.unwrap(), 0.6 * se));
-        // Half of the light of a flat sample, which is 0.6 too
-        let coherent = CoherentLight {
-            fraction: 0.5,
-            flux: 0.3,
-        };
-        let outside = parts(&noisy).outside(Some(coherent));
-        assert!(near(outside.mean, 0.375) && near(outside.se.unwrap(), 0.5 * se));
-        let together = coherent.with_rays(parts(&noisy).flux());
-        assert!(near(together.mean, 0.3 + 0.5 * 0.15));
-    }
 }

@@ -41,8 +41,13 @@ impl LayerText {
             g: None,
             surface: BottomSurface::Flat,
         };
+        let mut known = Vec::new();
         for key in keys {
             let (key, value) = key.split_once('=')?;
+            if known.contains(&key.trim()) {
+                return None;
+            }
+            known.push(key.trim());
             let number = || parse_number(value).ok();
             match key.trim() {
                 "absorption" => layer.absorption = number().filter(|a| *a >= 0.0)?,
@@ -53,7 +58,8 @@ impl LayerText {
             }
         }
         let is_valid = thickness.number() > 0.0 && thickness.number().is_finite();
-        (is_valid && !layer.material.is_empty()).then_some(layer)
+        let scatters = layer.g.is_none() || layer.scattering > 0.0;
+        (is_valid && scatters && !layer.material.is_empty()).then_some(layer)
     }
 }
 
@@ -80,7 +86,9 @@ mod tests {
             "1.33:0",
             "1.33:-1",
             ":50",
-            "1.33:50:g=1",
+            "1.33:50:scattering=1:g=1",
+            "1.33:50:g=0.5",
+            "1.33:50:absorption=1:absorption=2",
             "1.33:50:x=1",
             "1.33:50:surface=round",
             "1.33:50:scattering=-1",

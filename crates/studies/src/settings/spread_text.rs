@@ -35,10 +35,10 @@ impl SpreadText {
     /// The directions around one.
     ///
     /// # Errors
-    /// [`SpreadError`] if they reach below the horizon.
+    /// [`SpreadError`] if they reach below the horizon, or are not about the centre of a patch of the basis.
     pub(crate) fn around(self, incidence: Incidence) -> Result<Spread, SpreadError> {
         match self {
-            Self::Klems => Ok(Spread::klems(incidence)),
+            Self::Klems => Spread::klems(incidence),
             Self::Cone(half_angle) => Spread::cone(half_angle, incidence),
             Self::Patch(widths) => Spread::patch(widths, incidence),
         }

@@ -100,7 +100,7 @@ impl PlannedTrace {
         let wavelength = config.light.wavelength_nm();
         let is_named = config.material.media().is_some();
         warnings.extend(wavelength_warnings(wavelength, is_named, tops.first.unit));
-        warnings.extend(coherent_warning(config.output.coherent, tops.first.unit));
+        warnings.extend(coherent_warning(config.output.coherent, &case));
         let validity = Validity::new(
             &given.lengths,
             given.of_bottom.as_ref(),

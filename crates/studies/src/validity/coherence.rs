@@ -93,12 +93,16 @@ impl Components {
             found.transmitted = layer.transmits().then(|| by_top(step));
             return found;
         };
-        // The correlation of heights of both faces where light arrives
+        // The correlation of the phase of light from the first face, where it arrives, with heights of the second
         let of_bottom = |per_height: f64| fraction(second, per_height);
         let shift = end.thickness * along / inside;
         let correlation = |times: f64| {
-            let tau = top.tau.filter(|_| shift > 0.0);
-            tau.map_or(1.0, |tau| (-(times * shift / tau).powi(2)).exp())
+            top.tau.map_or(1.0, |tau| {
+                let shifted = (-(times * shift / tau).powi(2)).exp();
+                // Diffraction: mean of cos(q^2 d / 2 k) over a Gaussian spectrum of wave vectors q
+                let spread = 2.0 * times * end.thickness / (k * n_t * tau * tau);
+                shifted / (1.0 + spread * spread)
+            })
         };
         let common = if is_same { correlation(1.0) } else { 0.0 };
         let is_gaussian = [first, second]

@@ -76,7 +76,7 @@ impl Validity {
     fn warning(&self, much: &[String]) -> Option<String> {
         (!much.is_empty()).then(|| {
             format!(
-                "warning: {} {} coherent at {}: a wave leaves in the direction of light on a flat surface, and all numbers here hold it in the lobe of the rays",
+                "warning: {} {} coherent at {}: a wave leaves in the direction of light on a flat surface, and bins and fluxes hold it in the lobe of the rays",
                 much.join(" and "),
                 if much.len() > 1 { "are" } else { "is" },
                 self.wavelength()

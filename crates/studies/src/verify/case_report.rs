@@ -52,7 +52,10 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
     let is_named = outcome.config.material.media().is_some();
     let unit = case.outcome.case.at.unit;
     warnings.extend(wavelength_warnings(wavelength, is_named, unit));
-    warnings.extend(coherent_warning(outcome.config.output.coherent, unit));
+    warnings.extend(coherent_warning(
+        outcome.config.output.coherent,
+        &case.outcome.case,
+    ));
     warnings.extend(gaussian_models_of_ggx(case));
     if outcome.config.lacks_models(case) {
         warnings.push(

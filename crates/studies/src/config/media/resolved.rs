@@ -60,10 +60,13 @@ impl Resolved {
             return Ok((self.seen_from(from)?, layers));
         };
         if from == HalfSpace::Below && !(lowest.end().is_some() && lowest.transmits()) {
-            return Err(ConfigError::unsuitable(
-                "from below",
-                "needs layers that end on an interface, through which the light comes in: give --thickness, and --bottom interface or open",
-            ));
+            let reason = match lowest.end() {
+                None => "needs layers that end: give --thickness",
+                Some(_) => {
+                    "needs a bottom that lets light in; the one given is opaque: take --bottom interface or open, or a --bottom-material that transmits"
+                }
+            };
+            return Err(ConfigError::unsuitable("light from below", reason));
         }
         Ok((self, layers))
     }

@@ -84,7 +84,7 @@ impl<'a> Stack<'a> {
             ConfigError::unsuitable(given(), reason)
         })?;
         if is_opaque(k) {
-            let reason = "lets no light through; give what is opaque as bottom_material";
+            let reason = "lets no light through; give what is opaque by --bottom-material";
             return Err(ConfigError::unsuitable(given(), reason));
         }
         let phase = match text.g {
@@ -122,7 +122,7 @@ impl<'a> Stack<'a> {
         }
         let nm = LengthUnit::Nanometre.conversion(self.unit);
         let (Some(named), Some(nm)) = (self.named, nm) else {
-            let reason = "absorbs by its index over lengths with a unit alone, at the wavelength of a named material; or give absorption";
+            let reason = "has an absorption index, which needs lengths with a unit and the wavelength of a named material; or give absorption";
             return Err(ConfigError::unsuitable(given.to_owned(), reason));
         };
         Ok(4.0 * PI * k / (named.wavelength_nm * nm(1.0)))
