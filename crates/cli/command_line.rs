@@ -146,6 +146,7 @@ fn named_by_argument(command: Command) -> Option<&'static Setting> {
     let path = match command {
         Command::Model => "model.name",
         Command::Materials => "materials.name",
+        Command::Export => "export.results",
         _ => return None,
     };
     settings_of(command).find(|setting| setting.path() == path)

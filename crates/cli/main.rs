@@ -3,6 +3,7 @@
 mod command_line;
 mod common;
 mod end;
+mod export;
 mod failure;
 mod file_set;
 mod generate;
@@ -74,6 +75,7 @@ fn run(document: &Document) -> Result<End, Failure> {
         Command::Attenuation => study::run::<AttenuationStudy>(document, common),
         Command::Model => model::run(document, common),
         Command::Materials => materials::run(document, common),
+        Command::Export => export::run(document, common),
     }
 }
 

@@ -39,6 +39,10 @@ pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
             "asperity materials gold --wavelength 450,550,650",
             "asperity materials silicon -o silicon.csv --plot silicon.svg",
         ],
+        Command::Export => &[
+            "asperity export out --format netcdf -o out.nc",
+            "asperity export film --format klems -o film.xml",
+        ],
     }
 }
 

@@ -52,6 +52,24 @@ impl<C> Default for Found<C> {
     }
 }
 
+impl Header {
+    /// Header of a result file, or of that of a folder.
+    ///
+    /// # Errors
+    /// [`ResultsError`] if there is none, it cannot be read, or is of another format or results epoch.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ResultsError> {
+        let path = path.as_ref();
+        let file = if path.is_dir() {
+            &path.join(FILE)
+        } else {
+            path
+        };
+        let reader = NpzReader::new(read_bytes(file)?);
+        let value = reader.and_then(|mut reader| reader.value("header"));
+        parsed(file, value.map_err(broken(file))?)
+    }
+}
+
 impl<C: Stored> Found<C> {
     /// Contents of a result file, or of that of a folder with the journal of a killed run.
     pub(crate) fn read(path: &Path) -> Result<(Header, Self), ResultsError> {

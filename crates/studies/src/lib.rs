@@ -10,6 +10,7 @@ mod comparison;
 mod config;
 mod converge;
 mod error;
+mod export;
 mod generate;
 mod given;
 mod gonio;
@@ -61,6 +62,7 @@ pub use converge::{
     Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
+pub use export::{ExportConfig, ExportError, Exported};
 pub use generate::{GeneratePlan, GeneratedSurface};
 pub use given::{
     ComparedSurfaceError, FileProblem, GivenError, GivenShape, GivenSurface, GivenSurfaces,

@@ -33,11 +33,13 @@ pub enum Command {
     Model,
     /// Lists materials, or shows the optical constants of one.
     Materials,
+    /// Writes results as a file of another program.
+    Export,
 }
 
 impl Command {
     /// All commands, in the order of the help.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Generate,
         Self::Inspect,
         Self::Mesh,
@@ -50,6 +52,7 @@ impl Command {
         Self::Attenuation,
         Self::Model,
         Self::Materials,
+        Self::Export,
     ];
 
     /// Its name on the command line.
@@ -68,6 +71,7 @@ impl Command {
             Self::Attenuation => "attenuation",
             Self::Model => "model",
             Self::Materials => "materials",
+            Self::Export => "export",
         }
     }
 
@@ -87,6 +91,7 @@ impl Command {
             Self::Attenuation => "Compare shadowing and masking with Smith and V-cavities",
             Self::Model => "Evaluate a scattering model",
             Self::Materials => "List materials, or show n and k of one",
+            Self::Export => "Write results as a file of another program",
         }
     }
 
@@ -112,6 +117,10 @@ impl Command {
                 ("CONFIG", "Configuration (.toml); flags override it")
             }
             Self::Model => ("NAME", "Model, as --list names it"),
+            Self::Export => (
+                "DIR",
+                "Result folder of gonio, trace or verify, or its file results.npz",
+            ),
             Self::Materials => (
                 "NAME|FILE",
                 "Material: a name of the list, which is printed without one, or a file .yml or .csv",

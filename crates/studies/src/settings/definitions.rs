@@ -61,6 +61,7 @@ pub static SECTIONS: &[Section] = &[
     section("converge", "Methods and effort", converge::SETTINGS),
     section("model", "Model", single::MODEL_SETTINGS),
     section("materials", "Optical constants", single::MATERIALS_SETTINGS),
+    section("export", "Export", single::EXPORT_SETTINGS),
     section("camera", "Camera", render::CAMERA),
     section("lights", "Lights", render::LIGHTS),
     section("picture", "Picture", render::PICTURE),

@@ -86,6 +86,11 @@ pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
     choice("stl", "STL"),
 ]);
 
+pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
+    choice("netcdf", "labelled arrays for xarray, MATLAB, Julia and R"),
+    choice("klems", "XML for Radiance, WINDOW and EnergyPlus: slabs"),
+]);
+
 pub(super) const MISSING: Kind = Kind::Choice(&[
     choice("refuse", "the file is refused"),
     choice("fill", "they are interpolated"),

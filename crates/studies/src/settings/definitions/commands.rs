@@ -33,6 +33,7 @@ pub(super) const TRACING: Commands = Commands::of(&[
 
 pub(super) const ATTENUATION: Commands = Commands::of(&[Command::Attenuation]);
 pub(super) const CONVERGE: Commands = Commands::of(&[Command::Converge]);
+pub(super) const EXPORT: Commands = Commands::of(&[Command::Export]);
 pub(super) const GENERATE: Commands = Commands::of(&[Command::Generate]);
 pub(super) const GONIO: Commands = Commands::of(&[Command::Gonio]);
 pub(super) const INSPECT: Commands = Commands::of(&[Command::Inspect]);

@@ -2,8 +2,8 @@
 
 use super::choices::{COHERENT, SCALE};
 use super::commands::{
-    ATTENUATION, CONVERGE, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS, TRACE,
-    TRACING, VERIFY,
+    ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS,
+    TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -91,6 +91,12 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .commands(MATERIALS)
             .short('o')
             .value_name(FILE),
+        basic("output", Kind::Path)
+            .help("File to write: .nc for netcdf, .xml for klems")
+            .commands(EXPORT)
+            .short('o')
+            .value_name(FILE)
+            .required(EXPORT),
         basic("plot", Kind::Path)
             .help("Figure of n and k over all wavelengths to write: .svg or .png")
             .commands(MATERIALS)
@@ -109,7 +115,8 @@ pub(super) const RESULTS: &[Setting] = &flags(
                     .and(GENERATE)
                     .and(INSPECT)
                     .and(MODEL)
-                    .and(MATERIALS),
+                    .and(MATERIALS)
+                    .and(EXPORT),
             ),
     ],
 );

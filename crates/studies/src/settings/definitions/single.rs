@@ -1,7 +1,7 @@
-//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model` and `materials`.
+//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model`, `materials` and `export`.
 
-use super::choices::{MESH_FORMAT, SURFACE_FORMAT};
-use super::commands::{DEGREES, GENERATE, MATERIALS, MESH, MODEL};
+use super::choices::{EXPORT_FORMAT, MESH_FORMAT, SURFACE_FORMAT};
+use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MESH, MODEL};
 use super::light::WAVELENGTH;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -70,5 +70,19 @@ pub(super) const MATERIALS_SETTINGS: &[Setting] = &flags(
             .basic(MATERIALS)
             .arity(Arity::ListIn(MATERIALS))
             .otherwise("visible ones; all points of the data with -o"),
+    ],
+);
+
+pub(super) const EXPORT_SETTINGS: &[Setting] = &flags(
+    "export",
+    EXPORT,
+    [
+        basic("results", Kind::Path)
+            .help("Results that are exported")
+            .value_name("DIR")
+            .flag(Flag::None),
+        basic("format", EXPORT_FORMAT)
+            .help("Format of the file")
+            .required(EXPORT),
     ],
 );

@@ -1,0 +1,167 @@
+//! Export: results of `gonio`, `trace` or `verify` as a file that other programs open.
+//!
+//! Each format is a file of this folder: from the directions of a measurement to the bytes of a file, with what the format cannot hold and the
+//! light that the file has next to the light that was measured.
+
+mod agreement;
+mod axes;
+mod error;
+mod klems;
+mod netcdf;
+mod ranges;
+
+use std::path::{Path, PathBuf};
+
+use asperity_io::{WriteError, check_ending, shown_path, write_bytes};
+use asperity_results::{CaseResult, Header, ResultSet};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use self::agreement::Agreement;
+pub use self::error::ExportError;
+use crate::output::{Head, note_lines};
+
+/// Configuration of `asperity export`.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ExportConfig {
+    export: Selection,
+}
+
+/// What is exported, and as what.
+#[derive(Clone, Debug, Deserialize)]
+struct Selection {
+    results: Option<PathBuf>,
+    format: ExportFormat,
+}
+
+/// Format of other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum ExportFormat {
+    /// NetCDF-3, as xarray reads.
+    Netcdf,
+    /// XML of Radiance, WINDOW and EnergyPlus with matrices of the full Klems basis.
+    Klems,
+}
+
+impl ExportFormat {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Netcdf => "netcdf",
+            Self::Klems => "klems",
+        }
+    }
+
+    const fn ending(self) -> &'static str {
+        match self {
+            Self::Netcdf => "nc",
+            Self::Klems => "xml",
+        }
+    }
+}
+
+/// Results of a measurement.
+struct Measurement {
+    header: Header,
+    cases: Vec<CaseResult>,
+}
+
+impl Measurement {
+    fn read(path: &Path) -> Result<Self, ExportError> {
+        let study = Header::read(path)?.study;
+        if !["gonio", "trace", "verify"].contains(&study.as_str()) {
+            let path = path.to_owned();
+            return Err(ExportError::OtherStudy { path, study });
+        }
+        let results = ResultSet::read(path)?;
+        let cases: Vec<CaseResult> = results.cases().map(|(_, case)| case.clone()).collect();
+        match cases.is_empty() {
+            true => Err(ExportError::Empty(path.to_owned())),
+            false => Ok(Self {
+                header: results.header,
+                cases,
+            }),
+        }
+    }
+}
+
+/// Contents of a file.
+struct Contents {
+    bytes: Vec<u8>,
+    /// The light of the file next to that which was measured.
+    agreement: Vec<Agreement>,
+    /// Sentences on what the format cannot hold, or what was done with it.
+    notes: Vec<String>,
+}
+
+/// A file that is ready to be written.
+pub struct Exported {
+    format: ExportFormat,
+    contents: Contents,
+    cases: usize,
+}
+
+impl ExportConfig {
+    /// Reads the results and makes the file, which is to be written to `output`.
+    ///
+    /// # Errors
+    /// [`ExportError`] if the results cannot be read, or the format cannot hold such results.
+    pub fn export(&self, output: &Path) -> Result<Exported, ExportError> {
+        let Selection { results, format } = &self.export;
+        let ending = [format.ending()];
+        check_ending(output, "files of this format", &ending)?;
+        let path = results.as_ref().ok_or(ExportError::NoResults)?;
+        let measurement = Measurement::read(path)?;
+        let contents = match format {
+            ExportFormat::Netcdf => netcdf::contents(&measurement)?,
+            ExportFormat::Klems => klems::contents(&measurement)?,
+        };
+        Ok(Exported {
+            format: *format,
+            contents,
+            cases: measurement.cases.len(),
+        })
+    }
+}
+
+impl Exported {
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// [`WriteError`] if it cannot be written.
+    pub fn write(&self, output: &Path) -> Result<(), WriteError> {
+        write_bytes(output, &self.contents.bytes)
+    }
+
+    /// Text on the file that was written.
+    #[must_use]
+    pub fn text(&self, output: &Path) -> String {
+        let Contents {
+            agreement, notes, ..
+        } = &self.contents;
+        format!(
+            "{}: {}, {} directions; light in the file where it differs most from what was measured:\n{}{}",
+            shown_path(output),
+            self.format.name(),
+            self.cases,
+            agreement::table().text(agreement::farthest(agreement)),
+            note_lines(notes)
+        )
+    }
+
+    /// The same as JSON.
+    #[must_use]
+    pub fn summary(&self) -> Value {
+        let Contents {
+            agreement, notes, ..
+        } = &self.contents;
+        let mut summary = json!({
+            "format": self.format.name(),
+            "directions": self.cases,
+            "agreement": agreement::table().json(agreement),
+            "notes": notes,
+        });
+        Head::of("export").insert_into(&mut summary);
+        summary
+    }
+}

@@ -1,0 +1,72 @@
+//! Agreement: the light that a file has, next to that which was measured.
+
+use asperity_simulate::{Case, Light};
+use asperity_tally::{Estimate, Side};
+use serde_json::json;
+
+use crate::output::{Column, Table, incidence_columns};
+
+/// Light of one direction that left on one side.
+#[derive(Clone, Debug)]
+pub(super) struct Agreement {
+    light: Light,
+    side: Side,
+    /// Flux that was measured.
+    measured: Estimate,
+    /// Integral over the values of the file.
+    exported: f64,
+}
+
+impl Agreement {
+    pub(super) fn of(case: &Case, side: Side, measured: Estimate, exported: f64) -> Self {
+        Self {
+            light: case.light,
+            side,
+            measured,
+            exported,
+        }
+    }
+
+    fn difference(&self) -> f64 {
+        (self.exported - self.measured.mean).abs()
+    }
+}
+
+/// The directions in which the file differs most from what was measured, one of each side.
+pub(super) fn farthest(all: &[Agreement]) -> impl Iterator<Item = &Agreement> {
+    Side::BOTH.into_iter().filter_map(|side| {
+        let of_side = all.iter().filter(move |one| one.side == side);
+        of_side.max_by(|a, b| a.difference().total_cmp(&b.difference()))
+    })
+}
+
+pub(super) fn table<'a>() -> Table<'a, Agreement> {
+    let from = |row: &Agreement| {
+        json!(row.light.from)
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let side = |row: &Agreement| row.side.to_string();
+    Table::new()
+        .column(Column::new(
+            "from",
+            "half space that the light comes from",
+            from,
+        ))
+        .columns(incidence_columns(|row: &Agreement| row.light.incidence))
+        .column(Column::new("side", "side on which light leaves", side))
+        .column(Column::estimate(
+            "measured",
+            "flux that was measured",
+            |row: &Agreement| Some(row.measured),
+        ))
+        .column(
+            Column::new(
+                "in_file",
+                "integral over the values of the file",
+                |row: &Agreement| row.exported,
+            )
+            .heading("in the file"),
+        )
+}

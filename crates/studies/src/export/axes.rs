@@ -1,0 +1,133 @@
+//! Axes: the coordinates over which the cases of a measurement form a grid.
+
+use std::collections::BTreeSet;
+
+use asperity_results::{CaseResult, Stored};
+use serde_json::Value;
+
+/// Coordinates of the direction of the light, which are always axes, the last ones.
+const DIRECTION: [&str; 2] = ["theta_deg", "phi_deg"];
+
+/// Coordinates that are axes before others, if they tell cases apart.
+const PREFERRED: [&str; 2] = ["from", "wavelength_nm"];
+
+/// A coordinate of all cases.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) about: String,
+    /// Its values, in the order of the cases.
+    pub(super) values: Vec<Value>,
+    /// Number of its value, by case.
+    places: Vec<usize>,
+}
+
+/// The grid of cases.
+#[derive(Clone, Debug)]
+pub(super) struct Axes {
+    /// What tells settings apart, then polar angle and azimuth of the light.
+    pub(super) axes: Vec<Axis>,
+    /// Coordinates that vary with the settings and are no axes.
+    pub(super) others: Vec<Axis>,
+    /// Number of the case at each point, the last axis fastest; `None` where there is none.
+    pub(super) cases: Vec<Option<usize>>,
+}
+
+impl Axis {
+    /// The coordinates of cases, in the order of their columns.
+    fn all(cases: &[CaseResult]) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for column in cases.iter().flat_map(Stored::columns) {
+            let known = all.iter().position(|axis| axis.name == column.name);
+            let number = known.unwrap_or_else(|| {
+                all.push(Self {
+                    name: column.name,
+                    unit: column.unit,
+                    about: column.about,
+                    values: Vec::new(),
+                    places: Vec::new(),
+                });
+                all.len() - 1
+            });
+            let Self { values, places, .. } = &mut all[number];
+            let place = values.iter().position(|value| *value == column.value);
+            places.push(place.unwrap_or(values.len()));
+            if place.is_none() {
+                values.push(column.value);
+            }
+        }
+        all
+    }
+
+    /// Value of a case.
+    pub(super) fn of(&self, case: usize) -> &Value {
+        &self.values[self.places[case]]
+    }
+
+    fn rank(&self) -> usize {
+        let place = PREFERRED.iter().position(|name| *name == self.name);
+        place.unwrap_or(PREFERRED.len())
+    }
+}
+
+impl Axes {
+    pub(super) fn of(cases: &[CaseResult]) -> Self {
+        let is_direction = |axis: &Axis| DIRECTION.contains(&axis.name.as_str());
+        let (direction, mut settings): (Vec<Axis>, Vec<Axis>) =
+            Axis::all(cases).into_iter().partition(is_direction);
+        settings.retain(|axis| axis.values.len() > 1);
+        settings.sort_by_key(Axis::rank);
+        let wanted = tuples(&settings).len();
+        let (mut axes, mut others): (Vec<Axis>, Vec<Axis>) = (Vec::new(), Vec::new());
+        for axis in settings {
+            let found = tuples(&axes).len();
+            let count = axis.values.len();
+            axes.push(axis);
+            // A coordinate that others imply is none of its own
+            if found == wanted || tuples(&axes).len() != found * count {
+                others.extend(axes.pop());
+            }
+        }
+        if tuples(&axes).len() < wanted {
+            others.splice(0..0, axes);
+            axes = vec![numbered(&others)];
+        }
+        axes.extend(direction);
+        let points = axes.iter().map(|axis| axis.values.len()).product();
+        let mut grid = vec![None; points];
+        for case in 0..cases.len() {
+            let place = |place, axis: &Axis| place * axis.values.len() + axis.places[case];
+            grid[axes.iter().fold(0, place)] = Some(case);
+        }
+        Self {
+            axes,
+            others,
+            cases: grid,
+        }
+    }
+}
+
+/// The places of all cases on some axes, each once; one without axes.
+fn tuples(axes: &[Axis]) -> BTreeSet<Vec<usize>> {
+    let cases = axes.first().map_or(1, |axis| axis.places.len());
+    let of_case = |case| axes.iter().map(|axis| axis.places[case]).collect();
+    (0..cases).map(of_case).collect()
+}
+
+/// Settings by number, where no product of coordinates has them all.
+fn numbered(coordinates: &[Axis]) -> Axis {
+    let all: Vec<Vec<usize>> = tuples(coordinates).into_iter().collect();
+    let cases = coordinates[0].places.len();
+    let place = |case| {
+        let of_case: Vec<usize> = coordinates.iter().map(|axis| axis.places[case]).collect();
+        all.partition_point(|tuple| *tuple < of_case)
+    };
+    Axis {
+        name: "setting".to_owned(),
+        unit: String::new(),
+        about: "number of the setting".to_owned(),
+        values: (1..=all.len()).map(Value::from).collect(),
+        places: (0..cases).map(place).collect(),
+    }
+}
