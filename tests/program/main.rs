@@ -18,6 +18,7 @@ mod coverage;
 mod estimators;
 mod exactness;
 mod examples;
+mod export;
 mod figures;
 mod flags;
 mod given;
