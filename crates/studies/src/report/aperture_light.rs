@@ -129,7 +129,7 @@ impl CoherentLight {
 
 #[cfg(test)]
 mod tests {
-    use asperity_tally::{TallySpec, TallyValues};
+    use asperity_tally::{Side, TallySpec, TallyValues};
 
     use super::*;
 
