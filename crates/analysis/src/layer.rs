@@ -34,11 +34,11 @@
 //! that of the solid angle of the beam, which narrows as it enters. The series are those of any plate.
 
 mod depth;
+mod directions;
 mod expectation;
-mod faces;
-mod flat_layer;
-mod range;
+mod flat_layers;
+mod passage;
 mod scattering;
 
-pub use flat_layer::{FlatLayer, FlatLayerError, LayerPaths};
+pub use flat_layers::{FlatLayers, FlatLayersError, LayerPaths};
 pub use scattering::UnscatteredBeam;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity_analysis::{FlatLayer, LayerPaths, sidak_z_threshold};
+use asperity_analysis::{FlatLayers, LayerPaths, sidak_z_threshold};
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallySpec};
 use rand::{RngExt, SeedableRng};
@@ -102,11 +102,12 @@ fn spec() -> TallySpec {
     TallySpec::new(grid, 0.1).unwrap().with_medium()
 }
 
-fn model(case: &Case, paths: LayerPaths) -> FlatLayer {
+fn model(case: &Case, paths: LayerPaths) -> FlatLayers {
     let phase = PhaseFunction::henyey_greenstein(case.g).unwrap();
     let medium = ParticipatingMedium::from_mean_free_path(2.0, case.albedo, phase).unwrap();
     let layer = Layer::slab(medium, 2.0 * case.tau, case.bottom).unwrap();
-    FlatLayer::new(case.eta, &layer, paths).unwrap()
+    let top = Material::Dielectric { eta: case.eta };
+    FlatLayers::new(top, &[layer], paths).unwrap()
 }
 
 /// Counts of the rays that `counts` takes, by bin.
