@@ -13,7 +13,9 @@ mod surface_bins;
 
 use std::path::Path;
 
-use asperity_analysis::{FlatLayers, LayerPaths, ScatteringModel, create_model, smith_separable_g2};
+use asperity_analysis::{
+    FlatLayers, LayerPaths, ScatteringModel, create_model, smith_separable_g2,
+};
 use asperity_optics::{Incidence, Material, from_spherical};
 use asperity_surface::LengthUnit;
 
