@@ -6,7 +6,7 @@
 //! - `microfacet`: Gaussian slopes and tables of slopes, the distribution of facet normals, half vectors, sampling.
 //! - `models`: one scattering model per file, and the registry of their names.
 //! - `integrals`: models integrated over bins, hemispheres and all slopes.
-//! - `layer`: a participating medium between flat faces.
+//! - `layer`: participating media between flat faces.
 //! - `compare`: tests of models against explicit results; independent of the models.
 //!
 //! # Conventions

@@ -52,7 +52,7 @@ impl LayerPaths {
     pub const fn valid_range(self) -> &'static str {
         match self {
             Self::HanrahanKrueger => {
-                "flat faces, thin or absorbing media; all of light scattered once over half spaces and absorbing bottoms, elsewhere without what inner faces reflect; no mirror, metal or Lambertian bottom"
+                "flat faces, thin or absorbing media; all of light scattered once in a half space or one layer over an absorbing bottom, elsewhere without what inner faces reflect; no mirror, metal or Lambertian bottom"
             }
             Self::All => {
                 "flat faces, thin or absorbing media; exact for light scattered once and never, without what is scattered more often; no Lambertian bottom"

@@ -1,12 +1,14 @@
 //! Passage: light of one direction outside, on its way through the faces of flat layers.
 //!
 //! Light of one direction reaches every layer in one direction and its mirror image. Reflectances of what lies beyond a
-//! face follow from the far end, face by face, and the fluxes in the layers then from the near end:
+//! face follow from the far end, face by face, and the fluxes in the layers then from the near end. A face reflects `r`, from
+//! its far side `r'`, and transmits `t`; behind it lies a layer of transmittance `a = exp(-tau / mu)`, behind which all reflects
+//! `R_beyond`:
 //!
 //! ```text
-//! x = a^2 R_beyond,  o = 1 - r' x        a = exp(-tau / mu), r' the face from its far side, behind which the layer lies
-//! R = r + t^2 x / o                      reflectance of the face and all beyond
-//! D = t / o,  U = D a R_beyond           entering the layer, and coming back from its far face
+//! x = a^2 R_beyond,  o = 1 - r' x
+//! R = r + t^2 x / o                reflectance of the face and all beyond
+//! D = t / o,  U = D a R_beyond     in the layer, per flux on the face: behind it, and back from the next
 //! ```
 
 use std::ops::Range;
@@ -120,9 +122,7 @@ impl Passage {
         }
 
         // Add the layers up from the far end: what is reflected of the light that meets a face, and what is not
-        let [.., last] = faces.as_slice() else {
-            unreachable!("light meets the first face")
-        };
+        let last = faces[faces.len() - 1];
         let mut reflected = last.near.reflected;
         let mut lost = last.near.transmitted + last.near.absorbed;
         let mut entering = vec![(0.0, 0.0); faces.len() - 1];
@@ -130,7 +130,7 @@ impl Passage {
             let MetFace { near, far } = faces[i];
             if stack.paths == LayerPaths::HanrahanKrueger {
                 *entering = (near.transmitted, 0.0);
-                (reflected, lost) = (near.reflected, 1.0);
+                reflected = near.reflected;
                 continue;
             }
             let path = stack.media[number(i)].tau / layers[number(i)].mu;

@@ -134,8 +134,13 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .default("flat"),
         setting("bottom_surface", Kind::Choice(RANDOM_BOTTOMS))
             .help("Shape of the bottom")
-            .commands(VERIFY.and(GONIO))
+            .commands(VERIFY)
             .value_name("SHAPE")
+            .default("flat"),
+        setting("bottom_surface", Kind::ChoiceOrFile(RANDOM_BOTTOMS))
+            .help("Shape of the bottom")
+            .commands(GONIO)
+            .value_name("SHAPE|FILE")
             .default("flat"),
         setting("max_scatterings", Kind::Order)
             .help("Scatterings in the medium after which a path is truncated")
