@@ -33,6 +33,7 @@
 
 mod depth;
 mod directions;
+mod event_paths;
 mod expectation;
 mod flat_layers;
 mod passage;

@@ -2,8 +2,8 @@
 
 use asperity_optics::{Incidence, azimuth, from_spherical, polar_angle};
 use asperity_tally::{
-    Azimuth, Component, Event, EventPath, Exit, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
-    SideFluxes, Tally, TallySpec, TallyValues,
+    Azimuth, Component, Event, EventPath, Exit, MAX_LISTED_ORDER, Side, SideFluxes, Tally,
+    TallySpec, TallyValues,
 };
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use crate::models::model::Scope;
 
 use super::directions::Directions;
 use super::flat_layers::{FlatLayers, LayerPaths};
-use super::passage::{FaceFractions, MetFace, Passage};
+use super::passage::Passage;
 
 impl FlatLayers {
     /// [`FlatLayers::tally`] as the expectation of a model; exact.
@@ -72,7 +72,7 @@ impl FlatLayers {
     ) -> TallyValues {
         let mut tally = Tally::new(*spec, azimuth);
         let incident = Passage::of_incident(self, incidence.wi());
-        let parts = self.by_path(&incident);
+        let parts = self.event_paths(&incident);
         for beam in self.unscattered(incidence.wi()) {
             let parts = parts.iter().filter(|part| part.side == beam.side);
             let listed: f64 = parts.clone().map(|part| part.flux).sum();
@@ -96,97 +96,6 @@ impl FlatLayers {
         // Nothing is traced: there are no rays to count.
         expected.clear_hits();
         expected
-    }
-
-    /// Unscattered light that leaves after fewer than [`MAX_LISTED_ORDER`] interactions, by what happened to it at the faces.
-    fn by_path(&self, incident: &Passage) -> Vec<Unscattered> {
-        let n = self.media.len();
-        let mut left = Vec::new();
-        let mut rays = vec![Ray {
-            face: 0,
-            is_down: true,
-            path: EventPath::default(),
-            flux: 1.0,
-        }];
-        for order in 1..MAX_LISTED_ORDER {
-            let mut next: Vec<Ray> = Vec::new();
-            for ray in rays {
-                for (event, is_down, flux) in ray.at(&incident.faces[ray.face]) {
-                    let is_reflected_inside = event == Event::Reflection && ray.path.order() > 0;
-                    if flux == 0.0
-                        || is_reflected_inside && self.paths == LayerPaths::HanrahanKrueger
-                    {
-                        continue;
-                    }
-                    let is_end = self.is_open && ray.face == n;
-                    let path = if is_end {
-                        ray.path
-                    } else {
-                        ray.path.then(event)
-                    };
-                    if is_down && ray.face == n || !is_down && ray.face == 0 {
-                        let side = if is_down {
-                            Side::Transmitted
-                        } else {
-                            Side::Reflected
-                        };
-                        left.push(Unscattered { side, path, flux });
-                        continue;
-                    }
-                    // Below the face, or above it
-                    let layer = if is_down { ray.face } else { ray.face - 1 };
-                    let ray = Ray {
-                        face: if is_down { layer + 1 } else { layer },
-                        is_down,
-                        path,
-                        flux: flux * incident.layers[layer].attenuation(self.media[layer].tau),
-                    };
-                    // Paths without an entry of their own are followed together
-                    let mut others = next.iter_mut();
-                    let other = others.find(|other| {
-                        order > MAX_LISTED_PATH
-                            && (other.face, other.is_down) == (ray.face, is_down)
-                    });
-                    match other {
-                        Some(other) => other.flux += ray.flux,
-                        None => next.push(ray),
-                    }
-                }
-            }
-            rays = next;
-        }
-        left
-    }
-}
-
-/// Unscattered light that has left.
-struct Unscattered {
-    side: Side,
-    path: EventPath,
-    flux: f64,
-}
-
-/// Unscattered light that arrives at a face.
-struct Ray {
-    /// Number of the face, from above.
-    face: usize,
-    is_down: bool,
-    path: EventPath,
-    flux: f64,
-}
-
-impl Ray {
-    /// The interactions with its face: for each, whether the light then goes down, and its flux.
-    fn at(&self, face: &MetFace) -> [(Event, bool, f64); 2] {
-        let FaceFractions {
-            reflected,
-            transmitted,
-            ..
-        } = if self.is_down { face.near } else { face.far };
-        [
-            (Event::Reflection, !self.is_down, self.flux * reflected),
-            (Event::Transmission, self.is_down, self.flux * transmitted),
-        ]
     }
 }
 

@@ -82,8 +82,11 @@ impl MetFace {
             };
             (fractions, fresnel.cos_theta_t)
         };
-        let (near, mu_behind) = fractions(material, mu);
+        let (mut near, mu_behind) = fractions(material, mu);
         let mu_behind = Some(mu_behind).filter(|mu| near.transmitted > 0.0 && *mu > 0.0);
+        if mu_behind.is_none() {
+            near.transmitted = 0.0;
+        }
         let far = match mu_behind {
             // Without absorption both sides reflect alike (Stokes)
             Some(mu) if near.absorbed > 0.0 => FaceFractions {

@@ -426,6 +426,32 @@ fn coated_faces_reflect_from_either_side_as_their_films_do() {
 }
 
 #[test]
+fn coated_faces_at_their_critical_angle_have_finite_fluxes() {
+    let film = Film {
+        eta: 1.9,
+        kappa: 0.0,
+        phase: 0.9,
+    };
+    let beyond = Material::coated(Films::new(&[film]).unwrap(), 0.5, 0.0).unwrap();
+    let layers = [
+        slab(1.0, 0.3, 0.3, Bottom::Face(beyond)),
+        slab(1.0, 0.0, 0.4, Bottom::interface(2.0)),
+    ];
+    let top = Material::Dielectric { eta: 1.5 };
+    let model = FlatLayers::new(top, &layers, LayerPaths::All).unwrap();
+    let critical = 0.75_f64.asin().to_degrees();
+    for e in [-1e-7, -1e-14, 0.0, 1e-14, 1e-7] {
+        let spec = spec(3, 4);
+        let tally = tally(&model, critical + e, &spec);
+        let all = Side::BOTH.map(|side| tally.flux(side, Component::All));
+        let orders = Side::BOTH.map(|side| tally[spec.order_entry(side, 3)]);
+        for flux in [all, orders].concat() {
+            assert!((0.0..=1.0).contains(&flux), "{e:e}: {flux}");
+        }
+    }
+}
+
+#[test]
 fn layers_that_no_light_enters_are_refused() {
     let refusal =
         |top, layers: &[Layer], paths| FlatLayers::new(top, layers, paths).unwrap_err().to_string();
