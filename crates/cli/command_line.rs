@@ -3,7 +3,7 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use asperity_analysis::{FlatLayer, MODEL_NAMES};
+use asperity_analysis::{FlatLayers, MODEL_NAMES};
 use asperity_io::{HeightMapFormat, MeshFormat, materials, read_text, shown, shown_path};
 use asperity_studies::settings::{
     Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
@@ -206,7 +206,7 @@ fn offered(setting: &Setting) -> Vec<PossibleValue> {
 }
 
 fn names_of_models() -> Vec<PossibleValue> {
-    let names = MODEL_NAMES.iter().chain(&FlatLayer::NAMES);
+    let names = MODEL_NAMES.iter().chain(&FlatLayers::NAMES);
     names.copied().map(PossibleValue::new).collect()
 }
 

@@ -346,7 +346,8 @@ fn bad_input_gets_a_sentence() {
         gonio --flat --border open -o out => not a flat surface
         gonio --border open -o out => --border open needs --surface (
         gonio g.toml --material mirror -o out => no light enters
-        gonio g.toml --bottom-surface h.npy -o out => flat, same or independent
+        gonio g.toml --mean-free-path 4 --albedo 1 --thickness 99 --bottom-surface h.npy -o out => goes with a given surface or a flat surface, not random surfaces
+        gonio g.toml --bottom-surface saem -o out => flat, same, independent or a file; did you mean same?
         gonio g.toml --side transmitted -o out => nothing leaves below
         gonio g.toml --size 16 -o out => --insist
     ";

@@ -67,6 +67,47 @@ fn results_on_a_file_are_refused_by_what_differs() {
 }
 
 #[test]
+fn a_bottom_may_come_from_a_file() {
+    let folder = crate::support::with_surface();
+    folder.succeed("generate --tau 8 --smoothness 4 --size 64 --seed 9 -o b.exr");
+    let flags = "--theta 30 --mean-free-path 20 --albedo 0.9 --thickness 60 --rays 4e3 --no-plots";
+    let run = |bottom: &str, out: &str| {
+        let line = format!("gonio --surface h.exr {flags} --bottom-surface {bottom} -o {out}");
+        folder.succeed(line);
+        folder.text(format!(
+            "{out}/directions/n1.5_mfp20_albedo0.9_d60_theta30_phi0.csv"
+        ))
+    };
+    let own = run("h.exr", "own");
+    assert_eq!(own, run("same", "same"));
+    let other = run("b.exr", "other");
+    assert!(other != own);
+    // As trace has it
+    folder.succeed(format!(
+        "trace h.exr {flags} --bottom-surface b.exr -o traced"
+    ));
+    let traced = Table::read(&folder.join("traced/histogram.csv"));
+    let directions = "other/directions/n1.5_mfp20_albedo0.9_d60_theta30_phi0.csv";
+    let measured = Table::read(&folder.join(directions));
+    for row in 0..measured.rows.len() {
+        assert_eq!(measured.text(row, "bsdf"), traced.text(row, "bsdf"));
+    }
+    // Other heights of the same name are another measurement
+    folder.succeed("generate --tau 8 --smoothness 4 --size 64 --seed 10 -o b.exr");
+    let again = format!("gonio --surface h.exr {flags} --bottom-surface b.exr -o other");
+    mismatched(&folder, &again, "measured.bottom.heights");
+    // The lowest face of a stack, under a flat surface
+    let stack = format!("gonio --flat {flags} --layer 1.3:60 --bottom-surface b.exr -o stack");
+    folder.succeed(stack);
+    let summary = crate::support::json(&folder.text("stack/summary.json"));
+    assert_eq!(summary["sample"]["bottom"]["name"], "b.exr");
+    let uneven = "generate --tau 8 --smoothness 4 --size 80 --seed 9 -o wide.exr";
+    folder.succeed(uneven);
+    let wide = format!("gonio --surface h.exr {flags} --bottom-surface wide.exr -o wide");
+    folder.refused(wide).must_contain("does not lie under");
+}
+
+#[test]
 fn results_above_a_medium_are_refused_by_what_differs_below() {
     let folder = Folder::new();
     grooves(&folder.join("h.csv"), 0.25);

@@ -98,11 +98,45 @@ fn layers_are_refused_what_their_models_cannot_do() {
         smith --smoothness 3 --theta 30 --scattering 1 => hanrahan-krueger and flat-layer
         flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same => --bottom-surface is for trace, render, verify and gonio, not for model
         smith --theta 30 => give --smoothness
+        hanrahan-krueger --theta 30 --thickness 1 --layer 1.3:1 --material 1.5 --wavelength 550 --bottom-material gold => use flat-layer
+        flat-layer --theta 30 --layer 1.3:1 --scattering 1 => --layer 1.3:1 needs --thickness
     ";
     for [arguments, expected] in rows(cases) {
         let error = folder.refused(format!("model {arguments}"));
         error.must_contain(expected);
     }
+}
+
+#[test]
+fn stacks_are_told_layer_by_layer() {
+    // Layers of one medium are one layer.
+    let medium = "--eta 1.5 --theta 30 --scattering 0.1 --absorption 0.05 --g 0.3";
+    let further = "1.5:2:scattering=0.1:absorption=0.05:g=0.3";
+    for name in ["flat-layer", "hanrahan-krueger"] {
+        let whole = model(&format!("{name} {medium} --thickness 3 --json"));
+        let parts = format!("{name} {medium} --thickness 1 --layer {further} --json");
+        let [whole, parts] = [whole, model(&parts)].map(|text| json(&text));
+        for component in ["unscattered", "once"] {
+            for side in ["reflected", "transmitted"] {
+                let [a, b] =
+                    [&whole, &parts].map(|found| number(&found["energy"][component][side]));
+                assert!((a - b).abs() < 1e-12, "{name} {component} {side}: {a} {b}");
+            }
+        }
+        assert_eq!(parts["layers"].as_array().unwrap().len(), 2);
+        assert_eq!(parts["layer"], parts["layers"][0]);
+        let [a, b] = [&whole, &parts].map(|found| number(&found["optical_thickness"]));
+        assert!((a - b).abs() < 1e-15);
+    }
+    // Lengths with a unit, a body that absorbs by its index, and films on both sides
+    let text = model(
+        "flat-layer --material BK7 --kappa 0 --film MgF2:100nm --wavelength 550 --theta 30 --thickness 1mm \
+         --layer water:10mm --bottom-film MgF2:100nm --json",
+    );
+    let found = json(&text);
+    assert!((number(&found["layers"][1]["slab"]["thickness"]) - 10.0).abs() < 1e-12);
+    let through = number(&found["energy"]["unscattered"]["transmitted"]);
+    assert!((0.9..0.99).contains(&through), "{through}");
 }
 
 /// The verdict of a model on a part of the light.
@@ -149,6 +183,16 @@ fn the_letter_holds_where_nothing_comes_back_from_the_bottom() {
         "--thickness 20 --bottom absorbing --smoothness 400 --rays 6e4 --models hanrahan-krueger";
     let found = verified(flags);
     assert_eq!(verdict(&found, "hanrahan-krueger", "once"), "not rejected");
+}
+
+/// Below two layers of which the upper one is thin, as for one layer.
+#[test]
+fn nearly_flat_stacks_agree_with_all_paths_and_not_with_the_letter() {
+    let flags = "--thickness 2 --layer 1.3:3:scattering=0.05:g=0.5 --smoothness 400 --rays 1.2e5 --models flat-layer,hanrahan-krueger";
+    let found = verified(flags);
+    assert_eq!(verdict(&found, "flat-layer", "unscattered"), "not rejected");
+    assert_eq!(verdict(&found, "flat-layer", "once"), "not rejected");
+    assert_eq!(verdict(&found, "hanrahan-krueger", "once"), "rejected");
 }
 
 #[test]
@@ -202,6 +246,8 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
         "--thickness 5 --bottom open",
         "--thickness 20 --bottom mirror",
         "--thickness 8 --bottom-eta 0.9",
+        "--thickness 4 --layer 1.2:3:scattering=0.08:absorption=0.02:g=-0.4",
+        "--thickness 4 --layer 1.7:2:scattering=0.1,1.5:3:absorption=0.05 --bottom mirror",
         "",
     ]
     .into_iter()
@@ -242,7 +288,7 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
     let mean = squares.iter().sum::<f64>() / n;
     println!("{n} bins, mean square of z {mean:.3}");
     // Errors from 64 blocks spread it by sqrt(2 / n) and raise it by 2 / 64.
-    assert!(n > 150.0 && (mean - 1.0 - 2.0 / 64.0).abs() < 4.0 * (2.0 / n).sqrt());
+    assert!(n > 250.0 && (mean - 1.0 - 2.0 / 64.0).abs() < 4.0 * (2.0 / n).sqrt());
 }
 
 #[test]

@@ -6,7 +6,7 @@
 //! - `microfacet`: Gaussian slopes and tables of slopes, the distribution of facet normals, half vectors, sampling.
 //! - `models`: one scattering model per file, and the registry of their names.
 //! - `integrals`: models integrated over bins, hemispheres and all slopes.
-//! - `layer`: a participating medium between flat faces.
+//! - `layer`: participating media between flat faces.
 //! - `compare`: tests of models against explicit results; independent of the models.
 //!
 //! # Conventions
@@ -67,7 +67,7 @@ pub use integrals::expectation::{Expectation, SamplingEffort, expect, expect_unl
 pub use integrals::flux::{bin_fluxes, flux_into, in_plane_flux};
 pub use integrals::tabulated::region_influence;
 pub use integrals::unshadowed::unshadowed_fluxes;
-pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
+pub use layer::{FlatLayers, FlatLayersError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::ggx::Ggx;
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};

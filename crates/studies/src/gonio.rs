@@ -85,15 +85,22 @@ impl Study for GonioStudy {
 
     fn plan(document: &Document, observer: &dyn Observer) -> Result<Self, StudyError> {
         let mut config: GonioConfig = document.read()?;
-        let unit = document.own_unit();
-        let surfaces = config.measured.read_surfaces(unit, observer)?;
-        if let Some(surfaces) = &surfaces {
+        let measured = &config.measured;
+        let given = measured.is_given().then(|| {
+            let medium = config.medium.as_ref();
+            measured.read_with_bottom(medium, document, observer)
+        });
+        let given = given.transpose()?;
+        if let Some((surfaces, _)) = &given {
             config = document.clone().in_unit(surfaces.first.unit)?.read()?;
             config.light.take_sun(surfaces.first.y_is_north);
         }
         let notes = config.surface.read_files()?;
         let cells = config.surface.cells.of_given();
-        let sample = surfaces.map(|surfaces| Sample::of(surfaces, &config.measured, cells));
+        let medium = config.medium.as_ref();
+        let sample = given.map(|(surfaces, bottom)| {
+            Sample::of(surfaces, bottom, medium, &config.measured, cells)
+        });
         Ok(Self {
             notes,
             ..Self::new(config, sample.transpose()?)?

@@ -13,7 +13,9 @@ mod surface_bins;
 
 use std::path::Path;
 
-use asperity_analysis::{FlatLayer, LayerPaths, ScatteringModel, create_model, smith_separable_g2};
+use asperity_analysis::{
+    FlatLayers, LayerPaths, ScatteringModel, create_model, smith_separable_g2,
+};
 use asperity_optics::{Incidence, Material, from_spherical};
 use asperity_surface::LengthUnit;
 
@@ -78,7 +80,7 @@ fn evaluate_single(
     };
     if let Some(paths) = LayerPaths::by_name(name) {
         refuse_roughness(name, document)?;
-        let model = layer_model(paths, config, &resolved)?;
+        let model = layer_model(paths, config, &resolved, document.own_unit())?;
         return evaluate_layer(config, model, incidence, resolution);
     }
     if let Some(path) = &config.model.attenuation_of {
@@ -101,7 +103,7 @@ fn rough_model(
         return Err(EvaluationError::Excludes {
             name,
             reason: "describes a surface without a medium below it",
-            advice: format!("a medium is for {}", FlatLayer::NAMES.join(" and ")),
+            advice: format!("a medium is for {}", FlatLayers::NAMES.join(" and ")),
         });
     }
     let (slopes, notes) = config.slopes(&name)?;
@@ -211,7 +213,7 @@ fn evaluate_surface(
     }
 }
 
-/// Settings that mean nothing for a flat layer.
+/// Settings that mean nothing for flat layers.
 const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
     ("surface.ggx_alpha", "ggx-alpha"),
     ("surface.slopes_of", "slopes-of"),
@@ -221,7 +223,7 @@ const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
     ("run.seed", "seed"),
 ];
 
-/// Refuses settings that mean nothing for the model `name` of a flat layer.
+/// Refuses settings that mean nothing for the model `name` of flat layers.
 fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationError> {
     let mut settings = OF_ROUGH_SURFACES.iter();
     match settings.find(|(setting, _)| document.is_given(setting)) {
@@ -234,27 +236,23 @@ fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationErr
     }
 }
 
-/// The model of a flat layer with these `paths`.
+/// The model of flat layers with these `paths`, whose lengths are in `unit`.
 fn layer_model(
     paths: LayerPaths,
     config: &ModelConfig,
     resolved: &Resolved,
+    unit: LengthUnit,
 ) -> Result<LayerModel, EvaluationError> {
-    let lacks = |needs| EvaluationError::Lacks {
-        name: paths.name().to_owned(),
-        needs,
-    };
-    let medium = config.medium.as_ref();
-    // Lengths have no unit here
-    let layers = resolved.layers(medium, LengthUnit::Arbitrary)?;
-    let layer = layers.first().copied().ok_or_else(|| {
-        lacks("a medium: give --mean-free-path and --albedo, or --absorption and --scattering")
-    })?;
-    let Material::Dielectric { eta } = resolved.material else {
-        return Err(lacks("a dielectric: give --eta"));
-    };
-    let model = FlatLayer::new(eta, &layer, paths).map_err(ConfigError::LayerModel)?;
-    Ok(LayerModel { model, layer })
+    let layers = resolved.layers(config.medium.as_ref(), unit)?;
+    if layers.is_empty() {
+        return Err(EvaluationError::Lacks {
+            name: paths.name().to_owned(),
+            needs: "a medium: give --mean-free-path and --albedo, or --absorption and --scattering",
+        });
+    }
+    let model = FlatLayers::new(resolved.material, &layers, paths);
+    let model = model.map_err(ConfigError::LayerModel)?;
+    Ok(LayerModel { model, layers })
 }
 
 fn evaluate_layer(

@@ -1,24 +1,21 @@
-//! Expected tally of a flat layer, in the bins of a run.
+//! Expected tally of flat layers, in the bins of a run.
 
-use std::f64::consts::PI;
-
-use asperity_optics::{Bottom, Incidence, azimuth, from_spherical, polar_angle};
+use asperity_optics::{Incidence, azimuth, from_spherical, polar_angle};
 use asperity_tally::{
     Azimuth, Component, Event, EventPath, Exit, MAX_LISTED_ORDER, Side, SideFluxes, Tally,
     TallySpec, TallyValues,
 };
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::integrals::expectation::Expectation;
 use crate::models::model::Scope;
 
-use super::faces::Inside;
-use super::flat_layer::{FlatLayer, LayerPaths};
-use super::range::Range;
+use super::directions::Directions;
+use super::flat_layers::{FlatLayers, LayerPaths};
+use super::passage::Passage;
 
-impl FlatLayer {
-    /// [`FlatLayer::tally`] as the expectation of a model; exact.
+impl FlatLayers {
+    /// [`FlatLayers::tally`] as the expectation of a model; exact.
     #[must_use]
     pub fn expect(&self, incidence: Incidence, spec: &TallySpec, azimuth: Azimuth) -> Expectation {
         let tally = self.tally(incidence, spec, azimuth);
@@ -33,37 +30,34 @@ impl FlatLayer {
     ///
     /// Totals, rings and profiles of all orders, and the bins' total, hold both. So do order one and what is
     /// above it. Higher orders, by number and by path, hold unscattered light; and that scattered once by the
-    /// paths of Hanrahan and Krueger, which has one order. [`Component::MEDIUM`] is filled where `spec`
-    /// keeps it. What is scattered more often, and all that is absorbed, stays zero.
+    /// paths of Hanrahan and Krueger, of which each layer has one on either side. [`Component::MEDIUM`] is filled
+    /// where `spec` keeps it. What is scattered more often, and all that is absorbed, stays zero.
     #[must_use]
     pub fn tally(&self, incidence: Incidence, spec: &TallySpec, azimuth: Azimuth) -> TallyValues {
         let mut expected = self.unscattered_tally(incidence, spec, azimuth);
         for side in spec.sides().filter(|&side| self.sides().includes(side)) {
-            let all = self.scattered_once(incidence, spec, side);
-            // Where light leaves through no interface, only the face of entry counts.
-            let first = if side == Side::Transmitted && self.bottom == Bottom::Open {
-                let direct = Self {
-                    paths: LayerPaths::HanrahanKrueger,
-                    ..*self
+            for Once { order, fluxes } in self.scattered_once(incidence, spec, side) {
+                let multiple = match order {
+                    Some(1) => Component::Single,
+                    _ => Component::Multiple,
                 };
-                direct.scattered_once(incidence, spec, side)
-            } else {
-                all.zeros_like()
-            };
-            let later = all.without(&first);
-            for (component, fluxes) in [
-                (Component::All, &all),
-                (Component::Single, &first),
-                (Component::Multiple, &later),
-                (Component::ScatteredOnce, &all),
-            ] {
-                expected.add_component(side, component, fluxes);
-            }
-            expected[spec.event_path_entry(side, passing(1))] += first.total;
-            if self.paths == LayerPaths::HanrahanKrueger {
-                // No path is longer.
-                expected.add_component(side, Component::Order(2), &later);
-                expected[spec.event_path_entry(side, passing(2))] += later.total;
+                for component in [Component::All, multiple, Component::ScatteredOnce] {
+                    expected.add_component(side, component, &fluxes);
+                }
+                let Some(order) = order else { continue };
+                let path = (0..order).fold(EventPath::default(), |path, _| {
+                    path.then(Event::Transmission)
+                });
+                expected[spec.event_path_entry(side, path)] += fluxes.total;
+                match order {
+                    1 => {}
+                    2 | 3 => expected.add_component(side, Component::Order(order as u8), &fluxes),
+                    _ => {
+                        let [.., and_above] = Component::ORDERS;
+                        expected.add_component(side, and_above, &fluxes);
+                        expected[spec.order_entry(side, order as usize)] += fluxes.total;
+                    }
+                }
             }
         }
         expected
@@ -77,9 +71,15 @@ impl FlatLayer {
         azimuth: Azimuth,
     ) -> TallyValues {
         let mut tally = Tally::new(*spec, azimuth);
-        let inside = self.enter(incidence.wi());
+        let incident = Passage::of_incident(self, incidence.wi());
+        let parts = self.event_paths(&incident);
         for beam in self.unscattered(incidence.wi()) {
-            for (path, flux) in self.by_path(&inside, beam.side, beam.flux) {
+            let parts = parts.iter().filter(|part| part.side == beam.side);
+            let listed: f64 = parts.clone().map(|part| part.flux).sum();
+            // Higher orders share an entry.
+            let rest = EventPath::from_code(MAX_LISTED_ORDER as u32, 1);
+            let rest = Some((rest, beam.flux - listed)).filter(|rest| rest.1 > 1e-15 * beam.flux);
+            for (path, flux) in parts.map(|part| (part.path, part.flux)).chain(rest) {
                 let directions = nearby(beam.wo);
                 for &wo in &directions {
                     tally.add_exit(&Exit {
@@ -96,51 +96,6 @@ impl FlatLayer {
         // Nothing is traced: there are no rays to count.
         expected.clear_hits();
         expected
-    }
-
-    /// Unscattered light on `side`, `total` in all, by what happened to it at the faces.
-    fn by_path(&self, inside: &Inside, side: Side, total: f64) -> Vec<(EventPath, f64)> {
-        let (top, bottom) = (inside.top, self.bottom_face(inside.mu));
-        let a = inside.attenuation();
-        let mut parts = Vec::new();
-        let (mut order, mut flux) = match side {
-            Side::Reflected => {
-                let at_once = EventPath::default().then(Event::Reflection);
-                parts.push((at_once, top.reflected));
-                let back = match self.paths {
-                    LayerPaths::HanrahanKrueger => 0.0,
-                    LayerPaths::All => bottom.reflected,
-                };
-                (3, top.transmitted * a * back * a * top.transmitted)
-            }
-            Side::Transmitted => (
-                self.straight_order(),
-                top.transmitted * a * bottom.transmitted,
-            ),
-        };
-        let round_trip = match self.paths {
-            LayerPaths::HanrahanKrueger => 0.0,
-            LayerPaths::All => top.reflected * a * bottom.reflected * a,
-        };
-        while flux > 0.0 && order < MAX_LISTED_ORDER as u32 {
-            parts.push((passing(order), flux));
-            flux *= round_trip;
-            order += 2;
-        }
-        // Higher orders share an entry.
-        let rest = total - parts.iter().map(|part| part.1).sum::<f64>();
-        if rest > 1e-15 * total {
-            parts.push((passing(order.max(MAX_LISTED_ORDER as u32)), rest));
-        }
-        parts
-    }
-
-    /// Interactions of light that passes straight through. An open bottom does not count as one.
-    fn straight_order(&self) -> u32 {
-        match self.bottom {
-            Bottom::Open => 1,
-            _ => 2,
-        }
     }
 }
 
@@ -161,48 +116,45 @@ fn nearby(wo: DVec3) -> Vec<DVec3> {
     .to_vec()
 }
 
-/// The path of the given number of interactions, of which the first and the last pass a face and all others are
-/// reflections: `T`, `TT`, `TRT` and so on.
-fn passing(order: u32) -> EventPath {
-    let last = if order <= EventPath::KEPT {
-        1 << (order - 1)
-    } else {
-        0
-    };
-    EventPath::from_code(order, 1 | last)
+/// Light scattered once that leaves on one side.
+struct Once {
+    /// Interactions with faces, if all of it had as many.
+    order: Option<u32>,
+    fluxes: SideFluxes,
 }
 
-impl FlatLayer {
-    /// Fluxes of light scattered once that leaves on one side.
-    fn scattered_once(&self, incidence: Incidence, spec: &TallySpec, side: Side) -> SideFluxes {
-        let range = Range::new(self, incidence, side);
-        let filter = spec.bin_filter(side);
-        let bins = (0..filter.len())
-            .into_par_iter()
-            .map(|i| {
-                let bin = filter.bin(i);
-                range.flux(bin.theta, bin.phi)
-            })
-            .collect();
-        let slice = spec.in_plane_filter(side);
-        let half_width = slice.half_width();
-        let in_plane = (0..slice.len())
-            .into_par_iter()
-            .map(|i| {
-                let [from, to] = slice.theta_deg(i).map(f64::to_radians);
-                // Bins do not straddle the normal.
-                let (azimuth, near, far) = if to > 0.0 {
-                    (incidence.phi() + PI, from, to)
-                } else {
-                    (incidence.phi(), -to, -from)
+impl FlatLayers {
+    /// Light scattered once that leaves on one side, by its interactions as far as they are known.
+    fn scattered_once(&self, incidence: Incidence, spec: &TallySpec, side: Side) -> Vec<Once> {
+        let n = self.media.len();
+        let through = n + usize::from(!self.is_open);
+        let once = |order, numbers| Once {
+            order,
+            fluxes: Directions::new(self, numbers, incidence, side).fluxes(spec),
+        };
+        match (self.paths, side) {
+            (LayerPaths::HanrahanKrueger, Side::Reflected) => (0..n)
+                .filter(|&number| self.media[number].albedo > 0.0)
+                .map(|number| once(Some(2 * (number as u32 + 1)), number..number + 1))
+                .collect(),
+            (LayerPaths::HanrahanKrueger, Side::Transmitted) => {
+                vec![once(Some(through as u32), self.all())]
+            }
+            // Through the top alone
+            (LayerPaths::All, Side::Transmitted) if through == 1 => {
+                let direct = Self {
+                    paths: LayerPaths::HanrahanKrueger,
+                    ..self.clone()
                 };
-                let theta = match side {
-                    Side::Reflected => [near, far],
-                    Side::Transmitted => [PI - far, PI - near],
-                };
-                range.flux(theta, [azimuth - half_width, azimuth + half_width])
-            })
-            .collect();
-        SideFluxes::from_bins(&filter, bins, in_plane)
+                let mut parts = direct.scattered_once(incidence, spec, side);
+                let later = parts.iter().fold(once(None, self.all()), |all, part| Once {
+                    fluxes: all.fluxes.without(&part.fluxes),
+                    ..all
+                });
+                parts.push(later);
+                parts
+            }
+            (LayerPaths::All, _) => vec![once(None, self.all())],
+        }
     }
 }

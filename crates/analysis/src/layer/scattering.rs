@@ -1,11 +1,13 @@
-//! Flat layer BSDF: light scattered once inside, and the beams of unscattered light.
+//! BSDF of flat layers: light scattered once inside, and the beams of unscattered light.
+
+use std::ops::Range;
 
 use asperity_optics::{azimuth, polar_angle};
 use asperity_tally::Side;
 use glam::DVec3;
 
-use super::faces::Inside;
-use super::flat_layer::FlatLayer;
+use super::flat_layers::FlatLayers;
+use super::passage::Passage;
 
 /// Unscattered light: it leaves along one direction, as a delta in the BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +29,9 @@ impl UnscatteredBeam {
     }
 }
 
-impl FlatLayer {
-    /// The BSDF of light scattered once inside, 1/sr, for directions outside the layer. Unscattered light is a
-    /// delta: see [`FlatLayer::unscattered`].
+impl FlatLayers {
+    /// The BSDF of light scattered once inside, 1/sr, for directions outside the layers. Unscattered light is a
+    /// delta: see [`FlatLayers::unscattered`].
     ///
     /// Unit vectors, `wo.z > 0` reflected, `wo.z < 0` transmitted; zero unless `wi.z > 0`. Stable for equal
     /// cosines, at grazing, at and beyond critical angles, and from `tau = 0` to infinity.
@@ -43,42 +45,35 @@ impl FlatLayer {
         } else {
             Side::Transmitted
         };
-        let inside = self.enter(wi);
-        self.leave(&inside, side, wo.z.abs())
-            .map_or(0.0, |exit| self.scattered(&inside, &exit, wo.truncate()))
+        let incident = Passage::of_incident(self, wi);
+        let leaving = self.leave(&incident, self.all(), side, wo.z.abs());
+        leaving.bsdf(-wi.truncate().dot(wo.truncate()))
     }
 
-    /// Unscattered light: reflected by the layer, and transmitted through the bottom.
+    /// Unscattered light: reflected by the layers, and transmitted through the lowest face.
     #[must_use]
     pub fn unscattered(&self, wi: DVec3) -> Vec<UnscatteredBeam> {
         if wi.z <= 0.0 {
             return Vec::new();
         }
-        let inside = self.enter(wi);
-        let through_top = inside.up * inside.attenuation() * inside.top.transmitted;
+        let incident = Passage::of_incident(self, wi);
         let mut beams = vec![UnscatteredBeam {
             side: Side::Reflected,
             wo: DVec3::new(-wi.x, -wi.y, wi.z),
-            flux: inside.top.reflected + through_top,
+            flux: incident.reflected,
         }];
-        if let Some(wo) = self.straight_on(wi, &inside) {
+        if let (Some(index), Some(mu)) = (self.index_beyond(), incident.mu_beyond) {
             beams.push(UnscatteredBeam {
                 side: Side::Transmitted,
-                wo,
-                flux: inside.down * inside.attenuation() * self.bottom_face(inside.mu).transmitted,
+                wo: (-wi.truncate() / index).extend(-mu).normalize(),
+                flux: incident.transmitted,
             });
         }
         beams
     }
 
-    /// Direction of light that passes both faces, if it can.
-    fn straight_on(&self, wi: DVec3, inside: &Inside) -> Option<DVec3> {
-        let index = self.bottom.index_beyond()?;
-        let face = self.bottom_face(inside.mu);
-        let passes = inside.top.transmitted > 0.0 && face.transmitted > 0.0;
-        passes.then(|| {
-            let across = -wi.truncate() / (self.eta * index);
-            across.extend(-face.cos_theta_t).normalize()
-        })
+    /// Numbers of all layers.
+    pub(super) fn all(&self) -> Range<usize> {
+        0..self.media.len()
     }
 }

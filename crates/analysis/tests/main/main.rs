@@ -21,6 +21,7 @@ mod integrals {
 mod layer {
     mod flat_layer;
     mod flat_layer_rays;
+    mod flat_stack;
 }
 mod models {
     mod ggx;

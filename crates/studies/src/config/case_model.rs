@@ -1,7 +1,7 @@
 //! The model of a case by its name: of the surface, or of what lies below it.
 
 use asperity_analysis::{
-    BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ModelError, SamplingEffort,
+    BsdfModel, Expectation, FlatLayers, LayerPaths, MODEL_NAMES, ModelError, SamplingEffort,
     ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model,
     expect_unless,
 };
@@ -64,8 +64,8 @@ impl ModelledSurface {
 pub enum CaseModel {
     /// Model of a rough surface with nothing below that scatters.
     Surface(Box<dyn ScatteringModel>),
-    /// Model of a medium between flat faces.
-    Layer(Box<FlatLayer>),
+    /// Model of layers between flat faces.
+    Layer(Box<FlatLayers>),
 }
 
 impl CaseModel {
@@ -75,16 +75,13 @@ impl CaseModel {
             name: name.to_owned(),
             has_medium,
         };
-        match (
-            surface.layers.as_slice(),
-            surface.material,
-            LayerPaths::by_name(name),
-        ) {
-            ([layer], Material::Dielectric { eta }, Some(paths)) => {
-                Ok(Self::Layer(Box::new(FlatLayer::new(eta, layer, paths)?)))
+        match (surface.layers.as_slice(), LayerPaths::by_name(name)) {
+            (layers @ [_, ..], Some(paths)) => {
+                let model = FlatLayers::new(surface.material, layers, paths)?;
+                Ok(Self::Layer(Box::new(model)))
             }
-            ([_, ..], ..) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
-            ([], _, Some(_)) => Err(of_other_layers(false)),
+            ([_, ..], _) if MODEL_NAMES.contains(&name) => Err(of_other_layers(true)),
+            ([], Some(_)) => Err(of_other_layers(false)),
             _ => match surface.model(name) {
                 Ok(model) => Ok(Self::Surface(model)),
                 Err(error) => Err(ConfigError::RefusedModel {

@@ -1,6 +1,6 @@
 //! Errors of configurations.
 
-use asperity_analysis::{FlatLayer, FlatLayerError, ModelError};
+use asperity_analysis::{FlatLayers, FlatLayersError, ModelError};
 use asperity_optics::{
     IncidenceError, LayerError, Material, MaterialError, ParticipatingMediumError,
     PhaseFunctionError,
@@ -68,7 +68,7 @@ pub enum ConfigError {
     },
     /// A model of a layer that cannot be made.
     #[error(transparent)]
-    LayerModel(#[from] FlatLayerError),
+    LayerModel(#[from] FlatLayersError),
     /// Transmitted light alone, of a material or a layer below it that transmits none.
     #[error("nothing {}; take side reflected or both", not_transmitted(.by.as_deref()))]
     NothingTransmitted {
@@ -179,7 +179,7 @@ fn model_and_medium(has_medium: bool) -> String {
     match has_medium {
         true => format!(
             "surface without a medium below it; with a medium, take {}",
-            FlatLayer::NAMES.join(" or ")
+            FlatLayers::NAMES.join(" or ")
         ),
         false => "medium below the surface, but no medium is given".to_owned(),
     }

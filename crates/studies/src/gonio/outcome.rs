@@ -136,7 +136,10 @@ impl<'a> GonioOutcome<'a> {
         let case = direction.case;
         let wavelength = self.config.light.wavelength_nm();
         match &self.sample {
-            Some(one) => Validity::new(&one.lengths, None, case, &direction.spec, wavelength),
+            Some(one) => {
+                let of_bottom = one.of_bottom.as_ref();
+                Validity::new(&one.lengths, of_bottom, case, &direction.spec, wavelength)
+            }
             None => Validity::of_random(case, &direction.spec, wavelength),
         }
     }

@@ -7,6 +7,7 @@ use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
 use crate::config::measured::MeasuredConfig;
+use crate::config::medium::MediumConfig;
 use crate::given::{GivenError, GivenShape, GivenSurface, GivenSurfaces};
 use crate::surface_lengths::SurfaceLengths;
 
@@ -23,30 +24,44 @@ pub struct Sample {
     pub description: Value,
     /// The shortest of their lengths, to be compared with the wavelength.
     pub lengths: SurfaceLengths,
+    /// Those of the bottom of the lowest layer, where a file gives it.
+    pub of_bottom: Option<SurfaceLengths>,
     /// Notes on them, one sentence each.
     pub warnings: Vec<String>,
 }
 
 impl Sample {
-    /// Surfaces that were read as `reading` says, with these `cells` between heights.
+    /// Surfaces that were read as `reading` says, with these `cells` between heights, over the layers of `medium`; `bottom` is the
+    /// shape of the lowest face, where a file gives it.
     ///
     /// # Errors
-    /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory.
+    /// [`GivenError`] if smooth cells are requested of a mesh or exceed the memory, or surface and bottom are of two kinds.
     pub fn of(
         surfaces: GivenSurfaces,
+        bottom: Option<GivenSurface>,
+        medium: Option<&MediumConfig>,
         reading: &MeasuredConfig,
         cells: Cells,
     ) -> Result<Self, GivenError> {
+        let below = bottom.as_ref().map(|bottom| description(bottom, reading));
+        let lowest = medium.map_or(0, MediumConfig::lowest);
         Ok(Self {
             name: surfaces.name(),
             unit: surfaces.first.unit,
-            description: surfaces.described(|surface| description(surface, reading)),
+            description: surfaces.described(|surface| {
+                let mut described = description(surface, reading);
+                if let Some(below) = &below {
+                    described["bottom"] = below.clone();
+                }
+                described
+            }),
             lengths: surfaces.lengths(),
+            of_bottom: bottom.as_ref().map(GivenSurface::lengths),
             warnings: match surfaces.first.file {
                 Some(_) => surfaces.warnings(),
                 None => Vec::new(),
             },
-            shapes: surfaces.simulated(None, 0, cells)?,
+            shapes: surfaces.simulated(bottom, lowest, cells)?,
         })
     }
 }

@@ -1,9 +1,9 @@
-//! Layer bins: a model of a flat layer, bin by bin.
+//! Layer bins: a model of flat layers, bin by bin.
 
 use asperity_simulate::short;
 use std::path::Path;
 
-use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
+use asperity_analysis::{FlatLayers, LayerPaths, UnscatteredBeam};
 use asperity_optics::{Incidence, Layer};
 use asperity_tally::{Component, Side, TallyResult, TallyValues};
 use serde::Serialize;
@@ -17,16 +17,17 @@ use crate::output::{
 };
 use crate::report::views::Csv;
 
-/// A model of a flat layer, and the layer.
+/// A model of flat layers, and the layers.
 pub(super) struct LayerModel {
-    pub(super) model: FlatLayer,
-    pub(super) layer: Layer,
+    pub(super) model: FlatLayers,
+    /// From above, one or more.
+    pub(super) layers: Vec<Layer>,
 }
 
 /// The components that such a model describes.
 const DESCRIBED: [Component; 2] = [Component::Unscattered, Component::ScatteredOnce];
 
-/// A model of a flat layer over bins, and its energies by how often light was scattered.
+/// A model of flat layers over bins, and its energies by how often light was scattered.
 pub(super) struct LayerBins {
     layer: LayerModel,
     incidence: Incidence,
@@ -83,7 +84,8 @@ impl Evaluation for LayerBins {
             model: paths.name(),
             description: paths.description(),
             valid_range: paths.valid_range(),
-            layer: &self.layer.layer,
+            layer: &self.layer.layers[0],
+            layers: &self.layer.layers,
             optical_thickness: model.optical_thickness(),
             energy: Energy {
                 unscattered: sides(Component::Unscattered),
@@ -118,12 +120,12 @@ fn table(expected: &TallyValues) -> Table<'_, usize> {
         )
         .column(Column::new(
             "flux_unscattered",
-            "flux of light that was never scattered inside the layer",
+            "flux of light that was never scattered inside the layers",
             unscattered,
         ))
         .column(Column::new(
             "flux_once",
-            "flux of light that was scattered inside the layer once",
+            "flux of light that was scattered inside the layers once",
             once,
         ))
 }
@@ -154,7 +156,7 @@ fn energy_table(expected: &TallyValues) -> String {
 }
 
 /// One sentence per direction into which unscattered light goes: a delta, of which a BSDF has no value.
-pub(super) fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String> {
+pub(super) fn unscattered_notes(model: &FlatLayers, incidence: Incidence) -> Vec<String> {
     let beams = model.unscattered(incidence.wi());
     let sentence = |beam: &UnscatteredBeam| {
         let [theta, phi] = beam.angles_deg();
@@ -176,7 +178,10 @@ struct Summary<'a> {
     model: &'static str,
     description: &'static str,
     valid_range: &'static str,
+    /// The uppermost layer.
     layer: &'a Layer,
+    /// All layers, from above.
+    layers: &'a [Layer],
     optical_thickness: f64,
     energy: Energy,
     unscattered: Vec<Beam>,

@@ -382,13 +382,13 @@ fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_analysis::{FlatLayer, MODEL_NAMES};
+    use asperity_analysis::{FlatLayers, MODEL_NAMES};
 
     #[test]
     fn every_model_has_a_look_of_its_own() {
         let mut names: Vec<&str> = MODEL_NAMES
             .iter()
-            .chain(&FlatLayer::NAMES)
+            .chain(&FlatLayers::NAMES)
             .copied()
             .collect();
         let mut looks = LOOKS.to_vec();

@@ -1,6 +1,6 @@
 //! Kind: what a value is, and how its text is read.
 
-use asperity_analysis::{FlatLayer, MODEL_NAMES};
+use asperity_analysis::{FlatLayers, MODEL_NAMES};
 use asperity_io::{MaterialRecord, material, materials, names_file};
 use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
@@ -286,7 +286,7 @@ fn is_path(text: &str) -> bool {
 
 /// Names of all models: of surfaces, and of layers.
 pub(super) fn names_of_models() -> Vec<&'static str> {
-    [MODEL_NAMES, &FlatLayer::NAMES].concat()
+    [MODEL_NAMES, &FlatLayers::NAMES].concat()
 }
 
 /// Examples in a sentence: `, such as a, b or c`; nothing without any.

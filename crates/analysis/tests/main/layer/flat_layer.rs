@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use asperity_analysis::{FlatLayer, LayerPaths};
+use asperity_analysis::{FlatLayers, LayerPaths};
 use asperity_optics::{
-    Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction, dielectric, from_spherical,
+    Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction, dielectric,
+    from_spherical,
 };
 use asperity_tally::{
     Azimuth, Component, HemisphereGrid, MAX_LISTED_ORDER, Side, Sides, TallyResult, TallySpec,
@@ -24,8 +25,8 @@ fn slab(albedo: f64, g: f64, tau: f64, bottom: Bottom) -> Layer {
     Layer::slab(medium(albedo, g), tau, bottom).unwrap()
 }
 
-fn model(eta: f64, layer: &Layer, paths: LayerPaths) -> FlatLayer {
-    FlatLayer::new(eta, layer, paths).unwrap()
+fn model(eta: f64, layer: &Layer, paths: LayerPaths) -> FlatLayers {
+    FlatLayers::new(Material::Dielectric { eta }, &[*layer], paths).unwrap()
 }
 
 fn degrees(theta: f64, phi: f64) -> DVec3 {
@@ -42,11 +43,11 @@ fn spec(n_theta: usize, n_phi: usize, half_width: f64) -> TallySpec {
 }
 
 /// The tally of light in the plane of azimuth zero.
-fn tally(model: &FlatLayer, theta: f64, spec: &TallySpec) -> TallyValues {
+fn tally(model: &FlatLayers, theta: f64, spec: &TallySpec) -> TallyValues {
     model.tally(light(theta), spec, Azimuth::From(PI))
 }
 
-fn fluxes_of(model: &FlatLayer, theta: f64, component: Component) -> [f64; 2] {
+fn fluxes_of(model: &FlatLayers, theta: f64, component: Component) -> [f64; 2] {
     let tally = tally(model, theta, &spec(6, 4, 0.1));
     Side::BOTH.map(|side| tally.flux(side, component))
 }
@@ -196,7 +197,7 @@ fn a_clear_plate_transmits_like_two_faces() {
         assert!((sum - 1.0).abs() < 1e-12, "{theta}: {sum}");
     }
     // An endless clear medium is its face alone.
-    let half = FlatLayer::new(eta, &Layer::half_space(clear), LayerPaths::All).unwrap();
+    let half = self::model(eta, &Layer::half_space(clear), LayerPaths::All);
     let beams = half.unscattered(degrees(40.0, 0.0));
     let r = dielectric(40_f64.to_radians().cos(), eta).reflected;
     assert!((beams[0].flux - r).abs() < 1e-15 && (beams[1].flux - (1.0 - r)).abs() < 1e-15);
@@ -303,7 +304,7 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
     let plate = Layer::slab(clear.unwrap(), 1.0, Bottom::interface(1.8)).unwrap();
     for paths in BOTH {
-        let plate = FlatLayer::new(0.8, &plate, paths).unwrap();
+        let plate = self::model(0.8, &plate, paths);
         assert_eq!(plate.unscattered(wi)[0].flux, 1.0);
         assert_eq!(
             fluxes_of(&plate, critical + 0.1, Component::Unscattered),
@@ -382,7 +383,8 @@ fn unrecorded_sides_and_azimuths_stay_empty() {
 #[test]
 fn layers_without_a_model_are_refused() {
     let refusal = |paths, eta: f64, bottom| {
-        let error = FlatLayer::new(eta, &slab(0.5, 0.0, 1.0, bottom), paths).unwrap_err();
+        let layer = slab(0.5, 0.0, 1.0, bottom);
+        let error = FlatLayers::new(Material::Dielectric { eta }, &[layer], paths).unwrap_err();
         error.to_string()
     };
     let white = Bottom::lambertian(1.0);
@@ -396,7 +398,7 @@ fn layers_without_a_model_are_refused() {
 
 #[test]
 fn layer_models_have_the_names_that_find_them() {
-    for name in FlatLayer::NAMES {
+    for name in FlatLayers::NAMES {
         assert_eq!(LayerPaths::by_name(name).map(LayerPaths::name), Some(name));
     }
     assert_eq!(LayerPaths::by_name("kubelka-munk"), None);

@@ -18,8 +18,15 @@ pub(in crate::settings) const RANDOM_OR_GIVEN: Group = group(&[
             "-measured.flat",
             "light.sun_elevation",
             "light.sun_azimuth",
+            "medium.bottom_surface!flat",
+            "-medium.bottom_surface=same",
+            "-medium.bottom_surface=independent",
         ]),
-    variant("a flat surface").when(&["measured.flat"]),
+    variant("a flat surface").when(&["measured.flat"]).allows(&[
+        "medium.bottom_surface!flat",
+        "-medium.bottom_surface=same",
+        "-medium.bottom_surface=independent",
+    ]),
 ])
 .keeps_all_defaults();
 

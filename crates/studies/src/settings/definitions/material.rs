@@ -58,8 +58,6 @@ pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
 );
 
 const MEDIUM_IN: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO).and(MODEL);
-/// Commands that trace light in layers.
-const LAYERED: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO);
 const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO).and(MODEL));
 
 pub(super) const MEDIUM: &[Setting] = &table(
@@ -104,9 +102,8 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .otherwise("infinite"),
         setting("layer", Kind::Layer)
             .help("Further layers below that medium, from above")
-            .commands(LAYERED)
             .value_name("MATERIAL:THICKNESS")
-            .arity(Arity::ListIn(LAYERED))
+            .arity(Arity::ListIn(MEDIUM_IN))
             .otherwise("none"),
         setting("bottom", BOTTOM)
             .help("What bounds the medium, or the lowest layer")
@@ -118,14 +115,12 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .otherwise("that of the medium above"),
         setting("bottom_material", Kind::Material)
             .help("Medium beyond a bottom that is an interface")
-            .commands(LAYERED)
             .value_name("NAME|FILE|N")
             .otherwise("the medium above"),
         setting("bottom_film", Kind::Film)
             .help("Thin film on such a bottom, layer by layer from above")
-            .commands(LAYERED)
             .value_name("MATERIAL:THICKNESS")
-            .arity(Arity::ListIn(LAYERED))
+            .arity(Arity::ListIn(MEDIUM_IN))
             .otherwise("none"),
         setting("bottom_reflectance", Kind::Number)
             .help("Reflectance of a Lambertian bottom")
@@ -139,8 +134,13 @@ pub(super) const MEDIUM: &[Setting] = &table(
             .default("flat"),
         setting("bottom_surface", Kind::Choice(RANDOM_BOTTOMS))
             .help("Shape of the bottom")
-            .commands(VERIFY.and(GONIO))
+            .commands(VERIFY)
             .value_name("SHAPE")
+            .default("flat"),
+        setting("bottom_surface", Kind::ChoiceOrFile(RANDOM_BOTTOMS))
+            .help("Shape of the bottom")
+            .commands(GONIO)
+            .value_name("SHAPE|FILE")
             .default("flat"),
         setting("max_scatterings", Kind::Order)
             .help("Scatterings in the medium after which a path is truncated")
