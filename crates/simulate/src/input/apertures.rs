@@ -29,6 +29,9 @@ const GLOSS: [(f64, [f64; 2]); 3] = [
 /// Full angles of the source of a glossmeter in the plane of incidence and across, degrees.
 const GLOSS_SOURCE: [f64; 2] = [0.75, 2.5];
 
+/// Largest difference of the index behind a sample from that in front of it where these are the same medium: products of quotients round.
+const SAME_INDEX: f64 = 1e-9;
+
 /// Largest difference from an angle of a glossmeter, degrees.
 const ROUNDING_DEG: f64 = 1e-9;
 
@@ -116,6 +119,13 @@ impl Case {
         self.indices_behind()?.pop()
     }
 
+    /// Returns `true` if light leaves behind the sample into a medium of the index that it comes from.
+    #[must_use]
+    pub fn passes_on(&self) -> bool {
+        let index = self.index_beyond();
+        index.is_some_and(|index| (index - 1.0).abs() < SAME_INDEX)
+    }
+
     /// Indices of all media behind the first interface that the light meets, relative to that it comes from; `None` where it does not get to
     /// the last.
     fn indices_behind(&self) -> Option<Vec<f64>> {
@@ -143,8 +153,7 @@ fn straight_theta(case: &Case) -> Option<f64> {
     let passes = indices.iter().all(|index| sin_i < *index);
     passes.then(|| {
         // The incident direction itself where the media are equal
-        let is_same = (index - 1.0).abs() < 1e-12;
-        PI - match is_same {
+        PI - match case.passes_on() {
             true => case.light.incidence.theta(),
             false => (sin_i / index).asin(),
         }

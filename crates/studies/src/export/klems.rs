@@ -17,9 +17,6 @@ use super::error::ExportError;
 use super::ranges::Range;
 use super::{Contents, Measurement};
 
-/// Largest difference of the index behind a slab from that in front of it.
-const SAME_INDEX: f64 = 1e-9;
-
 /// Largest difference of an azimuth from the centre of a patch, degrees.
 const ROUNDING_DEG: f64 = 1e-6;
 
@@ -124,10 +121,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
 
 /// Checks that a case is a slab between equal media whose patches of light are those of the basis.
 fn check(case: &Case) -> Result<(), ExportError> {
-    let is_slab = case
-        .index_beyond()
-        .is_some_and(|index| (index - 1.0).abs() < SAME_INDEX);
-    if !is_slab || case.layers.is_empty() {
+    if !case.passes_on() || case.layers.is_empty() {
         return Err(unfit(
             "describes a slab between equal media, as Radiance and WINDOW take it: give the sample a --thickness, or layers",
         ));

@@ -20,9 +20,6 @@ use crate::validity::{CoherentLight, Validity};
 /// Index of the black glass of ISO 2813, a mirror of which has a gloss of 100.
 const GLOSS_INDEX: f64 = 1.567;
 
-/// Largest difference of the index behind a sample from that in front of it where light is said to pass it.
-const SAME_INDEX: f64 = 1e-9;
-
 /// Quantity that an instrument reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
@@ -110,8 +107,8 @@ impl Quantity {
             Self::Specular | Self::Scatter => Some(apertures.specular),
             Self::Gloss => apertures.gloss.filter(|_| !case.light.is_polarised()),
             Self::Straight => apertures.straight,
-            Self::Haze => apertures.straight.filter(|_| sample.passes_on()),
-            _ => apertures.clear.filter(|_| sample.passes_on()),
+            Self::Haze => apertures.straight.filter(|_| case.passes_on()),
+            _ => apertures.clear.filter(|_| case.passes_on()),
         };
         let parts = Parts::of(outcome, &apertures, aperture?)?;
         Some(match self {
@@ -176,12 +173,6 @@ impl<'a> SampleLight<'a> {
 
     fn coherent(&self, side: Side) -> Option<CoherentLight> {
         self.phases?.coherent_light(&self.outcome.case, side)
-    }
-
-    /// Returns `true` if light leaves into a medium of the index that it comes from.
-    fn passes_on(&self) -> bool {
-        let index = self.outcome.case.index_beyond();
-        index.is_some_and(|index| (index - 1.0).abs() < SAME_INDEX)
     }
 }
 
