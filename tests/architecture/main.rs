@@ -261,7 +261,7 @@ const SIMULATE: [(&str, &[&str]); 14] = [
 ];
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 22] = [
+const STUDIES: [(&str, &[&str]); 23] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
@@ -277,6 +277,7 @@ const STUDIES: [(&str, &[&str]); 22] = [
         &["config", "error", "given", "output", "report", "settings"],
     ),
     ("materials", &["config", "output", "report"]),
+    ("export", &["output"]),
     ("mesh", &["config", "error", "given", "output", "settings"]),
     (
         "render",

@@ -3,22 +3,23 @@
 //! Each format is a file of this folder: from the directions of a measurement to the bytes of a file, with what the format cannot hold and the
 //! light that the file has next to the light that was measured.
 
-mod agreement;
 mod axes;
+mod contents;
 mod error;
 mod klems;
+mod measurement;
 mod netcdf;
 mod ranges;
 
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, check_ending, shown_path, write_bytes};
-use asperity_results::{CaseResult, Header, ResultSet};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use self::agreement::Agreement;
+use self::contents::{Contents, farthest, table};
 pub use self::error::ExportError;
+use self::measurement::Measurement;
 use crate::output::{Head, note_lines};
 
 /// Configuration of `asperity export`.
@@ -58,40 +59,6 @@ impl ExportFormat {
             Self::Klems => "xml",
         }
     }
-}
-
-/// Results of a measurement.
-struct Measurement {
-    header: Header,
-    cases: Vec<CaseResult>,
-}
-
-impl Measurement {
-    fn read(path: &Path) -> Result<Self, ExportError> {
-        let study = Header::read(path)?.study;
-        if !["gonio", "trace", "verify"].contains(&study.as_str()) {
-            let path = path.to_owned();
-            return Err(ExportError::OtherStudy { path, study });
-        }
-        let results = ResultSet::read(path)?;
-        let cases: Vec<CaseResult> = results.cases().map(|(_, case)| case.clone()).collect();
-        match cases.is_empty() {
-            true => Err(ExportError::Empty(path.to_owned())),
-            false => Ok(Self {
-                header: results.header,
-                cases,
-            }),
-        }
-    }
-}
-
-/// Contents of a file.
-struct Contents {
-    bytes: Vec<u8>,
-    /// The light of the file next to that which was measured.
-    agreement: Vec<Agreement>,
-    /// Sentences on what the format cannot hold, or what was done with it.
-    notes: Vec<String>,
 }
 
 /// A file that is ready to be written.
@@ -144,7 +111,7 @@ impl Exported {
             shown_path(output),
             self.format.name(),
             self.cases,
-            agreement::table().text(agreement::farthest(agreement)),
+            table().text(farthest(agreement)),
             note_lines(notes)
         )
     }
@@ -158,7 +125,7 @@ impl Exported {
         let mut summary = json!({
             "format": self.format.name(),
             "directions": self.cases,
-            "agreement": agreement::table().json(agreement),
+            "agreement": table().json(agreement),
             "notes": notes,
         });
         Head::of("export").insert_into(&mut summary);

@@ -12,10 +12,10 @@ use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
-use super::agreement::Agreement;
+use super::contents::{Agreement, Contents};
 use super::error::ExportError;
+use super::measurement::Measurement;
 use super::ranges::Range;
-use super::{Contents, Measurement};
 
 /// Largest difference of an azimuth from the centre of a patch, degrees.
 const ROUNDING_DEG: f64 = 1e-6;

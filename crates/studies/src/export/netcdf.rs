@@ -8,11 +8,11 @@ use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, HemisphereGrid, Side, TallyResult};
 use serde_json::Value;
 
-use super::agreement::Agreement;
 use super::axes::{Axes, Axis};
+use super::contents::{Agreement, Contents};
 use super::error::ExportError;
+use super::measurement::Measurement;
 use super::ranges::{Range, edges_from_normal, regular};
-use super::{Contents, Measurement};
 
 /// What angles and sides mean.
 const CONVENTIONS: &str = "theta_i, phi_i: direction towards the light, from the normal of the lit side, and azimuth. side: on which light leaves, reflected on that of the light. theta_o: from the normal of that side; phi_o: azimuth of the direction in which light leaves. bsdf: mean over the bin. Light is unpolarised unless the configuration says otherwise";

@@ -66,7 +66,10 @@ mod tests {
                 if !matches!(setting.kind, Kind::Path | Kind::ChoiceOrFile(_)) {
                     continue;
                 }
-                let flag = setting.flag_name().unwrap();
+                // Named by an argument
+                let Some(flag) = setting.flag_name() else {
+                    continue;
+                };
                 let mut document = Document::new(command);
                 let values = vec!["some/file.csv".to_owned()];
                 document.add_flags(&[(flag.clone(), values)], None).unwrap();

@@ -59,7 +59,8 @@ fn every_definition_has_all_parts() {
 }
 
 /// Settings that change nothing unless they are given.
-const OPTIONAL: [&str; 14] = [
+const OPTIONAL: [&str; 15] = [
+    "export.results",
     "model.name",
     "results.output",
     "results.plot",

@@ -98,13 +98,14 @@ fn lengths_are_judged_by_the_wavelength_in_the_medium_above() {
 #[test]
 fn the_bottom_of_a_layer_adds_to_the_phase_of_what_passes_it() {
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
-    let window = |bottom: BottomSurface| {
+    let of_thickness = |thickness: f64, bottom: BottomSurface| {
         let end = Bottom::interface(1.0 / 1.5);
-        let layer = Layer::slab(clear.clone().unwrap(), 4.0, end).unwrap();
+        let layer = Layer::slab(clear.clone().unwrap(), thickness, end).unwrap();
         let mut case = case(Material::Dielectric { eta: 1.5 }, 0.0);
         case.layers = vec![layer.on(bottom)];
         of_case(0.2, &case)
     };
+    let window = |bottom| of_thickness(1e-3, bottom);
     let k = 2.0 * PI * 0.2 / 0.55;
     let transmitted = |found: Validity| found.transmitted.unwrap().phase_parameter / k;
     let by_bottom = |found: Validity| found.reflected_by_bottom.unwrap().phase_parameter / k;
@@ -112,7 +113,13 @@ fn the_bottom_of_a_layer_adds_to_the_phase_of_what_passes_it() {
     assert!((transmitted(flat) - 0.5).abs() < 1e-12 && (by_bottom(flat) - 1.0).abs() < 1e-12);
     // Faces of one shape shift no phase between points, and reflect as the shape itself
     let same = window(BottomSurface::Same);
-    assert!(transmitted(same) < 1e-7 && (by_bottom(same) - 2.0).abs() < 1e-12);
+    assert!(transmitted(same) < 1e-6 && (by_bottom(same) - 2.0).abs() < 1e-12);
+    // On the way between them diffraction makes the phase of the light another: after a depth of k tau^2 / 2, half of it
+    let depth = 0.5 * (TAU * 1.5 / 0.55) * 50.0 * 50.0;
+    let deep = of_thickness(depth, BottomSurface::Same);
+    assert!((transmitted(deep) - 0.5).abs() < 1e-12, "{deep:?}");
+    let thick = of_thickness(1e9, BottomSurface::Same);
+    assert!((transmitted(thick) - 0.5_f64.sqrt()).abs() < 1e-6);
     let independent = window(BottomSurface::Independent);
     assert!((transmitted(independent) - 0.5_f64.sqrt()).abs() < 1e-12);
     assert!((by_bottom(independent) - 10_f64.sqrt()).abs() < 1e-12);

@@ -1,10 +1,19 @@
-//! Agreement: the light that a file has, next to that which was measured.
+//! Contents of a file, with the light that it has next to that which was measured.
 
 use asperity_simulate::{Case, Light};
 use asperity_tally::{Estimate, Side};
 use serde_json::json;
 
 use crate::output::{Column, Table, incidence_columns};
+
+/// Contents of a file.
+pub(super) struct Contents {
+    pub(super) bytes: Vec<u8>,
+    /// The light of the file next to that which was measured.
+    pub(super) agreement: Vec<Agreement>,
+    /// Sentences on what the format cannot hold, or what was done with it.
+    pub(super) notes: Vec<String>,
+}
 
 /// Light of one direction that left on one side.
 #[derive(Clone, Debug)]
