@@ -34,7 +34,7 @@ fn integral(bsdf: &[f64], theta: &[f64], phi: &[f64]) -> f64 {
 fn netcdf_has_the_light_of_the_results_over_common_and_over_exact_bins() {
     let folder = Folder::new();
     folder.succeed(format!(
-        "{GONIO} --theta 0,40 --phi 0,90 --azimuth fixed -o g"
+        "{GONIO} --theta 0,40 --phi 0,90 --light-azimuth fixed -o g"
     ));
     let text = folder.succeed("export g --format netcdf -o g.nc");
     unwrapped(&text).must_contain("4 directions");

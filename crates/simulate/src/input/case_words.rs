@@ -599,9 +599,9 @@ impl Case {
             ),
         ];
         if self.layers.len() > 1 {
-            let all: Vec<String> = self.layer_texts().collect();
-            let about = "all layers from above";
-            columns.push(column(Layer, "layers", "", about, json!(all.join("; "))));
+            let all: Vec<String> = self.layers.iter().map(layer_tag).collect();
+            let about = "all layers from above, as in names of folders";
+            columns.push(column(Layer, "layers", "", about, json!(all.join("_"))));
         }
         let others = self.at.others.iter();
         columns.extend(others.map(|one| {
@@ -620,8 +620,8 @@ impl Case {
             "half space that the light comes from",
             json!(self.light.from),
         ));
-        if let Some([spread, _]) = self.spread_texts() {
-            let about = "directions that the light comes from";
+        if let Some([_, spread]) = self.spread_texts() {
+            let about = "directions that the light comes from, as in names of folders";
             columns.push(column(Other, "light_spread", "", about, json!(spread)));
         }
         columns.push(column(

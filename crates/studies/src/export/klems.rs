@@ -201,7 +201,7 @@ impl<'a> Band<'a> {
         match found.is_empty() {
             false => Ok(found),
             true => Err(unfit(format!(
-                "needs light from {} between {lower} and {upper} degrees at an azimuth of {}: measure with --from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5, and --azimuth random, or all azimuths, on given surfaces",
+                "needs light from {} between {lower} and {upper} degrees at an azimuth of {}: measure with --from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5, and --light-azimuth random, or all azimuths, on given surfaces",
                 match from {
                     HalfSpace::Above => "above",
                     HalfSpace::Below => "below",
