@@ -76,9 +76,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         } else {
             0.5 * (lower + upper)
         };
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "<AngleBasisBlock><Theta>{middle}</Theta><nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta><UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>\n"
+            "<AngleBasisBlock><Theta>{middle}</Theta><nPhis>{count}</nPhis><ThetaBounds><LowerTheta>{lower}</LowerTheta><UpperTheta>{upper}</UpperTheta></ThetaBounds></AngleBasisBlock>"
         );
     }
     text.push_str("</AngleBasis>\n</DataDefinition>\n");
