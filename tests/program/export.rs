@@ -177,7 +177,22 @@ fn results_that_a_format_cannot_hold_are_refused() {
     folder.succeed(
         "map --smoothness 3 --theta 0 --rays 1e3 --realisations 2 --no-plots --quiet -o m",
     );
+    let slab = "gonio --eta 1.5 --thickness 1000 --theta 0 --light-spread klems --rays 1e3 --realisations 1 --no-plots --quiet";
+    folder.succeed(format!("{slab} --smoothness 20 --from above -o half"));
+    folder.succeed(format!("{slab} --smoothness 20,30 --from both -o two"));
+    folder.succeed(format!(
+        "{slab} --smoothness 20 --from both --light-azimuth fixed -o fixed"
+    ));
     for (line, words) in [
+        ("export two --format klems -o k.xml", "results of several"),
+        (
+            "export fixed --format klems -o k.xml",
+            "--light-azimuth random",
+        ),
+        (
+            "export half --format klems -o k.xml",
+            "needs light from above between 5",
+        ),
         (
             "export g --format klems -o k.xml",
             "a slab between equal media",

@@ -17,9 +17,6 @@ use super::error::ExportError;
 use super::measurement::Measurement;
 use super::ranges::Range;
 
-/// Largest difference of an azimuth from the centre of a patch, degrees.
-const ROUNDING_DEG: f64 = 1e-6;
-
 /// Patches of incidence.
 const PATCHES: usize = 145;
 
@@ -132,12 +129,19 @@ fn check(case: &Case) -> Result<(), ExportError> {
             "needs patches that are lit as a whole: measure with --from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5",
         ));
     }
+    if !case.light.random_azimuth {
+        return Err(unfit(
+            "takes one patch per ring, whose results are turned to the others: measure a sample without a direction of its own, or its mean over azimuths by --light-azimuth random",
+        ));
+    }
     Ok(())
 }
 
 /// Outcomes of one band, with the weight of each.
 struct Band<'a> {
     name: &'static str,
+    /// Outcomes of each patch: the wavelengths.
+    per_patch: usize,
     outcomes: Vec<(&'a Outcome, f64)>,
 }
 
@@ -152,10 +156,12 @@ impl<'a> Band<'a> {
             return Ok(vec![
                 Self {
                     name: "Visible",
+                    per_patch: 1,
                     outcomes: all.clone(),
                 },
                 Self {
                     name: "Solar",
+                    per_patch: 1,
                     outcomes: all,
                 },
             ]);
@@ -171,51 +177,47 @@ impl<'a> Band<'a> {
         });
         Ok(vec![Self {
             name: "Visible",
+            per_patch: wavelengths.len(),
             outcomes: weighted.collect(),
         }])
     }
 
-    /// Outcomes of light from a patch, with their weights, and the angle by which their azimuths are turned.
+    /// Outcomes of light from the ring of a patch, with their weights.
     fn lit_by(
         &self,
         from: HalfSpace,
         patch: &Patch,
-    ) -> Result<Vec<(&'a Outcome, f64, f64)>, ExportError> {
+    ) -> Result<Vec<(&'a Outcome, f64)>, ExportError> {
         let [lower, upper] = patch.range.theta_deg;
-        let wanted_deg = patch.centre_deg + 180.0;
-        let found = self.outcomes.iter().filter_map(|&(outcome, weight)| {
+        let is_lit = |(outcome, _): &(&Outcome, f64)| {
             let light = &outcome.case.light;
-            let theta = light.incidence.theta_deg();
-            let turn = wanted_deg - light.incidence.phi_deg();
-            let off = (turn + 180.0).rem_euclid(360.0) - 180.0;
-            let is_lit = light.from == from
-                && (lower..upper).contains(&theta)
-                && (light.random_azimuth || off.abs() < ROUNDING_DEG);
-            is_lit.then_some((
-                outcome,
-                weight,
-                if light.random_azimuth { turn } else { 0.0 },
-            ))
-        });
-        let found: Vec<(&Outcome, f64, f64)> = found.collect();
-        match found.is_empty() {
-            false => Ok(found),
-            true => Err(unfit(format!(
-                "needs light from {} between {lower} and {upper} degrees at an azimuth of {}: measure with --from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5, and --light-azimuth random, or all azimuths, on given surfaces",
-                match from {
-                    HalfSpace::Above => "above",
-                    HalfSpace::Below => "below",
-                },
-                wanted_deg.rem_euclid(360.0)
-            ))),
+            light.from == from && (lower..upper).contains(&light.incidence.theta_deg())
+        };
+        let found: Vec<(&Outcome, f64)> = self.outcomes.iter().copied().filter(is_lit).collect();
+        if found.len() > self.per_patch {
+            return Err(unfit(
+                "describes one sample, and there are results of several: measure one at a time",
+            ));
         }
+        if found.len() < self.per_patch {
+            let from = match from {
+                HalfSpace::Above => "above",
+                HalfSpace::Below => "below",
+            };
+            return Err(unfit(format!(
+                "needs light from {from} between {lower} and {upper} degrees: measure with --from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5"
+            )));
+        }
+        Ok(found)
     }
 
     /// Mean BSDF, row by row of patches of light that leaves on `side`.
     fn matrix(&self, from: HalfSpace, side: Side) -> Result<Vec<f64>, ExportError> {
         let mut matrix = vec![0.0; PATCHES * PATCHES];
         for (column, incident) in patches().enumerate() {
-            for (outcome, weight, turn) in self.lit_by(from, &incident)? {
+            for (outcome, weight) in self.lit_by(from, &incident)? {
+                // Light travels towards the azimuth of the patch
+                let turn = incident.centre_deg + 180.0 - outcome.case.light.incidence.phi_deg();
                 for (row, leaving) in patches().enumerate() {
                     let turned = Range {
                         phi_deg: leaving.range.phi_deg.map(|phi| phi - turn),
@@ -243,7 +245,7 @@ impl<'a> Band<'a> {
             .filter(|(_, patch)| patch.centre_deg == 0.0)
         {
             let lit = self.lit_by(from, &incident)?;
-            let [(outcome, ..)] = lit.as_slice() else {
+            let [(outcome, _)] = lit.as_slice() else {
                 continue;
             };
             let exported = patches().enumerate().map(|(row, leaving)| {
