@@ -37,7 +37,7 @@ fn netcdf_has_the_light_of_the_results_over_common_and_over_exact_bins() {
         "{GONIO} --theta 0,40 --phi 0,90 --light-azimuth fixed -o g"
     ));
     let text = folder.succeed("export g --format netcdf -o g.nc");
-    unwrapped(&text).must_contain("4 directions");
+    unwrapped(&text).must_contain("4 of 4 directions");
     unwrapped(&text).must_contain("bins differ between directions");
     let table = Table::read(&folder.join("g/gonio.csv"));
     let mut reader = FileReader::open(folder.join("g.nc")).unwrap();
@@ -96,7 +96,7 @@ fn netcdf_has_the_light_of_the_results_over_common_and_over_exact_bins() {
 #[test]
 fn netcdf_takes_what_tells_settings_apart_for_axes() {
     let folder = Folder::new();
-    let line = "gonio --tau 16um --sigma 4um --spacing 1um --size 128 --material BK7 --thickness 1mm --from both --theta 0,30 --rays 1e3 \
+    let line = "gonio --tau 16um --sigma 4um --spacing 1um --size 128 --material BK7 --thickness 1mm --from both --theta 30,0 --rays 1e3 \
         --realisations 1 --bins 9x12 --no-plots --quiet";
     folder.succeed(format!("{line} --wavelength 450nm,650nm -o g"));
     folder.succeed("export g --format netcdf -o g.nc --quiet");
@@ -116,6 +116,7 @@ fn netcdf_takes_what_tells_settings_apart_for_axes() {
     ];
     assert_eq!(names, expected);
     assert_eq!(read(&mut reader, "bsdf").1, [2, 2, 2, 1, 2, 9, 12]);
+    assert_eq!(read(&mut reader, "theta_i").0, [0.0, 30.0]);
     // What follows from the wavelength is no axis
     let (eta, lengths) = read(&mut reader, "eta");
     assert_eq!(lengths, [2, 2]);
@@ -196,6 +197,13 @@ fn results_that_a_format_cannot_hold_are_refused() {
     folder.succeed(format!(
         "{slab} --smoothness 20 --from both --light-azimuth fixed -o fixed"
     ));
+    folder.succeed(format!(
+        "{slab} --smoothness 20 --from both --side reflected -o mirrored"
+    ));
+    folder.succeed(format!(
+        "{slab} --smoothness 20 --from both --stokes 1,1,0,0 -o polarised"
+    ));
+    std::fs::hard_link(folder.join("g/results.npz"), folder.join("link.nc")).unwrap();
     for (line, words) in [
         ("export two --format klems -o k.xml", "results of several"),
         (
@@ -210,6 +218,12 @@ fn results_that_a_format_cannot_hold_are_refused() {
             "export g --format klems -o k.xml",
             "a slab between equal media",
         ),
+        ("export mirrored --format klems -o k.xml", "--side both"),
+        (
+            "export polarised --format klems -o k.xml",
+            "unpolarised light",
+        ),
+        ("export g --format netcdf -o link.nc", "is the input"),
         ("export m --format netcdf -o m.nc", "holds results of map"),
         ("export g --format netcdf -o g.xml", "written as .nc"),
         ("export --format netcdf -o g.nc", "no results"),

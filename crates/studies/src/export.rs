@@ -13,7 +13,7 @@ mod ranges;
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{WriteError, check_ending, shown_path, write_bytes};
+use asperity_io::{WriteError, check_ending, is_same_file, shown_path, write_bytes};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -66,6 +66,8 @@ pub struct Exported {
     format: ExportFormat,
     contents: Contents,
     cases: usize,
+    /// Directions of the run, finished or not.
+    planned: usize,
 }
 
 impl ExportConfig {
@@ -78,6 +80,12 @@ impl ExportConfig {
         let ending = [format.ending()];
         check_ending(output, "files of this format", &ending)?;
         let path = results.as_ref().ok_or(ExportError::NoResults)?;
+        if [path.clone(), path.join("results.npz")]
+            .iter()
+            .any(|input| is_same_file(input, output))
+        {
+            return Err(ExportError::Input(output.to_owned()));
+        }
         let measurement = Measurement::read(path)?;
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement)?,
@@ -87,6 +95,7 @@ impl ExportConfig {
             format: *format,
             contents,
             cases: measurement.cases.len(),
+            planned: measurement.planned,
         })
     }
 }
@@ -107,10 +116,11 @@ impl Exported {
             agreement, notes, ..
         } = &self.contents;
         format!(
-            "{}: {}, {} directions; light in the file where it differs most from what was measured:\n{}{}",
+            "{}: {}, {} of {} directions; light of the file, where it differs most from what was measured:\n{}{}",
             shown_path(output),
             self.format.name(),
             self.cases,
+            self.planned,
             table().text(farthest(agreement)),
             note_lines(notes)
         )
@@ -125,6 +135,7 @@ impl Exported {
         let mut summary = json!({
             "format": self.format.name(),
             "directions": self.cases,
+            "planned": self.planned,
             "agreement": table().json(agreement),
             "notes": notes,
         });

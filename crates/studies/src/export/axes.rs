@@ -57,7 +57,24 @@ impl Axis {
                 values.push(column.value);
             }
         }
+        all.iter_mut().for_each(Self::sort);
         all
+    }
+
+    /// Puts numbers in ascending order, as readers expect of coordinates.
+    fn sort(&mut self) {
+        let numbers: Option<Vec<f64>> = self.values.iter().map(Value::as_f64).collect();
+        let Some(numbers) = numbers else {
+            return;
+        };
+        let mut order: Vec<usize> = (0..numbers.len()).collect();
+        order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
+        self.values = order.iter().map(|&i| self.values[i].clone()).collect();
+        let mut place = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            place[old] = new;
+        }
+        self.places.iter_mut().for_each(|old| *old = place[*old]);
     }
 
     /// Value of a case.
@@ -76,7 +93,14 @@ impl Axes {
         let is_direction = |axis: &Axis| DIRECTION.contains(&axis.name.as_str());
         let (direction, mut settings): (Vec<Axis>, Vec<Axis>) =
             Axis::all(cases).into_iter().partition(is_direction);
-        settings.retain(|axis| axis.values.len() > 1);
+        let directions = tuples(&direction).len();
+        settings.retain(|axis| {
+            let mut with_axis = direction.clone();
+            with_axis.push(axis.clone());
+            // The patch about each direction tells nothing of settings
+            let follows = tuples(&with_axis).len() == directions;
+            axis.values.len() > 1 && !follows
+        });
         settings.sort_by_key(Axis::rank);
         let wanted = tuples(&settings).len();
         let (mut axes, mut others): (Vec<Axis>, Vec<Axis>) = (Vec::new(), Vec::new());

@@ -17,6 +17,9 @@ pub enum ExportError {
     /// The name of the file has another ending.
     #[error(transparent)]
     Ending(#[from] WriteError),
+    /// The file would replace the results.
+    #[error("{} is the input of this command, which would replace it; choose another output", shown_path(.0))]
+    Input(PathBuf),
     /// They cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -54,7 +57,11 @@ impl ExportError {
     pub const fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::NoResults | Self::Ending(_) | Self::OtherStudy { .. } | Self::Unfit { .. }
+            Self::NoResults
+                | Self::Input(_)
+                | Self::Ending(_)
+                | Self::OtherStudy { .. }
+                | Self::Unfit { .. }
         )
     }
 }

@@ -7,9 +7,9 @@
 use std::fmt::Write;
 
 use asperity_optics::{ColourObserver, KLEMS, Layer, Spread, colour_weights};
-use asperity_simulate::{Case, Outcome};
+use asperity_simulate::Outcome;
 use asperity_surface::LengthUnit;
-use asperity_tally::{Component, Side, TallyResult};
+use asperity_tally::{Component, Estimate, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents};
@@ -55,7 +55,7 @@ fn unfit(reason: impl Into<String>) -> ExportError {
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
     let outcomes: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
     for outcome in &outcomes {
-        check(&outcome.case)?;
+        check(outcome)?;
     }
     let bands = Band::all(&outcomes)?;
     let case = &outcomes[0].case;
@@ -107,7 +107,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     if bands.len() == 1 {
         notes.push("the Visible band alone: a Solar band needs wavelengths from 300 to 2500 nm, which are not weighted yet".to_owned());
     } else {
-        notes.push("one wavelength stands for both bands, Visible and Solar".to_owned());
+        notes.push("the same values stand for both bands, Visible and Solar".to_owned());
     }
     Ok(Contents {
         bytes: text.into_bytes(),
@@ -117,11 +117,24 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
 }
 
 /// Checks that a case is a slab between equal media whose patches of light are those of the basis.
-fn check(case: &Case) -> Result<(), ExportError> {
-    if !case.passes_on() || case.layers.is_empty() {
+fn check(outcome: &Outcome) -> Result<(), ExportError> {
+    let case = &outcome.case;
+    if case.layers.is_empty() {
         return Err(unfit(
             "describes a slab between equal media, as Radiance and WINDOW take it: give the sample a --thickness, or layers",
         ));
+    }
+    if !case.passes_on() {
+        return Err(unfit(
+            "describes a slab between equal media, as Radiance and WINDOW take it: what lies behind this one is opaque or another medium",
+        ));
+    }
+    let spec = outcome.statistics.spec();
+    if !Side::BOTH.into_iter().all(|side| spec.records(side)) {
+        return Err(unfit("needs light on both sides: measure with --side both"));
+    }
+    if case.light.is_polarised() {
+        return Err(unfit("is of unpolarised light: measure without --stokes"));
     }
     let patch = Spread::klems(case.light.incidence).ok();
     if patch.is_none() || case.light.spread != patch {
@@ -245,22 +258,35 @@ impl<'a> Band<'a> {
             .filter(|(_, patch)| patch.centre_deg == 0.0)
         {
             let lit = self.lit_by(from, &incident)?;
-            let [(outcome, _)] = lit.as_slice() else {
-                continue;
-            };
             let exported = patches().enumerate().map(|(row, leaving)| {
                 matrix[row * PATCHES + column] * leaving.range.projected_solid_angle()
             });
-            let measured = outcome.statistics.flux(side, Component::All);
-            rows.push(Agreement::of(&outcome.case, side, measured, exported.sum()));
+            let (mut mean, mut variance) = (0.0, Some(0.0));
+            for (outcome, weight) in &lit {
+                let flux = outcome.statistics.flux(side, Component::All);
+                mean += weight * flux.mean;
+                variance = variance.and_then(|sum: f64| Some(sum + (weight * flux.se?).powi(2)));
+            }
+            let se = variance.map(f64::sqrt);
+            let case = &lit[0].0.case;
+            rows.push(Agreement::of(
+                case,
+                side,
+                Estimate { mean, se },
+                exported.sum(),
+            ));
         }
         Ok(rows)
     }
 
     fn write(&self, text: &mut String, direction: &str, scatter: &str, matrix: &[f64]) {
+        let [source, eye] = match self.name {
+            "Visible" => ["CIE Illuminant D65 1nm.ssp", "ASTM E308 1931 Y.dsp"],
+            _ => ["None", "None"],
+        };
         let _ = write!(
             text,
-            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{}</Wavelength>\n<SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n<DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>{direction}</WavelengthDataDirection>\n<ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis>\n<RowAngleBasis>LBNL/Klems Full</RowAngleBasis>\n<ScatteringDataType>{scatter}</ScatteringDataType>\n<ScatteringData>\n",
+            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{}</Wavelength>\n<SourceSpectrum>{source}</SourceSpectrum>\n<DetectorSpectrum>{eye}</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>{direction}</WavelengthDataDirection>\n<ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis>\n<RowAngleBasis>LBNL/Klems Full</RowAngleBasis>\n<ScatteringDataType>{scatter}</ScatteringDataType>\n<ScatteringData>\n",
             self.name
         );
         for row in matrix.chunks(PATCHES) {

@@ -11,6 +11,8 @@ pub(super) struct Measurement {
     pub(super) header: Header,
     /// Finished cases, at least one.
     pub(super) cases: Vec<CaseResult>,
+    /// Number of cases of the run, finished or not.
+    pub(super) planned: usize,
 }
 
 impl Measurement {
@@ -29,6 +31,7 @@ impl Measurement {
         match cases.is_empty() {
             true => Err(ExportError::Empty(path.to_owned())),
             false => Ok(Self {
+                planned: results.len(),
                 header: results.header,
                 cases,
             }),

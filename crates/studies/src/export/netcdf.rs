@@ -78,7 +78,10 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
             360 / counts[1]
         ));
     }
-    notes.push("not in the file: orders of scattering, Mueller matrices, covariances".to_owned());
+    notes.push(
+        "not in the file: absorbed light, orders of scattering, Mueller matrices, covariances"
+            .to_owned(),
+    );
 
     let agreement = cases.iter().flat_map(|case| {
         let outcome = &case.outcome;

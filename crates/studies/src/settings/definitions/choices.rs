@@ -88,7 +88,7 @@ pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
 
 pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "labelled arrays for xarray, MATLAB, Julia and R"),
-    choice("klems", "XML for Radiance, WINDOW and EnergyPlus: slabs"),
+    choice("klems", "XML with matrices of slabs, as Radiance reads"),
 ]);
 
 pub(super) const MISSING: Kind = Kind::Choice(&[
