@@ -56,7 +56,7 @@ impl Header {
     /// Header of a result file, or of that of a folder.
     ///
     /// # Errors
-    /// [`ResultsError`] if there is none, it cannot be read, or is of another format or results epoch.
+    /// [`ResultsError`] if there is no such file, it cannot be read, or it is of another format or results epoch.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ResultsError> {
         let path = path.as_ref();
         let file = if path.is_dir() {

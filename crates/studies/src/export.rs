@@ -28,7 +28,7 @@ pub struct ExportConfig {
     export: Selection,
 }
 
-/// What is exported, and as what.
+/// Results, and the format in which they are written.
 #[derive(Clone, Debug, Deserialize)]
 struct Selection {
     results: Option<PathBuf>,
@@ -126,7 +126,7 @@ impl Exported {
         )
     }
 
-    /// The same as JSON.
+    /// Summary of the file as JSON.
     #[must_use]
     pub fn summary(&self) -> Value {
         let Contents {

@@ -83,7 +83,7 @@ impl FlatLayers {
         ]
     }
 
-    /// Light that comes from a face, at the next one, or as it leaves if there is none.
+    /// Light from one face when it meets the next, or when it leaves the stack.
     fn next_face(&self, ray: Ray, incident: &Passage) -> Result<Ray, Left> {
         let Ray { path, flux, .. } = ray;
         let (layer, side) = match ray.is_down {

@@ -70,7 +70,7 @@ pub struct FlatLayers {
     pub(super) media: Vec<FlatMedium>,
     /// Indices of the medium above, of the layers, and of the medium beyond if light gets there; relative to the first.
     pub(super) indices: Vec<f64>,
-    /// `true` if the lowest face is none: it does not count as an interaction.
+    /// `true` if the bottom is open, which does not count as an interaction.
     pub(super) is_open: bool,
     pub(super) paths: LayerPaths,
 }

@@ -26,11 +26,11 @@ pub(super) struct Axis {
 /// The grid of cases.
 #[derive(Clone, Debug)]
 pub(super) struct Axes {
-    /// What tells settings apart, then polar angle and azimuth of the light.
+    /// Axes of the settings, then polar angle and azimuth of the light.
     pub(super) axes: Vec<Axis>,
     /// Coordinates that vary with the settings and are no axes.
     pub(super) others: Vec<Axis>,
-    /// Number of the case at each point, the last axis fastest; `None` where there is none.
+    /// Number of the case at each point, the last axis fastest; `None` where no case was measured.
     pub(super) cases: Vec<Option<usize>>,
 }
 
@@ -108,7 +108,7 @@ impl Axes {
             let found = tuples(&axes).len();
             let count = axis.values.len();
             axes.push(axis);
-            // A coordinate that others imply is none of its own
+            // A coordinate that follows from others is not an axis
             if found == wanted || tuples(&axes).len() != found * count {
                 others.extend(axes.pop());
             }

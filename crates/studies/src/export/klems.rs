@@ -27,9 +27,17 @@ struct Patch {
     centre_deg: f64,
 }
 
-fn patches() -> impl Iterator<Item = Patch> {
+/// Rings of the basis: lower and upper polar angle, degrees, and number of patches.
+fn rings() -> impl Iterator<Item = (f64, f64, f64)> {
     let lower = std::iter::once(0.0).chain(KLEMS.map(|(upper, _)| upper));
-    lower.zip(KLEMS).flat_map(|(lower, (upper, count))| {
+    lower
+        .zip(KLEMS)
+        .map(|(lower, (upper, count))| (lower, upper, count))
+}
+
+/// Patches of all rings, in the order of rows and columns.
+fn patches() -> impl Iterator<Item = Patch> {
+    rings().flat_map(|(lower, upper, count)| {
         let width = 360.0 / count;
         (0..count as usize).map(move |k| {
             let centre_deg = k as f64 * width;
@@ -64,10 +72,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     let metres = case.at.unit.conversion(LengthUnit::Metre);
     let metres = metres.map(|metres| metres(thickness));
     let mut text = HEAD.replace("THICKNESS", &metres.unwrap_or(0.0).to_string());
-    for (lower, (upper, count)) in std::iter::once(0.0)
-        .chain(KLEMS.map(|(upper, _)| upper))
-        .zip(KLEMS)
-    {
+    for (lower, upper, count) in rings() {
         let middle = if lower == 0.0 {
             0.0
         } else {
@@ -105,7 +110,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         );
     }
     if bands.len() == 1 {
-        notes.push("the Visible band alone: a Solar band needs wavelengths from 300 to 2500 nm, which are not weighted yet".to_owned());
+        notes.push("the Visible band alone: solar weighting is not supported".to_owned());
     } else {
         notes.push("the same values stand for both bands, Visible and Solar".to_owned());
     }

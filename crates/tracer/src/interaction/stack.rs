@@ -21,9 +21,9 @@ pub(crate) struct TracedLayer<'a, G: Geometry> {
     faces: [Option<Face<'a, G>>; 2],
     /// z of these faces where they are planes; infinite elsewhere.
     planes: [f64; 2],
-    /// That between scatterings and absorptions at points; infinite of a medium that only absorbs.
+    /// Mean free path between sampled interactions; infinite in a medium that only absorbs.
     mean_free_path: f64,
-    /// Absorption coefficient of a medium that only absorbs, by which light is weighted along its way; zero of others.
+    /// Absorption coefficient of a medium that only absorbs, by which light is weighted along its path; zero in others.
     absorption: f64,
     albedo: f64,
     phase: PhaseFunction,
