@@ -43,6 +43,7 @@ mod number_table;
 mod part_names;
 mod pictures;
 mod shown;
+mod tensors;
 mod text_lines;
 
 #[cfg(test)]
@@ -65,3 +66,4 @@ pub use netcdf::{NetCdf, NetCdfValues, NetCdfVariable};
 pub use number_table::{NumberTable, read_number_table};
 pub use pictures::{Picture, PictureFormat, write_picture};
 pub use shown::{json_text, printable, shown, shown_path, within};
+pub use tensors::{Tensor, tensor_file};

@@ -101,8 +101,7 @@ impl Colour {
             white
         };
         let sum = x + y + z;
-        let adapted = [0, 1, 2].map(|i| xyz[i] / white[i] * SRGB_WHITE[i]);
-        let linear = XYZ_TO_SRGB.map(|row| (0..3).map(|i| row[i] * adapted[i]).sum::<f64>());
+        let linear = linear_srgb(xyz, observer);
         Self {
             xyz,
             xy: [x / sum, y / sum],
@@ -112,6 +111,14 @@ impl Colour {
                 .any(|value| !(-ROUNDING..=1.0 + ROUNDING).contains(value)),
         }
     }
+}
+
+/// Linear sRGB of tristimulus values for `observer`, adapted as in [`Colour::from_xyz`]; outside of `[0, 1]` for colours out of sRGB.
+#[must_use]
+pub fn linear_srgb(xyz: [f64; 3], observer: ColourObserver) -> [f64; 3] {
+    let white = white(observer);
+    let adapted = [0, 1, 2].map(|i| xyz[i] / white[i] * SRGB_WHITE[i]);
+    XYZ_TO_SRGB.map(|row| (0..3).map(|i| row[i] * adapted[i]).sum::<f64>())
 }
 
 /// Tristimulus values of a perfect reflector.

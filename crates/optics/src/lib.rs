@@ -35,7 +35,7 @@ mod phase;
 mod polarisation;
 mod spread;
 
-pub use colour::{Colour, ColourObserver, colour_weights};
+pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};

@@ -6,10 +6,13 @@
 mod axes;
 mod contents;
 mod error;
+mod half_vectors;
+mod interpolation;
 mod klems;
 mod measurement;
 mod netcdf;
 mod ranges;
+mod rgl;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +23,7 @@ use serde_json::{Value, json};
 use self::contents::{Contents, farthest, table};
 pub use self::error::ExportError;
 use self::measurement::Measurement;
+use self::rgl::Channels;
 use crate::output::{Head, note_lines};
 
 /// Configuration of `asperity export`.
@@ -43,6 +47,10 @@ enum ExportFormat {
     Netcdf,
     /// XML of Radiance, WINDOW and EnergyPlus with matrices of the full Klems basis.
     Klems,
+    /// Tensor file of measured materials of Mitsuba and pbrt, by wavelength.
+    Rgl,
+    /// The same in linear sRGB.
+    RglRgb,
 }
 
 impl ExportFormat {
@@ -50,6 +58,8 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "netcdf",
             Self::Klems => "klems",
+            Self::Rgl => "rgl",
+            Self::RglRgb => "rgl-rgb",
         }
     }
 
@@ -57,6 +67,7 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "nc",
             Self::Klems => "xml",
+            Self::Rgl | Self::RglRgb => "bsdf",
         }
     }
 }
@@ -90,6 +101,8 @@ impl ExportConfig {
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement)?,
             ExportFormat::Klems => klems::contents(&measurement)?,
+            ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra)?,
+            ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb)?,
         };
         Ok(Exported {
             format: *format,

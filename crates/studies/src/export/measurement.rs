@@ -16,6 +16,15 @@ pub(super) struct Measurement {
 }
 
 impl Measurement {
+    /// Program and version that made them.
+    pub(super) fn source(&self) -> String {
+        let build = &self.header.build;
+        format!(
+            "asperity {}, commit {}, results epoch {}",
+            build.version, build.commit, build.results_epoch
+        )
+    }
+
     /// Reads the results of a folder or file.
     ///
     /// # Errors

@@ -357,7 +357,6 @@ impl<'a> File<'a> {
 
     fn finish(mut self, measurement: &Measurement) -> Result<Vec<u8>, String> {
         let header = &measurement.header;
-        let build = &header.build;
         self.content.attributes = vec![
             ("Conventions", "CF-1.11".to_owned()),
             (
@@ -367,13 +366,7 @@ impl<'a> File<'a> {
                     header.study
                 ),
             ),
-            (
-                "source",
-                format!(
-                    "asperity {}, commit {}, results epoch {}",
-                    build.version, build.commit, build.results_epoch
-                ),
-            ),
+            ("source", measurement.source()),
             ("comment", CONVENTIONS.to_owned()),
             ("seed", header.seed.to_string()),
             ("configuration", header.document.to_string()),

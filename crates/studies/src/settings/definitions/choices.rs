@@ -89,6 +89,8 @@ pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
 pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "labelled arrays for xarray, MATLAB, Julia and R"),
     choice("klems", "XML with matrices of slabs, as Radiance reads"),
+    choice("rgl", ".bsdf of Mitsuba 3 (spectral variants) and pbrt-v4"),
+    choice("rgl-rgb", ".bsdf of Mitsuba 3 (rgb variants)"),
 ]);
 
 pub(super) const MISSING: Kind = Kind::Choice(&[
