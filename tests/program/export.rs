@@ -140,8 +140,8 @@ const RINGS: [(f64, usize); 9] = [
 #[test]
 fn klems_matrices_have_the_light_of_both_sides_and_send_it_straight_on() {
     let folder = Folder::new();
-    let line = "gonio --smoothness 40 --tau 16 --eta 1.5 --thickness 1000 --from both --light-spread klems --rays 1e4 --realisations 2 \
-        --bins 36x120 --no-plots --quiet --theta 0,10,20,30,40,50,60,70,82.5";
+    let line = "gonio --smoothness 40 --tau 16 --eta 1.5 --thickness 1000 --for klems --bins 36x120 --rays 1e4 --realisations 2 --no-plots \
+        --quiet";
     folder.succeed(format!("{line} -o k"));
     let text = folder.succeed("export k --format klems -o k.xml");
     unwrapped(&text).must_contain("the lengths of the sample have no unit");

@@ -19,6 +19,7 @@ mod estimators;
 mod exactness;
 mod examples;
 mod export;
+mod export_rgl;
 mod figures;
 mod flags;
 mod given;

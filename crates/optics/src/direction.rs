@@ -127,10 +127,16 @@ impl Incidence {
         self.theta_deg
     }
 
-    /// Azimuth in degrees, `[0, 360)`.
+    /// Azimuth in degrees, `[0, 360)`: of the numbers that are this angle in radians the one of few digits, such as it was given.
     #[must_use]
-    pub const fn phi_deg(self) -> f64 {
-        self.phi.to_degrees()
+    pub fn phi_deg(self) -> f64 {
+        let degrees = self.phi.to_degrees();
+        let short = (degrees * 1e9).round() / 1e9;
+        if short.to_radians() == self.phi {
+            short
+        } else {
+            degrees
+        }
     }
 
     /// Returns `true` if the light comes from straight above, so that its azimuth has no meaning.
@@ -149,6 +155,14 @@ impl Incidence {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn azimuths_are_given_back_as_they_were_given() {
+        for phi in (0..3600).map(|i| f64::from(i) / 10.0) {
+            let incidence = Incidence::from_degrees(10.0, phi).expect("the angles are allowed");
+            assert_eq!(incidence.phi_deg(), phi);
+        }
+    }
 
     #[test]
     fn spherical_coordinates_are_recovered() {

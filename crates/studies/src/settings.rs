@@ -26,6 +26,7 @@ mod kind;
 pub(crate) mod layer_text;
 mod length;
 pub(crate) mod number;
+mod presets;
 mod range;
 mod reference;
 mod refusals;

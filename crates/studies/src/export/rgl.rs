@@ -62,7 +62,7 @@ pub(super) fn contents(
     let mut slices = Vec::new();
     for slice in sample.slices() {
         let mut values = slice.on(nodes);
-        let reflected = integral(slice.light, 4 * (nodes - 1), |point| values.at(point));
+        let reflected = integral(slice.light, parts(nodes), |point| values.at(point));
         if reflected > 0.0 {
             let factor = slice.flux().mean / reflected;
             factors = [factors[0].min(factor), factors[1].max(factor)];
@@ -71,7 +71,7 @@ pub(super) fn contents(
         slices.push((slice, values));
     }
     let agreement = slices.iter().map(|(slice, values)| {
-        let exported = integral(slice.light, 6 * (nodes - 1), |point| values.at(point));
+        let exported = integral(slice.light, 3 * parts(nodes) / 2, |point| values.at(point));
         Agreement::of(&slice.outcome.case, Side::Reflected, slice.flux(), exported)
     });
     let agreement = agreement.collect();
@@ -221,22 +221,24 @@ impl<'a> Sample<'a> {
         })
     }
 
-    /// Number of nodes that resolves the lobes.
+    /// Number of nodes that resolves the lobes: reflection of all directions together hardly changes with twice as many.
     fn nodes(&self) -> usize {
+        let wavelengths = self.outcomes.len() / (self.theta.len() * self.azimuths);
         let is_resolved = |nodes: usize| {
-            self.slices().all(|slice| {
-                let [coarse, fine] = [nodes, 2 * nodes - 1].map(|nodes| {
-                    let values = slice.on(nodes);
-                    integral(slice.light, 4 * (NODES[0] - 1), |point| values.at(point))
+            let (mut change, mut sum) = (0.0, 0.0);
+            for slice in self.slices().step_by(wavelengths) {
+                let [coarse, fine] = [nodes, 2 * nodes - 1].map(|count| {
+                    let values = slice.on(count);
+                    integral(slice.light, 2 * (nodes - 1), |point| values.at(point))
                 });
-                (coarse - fine).abs() <= RESOLVED * fine
-            })
+                change += (coarse - fine).abs();
+                sum += fine;
+            }
+            change <= RESOLVED * sum
         };
         let [.., last] = NODES;
-        NODES
-            .into_iter()
-            .find(|&nodes| nodes == last || is_resolved(nodes))
-            .unwrap_or(last)
+        let fewest = NODES.into_iter().find(|&nodes| is_resolved(nodes));
+        fewest.unwrap_or(last)
     }
 
     /// Weights of wavelengths in each channel.
@@ -416,6 +418,11 @@ impl<'a> Sample<'a> {
     }
 }
 
+/// Parts of an integral: several of each cell between nodes, and enough for its edge at the horizon.
+fn parts(nodes: usize) -> usize {
+    (2 * (nodes - 1)).max(256)
+}
+
 /// Value at `at` on the line through two points of `[arguments, values]`, linear in a function of the argument.
 fn linear(at: f64, [x, y]: [[f64; 2]; 2], of: fn(f64) -> f64) -> f64 {
     let part = (of(at) - of(x[0])) / (of(x[1]) - of(x[0]));
@@ -433,7 +440,7 @@ fn farthest(
         let (slice, values) = &slices[i];
         let weights = weights([i - step, i, i + step]);
         let [before, after] = [i - step, i + step].map(|k| &slices[k].1);
-        let parts = 2 * values.nodes();
+        let parts = 2 * (values.nodes() - 1);
         let found = integral(slice.light, parts, |at| {
             weights[0] * before.at(at) + weights[1] * after.at(at)
         });

@@ -18,6 +18,7 @@ use super::flags::Flags;
 use super::group::{Group, Variant};
 use super::kind::Kind;
 use super::length::{Length, first_unit, in_unit};
+use super::presets::flags_for;
 use super::refusals::{explained, of_other_variant};
 use super::setting::Setting;
 use super::value_text::read_text;
@@ -108,7 +109,20 @@ impl Document {
             flags,
             has_given_surface: surface.is_some_and(|variant| variant.name != RANDOM_SURFACES),
         };
-        self.add_layer(flags.entries(positional)?)
+        let entries = flags.entries(positional)?;
+        let format = entries.iter().find(|entry| entry.is("results.for"));
+        let preset = format.and_then(|entry| {
+            let is_given = flags.chooses_given_surface();
+            Some(flags_for(entry.value.as_str()?, &entries, is_given))
+        });
+        if let Some(preset) = preset {
+            let flags = Flags {
+                flags: &preset,
+                ..flags
+            };
+            self.add_layer(flags.entries(None)?)?;
+        }
+        self.add_layer(entries)
     }
 
     /// Refuses to run without the flags that the command needs.

@@ -100,7 +100,7 @@ impl Flags<'_> {
     }
 
     /// Returns `true` if the surface is a given one, once these flags are added.
-    fn chooses_given_surface(&self) -> bool {
+    pub(super) fn chooses_given_surface(&self) -> bool {
         let chosen = self.flags.iter().find_map(|(flag, _)| {
             let mut settings = settings_of(self.command).filter(|setting| has_flag(setting, flag));
             let (setting, None) = (settings.next()?, settings.next()) else {

@@ -93,6 +93,12 @@ pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("rgl-rgb", ".bsdf of Mitsuba 3 (rgb variants)"),
 ]);
 
+pub(super) const FOR_FORMAT: Kind = Kind::Choice(&[
+    choice("netcdf", "the same bins for all directions"),
+    choice("klems", "patches lit as a whole from both sides"),
+    choice("rgl", "17 polar angles of the light up to 88 degrees"),
+]);
+
 pub(super) const MISSING: Kind = Kind::Choice(&[
     choice("refuse", "the file is refused"),
     choice("fill", "they are interpolated"),

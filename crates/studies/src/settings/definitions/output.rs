@@ -1,6 +1,6 @@
 //! `[output]`, where results are written, and the settings of every command.
 
-use super::choices::{COHERENT, SCALE};
+use super::choices::{COHERENT, FOR_FORMAT, SCALE};
 use super::commands::{
     ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS,
     TRACE, TRACING, VERIFY,
@@ -97,6 +97,10 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE)
             .required(EXPORT),
+        setting("for", FOR_FORMAT)
+            .help("Directions, bins and light that a format of export needs")
+            .commands(GONIO)
+            .otherwise("those of the other flags"),
         basic("plot", Kind::Path)
             .help("Figure of n and k over all wavelengths to write: .svg or .png")
             .commands(MATERIALS)
