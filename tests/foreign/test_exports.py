@@ -6,6 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import mitsuba
 import numpy as np
 import pyradiance
 import pytest
@@ -29,8 +30,7 @@ def rows(path):
 @pytest.fixture(scope="module")
 def klems(tmp_path_factory):
     folder = tmp_path_factory.mktemp("klems")
-    light = "--from both --light-spread klems --theta 0,10,20,30,40,50,60,70,82.5 --bins 36x120"
-    asperity(folder, f"{SLAB} {light} -o out")
+    asperity(folder, f"{SLAB} --for klems --bins 36x120 -o out")
     asperity(folder, "export out --format klems -o slab.xml --quiet")
     return folder
 
@@ -83,3 +83,60 @@ def test_radiance_sees_light_straight_on_and_mirrored(klems):
 def test_pywincalc_parses_the_file(klems):
     product = pywincalc.parse_bsdf_xml_file(str(klems / "slab.xml"))
     assert product.thickness == pytest.approx(0.001)
+
+
+def direction(theta, phi):
+    theta, phi = np.radians(theta), np.radians(phi)
+    return [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
+
+
+def measured_material(variant, file, theta, phi=0.0):
+    """BSDF of Mitsuba, and a point of a surface seen from a direction."""
+    mitsuba.set_variant(variant)
+    bsdf = mitsuba.load_dict({"type": "measured", "filename": str(file)})
+    point = mitsuba.SurfaceInteraction3f()
+    point.wi = direction(theta, phi)
+    if "spectral" in variant:
+        point.wavelengths = [550.0] * 4
+    return bsdf, point
+
+
+def albedo(bsdf, point, count=4000):
+    """Mean and standard error of the weights of samples."""
+    context, random = mitsuba.BSDFContext(), np.random.default_rng(1)
+    weights = []
+    for u in random.random((count, 3)).tolist():
+        sample, weight = bsdf.sample(context, point, u[0], u[1:])
+        weights.append(weight[0] if sample.pdf > 0 else 0.0)
+    return np.mean(weights), np.std(weights) / np.sqrt(count)
+
+
+@pytest.mark.parametrize("smoothness", [2, 100])
+def test_mitsuba_reflects_what_was_measured_at_angles_and_between(tmp_path, smoothness):
+    gonio = f"gonio --smoothness {smoothness} --material mirror --rays 2e4 --realisations 4 --no-plots --quiet --for rgl"
+    asperity(tmp_path, f"{gonio} -o out")
+    asperity(tmp_path, "export out --format rgl -o mirror.bsdf --quiet")
+    asperity(tmp_path, "export out --format rgl-rgb -o rgb.bsdf --quiet")
+    for theta in (0, 57, 75.5, 83):
+        for variant, file in (("scalar_spectral", "mirror.bsdf"), ("scalar_rgb", "rgb.bsdf")):
+            mean, error = albedo(*measured_material(variant, tmp_path / file, theta))
+            assert mean == pytest.approx(1.0, abs=4 * error + 0.005), (theta, variant)
+
+
+def test_mitsuba_sends_light_of_all_azimuths_where_it_went(tmp_path):
+    # Long slopes that face -x, so that no two azimuths are alike
+    heights = np.tile(0.15 * (np.arange(32) % 8), (32, 1))
+    np.save(tmp_path / "saw.npy", heights)
+    gonio = "gonio --surface saw.npy --spacing 1 --material mirror --theta 20,40 --phi 0:315:45 --bins 18x36"
+    asperity(tmp_path, f"{gonio} --rays 2e4 --no-plots --quiet -o out")
+    asperity(tmp_path, "export out --format rgl -o saw.bsdf --quiet")
+    measured = rows(tmp_path / "out/bsdf.csv")
+    for phi in (45, 135, 270):
+        bsdf, point = measured_material("scalar_spectral", tmp_path / "saw.bsdf", 40, phi)
+        light = [row for row in measured if (row["theta_i_deg"], row["phi_i_deg"]) == ("40", str(phi))]
+        angles = [[float(row[name]) for name in ("theta_o_deg", "phi_o_deg")] for row in light]
+        cosines = np.cos(np.radians([theta for theta, _ in angles]))
+        expected = cosines * [float(row["bsdf"]) for row in light]
+        found = np.array([bsdf.eval(mitsuba.BSDFContext(), point, direction(*one))[0] for one in angles])
+        cosine = expected @ found / np.linalg.norm(expected) / np.linalg.norm(found)
+        assert cosine > 0.9, phi

@@ -107,7 +107,7 @@ fn a_bsdf_file_reflects_what_was_measured_by_wavelength_and_in_colour() {
     folder.succeed(format!("{line} {LITTLE} -o g"));
     let text = folder.succeed("export g --format rgl -o g.bsdf");
     unwrapped(&text).must_contain("48 of 48 directions");
-    unwrapped(&text).must_contain("of 16 of them or more");
+    unwrapped(&text).must_contain("at 16 of them or more");
     let table = Table::read(&folder.join("g/gonio.csv"));
     let bsdf = Bsdf::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
     assert_eq!(bsdf.lengths("spectra")[..3], [1, 3, 16]);
@@ -152,7 +152,7 @@ fn a_bsdf_file_of_several_azimuths_has_the_lobes_where_light_went() {
     let text = vec![row.join(" "); 32].join("\n");
     std::fs::write(folder.join("saw.txt"), text).unwrap();
     let line = "gonio --surface saw.txt --spacing 1 --material mirror --theta 20,40 --phi 0:315:45 --bins 18x36";
-    folder.succeed(format!("{line} {LITTLE} -o g"));
+    folder.succeed(format!("{line} --rays 2e4 --no-plots --quiet -o g"));
     folder.succeed("export g --format rgl -o g.bsdf --quiet");
     let bsdf = Bsdf::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
     let azimuths: Vec<f64> = bsdf
@@ -207,7 +207,7 @@ fn a_measurement_for_a_format_has_what_that_needs() {
 #[test]
 fn results_that_a_bsdf_file_cannot_hold_are_refused() {
     let folder = Folder::new();
-    let line = "gonio --rays 1e3 --realisations 1 --no-plots --quiet --eta 1.5";
+    let line = "gonio --rays 1e3 --realisations 1 --no-plots --quiet";
     folder.succeed(format!("{line} --smoothness 3 --theta 0 -o one"));
     folder.succeed(format!("{line} --smoothness 3,4 --theta 0,30 -o two"));
     folder.succeed(format!(
@@ -220,7 +220,7 @@ fn results_that_a_bsdf_file_cannot_hold_are_refused() {
         "{line} --smoothness 3 --theta 0,30 --phi 0,90 --light-azimuth fixed -o some"
     ));
     folder.succeed(format!(
-        "{line} --smoothness 3 --tau 16um --theta 0,30 --wavelength 500nm,600nm -o waves"
+        "{line} --smoothness 3 --tau 16um --theta 0,30 --wavelength 500nm,600nm --material BK7 -o waves"
     ));
     for (line, words) in [
         ("export one --format rgl -o a.bsdf", "several polar angles"),
