@@ -42,6 +42,7 @@ pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
         Command::Export => &[
             "asperity export out --format netcdf -o out.nc",
             "asperity export film --format klems -o film.xml",
+            "asperity export gold --format rgl -o gold.bsdf",
         ],
     }
 }

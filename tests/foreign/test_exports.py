@@ -42,6 +42,9 @@ def test_xarray_opens_netcdf_without_options(tmp_path):
     expected = ("from", "theta_i", "phi_i", "side", "theta_o", "phi_o")
     assert data.bsdf.dims == expected
     assert data.bsdf.attrs["units"] == "sr-1"
+    # What all cases share
+    assert (float(data.bsdf.s), float(data.flux.eta)) == (20.0, 1.5)
+    assert data.attrs["completeness"] == "4 of 4 directions"
     assert data.bsdf.attrs["ancillary_variables"] == "bsdf_se"
     one = data.sel({"from": "below", "side": "transmitted"}).sel(theta_i=40)
     measured = [row for row in rows(tmp_path / "out/gonio.csv") if row["from"] == "below"]

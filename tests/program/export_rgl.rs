@@ -59,7 +59,8 @@ impl Bsdf {
         let columns = self.lengths("sigma")[1];
         let theta = self.numbers("theta_i")[channel[1]];
         let x = (theta * 2.0 / PI).sqrt();
-        value / (4.0 * bilinear(self.numbers("sigma"), columns, [x, 0.0]))
+        let turn = self.numbers("phi_i")[channel[0]] / (2.0 * PI) + 0.5;
+        value / (4.0 * bilinear(self.numbers("sigma"), columns, [x, turn]))
     }
 
     /// Flux that leaves, of light from `wi`.

@@ -30,6 +30,8 @@ pub(super) struct Axes {
     pub(super) axes: Vec<Axis>,
     /// Coordinates that vary with the settings and are no axes.
     pub(super) others: Vec<Axis>,
+    /// Coordinates that all cases share.
+    pub(super) constants: Vec<Axis>,
     /// Number of the case at each point, the last axis fastest; `None` where no case was measured.
     pub(super) cases: Vec<Option<usize>>,
 }
@@ -91,15 +93,19 @@ impl Axis {
 impl Axes {
     pub(super) fn of(cases: &[CaseResult]) -> Self {
         let is_direction = |axis: &Axis| DIRECTION.contains(&axis.name.as_str());
-        let (direction, mut settings): (Vec<Axis>, Vec<Axis>) =
+        let (direction, settings): (Vec<Axis>, Vec<Axis>) =
             Axis::all(cases).into_iter().partition(is_direction);
         let directions = tuples(&direction).len();
+        let is_constant = |axis: &Axis| axis.values.len() == 1;
+        let (mut constants, mut settings): (Vec<Axis>, Vec<Axis>) =
+            settings.into_iter().partition(is_constant);
+        constants.retain(|axis| !axis.values[0].is_null());
         settings.retain(|axis| {
             let mut with_axis = direction.clone();
             with_axis.push(axis.clone());
             // The patch about each direction tells nothing of settings
             let follows = tuples(&with_axis).len() == directions;
-            axis.values.len() > 1 && !follows
+            !follows
         });
         settings.sort_by_key(Axis::rank);
         let wanted = tuples(&settings).len();
@@ -127,6 +133,7 @@ impl Axes {
         Self {
             axes,
             others,
+            constants,
             cases: grid,
         }
     }

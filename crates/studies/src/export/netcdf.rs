@@ -118,6 +118,8 @@ struct File<'a> {
     content: NetCdf,
     /// Names of the axes of cases.
     axes: Vec<String>,
+    /// Names of other coordinates, with blanks between.
+    coordinates: String,
     outcomes: &'a [Option<&'a Outcome>],
 }
 
@@ -126,6 +128,10 @@ impl<'a> File<'a> {
         Self {
             content: NetCdf::default(),
             axes: axes.axes.iter().map(name_of).collect(),
+            coordinates: {
+                let others = axes.others.iter().chain(&axes.constants).map(name_of);
+                others.collect::<Vec<String>>().join(" ")
+            },
             outcomes,
         }
     }
@@ -149,8 +155,16 @@ impl<'a> File<'a> {
         });
     }
 
-    /// Coordinates of cases: axes, and what varies with the settings beside them.
+    /// Coordinates of cases: axes, what varies with the settings beside them, and what all share.
     fn add_coordinates(&mut self, axes: &Axes) {
+        for axis in &axes.constants {
+            self.add(
+                &name_of(axis),
+                &[],
+                values_of(axis.values.iter()),
+                attributes_of(axis),
+            );
+        }
         for (axis, name) in axes.axes.iter().zip(self.axes.clone()) {
             self.add_dimension(&name, axis.values.len());
             self.add(
@@ -253,6 +267,9 @@ impl<'a> File<'a> {
             in_unit(unit),
             ("ancillary_variables", error.clone()),
         ];
+        let coordinates = Some(("coordinates", self.coordinates.clone()));
+        let coordinates = coordinates.filter(|(_, names)| !names.is_empty());
+        let attributes = attributes.into_iter().chain(coordinates).collect();
         self.add(name, &all, NetCdfValues::Numbers(means), attributes);
         let about = format!("standard error of {name}");
         let attributes = vec![
@@ -368,6 +385,14 @@ impl<'a> File<'a> {
             ),
             ("source", measurement.source()),
             ("comment", CONVENTIONS.to_owned()),
+            (
+                "completeness",
+                format!(
+                    "{} of {} directions",
+                    measurement.cases.len(),
+                    measurement.planned
+                ),
+            ),
             ("seed", header.seed.to_string()),
             ("configuration", header.document.to_string()),
         ];
@@ -390,6 +415,8 @@ fn name_of(axis: &Axis) -> String {
 fn attributes_of(axis: &Axis) -> Vec<(&'static str, String)> {
     let unit = match axis.unit.as_str() {
         "deg" => "degree",
+        // Lengths in no unit
+        "length" => "",
         unit => unit,
     };
     let unit = (!unit.is_empty()).then(|| in_unit(unit));

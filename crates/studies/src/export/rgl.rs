@@ -1,7 +1,7 @@
 //! RGL: the `.bsdf` tensor file of the measured materials of Mitsuba 3 and pbrt-v4, reflection alone.
 //!
 //! The file holds the BRDF times the cosine over half-vectors ([`HalfVectors`]) for each direction of light, over a function of the polar angle
-//! of the light alone (`sigma`), which readers divide by: with narrow lobes the BRDF grows as the inverse cosine of that angle, so that it could
+//! and azimuth of the light (`sigma`), which readers divide by: with narrow lobes the BRDF grows as the inverse cosine of that angle, so that it could
 //! not be interpolated between angles. The tables of normals are constant, and neither warp the square nor weight it.
 
 use std::f64::consts::FRAC_PI_2;
@@ -267,20 +267,21 @@ impl<'a> Sample<'a> {
         })
     }
 
-    /// What values are multiplied by in the file, by polar angle: the inverse of their integrals over half-vectors, 1 at the first angle.
+    /// What values are multiplied by in the file, by azimuth and polar angle: the inverse of their integrals over half-vectors, 1 at the first angle.
     fn sigma(&self, slices: &[(Slice, HalfVectors)]) -> Vec<f64> {
-        let per_theta = slices.len() / (self.phi.len() * self.theta.len());
-        let mut sums = vec![0.0; self.theta.len()];
-        for (i, (_, values)) in slices.iter().enumerate() {
-            sums[i / per_theta % self.theta.len()] += values.over_half_vectors();
-        }
+        let wavelengths = slices.len() / (self.phi.len() * self.theta.len());
+        let of_direction = |slices: &[(Slice, HalfVectors)]| {
+            let integrals = slices.iter().map(|(_, values)| values.over_half_vectors());
+            integrals.sum::<f64>()
+        };
+        let sums: Vec<f64> = slices.chunks(wavelengths).map(of_direction).collect();
         match sums.iter().all(|&sum| sum > 0.0) {
             true => sums.iter().map(|sum| sums[0] / sum).collect(),
             false => vec![1.0; sums.len()],
         }
     }
 
-    /// The same at any polar angle, linear in its cosine, radians.
+    /// That of one azimuth at any polar angle, radians, linear in its cosine.
     fn sigma_at(&self, sigma: &[f64], theta: f64) -> f64 {
         let upper = self
             .theta
@@ -301,19 +302,15 @@ impl<'a> Sample<'a> {
         let per_phi = slices.len() / self.phi.len();
         let per_theta = per_phi / self.theta.len();
         let theta = |i: usize| i % per_phi / per_theta;
-        let of_theta = |[before, i, after]: [usize; 3]| {
-            let [angles, sigma] =
-                [&self.theta, sigma].map(|list| [before, after].map(|k| list[theta(k)]));
-            let at = self.theta[theta(i)];
-            let whole = linear(at, [angles, sigma], f64::cos);
-            [0, 1].map(|k| {
-                linear(at, [angles, [[1.0, 0.0], [0.0, 1.0]][k]], |x| x) * sigma[k] / whole
-            })
+        let weights = |[before, i, after]: [usize; 3], angle: &dyn Fn(usize) -> f64, of| {
+            let angles = [before, after].map(angle);
+            let sigma = [before, after].map(|k| sigma[k / per_theta]);
+            let whole = linear(angle(i), [angles, sigma], of);
+            let part = linear(angle(i), [angles, [0.0, 1.0]], |angle| angle);
+            [(1.0 - part) * sigma[0] / whole, part * sigma[1] / whole]
         };
-        let of_phi = |[before, i, after]: [usize; 3]| {
-            let angles = [before, after].map(|k| self.phi[k / per_phi].0);
-            [[1.0, 0.0], [0.0, 1.0]].map(|at| linear(self.phi[i / per_phi].0, [angles, at], |x| x))
-        };
+        let of_theta = |three| weights(three, &|k| self.theta[theta(k)], f64::cos);
+        let of_phi = |three| weights(three, &|k| self.phi[k / per_phi].0, |angle| angle);
         let inner = |&i: &usize| (1..self.theta.len() - 1).contains(&theta(i));
         let over_theta = farthest((0..slices.len()).filter(inner), slices, per_theta, of_theta);
         let inner = per_phi..slices.len().saturating_sub(per_phi);
@@ -349,7 +346,7 @@ impl<'a> Sample<'a> {
             .chunks(slices.len() / (azimuths * angles))
             .enumerate()
         {
-            let sigma = sigma[i % angles];
+            let sigma = sigma[i];
             for plane in planes {
                 values.extend((0..nodes * nodes).map(|i| {
                     let sum = wavelengths
@@ -376,11 +373,13 @@ impl<'a> Sample<'a> {
         let list =
             |values: &[f64]| numbers(&[values.len()], values.iter().map(|x| *x as f32).collect());
         let phi: Vec<f64> = self.phi.iter().map(|(phi, _)| *phi).collect();
-        let last = SIGMA_NODES - 1;
-        let sigma = (0..2 * SIGMA_NODES).map(|i| {
-            let x = (i % SIGMA_NODES) as f64 / last as f64;
+        // One azimuth stands for all
+        let rows = azimuths.max(2);
+        let sigma = (0..rows * SIGMA_NODES).map(|i| {
+            let x = (i % SIGMA_NODES) as f64 / (SIGMA_NODES - 1) as f64;
+            let row = (i / SIGMA_NODES).min(azimuths - 1) * angles;
             // The readers divide by four times this
-            0.25 * self.sigma_at(sigma, x * x * FRAC_PI_2) as f32
+            0.25 * self.sigma_at(&sigma[row..row + angles], x * x * FRAC_PI_2) as f32
         });
         let mut fields = vec![
             (
@@ -390,7 +389,7 @@ impl<'a> Sample<'a> {
             ("theta_i", list(&self.theta)),
             ("phi_i", list(&phi)),
             ("ndf", numbers(&[2, 2], vec![1.0; 4])),
-            ("sigma", numbers(&[2, SIGMA_NODES], sigma.collect())),
+            ("sigma", numbers(&[rows, SIGMA_NODES], sigma.collect())),
             (
                 "vndf",
                 numbers(&[azimuths, angles, 2, 2], vec![1.0; azimuths * angles * 4]),
@@ -467,10 +466,13 @@ fn turn_of(azimuths: &[f64]) -> Result<Vec<(f64, usize)>, ExportError> {
     turn.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, number) = turn[0];
     turn.push((180.0, number));
-    let is_dense = turn.windows(2).all(|pair| pair[1].0 - pair[0].0 <= 90.0);
-    if first != -180.0 || !is_dense {
+    let step = 360.0 / azimuths.len() as f64;
+    let is_even = turn
+        .windows(2)
+        .all(|pair| (pair[1].0 - pair[0].0 - step).abs() < 1e-6);
+    if first != -180.0 || step > 90.0 || !is_even {
         return Err(unfit(
-            "of several azimuths needs those of a whole turn that 180 degrees is one of, in steps of at most 90: measure with --phi 0:345:15",
+            "of several azimuths needs those of a whole turn that 180 degrees is one of, in equal steps of at most 90: measure with --phi 0:345:15",
         ));
     }
     Ok(turn.iter().map(|&(phi, i)| (phi.to_radians(), i)).collect())
