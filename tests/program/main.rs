@@ -19,6 +19,8 @@ mod estimators;
 mod exactness;
 mod examples;
 mod export;
+mod export_fit;
+mod export_tables;
 mod figures;
 mod flags;
 mod given;

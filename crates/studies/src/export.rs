@@ -5,15 +5,22 @@
 
 mod axes;
 mod contents;
+mod directions;
 mod error;
+mod fit;
+mod interpolation;
 mod klems;
 mod measurement;
 mod netcdf;
 mod ranges;
+mod specular_table;
+mod ssdd;
+mod zemax;
 
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, check_ending, is_same_file, shown_path, write_bytes};
+use asperity_tally::Side;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -33,6 +40,7 @@ pub struct ExportConfig {
 struct Selection {
     results: Option<PathBuf>,
     format: ExportFormat,
+    side: Option<Side>,
 }
 
 /// Format of other programs.
@@ -43,6 +51,12 @@ enum ExportFormat {
     Netcdf,
     /// XML of Radiance, WINDOW and EnergyPlus with matrices of the full Klems basis.
     Klems,
+    /// Tabular BSDF of OpticStudio.
+    Zemax,
+    /// Parameters of scattering laws as JSON.
+    Fit,
+    /// Surface scattering distribution data of libbsdf.
+    Ssdd,
 }
 
 impl ExportFormat {
@@ -50,6 +64,9 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "netcdf",
             Self::Klems => "klems",
+            Self::Zemax => "zemax",
+            Self::Fit => "fit",
+            Self::Ssdd => "ssdd",
         }
     }
 
@@ -57,6 +74,9 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "nc",
             Self::Klems => "xml",
+            Self::Zemax => "bsdf",
+            Self::Fit => "json",
+            Self::Ssdd => "ssdd",
         }
     }
 }
@@ -76,7 +96,11 @@ impl ExportConfig {
     /// # Errors
     /// [`ExportError`] if the results cannot be read, or the format cannot hold such results.
     pub fn export(&self, output: &Path) -> Result<Exported, ExportError> {
-        let Selection { results, format } = &self.export;
+        let Selection {
+            results,
+            format,
+            side,
+        } = &self.export;
         let ending = [format.ending()];
         check_ending(output, "files of this format", &ending)?;
         let path = results.as_ref().ok_or(ExportError::NoResults)?;
@@ -90,6 +114,9 @@ impl ExportConfig {
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement)?,
             ExportFormat::Klems => klems::contents(&measurement)?,
+            ExportFormat::Zemax => zemax::contents(&measurement, *side)?,
+            ExportFormat::Fit => fit::contents(&measurement)?,
+            ExportFormat::Ssdd => ssdd::contents(&measurement)?,
         };
         Ok(Exported {
             format: *format,

@@ -89,6 +89,17 @@ pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
 pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "labelled arrays for xarray, MATLAB, Julia and R"),
     choice("klems", "XML with matrices of slabs, as Radiance reads"),
+    choice("zemax", "tabular BSDF of OpticStudio, of one side"),
+    choice(
+        "fit",
+        "parameters of ABg, Harvey-Shack, GGX and others as JSON",
+    ),
+    choice("ssdd", "open text tables of both sides, as libbsdf reads"),
+]);
+
+pub(super) const EXPORTED_SIDE: Kind = Kind::Choice(&[
+    choice("reflected", "reflected light"),
+    choice("transmitted", "transmitted light"),
 ]);
 
 pub(super) const MISSING: Kind = Kind::Choice(&[
