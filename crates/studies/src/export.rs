@@ -5,7 +5,9 @@
 
 mod axes;
 mod contents;
+mod directions;
 mod error;
+mod fit;
 mod half_vectors;
 mod interpolation;
 mod klems;
@@ -13,10 +15,14 @@ mod measurement;
 mod netcdf;
 mod ranges;
 mod rgl;
+mod specular_table;
+mod ssdd;
+mod zemax;
 
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, check_ending, is_same_file, shown_path, write_bytes};
+use asperity_tally::Side;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -37,6 +43,7 @@ pub struct ExportConfig {
 struct Selection {
     results: Option<PathBuf>,
     format: ExportFormat,
+    side: Option<Side>,
 }
 
 /// Format of other programs.
@@ -51,6 +58,12 @@ enum ExportFormat {
     Rgl,
     /// The same in linear sRGB.
     RglRgb,
+    /// Tabular BSDF of OpticStudio.
+    Zemax,
+    /// Parameters of scattering laws as JSON.
+    Fit,
+    /// Surface scattering distribution data of libbsdf.
+    Ssdd,
 }
 
 impl ExportFormat {
@@ -60,6 +73,9 @@ impl ExportFormat {
             Self::Klems => "klems",
             Self::Rgl => "rgl",
             Self::RglRgb => "rgl-rgb",
+            Self::Zemax => "zemax",
+            Self::Fit => "fit",
+            Self::Ssdd => "ssdd",
         }
     }
 
@@ -68,6 +84,9 @@ impl ExportFormat {
             Self::Netcdf => "nc",
             Self::Klems => "xml",
             Self::Rgl | Self::RglRgb => "bsdf",
+            Self::Zemax => "bsdf",
+            Self::Fit => "json",
+            Self::Ssdd => "ssdd",
         }
     }
 }
@@ -87,7 +106,11 @@ impl ExportConfig {
     /// # Errors
     /// [`ExportError`] if the results cannot be read, or the format cannot hold such results.
     pub fn export(&self, output: &Path) -> Result<Exported, ExportError> {
-        let Selection { results, format } = &self.export;
+        let Selection {
+            results,
+            format,
+            side,
+        } = &self.export;
         let ending = [format.ending()];
         check_ending(output, "files of this format", &ending)?;
         let path = results.as_ref().ok_or(ExportError::NoResults)?;
@@ -103,6 +126,9 @@ impl ExportConfig {
             ExportFormat::Klems => klems::contents(&measurement)?,
             ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra)?,
             ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb)?,
+            ExportFormat::Zemax => zemax::contents(&measurement, *side)?,
+            ExportFormat::Fit => fit::contents(&measurement)?,
+            ExportFormat::Ssdd => ssdd::contents(&measurement)?,
         };
         Ok(Exported {
             format: *format,

@@ -6,6 +6,9 @@ use serde_json::json;
 
 use crate::output::{Column, Table, incidence_columns};
 
+/// Relative difference of the light of a table that is noted.
+const COARSE: f64 = 0.05;
+
 /// Contents of a file.
 pub(super) struct Contents {
     pub(super) bytes: Vec<u8>,
@@ -46,6 +49,17 @@ pub(super) fn farthest(all: &[Agreement]) -> impl Iterator<Item = &Agreement> {
     Side::BOTH.into_iter().filter_map(|side| {
         let of_side = all.iter().filter(move |one| one.side == side);
         of_side.max_by(|a, b| a.difference().total_cmp(&b.difference()))
+    })
+}
+
+/// Note on a table of values at points that does not have the light that was measured, if it is far off.
+pub(super) fn coarse_note(all: &[Agreement]) -> Option<String> {
+    let is_off = |one: &&Agreement| one.difference() > COARSE * one.measured.mean;
+    let off = all.iter().filter(is_off).count();
+    (off > 0).then(|| {
+        format!(
+            "in {off} directions the light of the table is off by more than 5 %: lobes are narrower than its steps, or noisy; measure with more rays, or with wider bins, such as --bins 45x90"
+        )
     })
 }
 

@@ -91,12 +91,23 @@ pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("klems", "XML with matrices of slabs, as Radiance reads"),
     choice("rgl", ".bsdf of Mitsuba 3 (spectral variants) and pbrt-v4"),
     choice("rgl-rgb", ".bsdf of Mitsuba 3 (rgb variants)"),
+    choice("zemax", "tabular BSDF of OpticStudio, of one side"),
+    choice(
+        "fit",
+        "parameters of ABg, Harvey-Shack, GGX and others as JSON",
+    ),
+    choice("ssdd", "open text tables of both sides, as libbsdf reads"),
 ]);
 
 pub(super) const FOR_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "the same bins for all directions"),
     choice("klems", "patches lit as a whole from both sides"),
     choice("rgl", "17 polar angles of the light up to 88 degrees"),
+]);
+
+pub(super) const EXPORTED_SIDE: Kind = Kind::Choice(&[
+    choice("reflected", "reflected light"),
+    choice("transmitted", "transmitted light"),
 ]);
 
 pub(super) const MISSING: Kind = Kind::Choice(&[

@@ -339,6 +339,18 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("bins").when(&["run.bins", "results.json"]),
         variant("directions").when(&["model.step", "model.sphere"]),
     ]),
+    group_by(
+        "export.format",
+        &[
+            variant("netcdf"),
+            variant("klems"),
+            variant("rgl"),
+            variant("rgl-rgb"),
+            variant("zemax").allows(&["export.side"]),
+            variant("fit"),
+            variant("ssdd"),
+        ],
+    ),
     group(&[
         variant("quiet").when(&["program.quiet"]),
         variant("verbose").when(&["program.verbose"]),

@@ -92,7 +92,7 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE),
         basic("output", Kind::Path)
-            .help("File to write; its ending is that of the format")
+            .help("File to write: .nc, .xml, .bsdf, .json or .ssdd, by the format")
             .commands(EXPORT)
             .short('o')
             .value_name(FILE)

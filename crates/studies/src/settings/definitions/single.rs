@@ -1,6 +1,6 @@
 //! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model`, `materials` and `export`.
 
-use super::choices::{EXPORT_FORMAT, MESH_FORMAT, SURFACE_FORMAT};
+use super::choices::{EXPORT_FORMAT, EXPORTED_SIDE, MESH_FORMAT, SURFACE_FORMAT};
 use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MESH, MODEL};
 use super::light::WAVELENGTH;
 use crate::settings::kind::Kind;
@@ -84,5 +84,8 @@ pub(super) const EXPORT_SETTINGS: &[Setting] = &flags(
         basic("format", EXPORT_FORMAT)
             .help("Format of the file")
             .required(EXPORT),
+        setting("side", EXPORTED_SIDE)
+            .help("The side whose light a file of one side holds")
+            .otherwise("reflected, where it is recorded"),
     ],
 );

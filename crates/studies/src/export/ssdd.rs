@@ -1,0 +1,183 @@
+//! SSDD: open text tables of the BRDF and the BTDF over directions and wavelengths, as libbsdf reads them.
+//!
+//! Directions in which light leaves are given about the specular direction; `PARAM4_LIST` turns it to that of the light behind a smooth sample.
+//! Azimuths of the light are those towards it. Values stand by azimuth about the specular direction, angle to it, azimuth and polar angle of the
+//! light, the last fastest.
+//!
+//! # Source
+//! Kimura, Surface scattering distribution data (SSDD) file format, version 0.3, 2026 (github.com/KimuraRyo/libbsdf).
+
+use std::fmt::Write;
+
+use asperity_simulate::Outcome;
+use asperity_tally::{Component, Side, TallyResult};
+
+use super::contents::{Agreement, Contents, coarse_note};
+use super::directions::{Directions, from_one_side};
+use super::error::ExportError;
+use super::measurement::Measurement;
+use super::specular_table::{SpecularGrid, SpecularTable, specular_theta};
+
+fn unfit(reason: impl Into<String>) -> ExportError {
+    let reason = reason.into();
+    ExportError::Unfit {
+        format: "an SSDD file",
+        reason,
+    }
+}
+
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
+    let all: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
+    let outcomes = from_one_side(&all);
+    let mut wavelengths: Vec<Option<f64>> = outcomes
+        .iter()
+        .map(|outcome| outcome.case.at.wavelength_nm())
+        .collect();
+    wavelengths.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    wavelengths.dedup();
+    let build = &measurement.header.build;
+    let mut text = format!("VERSION 0.3\nSOFTWARE asperity-{}\n", build.version);
+    let mut agreement = Vec::new();
+    let mut notes =
+        vec!["not in the file: standard errors, polarisation, orders of scattering".to_owned()];
+    if outcomes.len() < all.len() {
+        notes.push(format!(
+            "left out: {} directions of light from below",
+            all.len() - outcomes.len()
+        ));
+    }
+    for side in Side::BOTH {
+        let mut block = outcomes.clone();
+        block.retain(|outcome| {
+            let records = outcome.statistics.spec().records(side);
+            records && specular_theta(&outcome.case, side).is_some()
+        });
+        if block.is_empty() {
+            continue;
+        }
+        let by_wavelength: Vec<Directions> = wavelengths
+            .iter()
+            .map(|wavelength| {
+                let mut at = block.clone();
+                at.retain(|outcome| outcome.case.at.wavelength_nm() == *wavelength);
+                match at.is_empty() {
+                    true => Err("needs the same directions at all wavelengths".to_owned()),
+                    false => Directions::of(&at),
+                }
+            })
+            .collect::<Result<_, String>>()
+            .map_err(unfit)?;
+        agreement.extend(write(&mut text, side, &wavelengths, &by_wavelength)?);
+        if block.len() < outcomes.len() {
+            notes.push(format!(
+                "left out of {side} light: {} directions in which a smooth sample sends no light",
+                outcomes.len() - block.len()
+            ));
+        }
+    }
+    notes.extend(coarse_note(&agreement));
+    Ok(Contents {
+        bytes: text.into_bytes(),
+        agreement,
+        notes,
+    })
+}
+
+/// Writes the block of a side, and returns its light.
+fn write(
+    text: &mut String,
+    side: Side,
+    wavelengths: &[Option<f64>],
+    by_wavelength: &[Directions],
+) -> Result<Vec<Agreement>, ExportError> {
+    let first = &by_wavelength[0];
+    let count = first.theta_deg.len();
+    let same = |other: &Directions| {
+        [&other.theta_deg, &other.phi_deg] == [&first.theta_deg, &first.phi_deg]
+    };
+    if !by_wavelength.iter().all(same) {
+        return Err(unfit("needs the same directions at all wavelengths"));
+    }
+    // The lobes of other wavelengths lie near that of the first
+    let thetas = first.outcomes[..count].iter();
+    let thetas = thetas.filter_map(|outcome| specular_theta(&outcome.case, side));
+    let thetas: Vec<f64> = thetas.collect();
+    let outcomes: Vec<&Outcome> = by_wavelength
+        .iter()
+        .flat_map(|one| one.outcomes.clone())
+        .collect();
+    let is_symmetric = by_wavelength.iter().all(Directions::are_symmetric);
+    let farthest = thetas.iter().copied().fold(0.0, f64::max);
+    let grid = SpecularGrid::of(&outcomes, side, farthest, is_symmetric);
+    let mut agreement = Vec::new();
+    let mut tables: Vec<Vec<SpecularTable>> = Vec::new();
+    for directions in by_wavelength {
+        let mut of_wavelength = Vec::new();
+        for (number, outcome) in directions.outcomes.iter().enumerate() {
+            let phi = directions.phi_deg[number / count].to_radians();
+            let table = grid.table(outcome, side, thetas[number % count], phi);
+            let measured = outcome.statistics.flux(side, Component::All);
+            agreement.push(Agreement::of(&outcome.case, side, measured, table.flux));
+            of_wavelength.push(table);
+        }
+        tables.push(of_wavelength);
+    }
+    let name = match side {
+        Side::Reflected => "brdf",
+        Side::Transmitted => "btdf",
+    };
+    let _ = write!(text, "\nDATA_TYPE {name}\n");
+    let known: Option<Vec<f64>> = wavelengths.iter().copied().collect();
+    match known {
+        Some(known) => {
+            text.push_str("COLOR_MODEL spectrum\n");
+            list(text, "WAVELENGTH_LIST", &known);
+        }
+        None => text.push_str("COLOR_MODEL monochrome\n"),
+    }
+    text.push_str("PARAM_TYPE specular_coordinate_system\n");
+    if is_symmetric {
+        text.push_str("REDUCTION_TYPE bilateral_symmetry\n");
+    }
+    list(text, "PARAM0_LIST", &first.theta_deg);
+    let mut phi = first.phi_deg.clone();
+    let has_axes = !is_symmetric;
+    if has_axes {
+        if phi.len() > 1 {
+            // The turn is closed
+            phi.push(360.0);
+        }
+        list(text, "PARAM1_LIST", &phi);
+    }
+    list(text, "PARAM2_LIST", &grid.radial_deg);
+    list(text, "PARAM3_LIST", &grid.azimuth_deg);
+    if side == Side::Transmitted {
+        let offsets = thetas.iter().zip(&first.theta_deg);
+        let offsets: Vec<f64> = offsets
+            .map(|(theta, incident)| theta.to_degrees() - incident)
+            .collect();
+        list(text, "PARAM4_LIST", &offsets);
+    }
+    text.push_str("SOURCE_TYPE generated\nDATA ascii\n");
+    let radii = grid.radial_deg.len();
+    for value in 0..grid.azimuth_deg.len() * radii {
+        for turn in 0..phi.len() {
+            for theta in 0..count {
+                let place = turn % first.phi_deg.len() * count + theta;
+                let values = tables.iter().map(|tables| tables[place].values[value]);
+                let values: Vec<String> = values.map(|value| format!("{value:.4e}")).collect();
+                let _ = writeln!(text, "{}", values.join(" "));
+            }
+        }
+    }
+    Ok(agreement)
+}
+
+/// A line with a name and angles or wavelengths, of six decimals at most.
+fn list(text: &mut String, name: &str, values: &[f64]) {
+    let values: Vec<String> = values
+        .iter()
+        .map(|value| ((value * 1e6).round() / 1e6).to_string())
+        .collect();
+    let _ = writeln!(text, "{name} {}", values.join(" "));
+}
