@@ -3,10 +3,10 @@
 use std::io::{self, Cursor};
 
 use ::exr::error::Error;
-use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, Layers};
 use ::exr::math::Vec2;
-use ::exr::meta::header::LayerAttributes;
-use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage};
+use ::exr::meta::header::{ImageAttributes, LayerAttributes};
+use ::exr::prelude::{Blocks, Compression, IntegerBounds, LineOrder, WritableImage};
 
 use crate::error::WriteProblem;
 
@@ -20,30 +20,42 @@ pub(crate) fn single(what: &'static str, value: f64) -> Result<f32, WriteProblem
     }
 }
 
-/// The bytes of an OpenEXR file of one layer: scan lines, ZIP compression, lossless.
-///
-/// `size`: columns and rows. `channels`: names and their samples, row by row. Equal arguments give
-/// equal bytes.
+/// Attributes of a layer of an OpenEXR file, and its channels: names and their samples, row by row.
+pub(crate) type ExrLayer<'a> = (LayerAttributes, Vec<(&'a str, Vec<f32>)>);
+
+/// The bytes of an OpenEXR file of one layer: see [`encode_exr_layers`].
 pub(crate) fn encode_exr(
-    [columns, rows]: [usize; 2],
+    size: [usize; 2],
     attributes: LayerAttributes,
     channels: Vec<(&str, Vec<f32>)>,
 ) -> io::Result<Vec<u8>> {
-    let channels = channels
-        .into_iter()
-        .map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples)));
-    let layer = Layer::new(
-        Vec2(columns, rows),
-        attributes,
-        Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
-        AnyChannels::sort(channels.collect()),
-    );
+    encode_exr_layers(size, vec![(attributes, channels)])
+}
+
+/// The bytes of an OpenEXR file: scan lines, ZIP compression, lossless.
+///
+/// `size`: columns and rows of every layer. Several layers need a name each. Equal arguments give equal bytes.
+pub(crate) fn encode_exr_layers(
+    [columns, rows]: [usize; 2],
+    layers: Vec<ExrLayer<'_>>,
+) -> io::Result<Vec<u8>> {
+    let size = Vec2(columns, rows);
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = |(attributes, channels): ExrLayer<'_>| {
+        let channels = channels
+            .into_iter()
+            .map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples)));
+        let channels = AnyChannels::sort(channels.collect());
+        Layer::new(size, attributes, encoding, channels)
+    };
+    let layers: Layers<AnyChannels<FlatSamples>> = layers.into_iter().map(layer).collect();
+    let bounds = IntegerBounds::from_dimensions(size);
     let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
+    Image::from_layers(ImageAttributes::new(bounds), layers)
         .write()
         .non_parallel()
         .to_buffered(&mut file)
@@ -64,36 +76,40 @@ pub(crate) fn png_error(error: ::png::EncodingError) -> io::Error {
     }
 }
 
-/// Puts the attributes of a file of one part in alphabetical order.
+/// Puts the attributes of each part of a file in alphabetical order.
 ///
 /// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
-/// give equal bytes. The header keeps its length, so that all offsets stay right.
+/// give equal bytes. The headers keep their lengths, so that all offsets stay right.
 fn sort_attributes(file: &mut [u8]) {
     /// Magic number and version come first.
     const START: usize = 8;
-    let Some(header) = file.get(START..) else {
-        return;
-    };
+    let has_several_parts = file.get(5).is_some_and(|flags| flags & 0x10 != 0);
+    let mut start = START;
+    while let Some(length) = file.get_mut(start..).and_then(sort_header) {
+        // An empty name ends a header, and an empty header the headers of several parts
+        start += length + 1;
+        if length == 0 || !has_several_parts {
+            return;
+        }
+    }
+}
+
+/// Puts the attributes of the header at the beginning of `bytes` in order. Returns its length; `None` if it is torn.
+fn sort_header(bytes: &mut [u8]) -> Option<usize> {
     let mut attributes = Vec::new();
-    let mut rest = header;
+    let mut rest: &[u8] = bytes;
     // Each: name, NUL, type, NUL, size in four bytes, value. An empty name ends the header.
     while let Some(name) = rest.iter().position(|byte| *byte == 0).filter(|n| *n > 0) {
         let after_name = &rest[name + 1..];
-        let Some(kind) = after_name.iter().position(|byte| *byte == 0) else {
-            return;
-        };
-        let Some(size) = after_name[kind + 1..].first_chunk() else {
-            return;
-        };
-        let Some((attribute, after)) =
-            rest.split_at_checked(name + kind + 6 + u32::from_le_bytes(*size) as usize)
-        else {
-            return;
-        };
+        let kind = after_name.iter().position(|byte| *byte == 0)?;
+        let size = after_name[kind + 1..].first_chunk()?;
+        let end = name + kind + 6 + u32::from_le_bytes(*size) as usize;
+        let (attribute, after) = rest.split_at_checked(end)?;
         attributes.push(attribute);
         rest = after;
     }
     attributes.sort_unstable();
     let sorted = attributes.concat();
-    file[START..START + sorted.len()].copy_from_slice(&sorted);
+    bytes[..sorted.len()].copy_from_slice(&sorted);
+    Some(sorted.len())
 }
