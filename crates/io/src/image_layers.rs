@@ -107,7 +107,10 @@ mod tests {
             let [nan, values] = &found.channel_data.list[..] else {
                 panic!("two channels");
             };
-            assert_eq!([&nan.name, &values.name].map(ToString::to_string), ["E_R", "E_T"]);
+            assert_eq!(
+                [&nan.name, &values.name].map(ToString::to_string),
+                ["E_R", "E_T"]
+            );
             assert!(nan.sample_data.values_as_f32().all(f32::is_nan));
             let stored = values.sample_data.values_as_f32().map(f64::from);
             assert!(stored.eq(layer.channels[0].1.iter().copied()));
