@@ -34,7 +34,8 @@ pub(crate) fn encode_exr(
 
 /// The bytes of an OpenEXR file: scan lines, ZIP compression, lossless.
 ///
-/// `size`: columns and rows of every layer. Several layers need a name each. Equal arguments give equal bytes.
+/// `size`: columns and rows of every layer. Several layers need a name each, and have standard attributes alone, whose order the
+/// encoder keeps. Equal arguments give equal bytes.
 pub(crate) fn encode_exr_layers(
     [columns, rows]: [usize; 2],
     layers: Vec<ExrLayer<'_>>,
@@ -76,40 +77,36 @@ pub(crate) fn png_error(error: ::png::EncodingError) -> io::Error {
     }
 }
 
-/// Puts the attributes of each part of a file in alphabetical order.
+/// Puts the attributes of the first part of a file in alphabetical order.
 ///
 /// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
-/// give equal bytes. The headers keep their lengths, so that all offsets stay right.
+/// give equal bytes. The header keeps its length, so that all offsets stay right.
 fn sort_attributes(file: &mut [u8]) {
     /// Magic number and version come first.
     const START: usize = 8;
-    let has_several_parts = file.get(5).is_some_and(|flags| flags & 0x10 != 0);
-    let mut start = START;
-    while let Some(length) = file.get_mut(start..).and_then(sort_header) {
-        // An empty name ends a header, and an empty header the headers of several parts
-        start += length + 1;
-        if length == 0 || !has_several_parts {
-            return;
-        }
-    }
-}
-
-/// Puts the attributes of the header at the beginning of `bytes` in order. Returns its length; `None` if it is torn.
-fn sort_header(bytes: &mut [u8]) -> Option<usize> {
+    let Some(header) = file.get(START..) else {
+        return;
+    };
     let mut attributes = Vec::new();
-    let mut rest: &[u8] = bytes;
+    let mut rest = header;
     // Each: name, NUL, type, NUL, size in four bytes, value. An empty name ends the header.
     while let Some(name) = rest.iter().position(|byte| *byte == 0).filter(|n| *n > 0) {
         let after_name = &rest[name + 1..];
-        let kind = after_name.iter().position(|byte| *byte == 0)?;
-        let size = after_name[kind + 1..].first_chunk()?;
-        let end = name + kind + 6 + u32::from_le_bytes(*size) as usize;
-        let (attribute, after) = rest.split_at_checked(end)?;
+        let Some(kind) = after_name.iter().position(|byte| *byte == 0) else {
+            return;
+        };
+        let Some(size) = after_name[kind + 1..].first_chunk() else {
+            return;
+        };
+        let Some((attribute, after)) =
+            rest.split_at_checked(name + kind + 6 + u32::from_le_bytes(*size) as usize)
+        else {
+            return;
+        };
         attributes.push(attribute);
         rest = after;
     }
     attributes.sort_unstable();
     let sorted = attributes.concat();
-    bytes[..sorted.len()].copy_from_slice(&sorted);
-    Some(sorted.len())
+    file[START..START + sorted.len()].copy_from_slice(&sorted);
 }

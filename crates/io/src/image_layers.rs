@@ -79,7 +79,6 @@ mod tests {
 
     use super::*;
 
-    /// Attributes are in a hash map whose order changes from image to image.
     #[test]
     fn layers_keep_names_and_values_and_equal_images_have_equal_bytes() {
         let folder = tempfile::tempdir().unwrap();
