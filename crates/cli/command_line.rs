@@ -435,7 +435,8 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         (error.kind(), error.get(ContextKind::InvalidArg), command)
     {
         let commands = commands_with_flag(flag.trim_start_matches('-'));
-        if commands.iter().next().is_some() {
+        // Roughness, a flag of albedo, has better advice elsewhere
+        if commands.iter().next().is_some() && roughness_hint(flag).is_none() {
             let error = SettingError::OfOtherCommands {
                 place: asperity_studies::settings::Place::Flag,
                 name: flag.clone(),

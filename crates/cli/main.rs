@@ -26,7 +26,7 @@ use std::process::ExitCode;
 
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
-    AttenuationStudy, ConvergeStudy, GonioStudy, MapStudy, TraceStudy, VerifyStudy,
+    AlbedoStudy, AttenuationStudy, ConvergeStudy, GonioStudy, MapStudy, TraceStudy, VerifyStudy,
 };
 
 use crate::command_line::{Request, Stop, parse, program};
@@ -71,6 +71,7 @@ fn run(document: &Document) -> Result<End, Failure> {
         Command::Verify => study::run::<VerifyStudy>(document, common),
         Command::Map => study::run::<MapStudy>(document, common),
         Command::Gonio => study::run::<GonioStudy>(document, common),
+        Command::Albedo => study::run::<AlbedoStudy>(document, common),
         Command::Converge => study::run::<ConvergeStudy>(document, common),
         Command::Attenuation => study::run::<AttenuationStudy>(document, common),
         Command::Model => model::run(document, common),

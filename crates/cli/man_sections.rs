@@ -27,6 +27,10 @@ pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
             &["asperity map --smoothness 1,3,10 --theta 0,40,75 --models smith,heitz -o map"]
         }
         Command::Gonio => &["asperity gonio --surface rough.exr --theta 0,30,60 -o gonio"],
+        Command::Albedo => &[
+            "asperity albedo --eta 1.33,1.5 -o glass",
+            "asperity albedo --slopes ggx --material gold --wavelength 550 --target-error 1e-3 -o gold",
+        ],
         Command::Converge => &["asperity converge --smoothness 3 --theta 30 -o converge"],
         Command::Attenuation => &["asperity attenuation --sigma 0.2,0.5 -o attenuation"],
         Command::Model => &[

@@ -1,4 +1,4 @@
-//! Studies: `verify`, `map`, `gonio`, `trace`, `converge` and `attenuation` take the same steps.
+//! Studies: `verify`, `map`, `gonio`, `albedo`, `trace`, `converge` and `attenuation` take the same steps.
 
 use asperity_io::ResultFolder;
 use asperity_results::Container;

@@ -261,7 +261,7 @@ const SIMULATE: [(&str, &[&str]); 14] = [
 ];
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 23] = [
+const STUDIES: [(&str, &[&str]); 24] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
@@ -356,6 +356,12 @@ const STUDIES: [(&str, &[&str]); 23] = [
             "surface_lengths",
             "validity",
             "verify",
+        ],
+    ),
+    (
+        "albedo",
+        &[
+            "config", "error", "output", "report", "settings", "study", "verify",
         ],
     ),
     (

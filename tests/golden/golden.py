@@ -65,6 +65,7 @@ RUNS = {
     "verify_refine": f"verify {SMALL} --smoothness 2 --theta 40 --refine --rays 2e4 --realisations 8",
     "verify_one": f"verify {SMALL} --smoothness 2 --theta 40 --rays 2e4 --realisations 1",
     "verify_smooth_plain": f"verify {SMALL} --smoothness 30 --theta 40 --target-error 1e-3",
+    "albedo": "albedo --alpha 0.3,1 --cosines 3 --eta 1.33,1.5 --rays 2e3 --realisations 4",
     "gonio_given": "gonio --surface {given}/h.exr --directions 3x4 --rays 1e4",
     "gonio_many": f"gonio {SMALL} --smoothness 2,40 --theta 0,30,60 --material mirror --rays 1e4 --realisations 4",
     "gonio_grooves": f"gonio --size 128 --tau 16 --tau-y 4 --sigma 2 --theta 30 --phi 0,90 --rays 1e4 --realisations 4",

@@ -359,7 +359,7 @@ fn bad_input_gets_a_sentence() {
         .failed("gonio --surface h.npy -o out")
         .must_contain("h.npy");
     assert_eq!(files(&folder), ["g.toml"]);
-    // Keys of verify and trace, even where a flag replaces them.
+    // Keys of other commands, even where a flag replaces them.
     for (key, flags) in [
         ("target_error = 0.01", ""),
         ("target_error = 0.01", "--rays 100 "),
@@ -370,7 +370,11 @@ fn bad_input_gets_a_sentence() {
         folder.write("v.toml", of_file);
         let said = folder.refused(format!("gonio v.toml {flags}-o out"));
         let key = key.split(' ').next().unwrap();
-        let expected = format!("run.{key} is for trace, verify and map, not for gonio");
+        let commands = match key {
+            "target_error" => "trace, verify, map and albedo",
+            _ => "trace, verify and map",
+        };
+        let expected = format!("run.{key} is for {commands}, not for gonio");
         said.must_contain(&expected);
         assert_eq!(files(&folder), ["g.toml", "v.toml"]);
     }

@@ -7,6 +7,7 @@
 )]
 
 mod absorbed_map;
+mod albedo;
 mod appearance;
 mod areal;
 mod attenuation;

@@ -6,17 +6,18 @@ use std::path::Path;
 use crate::support::{Folder, InFolder, MustContain, files, with_surface};
 
 /// A run of each command that writes a folder, without its output.
-const RUNS: [&str; 6] = [
+const RUNS: [&str; 7] = [
     "trace h.exr --theta 30 --rays 1e3 --no-plots",
     "verify --tau 4 --size 32 --realisations 2 --rays 2e3 --models smith --no-plots",
     "map --tau 4 --size 32 --theta 0 --realisations 2 --rays 2e3 --models smith --no-plots",
     "gonio --tau 4 --size 32 --theta 30 --realisations 2 --rays 2e3 --bins 6x6 --no-plots",
+    "albedo --alpha 1 --cos 0.5 --realisations 2 --rays 2e3 --no-plots",
     "attenuation --tau 4 --spacing 1 --size 32 --sigma 1 --realisations 2 --theta 45 --no-plots",
     "converge --tau 4 --size 32 --rays 1e3 --surfaces 2 --repeats 1 --reference-rays 1e4 --reference-surfaces 2 --no-plots",
 ];
 
 /// Names that results of some command have.
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 13] = [
     "report.txt",
     "comparison.csv",
     "lobes.png",
@@ -24,6 +25,7 @@ const NAMES: [&str; 12] = [
     "map_own.png",
     "gonio.csv",
     "bsdf.npy",
+    "albedo.exr",
     "histogram.csv",
     "attenuation.csv",
     "convergence.csv",

@@ -3,10 +3,10 @@
 use std::io::{self, Cursor};
 
 use ::exr::error::Error;
-use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, Layers};
 use ::exr::math::Vec2;
-use ::exr::meta::header::LayerAttributes;
-use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage};
+use ::exr::meta::header::{ImageAttributes, LayerAttributes};
+use ::exr::prelude::{Blocks, Compression, IntegerBounds, LineOrder, WritableImage};
 
 use crate::error::WriteProblem;
 
@@ -20,30 +20,43 @@ pub(crate) fn single(what: &'static str, value: f64) -> Result<f32, WriteProblem
     }
 }
 
-/// The bytes of an OpenEXR file of one layer: scan lines, ZIP compression, lossless.
-///
-/// `size`: columns and rows. `channels`: names and their samples, row by row. Equal arguments give
-/// equal bytes.
+/// Attributes of a layer of an OpenEXR file, and its channels: names and their samples, row by row.
+pub(crate) type ExrLayer<'a> = (LayerAttributes, Vec<(&'a str, Vec<f32>)>);
+
+/// The bytes of an OpenEXR file of one layer: see [`encode_exr_layers`].
 pub(crate) fn encode_exr(
-    [columns, rows]: [usize; 2],
+    size: [usize; 2],
     attributes: LayerAttributes,
     channels: Vec<(&str, Vec<f32>)>,
 ) -> io::Result<Vec<u8>> {
-    let channels = channels
-        .into_iter()
-        .map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples)));
-    let layer = Layer::new(
-        Vec2(columns, rows),
-        attributes,
-        Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
-        AnyChannels::sort(channels.collect()),
-    );
+    encode_exr_layers(size, vec![(attributes, channels)])
+}
+
+/// The bytes of an OpenEXR file: scan lines, ZIP compression, lossless.
+///
+/// `size`: columns and rows of every layer. Several layers need a name each, and have standard attributes alone, whose order the
+/// encoder keeps. Equal arguments give equal bytes.
+pub(crate) fn encode_exr_layers(
+    [columns, rows]: [usize; 2],
+    layers: Vec<ExrLayer<'_>>,
+) -> io::Result<Vec<u8>> {
+    let size = Vec2(columns, rows);
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = |(attributes, channels): ExrLayer<'_>| {
+        let channels = channels
+            .into_iter()
+            .map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples)));
+        let channels = AnyChannels::sort(channels.collect());
+        Layer::new(size, attributes, encoding, channels)
+    };
+    let layers: Layers<AnyChannels<FlatSamples>> = layers.into_iter().map(layer).collect();
+    let bounds = IntegerBounds::from_dimensions(size);
     let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
+    Image::from_layers(ImageAttributes::new(bounds), layers)
         .write()
         .non_parallel()
         .to_buffered(&mut file)
@@ -64,7 +77,7 @@ pub(crate) fn png_error(error: ::png::EncodingError) -> io::Error {
     }
 }
 
-/// Puts the attributes of a file of one part in alphabetical order.
+/// Puts the attributes of the first part of a file in alphabetical order.
 ///
 /// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
 /// give equal bytes. The header keeps its length, so that all offsets stay right.

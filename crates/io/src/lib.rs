@@ -35,6 +35,7 @@ mod error;
 mod files;
 mod formats;
 mod height_maps;
+mod image_layers;
 mod limits;
 mod materials;
 mod meshes;
@@ -60,6 +61,7 @@ pub use files::{
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};
+pub use image_layers::{ImageLayer, write_image_layers};
 pub use materials::{MaterialLookupError, MaterialRecord, material, materials, names_file};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
 pub use netcdf::{NetCdf, NetCdfValues, NetCdfVariable};

@@ -2,9 +2,10 @@
 //!
 //! A [`Study`] is planned, run and judged. [`VerifyStudy`] simulates light on random surfaces and compares it with statistical models;
 //! [`ConvergeStudy`] measures run time against error; [`MapStudy`] says over a grid of cases where models are within tolerance;
-//! [`GonioStudy`] measures BRDF and BTDF, direction by direction; [`TraceStudy`] traces given surfaces, and [`AttenuationStudy`] measures
+//! [`GonioStudy`] measures BRDF and BTDF, direction by direction; [`AlbedoStudy`] tabulates directional albedos; [`TraceStudy`] traces given surfaces, and [`AttenuationStudy`] measures
 //! shadowing and masking.
 
+mod albedo;
 mod attenuation;
 mod comparison;
 mod config;
@@ -29,6 +30,10 @@ mod trace;
 mod validity;
 mod verify;
 
+pub use albedo::{
+    AlbedoConfig, AlbedoLight, AlbedoOutcome, AlbedoOutput, AlbedoPoint, AlbedoRun, AlbedoSlopes,
+    AlbedoStudy, AlbedoTable,
+};
 pub use attenuation::{
     AttenuationConfig, AttenuationDirections, AttenuationOutcome, AttenuationOutput,
     AttenuationRow, AttenuationRun, AttenuationStudy, AttenuationSurface, AttenuationWork,

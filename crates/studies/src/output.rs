@@ -21,7 +21,7 @@ pub(crate) use columns::{
 };
 pub(crate) use head::Head;
 pub(crate) use number::{
-    beside, cut_short, distance, in_steps, significant, two_digits, with_error,
+    NO_SCATTER, beside, cut_short, distance, in_steps, significant, two_digits, with_error,
 };
 pub(crate) use place::{Place, figure_files};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};

@@ -25,6 +25,8 @@ pub enum Command {
     Map,
     /// Measures BRDF and BTDF for many directions.
     Gonio,
+    /// Tabulates directional albedos.
+    Albedo,
     /// Measures run time against error.
     Converge,
     /// Measures shadowing and masking.
@@ -39,7 +41,7 @@ pub enum Command {
 
 impl Command {
     /// All commands, in the order of the help.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Generate,
         Self::Inspect,
         Self::Mesh,
@@ -48,6 +50,7 @@ impl Command {
         Self::Verify,
         Self::Map,
         Self::Gonio,
+        Self::Albedo,
         Self::Converge,
         Self::Attenuation,
         Self::Model,
@@ -67,6 +70,7 @@ impl Command {
             Self::Verify => "verify",
             Self::Map => "map",
             Self::Gonio => "gonio",
+            Self::Albedo => "albedo",
             Self::Converge => "converge",
             Self::Attenuation => "attenuation",
             Self::Model => "model",
@@ -87,6 +91,7 @@ impl Command {
             Self::Verify => "Compare random surfaces with the scattering models",
             Self::Map => "Map where each model is within tolerance",
             Self::Gonio => "Measure BRDF and BTDF by direction",
+            Self::Albedo => "Tabulate directional albedos for renderers",
             Self::Converge => "Measure run time against error of the estimators",
             Self::Attenuation => "Compare shadowing and masking with Smith and V-cavities",
             Self::Model => "Evaluate a scattering model",
@@ -113,9 +118,12 @@ impl Command {
                 "Height map, triangle mesh or configuration (.toml); flags override it. Several surfaces are an ensemble",
             ),
             Self::Render => ("FILE", "Height map or triangle mesh"),
-            Self::Verify | Self::Map | Self::Gonio | Self::Converge | Self::Attenuation => {
-                ("CONFIG", "Configuration (.toml); flags override it")
-            }
+            Self::Verify
+            | Self::Map
+            | Self::Gonio
+            | Self::Albedo
+            | Self::Converge
+            | Self::Attenuation => ("CONFIG", "Configuration (.toml); flags override it"),
             Self::Model => ("NAME", "Model, as --list names it"),
             Self::Export => (
                 "DIR",
@@ -163,6 +171,7 @@ const CONFIGURED: Commands = Commands::of(&[
     Command::Verify,
     Command::Map,
     Command::Gonio,
+    Command::Albedo,
     Command::Converge,
     Command::Attenuation,
 ]);

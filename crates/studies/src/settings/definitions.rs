@@ -1,5 +1,6 @@
 //! The definitions of all settings, one table per section of a configuration.
 
+mod albedo;
 mod choices;
 mod commands;
 mod compare;
@@ -44,6 +45,7 @@ const fn section(name: &'static str, title: &'static str, settings: &'static [Se
 /// All sections, in the order of the help.
 pub static SECTIONS: &[Section] = &[
     section("surface", "Surface", surface::SETTINGS),
+    section("albedo", "Table", albedo::SETTINGS),
     section("generate", "Height map", single::GENERATE_SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
     section("mesh", "Triangle mesh", single::MESH_SETTINGS),

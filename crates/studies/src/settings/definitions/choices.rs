@@ -213,6 +213,20 @@ pub(super) const POLARISATION: Kind = Kind::Choice(&[
     choice("mueller", "tracked, with Mueller matrices"),
 ]);
 
+/// The first two of [`POLARISATION`].
+pub(super) const AVERAGING: Kind = Kind::Choice(&[
+    choice("tracked", "carried along each path"),
+    choice(
+        "averaged",
+        "unpolarised again at every interface, as in renderers",
+    ),
+]);
+
+pub(super) const ALBEDO_SLOPES: Kind = Kind::Choice(&[
+    choice("gaussian", "those of Gaussian heights (Beckmann)"),
+    choice("ggx", "GGX: long tails"),
+]);
+
 pub(super) const BINS: Kind = Kind::GridOrChoice(&[choice(
     "auto",
     "18x36, refined around lobes that are narrower than such bins",

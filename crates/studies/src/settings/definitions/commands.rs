@@ -31,6 +31,7 @@ pub(super) const TRACING: Commands = Commands::of(&[
     Command::Gonio,
 ]);
 
+pub(super) const ALBEDO: Commands = Commands::of(&[Command::Albedo]);
 pub(super) const ATTENUATION: Commands = Commands::of(&[Command::Attenuation]);
 pub(super) const CONVERGE: Commands = Commands::of(&[Command::Converge]);
 pub(super) const EXPORT: Commands = Commands::of(&[Command::Export]);

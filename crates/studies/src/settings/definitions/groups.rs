@@ -291,6 +291,10 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         variant("directions").when(&["light.directions"]),
     ]),
     group(&[
+        variant("cosines").when(&["albedo.cosines"]),
+        variant("cos").when(&["albedo.cos"]),
+    ]),
+    group(&[
         variant("a light whose shadow is measured")
             .when(&["shadow.theta"])
             .allows(&["shadow.phi"]),

@@ -4,8 +4,8 @@ use asperity_surface::LengthUnit;
 
 use super::choices::{AZIMUTH, FROM, FROM_EITHER};
 use super::commands::{
-    ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MAP, MODEL, RENDER, SWEEPS, TRACE, TRACING,
-    VERIFY,
+    ALBEDO, ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MAP, MODEL, RENDER, SWEEPS, TRACE,
+    TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -91,8 +91,8 @@ pub(super) const LIGHT: &[Setting] = &table(
             .otherwise("one direction"),
         WAVELENGTH
             .help("Wavelength of named materials, and to judge lengths against")
-            .commands(TRACING.and(CONVERGE).and(MODEL).and(RENDER))
-            .arity(Arity::ListIn(TRACING.and(CONVERGE).and(MODEL)))
+            .commands(TRACING.and(ALBEDO).and(CONVERGE).and(MODEL).and(RENDER))
+            .arity(Arity::ListIn(TRACING.and(ALBEDO).and(CONVERGE).and(MODEL)))
             .otherwise("550 where the unit of the surface is known"),
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")

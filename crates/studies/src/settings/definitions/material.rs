@@ -1,7 +1,7 @@
 //! `[material]` and `[medium]`: what the surface is made of, and what lies below.
 
 use super::choices::{BOTTOM, GIVEN_BOTTOMS, MATERIAL, PHASE, RANDOM_BOTTOMS};
-use super::commands::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
+use super::commands::{ALBEDO, CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -12,11 +12,12 @@ const COMMANDS: Commands = TRACE
     .and(VERIFY)
     .and(MAP)
     .and(GONIO)
+    .and(ALBEDO)
     .and(CONVERGE)
     .and(MODEL);
 
 /// Commands with lists of indices.
-const LISTS_OF_INDICES: Commands = SWEEPS.and(TRACE).and(MODEL);
+const LISTS_OF_INDICES: Commands = SWEEPS.and(TRACE).and(ALBEDO).and(MODEL);
 
 pub(super) const MATERIAL_SETTINGS: &[Setting] = &table(
     "material",

@@ -2,15 +2,15 @@
 
 use super::choices::{COHERENT, FOR_FORMAT, SCALE};
 use super::commands::{
-    ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL, SWEEPS,
-    TRACE, TRACING, VERIFY,
+    ALBEDO, ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL,
+    SWEEPS, TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, table};
 
-const FIGURES_IN: Commands = TRACING.and(CONVERGE).and(ATTENUATION);
+const FIGURES_IN: Commands = TRACING.and(ALBEDO).and(CONVERGE).and(ATTENUATION);
 
 pub(super) const FIGURES: &[Setting] = &table(
     "output",
@@ -115,6 +115,7 @@ pub(super) const RESULTS: &[Setting] = &flags(
                 TRACE
                     .and(SWEEPS)
                     .and(MAP)
+                    .and(ALBEDO)
                     .and(ATTENUATION)
                     .and(GENERATE)
                     .and(INSPECT)

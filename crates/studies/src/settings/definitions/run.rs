@@ -1,10 +1,11 @@
 //! `[run]`: how much is traced, and how.
 
 use super::choices::{
-    ACCELERATOR, BINS, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING, SIDE,
+    ACCELERATOR, AVERAGING, BINS, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING,
+    SIDE,
 };
 use super::commands::{
-    ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY,
+    ALBEDO, ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -21,7 +22,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
     [
         basic("realisations", Kind::Count)
             .help("Surfaces drawn per case")
-            .commands(VERIFY.and(MAP).and(GONIO).and(ATTENUATION))
+            .commands(VERIFY.and(MAP).and(GONIO).and(ALBEDO).and(ATTENUATION))
             .default("32")
             .default_in(&[(ATTENUATION, Some("20"))]),
         basic("realisations", Kind::Count)
@@ -32,7 +33,9 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .flag_only(),
         basic("rays", Kind::Count)
             .help("Rays per case, over all its surfaces")
-            .default("1e6"),
+            .commands(TRACING.and(ALBEDO))
+            .default("1e6")
+            .default_in(&[(ALBEDO, Some("6e4"))]),
         basic("rays", Kind::Count)
             .help("Rays that a model follows")
             .commands(MODEL)
@@ -40,7 +43,7 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .flag_only(),
         basic("target_error", Kind::Number)
             .help("Error to reach, in place of numbers of surfaces and rays")
-            .commands(AIMED)
+            .commands(AIMED.and(ALBEDO))
             .value_name("ERROR")
             .range(Range::Above(0.0)),
         setting("of", QUANTITY)
@@ -50,12 +53,13 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .otherwise("bins"),
         setting("max_time", Kind::Duration)
             .help("Time after which no further work is started")
-            .commands(TRACING.and(RENDER))
+            .commands(TRACING.and(ALBEDO).and(RENDER))
             .value_name("TIME"),
         basic("seed", Kind::Seed)
             .help("Seed of the random numbers")
             .commands(
                 TRACING
+                    .and(ALBEDO)
                     .and(GENERATE)
                     .and(RENDER)
                     .and(ATTENUATION)
@@ -90,6 +94,10 @@ pub(super) const SETTINGS: &[Setting] = &table(
             .default("auto"),
         setting("polarisation", POLARISATION)
             .help("Whether paths carry the polarisation of light")
+            .default("tracked"),
+        setting("polarisation", AVERAGING)
+            .help("Whether paths carry the polarisation of light")
+            .commands(ALBEDO)
             .default("tracked"),
         setting("roulette", ROULETTE)
             .help("Throughput below which Russian roulette ends paths")
