@@ -56,7 +56,7 @@ enum ExportFormat {
     Klems,
     /// Tensor file of measured materials of Mitsuba and pbrt, by wavelength.
     Rgl,
-    /// The same in linear sRGB.
+    /// Tensor file of measured materials of Mitsuba, in linear sRGB.
     RglRgb,
     /// Tabular BSDF of OpticStudio.
     Zemax,

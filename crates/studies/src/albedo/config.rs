@@ -25,7 +25,7 @@ const TAU: f64 = 16.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AlbedoSlopes {
-    /// Those of Gaussian heights.
+    /// Gaussian slopes (Beckmann).
     Gaussian,
     /// GGX.
     Ggx,

@@ -14,7 +14,7 @@ use super::text::albedo_text;
 use crate::report::views::Views;
 
 impl AlbedoConfig {
-    /// The files of the study, of so many materials.
+    /// Files of the study, for this number of materials.
     pub(super) fn views<'a>(&self, materials: usize) -> Views<'a, AlbedoOutcome<'a>> {
         let mut views: Views<'a, AlbedoOutcome<'a>> = Views::new();
         views.csv("albedo.csv", |outcome| Some(tables::points(outcome)));

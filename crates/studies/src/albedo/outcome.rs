@@ -42,8 +42,8 @@ impl AlbedoPoint<'_> {
         }
     }
 
-    /// Factor by which single scattering has to be multiplied to hold all light of `side`; 1 where there is none. `None` where the run
-    /// ended before.
+    /// Ratio of the light of all orders to single scattering on `side`, by which renderers compensate energy; 1 where single scattering
+    /// sends no light. `None` if the point was not traced.
     #[must_use]
     pub fn ratio(&self, side: Side) -> Option<f64> {
         let (all, single) = (self.flux(side)?.mean, self.single(side));

@@ -148,7 +148,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     })
 }
 
-/// What laws were fitted to: angles of incidence, distances from the specular direction and values.
+/// Range of the fitted data: angles of incidence, distances from the specular direction and BSDF.
 fn range(outcomes: &[&Outcome], points: &[Point]) -> Value {
     let fitted = || points.iter().filter(|point| point.is_fitted());
     let extent = |values: &mut dyn Iterator<Item = f64>| {

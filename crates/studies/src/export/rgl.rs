@@ -11,7 +11,7 @@ use asperity_optics::{
     ColourObserver, azimuth, colour_weights, from_spherical, linear_srgb, polar_angle,
 };
 use asperity_simulate::Outcome;
-use asperity_tally::{Component, Side, TallyResult};
+use asperity_tally::{Component, Estimate, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 use glam::DVec3;
 
@@ -34,10 +34,10 @@ const ANGLES: (usize, f64) = (16, 85.0);
 /// Numbers of `sigma` over the polar angle: the steps of its slope lie within a small part of those of the light.
 const SIGMA_NODES: usize = 4097;
 
-/// What values a file has.
+/// Channels of the values of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Channels {
-    /// Those of wavelengths.
+    /// One per wavelength.
     Spectra,
     /// Linear sRGB under D65.
     Rgb,
@@ -69,6 +69,9 @@ pub(super) fn contents(
             values.scale(factor);
         }
         slices.push((slice, values));
+    }
+    if factors[1] <= 0.0 {
+        return Err(unfit("holds reflected light, and none was measured"));
     }
     let agreement = slices.iter().map(|(slice, values)| {
         let exported = integral(slice.light, 3 * parts(nodes) / 2, |point| values.at(point));
@@ -130,7 +133,7 @@ impl Slice<'_> {
         }
     }
 
-    fn flux(&self) -> asperity_tally::Estimate {
+    fn flux(&self) -> Estimate {
         self.outcome
             .statistics
             .flux(Side::Reflected, Component::All)
@@ -267,7 +270,7 @@ impl<'a> Sample<'a> {
         })
     }
 
-    /// What values are multiplied by in the file, by azimuth and polar angle: the inverse of their integrals over half-vectors, 1 at the first angle.
+    /// Factors of the values in the file, by azimuth and polar angle of the light: inverse integrals over half-vectors, 1 for the first direction.
     fn sigma(&self, slices: &[(Slice, HalfVectors)]) -> Vec<f64> {
         let wavelengths = slices.len() / (self.phi.len() * self.theta.len());
         let of_direction = |slices: &[(Slice, HalfVectors)]| {
@@ -281,7 +284,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// That of one azimuth at any polar angle, radians, linear in its cosine.
+    /// Factor at a polar angle of the light, radians, from those of its azimuth: linear in the cosine.
     fn sigma_at(&self, sigma: &[f64], theta: f64) -> f64 {
         let upper = self
             .theta

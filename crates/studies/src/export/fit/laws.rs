@@ -13,7 +13,7 @@ use super::points::{Point, Ray};
 /// A formula with values for its parameters.
 pub(super) type Formula = Box<dyn Fn(&Ray) -> f64>;
 
-/// Makes a formula of the logarithms that are fitted; `None` where there is none.
+/// Constructor of a formula from the fitted logarithms; `None` if these describe no lobe.
 type FormulaOf = Box<dyn Fn(&[f64]) -> Option<Formula>>;
 
 /// Name of a parameter, and its value by the fitted logarithm.
@@ -24,7 +24,7 @@ pub(super) struct Law {
     pub(super) name: &'static str,
     /// Formula in words of the file.
     pub(super) formula: &'static str,
-    /// What it leaves out, one sentence.
+    /// Sentence on what the law leaves out.
     pub(super) loses: &'static str,
     pub(super) parameters: &'static [Parameter],
     /// Logarithms from which the fit begins; the best minimum counts.
@@ -40,7 +40,7 @@ pub(super) struct LeftOut {
     pub(super) reason: &'static str,
 }
 
-/// What laws have to know of the outcomes that they are fitted to.
+/// Material, wavelength and unit of the outcomes to which laws are fitted.
 pub(super) struct Fitted<'a> {
     pub(super) outcomes: &'a [&'a Outcome],
     pub(super) points: &'a [Point],
