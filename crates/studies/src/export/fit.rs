@@ -19,6 +19,7 @@ use self::laws::{Fitted, LeftOut};
 use self::points::{Point, points};
 use super::axes::Axes;
 use super::contents::{Agreement, Contents};
+use super::directions::check_light;
 use super::error::ExportError;
 use super::measurement::Measurement;
 
@@ -36,15 +37,7 @@ fn unfit(reason: &str) -> ExportError {
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
     let cases = &measurement.cases;
-    let light = || cases.iter().map(|case| case.outcome.case.light);
-    if light().any(|light| light.is_polarised()) {
-        return Err(unfit("is of unpolarised light: measure without --stokes"));
-    }
-    if light().any(|light| light.spread.is_some()) {
-        return Err(unfit(
-            "is of light from one direction at a time: measure without --light-spread",
-        ));
-    }
+    check_light(cases).map_err(|reason| unfit(&reason))?;
     let axes = Axes::of(cases);
     let directions = axes.axes.iter().rev().take(2);
     let directions: usize = directions.map(|axis| axis.values.len()).product();

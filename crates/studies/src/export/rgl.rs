@@ -15,8 +15,8 @@ use asperity_tally::{Component, Estimate, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 use glam::DVec3;
 
-use super::axes::Axes;
 use super::contents::{Agreement, Contents};
+use super::directions::{Directions, of_one_sample};
 use super::error::ExportError;
 use super::half_vectors::{HalfVectors, integral};
 use super::interpolation::Interpolated;
@@ -94,7 +94,7 @@ pub(super) fn contents(
             "for small errors between angles of the light measure at {count} of them or more, dense up to 88 degrees, as --for rgl does"
         ));
     }
-    if sample.wavelengths.len() < 2 {
+    if sample.directions.wavelengths_nm.len() < 2 {
         notes.push("of one wavelength, or none: the material is grey".to_owned());
     }
     if sample.phi.len() == 1 && !slices[0].0.outcome.case.light.random_azimuth {
@@ -124,7 +124,7 @@ impl Slice<'_> {
         let values = HalfVectors::of(nodes, self.light, |leaving| {
             let bsdf = self
                 .bsdf
-                .bsdf(polar_angle(leaving), azimuth(leaving) + self.turn);
+                .at(polar_angle(leaving), azimuth(leaving) + self.turn);
             bsdf * leaving.z
         });
         match self.is_isotropic {
@@ -142,81 +142,56 @@ impl Slice<'_> {
 
 /// Outcomes of one sample over wavelengths and directions of light.
 struct Sample<'a> {
-    /// Nanometres.
-    wavelengths: Vec<f64>,
+    directions: Directions<'a>,
     /// Polar angles of the light, radians, ascending.
     theta: Vec<f64>,
     /// Azimuths of the light, radians, ascending from -pi to pi, with the number of the results of each; one for isotropic files.
     phi: Vec<(f64, usize)>,
-    /// By wavelength, polar angle and azimuth of the results, the last fastest.
-    outcomes: Vec<&'a Outcome>,
-    /// Number of azimuths of the results.
-    azimuths: usize,
 }
 
 impl<'a> Sample<'a> {
     fn of(measurement: &'a Measurement) -> Result<Self, ExportError> {
-        let axes = Axes::of(&measurement.cases);
-        let values = |name: &str| {
-            let axis = axes.axes.iter().find(|axis| axis.name == name);
-            let values = axis.map_or(&[][..], |axis| &axis.values);
-            values
-                .iter()
-                .filter_map(serde_json::Value::as_f64)
-                .collect::<Vec<f64>>()
-        };
-        let known = ["wavelength_nm", "theta_deg", "phi_deg"];
-        if let Some(axis) = axes
-            .axes
-            .iter()
-            .find(|axis| !known.contains(&axis.name.as_str()))
-        {
-            return Err(unfit(format!(
-                "describes one sample, and these results differ in {}: measure one at a time",
-                axis.name
-            )));
-        }
-        let outcomes: Option<Vec<&Outcome>> = axes
-            .cases
-            .iter()
-            .map(|number| Some(&measurement.cases[(*number)?].outcome))
-            .collect();
-        let outcomes = outcomes.filter(|outcomes| outcomes.len() == measurement.planned);
-        let outcomes = outcomes
-            .ok_or_else(|| unfit("needs results of all directions: end the run with --resume"))?;
+        let outcomes = of_one_sample(measurement).map_err(unfit)?;
         outcomes.iter().try_for_each(|outcome| check(outcome))?;
-        let theta: Vec<f64> = values("theta_deg")
-            .iter()
-            .map(|theta| theta.to_radians())
-            .collect();
+        let directions = Directions::of(&outcomes).map_err(unfit)?;
+        let theta = directions.theta_deg.iter();
+        let theta: Vec<f64> = theta.map(|theta| theta.to_radians()).collect();
         if theta.len() < 2 {
             return Err(unfit(
                 "needs light from several polar angles: measure with gonio --for rgl",
             ));
         }
-        let azimuths = values("phi_deg");
         Ok(Self {
-            wavelengths: values("wavelength_nm"),
+            phi: turn_of(&directions.phi_deg)?,
             theta,
-            phi: turn_of(&azimuths)?,
-            outcomes,
-            azimuths: azimuths.len(),
+            directions,
         })
+    }
+
+    /// Wavelengths, nm, if there are several.
+    fn wavelengths_nm(&self) -> Vec<f64> {
+        let all = self.directions.wavelengths_nm.iter().copied().flatten();
+        all.collect()
     }
 
     /// In the order of the file: azimuth, polar angle, wavelength.
     fn slices(&self) -> impl Iterator<Item = Slice<'a>> {
-        let wavelengths = self.outcomes.len() / (self.theta.len() * self.azimuths);
+        let Directions {
+            wavelengths_nm,
+            phi_deg,
+            outcomes,
+            ..
+        } = &self.directions;
         self.phi.iter().flat_map(move |&(phi, azimuth)| {
             self.theta.iter().enumerate().flat_map(move |(i, &theta)| {
-                (0..wavelengths).map(move |wavelength| {
-                    let number = (wavelength * self.theta.len() + i) * self.azimuths + azimuth;
-                    let outcome = self.outcomes[number];
+                (0..wavelengths_nm.len()).map(move |wavelength| {
+                    let number = (wavelength * phi_deg.len() + azimuth) * self.theta.len() + i;
+                    let outcome = outcomes[number];
                     Slice {
                         outcome,
                         bsdf: Interpolated::of(outcome, Side::Reflected),
                         light: from_spherical(theta, phi),
-                        turn: outcome.case.light.incidence.phi() - phi,
+                        turn: phi_deg[azimuth].to_radians() - phi,
                         is_isotropic: self.phi.len() == 1,
                     }
                 })
@@ -226,7 +201,7 @@ impl<'a> Sample<'a> {
 
     /// Number of nodes that resolves the lobes: reflection of all directions together hardly changes with twice as many.
     fn nodes(&self) -> usize {
-        let wavelengths = self.outcomes.len() / (self.theta.len() * self.azimuths);
+        let wavelengths = self.directions.wavelengths_nm.len();
         let is_resolved = |nodes: usize| {
             let (mut change, mut sum) = (0.0, 0.0);
             for slice in self.slices().step_by(wavelengths) {
@@ -246,7 +221,8 @@ impl<'a> Sample<'a> {
 
     /// Weights of wavelengths in each channel.
     fn planes(&self, channels: Channels) -> Result<Vec<Vec<f64>>, ExportError> {
-        let count = self.wavelengths.len();
+        let wavelengths = self.wavelengths_nm();
+        let count = wavelengths.len();
         Ok(match channels {
             Channels::Spectra if count < 2 => vec![vec![1.0]; 2],
             Channels::Rgb if count < 2 => vec![vec![1.0]; 3],
@@ -256,7 +232,7 @@ impl<'a> Sample<'a> {
             }
             Channels::Rgb => {
                 let observer = ColourObserver::Cie1931;
-                let weights = colour_weights(&self.wavelengths, observer).ok_or_else(|| {
+                let weights = colour_weights(&wavelengths, observer).ok_or_else(|| {
                     unfit("in colour needs one wavelength, or those from 400 to 700 nm in steps of at most 20 nm")
                 })?;
                 let rgb: Vec<[f64; 3]> = weights
@@ -407,13 +383,12 @@ impl<'a> Sample<'a> {
         match channels {
             Channels::Rgb => fields.push(("rgb", numbers(&lengths, values))),
             Channels::Spectra => {
-                let nm = if self.wavelengths.len() < 2 {
-                    &GREY_NM[..]
-                } else {
-                    &self.wavelengths
-                };
+                let mut nm = self.wavelengths_nm();
+                if nm.len() < 2 {
+                    nm = GREY_NM.to_vec();
+                }
                 fields.push(("spectra", numbers(&lengths, values)));
-                fields.push(("wavelengths", list(nm)));
+                fields.push(("wavelengths", list(&nm)));
             }
         }
         tensor_file(&fields)
@@ -469,32 +444,20 @@ fn turn_of(azimuths: &[f64]) -> Result<Vec<(f64, usize)>, ExportError> {
     turn.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, number) = turn[0];
     turn.push((180.0, number));
-    let step = 360.0 / azimuths.len() as f64;
-    let is_even = turn
-        .windows(2)
-        .all(|pair| (pair[1].0 - pair[0].0 - step).abs() < 1e-6);
-    if first != -180.0 || step > 90.0 || !is_even {
+    if first != -180.0 || azimuths.len() < 4 {
         return Err(unfit(
-            "of several azimuths needs those of a whole turn that 180 degrees is one of, in equal steps of at most 90: measure with --phi 0:345:15",
+            "of several azimuths needs at least four, of which one is 180: measure with --phi 0:345:15",
         ));
     }
     Ok(turn.iter().map(|&(phi, i)| (phi.to_radians(), i)).collect())
 }
 
-/// Checks that a case is reflection of unpolarised light from one direction.
+/// Checks that a case is reflection of light from above.
 fn check(outcome: &Outcome) -> Result<(), ExportError> {
     let light = &outcome.case.light;
     if light.from != HalfSpace::Above {
         return Err(unfit(
             "holds reflection of light from above: measure with --from above",
-        ));
-    }
-    if light.is_polarised() {
-        return Err(unfit("is of unpolarised light: measure without --stokes"));
-    }
-    if light.spread.is_some() {
-        return Err(unfit(
-            "is of light from one direction at a time: measure without --light-spread",
         ));
     }
     if !outcome.statistics.spec().records(Side::Reflected) {

@@ -9,11 +9,10 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallyResult};
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::{Directions, from_one_side};
+use super::directions::{Directions, from_one_side, of_one_sample};
 use super::error::ExportError;
 use super::measurement::Measurement;
 use super::specular_table::{SpecularGrid, SpecularTable, specular_theta};
@@ -27,14 +26,8 @@ fn unfit(reason: impl Into<String>) -> ExportError {
 }
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
-    let all: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
+    let all = of_one_sample(measurement).map_err(unfit)?;
     let outcomes = from_one_side(&all);
-    let mut wavelengths: Vec<Option<f64>> = outcomes
-        .iter()
-        .map(|outcome| outcome.case.at.wavelength_nm())
-        .collect();
-    wavelengths.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    wavelengths.dedup();
     let build = &measurement.header.build;
     let mut text = format!("VERSION 0.3\nSOFTWARE asperity-{}\n", build.version);
     let mut agreement = Vec::new();
@@ -55,19 +48,8 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         if block.is_empty() {
             continue;
         }
-        let by_wavelength: Vec<Directions> = wavelengths
-            .iter()
-            .map(|wavelength| {
-                let mut at = block.clone();
-                at.retain(|outcome| outcome.case.at.wavelength_nm() == *wavelength);
-                match at.is_empty() {
-                    true => Err("needs the same directions at all wavelengths".to_owned()),
-                    false => Directions::of(&at),
-                }
-            })
-            .collect::<Result<_, String>>()
-            .map_err(unfit)?;
-        agreement.extend(write(&mut text, side, &wavelengths, &by_wavelength)?);
+        let directions = Directions::of(&block).map_err(unfit)?;
+        agreement.extend(write(&mut text, side, &directions));
         if block.len() < outcomes.len() {
             notes.push(format!(
                 "left out of {side} light: {} directions in which a smooth sample sends no light",
@@ -84,50 +66,32 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
 }
 
 /// Writes the block of a side, and returns its light.
-fn write(
-    text: &mut String,
-    side: Side,
-    wavelengths: &[Option<f64>],
-    by_wavelength: &[Directions],
-) -> Result<Vec<Agreement>, ExportError> {
-    let first = &by_wavelength[0];
-    let count = first.theta_deg.len();
-    let same = |other: &Directions| {
-        [&other.theta_deg, &other.phi_deg] == [&first.theta_deg, &first.phi_deg]
-    };
-    if !by_wavelength.iter().all(same) {
-        return Err(unfit("needs the same directions at all wavelengths"));
-    }
+fn write(text: &mut String, side: Side, directions: &Directions) -> Vec<Agreement> {
+    let count = directions.theta_deg.len();
+    let azimuths = directions.phi_deg.len();
     // The lobes of other wavelengths lie near that of the first
-    let thetas = first.outcomes[..count].iter();
+    let thetas = directions.outcomes[..count].iter();
     let thetas = thetas.filter_map(|outcome| specular_theta(&outcome.case, side));
     let thetas: Vec<f64> = thetas.collect();
-    let outcomes: Vec<&Outcome> = by_wavelength
-        .iter()
-        .flat_map(|one| one.outcomes.clone())
-        .collect();
-    let is_symmetric = by_wavelength.iter().all(Directions::are_symmetric);
+    let is_symmetric = directions.are_symmetric();
     let farthest = thetas.iter().copied().fold(0.0, f64::max);
-    let grid = SpecularGrid::of(&outcomes, side, farthest, is_symmetric);
-    let mut agreement = Vec::new();
-    let mut tables: Vec<Vec<SpecularTable>> = Vec::new();
-    for directions in by_wavelength {
-        let mut of_wavelength = Vec::new();
-        for (number, outcome) in directions.outcomes.iter().enumerate() {
-            let phi = directions.phi_deg[number / count].to_radians();
+    let grid = SpecularGrid::of(&directions.outcomes, side, farthest, is_symmetric);
+    let outcomes = directions.outcomes.iter().enumerate();
+    let (agreement, tables): (Vec<Agreement>, Vec<SpecularTable>) = outcomes
+        .map(|(number, outcome)| {
+            let phi = directions.phi_deg[number / count % azimuths].to_radians();
             let table = grid.table(outcome, side, thetas[number % count], phi);
             let measured = outcome.statistics.flux(side, Component::All);
-            agreement.push(Agreement::of(&outcome.case, side, measured, table.flux));
-            of_wavelength.push(table);
-        }
-        tables.push(of_wavelength);
-    }
+            let light = Agreement::of(&outcome.case, side, measured, table.flux);
+            (light, table)
+        })
+        .unzip();
     let name = match side {
         Side::Reflected => "brdf",
         Side::Transmitted => "btdf",
     };
     let _ = write!(text, "\nDATA_TYPE {name}\n");
-    let known: Option<Vec<f64>> = wavelengths.iter().copied().collect();
+    let known: Option<Vec<f64>> = directions.wavelengths_nm.iter().copied().collect();
     match known {
         Some(known) => {
             text.push_str("COLOR_MODEL spectrum\n");
@@ -139,8 +103,8 @@ fn write(
     if is_symmetric {
         text.push_str("REDUCTION_TYPE bilateral_symmetry\n");
     }
-    list(text, "PARAM0_LIST", &first.theta_deg);
-    let mut phi = first.phi_deg.clone();
+    list(text, "PARAM0_LIST", &directions.theta_deg);
+    let mut phi = directions.phi_deg.clone();
     let has_axes = !is_symmetric;
     if has_axes {
         if phi.len() > 1 {
@@ -152,7 +116,7 @@ fn write(
     list(text, "PARAM2_LIST", &grid.radial_deg);
     list(text, "PARAM3_LIST", &grid.azimuth_deg);
     if side == Side::Transmitted {
-        let offsets = thetas.iter().zip(&first.theta_deg);
+        let offsets = thetas.iter().zip(&directions.theta_deg);
         let offsets: Vec<f64> = offsets
             .map(|(theta, incident)| theta.to_degrees() - incident)
             .collect();
@@ -163,14 +127,15 @@ fn write(
     for value in 0..grid.azimuth_deg.len() * radii {
         for turn in 0..phi.len() {
             for theta in 0..count {
-                let place = turn % first.phi_deg.len() * count + theta;
-                let values = tables.iter().map(|tables| tables[place].values[value]);
-                let values: Vec<String> = values.map(|value| format!("{value:.4e}")).collect();
+                let place = turn % azimuths * count + theta;
+                let by_wavelength = tables.iter().skip(place).step_by(azimuths * count);
+                let values = by_wavelength.map(|table| format!("{:.4e}", table.values[value]));
+                let values: Vec<String> = values.collect();
                 let _ = writeln!(text, "{}", values.join(" "));
             }
         }
     }
-    Ok(agreement)
+    agreement
 }
 
 /// A line with a name and angles or wavelengths, of six decimals at most.

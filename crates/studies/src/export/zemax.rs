@@ -13,7 +13,7 @@ use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallyResult};
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::{Directions, from_one_side};
+use super::directions::{Directions, from_one_side, of_one_sample};
 use super::error::ExportError;
 use super::measurement::Measurement;
 use super::specular_table::{SpecularGrid, specular_theta};
@@ -30,7 +30,7 @@ pub(super) fn contents(
     measurement: &Measurement,
     side: Option<Side>,
 ) -> Result<Contents, ExportError> {
-    let all: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
+    let all = of_one_sample(measurement).map_err(unfit)?;
     let side = recorded(&all, side)?;
     let mut outcomes = from_one_side(&all);
     let from_other_side = all.len() - outcomes.len();
@@ -42,17 +42,12 @@ pub(super) fn contents(
         ));
     }
     let beyond = lit - outcomes.len();
-    let mut wavelengths: Vec<Option<f64>> = outcomes
-        .iter()
-        .map(|outcome| outcome.case.at.wavelength_nm())
-        .collect();
-    wavelengths.dedup();
-    if wavelengths.len() > 1 {
+    let directions = Directions::of(&outcomes).map_err(unfit)?;
+    let [wavelength_nm] = directions.wavelengths_nm[..] else {
         return Err(unfit(
             "is of one wavelength, and there are results of several: measure one at a time",
         ));
-    }
-    let directions = Directions::of(&outcomes).map_err(unfit)?;
+    };
     let incidences = &directions.outcomes[..directions.theta_deg.len()];
     let thetas: Vec<f64> = incidences
         .iter()
@@ -103,7 +98,7 @@ pub(super) fn contents(
         "# asperity {}, {}\n",
         build.version, measurement.header.study
     );
-    if let Some(wavelength) = wavelengths[0] {
+    if let Some(wavelength) = wavelength_nm {
         let _ = writeln!(text, "# wavelength {wavelength} nm");
     }
     let _ = write!(
