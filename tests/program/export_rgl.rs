@@ -1,52 +1,15 @@
 //! `asperity export --format rgl`: the file as its readers evaluate it, next to the results that it is made of.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use crate::support::{Folder, InFolder, MustContain, Table, unwrapped};
+use crate::tensor_file::TensorFile;
 
 const LITTLE: &str = "--rays 2e4 --realisations 2 --no-plots --quiet";
 
-/// Fields of a tensor file: lengths of their dimensions, and numbers.
-struct Bsdf(BTreeMap<String, (Vec<usize>, Vec<f64>)>);
-
-impl Bsdf {
-    fn read(bytes: &[u8]) -> Self {
-        let number = |at: usize, size: usize| {
-            let digits = bytes[at..at + size].iter().rev();
-            digits.fold(0_u64, |sum, byte| 256 * sum + u64::from(*byte)) as usize
-        };
-        assert_eq!(&bytes[..14], b"tensor_file\0\x01\x00");
-        let mut at = 18;
-        let mut fields = BTreeMap::new();
-        for _ in 0..number(14, 4) {
-            let end = at + 2 + number(at, 2);
-            let name = String::from_utf8(bytes[at + 2..end].to_vec()).unwrap();
-            let (dimensions, code, start) = (number(end, 2), bytes[end + 2], number(end + 3, 8));
-            at = end + 11 + 8 * dimensions;
-            let lengths: Vec<usize> = (0..dimensions)
-                .map(|i| number(end + 11 + 8 * i, 8))
-                .collect();
-            let count = lengths.iter().product();
-            let value = |i: usize| match code {
-                10 => f32::from_bits(number(start + 4 * i, 4) as u32).into(),
-                _ => f64::from(bytes[start + i]),
-            };
-            fields.insert(name, (lengths, (0..count).map(value).collect()));
-        }
-        Self(fields)
-    }
-
-    fn lengths(&self, name: &str) -> &[usize] {
-        &self.0[name].0
-    }
-
-    fn numbers(&self, name: &str) -> &[f64] {
-        &self.0[name].1
-    }
-
+impl TensorFile {
     /// BRDF times cosine of the channel `[azimuth, polar angle, wavelength]` of the light, at its nodes.
     fn value(&self, channel: [usize; 3], field: &str, half: DVec3) -> f64 {
         let lengths = self.lengths(field);
@@ -110,7 +73,7 @@ fn a_bsdf_file_reflects_what_was_measured_by_wavelength_and_in_colour() {
     unwrapped(&text).must_contain("48 of 48 directions");
     unwrapped(&text).must_contain("at 16 of them or more");
     let table = Table::read(&folder.join("g/gonio.csv"));
-    let bsdf = Bsdf::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
+    let bsdf = TensorFile::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
     assert_eq!(bsdf.lengths("spectra")[..3], [1, 3, 16]);
     assert_eq!(bsdf.numbers("phi_i"), [0.0]);
     let nm: Vec<f64> = (20..=35).map(|i| f64::from(20 * i)).collect();
@@ -133,7 +96,7 @@ fn a_bsdf_file_reflects_what_was_measured_by_wavelength_and_in_colour() {
     }
 
     folder.succeed("export g --format rgl-rgb -o rgb.bsdf --quiet");
-    let rgb = Bsdf::read(&std::fs::read(folder.join("rgb.bsdf")).unwrap());
+    let rgb = TensorFile::read(&std::fs::read(folder.join("rgb.bsdf")).unwrap());
     assert_eq!(rgb.lengths("rgb")[..3], [1, 3, 3]);
     let [red, green, blue] = [0, 1, 2].map(|channel| rgb.reflected([0, 1, channel], "rgb", wi[1]));
     // Gold
@@ -155,7 +118,7 @@ fn a_bsdf_file_of_several_azimuths_has_the_lobes_where_light_went() {
     let line = "gonio --surface saw.txt --spacing 1 --material mirror --theta 20,40 --phi 0:315:45 --bins 18x36";
     folder.succeed(format!("{line} --rays 2e4 --no-plots --quiet -o g"));
     folder.succeed("export g --format rgl -o g.bsdf --quiet");
-    let bsdf = Bsdf::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
+    let bsdf = TensorFile::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
     let azimuths: Vec<f64> = bsdf
         .numbers("phi_i")
         .iter()
@@ -231,7 +194,7 @@ fn results_that_a_bsdf_file_cannot_hold_are_refused() {
             "export transmitted --format rgl -o a.bsdf",
             "holds reflected light",
         ),
-        ("export some --format rgl -o a.bsdf", "a whole turn"),
+        ("export some --format rgl -o a.bsdf", "divide the turn"),
         (
             "export waves --format rgl-rgb -o a.bsdf",
             "from 400 to 700 nm",

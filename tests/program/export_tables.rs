@@ -308,8 +308,8 @@ fn tables_that_cannot_be_made_are_refused() {
             "export uneven --format ssdd -o z.ssdd",
             "divide the turn evenly",
         ),
-        ("export two --format zemax -o z.bsdf", "results of several"),
-        ("export two --format ssdd -o z.ssdd", "results of several"),
+        ("export two --format zemax -o z.bsdf", "differ in s"),
+        ("export two --format ssdd -o z.ssdd", "differ in s"),
         (
             "export mirror --format zemax --side transmitted -o z.bsdf",
             "there is none",

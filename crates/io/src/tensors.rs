@@ -1,4 +1,4 @@
-//! Tensor file: named arrays in the container of the `.bsdf` files of Mitsuba 3 and pbrt-v4.
+//! Tensor file: named arrays in the container of the `.bsdf` and `.pbsdf` files of Mitsuba 3 and pbrt-v4.
 //!
 //! Little endian: `tensor_file` and a zero, the version 1.0, the number of fields as u32; for each field the length of its name as u16, the
 //! name, the number of dimensions as u16, the type as u8, the offset of its data as u64, and the lengths of its dimensions as u64; then the data,
@@ -9,6 +9,8 @@
 pub enum Tensor {
     /// Bytes: one dimension.
     Bytes(Vec<u8>),
+    /// Unsigned 16-bit numbers: one dimension.
+    Shorts(Vec<u16>),
     /// Single-precision numbers, and the lengths of their dimensions.
     Numbers(Vec<usize>, Vec<f32>),
 }
@@ -17,6 +19,7 @@ impl Tensor {
     fn lengths(&self) -> Vec<usize> {
         match self {
             Self::Bytes(bytes) => vec![bytes.len()],
+            Self::Shorts(shorts) => vec![shorts.len()],
             Self::Numbers(lengths, _) => lengths.clone(),
         }
     }
@@ -25,6 +28,7 @@ impl Tensor {
     const fn code(&self) -> u8 {
         match self {
             Self::Bytes(_) => 1,
+            Self::Shorts(_) => 3,
             Self::Numbers(..) => 10,
         }
     }
@@ -32,6 +36,7 @@ impl Tensor {
     fn data(&self) -> Vec<u8> {
         match self {
             Self::Bytes(bytes) => bytes.clone(),
+            Self::Shorts(shorts) => shorts.iter().flat_map(|x| x.to_le_bytes()).collect(),
             Self::Numbers(_, numbers) => numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
         }
     }

@@ -13,6 +13,7 @@ mod interpolation;
 mod klems;
 mod measurement;
 mod netcdf;
+mod pbsdf;
 mod ranges;
 mod rgl;
 mod specular_table;
@@ -58,6 +59,8 @@ enum ExportFormat {
     Rgl,
     /// Tensor file of measured materials of Mitsuba, in linear sRGB.
     RglRgb,
+    /// Tensor file of polarised measured materials of Mitsuba.
+    Pbsdf,
     /// Tabular BSDF of OpticStudio.
     Zemax,
     /// Parameters of scattering laws as JSON.
@@ -73,6 +76,7 @@ impl ExportFormat {
             Self::Klems => "klems",
             Self::Rgl => "rgl",
             Self::RglRgb => "rgl-rgb",
+            Self::Pbsdf => "pbsdf",
             Self::Zemax => "zemax",
             Self::Fit => "fit",
             Self::Ssdd => "ssdd",
@@ -83,8 +87,8 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "nc",
             Self::Klems => "xml",
-            Self::Rgl | Self::RglRgb => "bsdf",
-            Self::Zemax => "bsdf",
+            Self::Rgl | Self::RglRgb | Self::Zemax => "bsdf",
+            Self::Pbsdf => "pbsdf",
             Self::Fit => "json",
             Self::Ssdd => "ssdd",
         }
@@ -126,6 +130,7 @@ impl ExportConfig {
             ExportFormat::Klems => klems::contents(&measurement)?,
             ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra)?,
             ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb)?,
+            ExportFormat::Pbsdf => pbsdf::contents(&measurement)?,
             ExportFormat::Zemax => zemax::contents(&measurement, *side)?,
             ExportFormat::Fit => fit::contents(&measurement)?,
             ExportFormat::Ssdd => ssdd::contents(&measurement)?,

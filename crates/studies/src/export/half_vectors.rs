@@ -103,12 +103,13 @@ pub(super) fn integral(light: DVec3, parts: usize, value: impl Fn([f64; 2]) -> f
     points.sum::<f64>() / (parts * parts) as f64
 }
 
-fn half_vector([x, y]: [f64; 2]) -> DVec3 {
+/// The half-vector at a point of the square.
+pub(super) fn half_vector([x, y]: [f64; 2]) -> DVec3 {
     from_spherical(x * x * FRAC_PI_2, (2.0 * y - 1.0) * PI)
 }
 
 /// The direction in which light leaves, if it does so above the horizon.
-fn mirrored(light: DVec3, half: DVec3) -> Option<DVec3> {
+pub(super) fn mirrored(light: DVec3, half: DVec3) -> Option<DVec3> {
     let leaving = 2.0 * light.dot(half) * half - light;
     (light.dot(half) > 0.0 && leaving.z > 0.0).then_some(leaving)
 }

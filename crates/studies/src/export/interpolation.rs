@@ -6,69 +6,83 @@
 //! uniform, and azimuth.
 
 use std::f64::consts::TAU;
+use std::ops::{Add, Mul, Sub};
 
 use asperity_simulate::Outcome;
-use asperity_tally::{Component, Side, TallyResult};
+use asperity_tally::{Component, HemisphereGrid, Side, TallyResult};
+use glam::DMat4;
 
 use super::ranges::{Range, edges_from_normal};
 
-/// BSDF of light from one direction that leaves on one side.
-pub(super) struct Interpolated {
+/// A quantity that can be averaged: a number, or a matrix of them.
+pub(super) trait Mixed:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
+{
+}
+
+impl Mixed for f64 {}
+impl Mixed for DMat4 {}
+
+/// BSDF, or Mueller matrix in its place, of light from one direction that leaves on one side.
+pub(super) struct Interpolated<T = f64> {
     /// Bounds of rings, `sin^2` of the polar angle from the normal of the side, from 0 to 1.
     rings: Vec<f64>,
     /// Bounds of sectors, azimuths in radians, a turn in all.
     sectors: Vec<f64>,
     /// Means over bins, 1/sr, sectors fastest.
-    values: Vec<f64>,
+    values: Vec<T>,
     /// Mean over the first ring.
-    at_normal: f64,
+    at_normal: T,
 }
 
 impl Interpolated {
     pub(super) fn of(outcome: &Outcome, side: Side) -> Self {
         let statistics = &outcome.statistics;
         let spec = statistics.spec();
-        let grid = spec.grid();
-        let phi = grid.phi_edges_deg(side);
         let bins = spec.grid_entries(Component::All);
+        Self::over(&spec.grid(), side, |bin| statistics.at(bins.get(bin)).mean)
+    }
+}
+
+impl<T: Mixed> Interpolated<T> {
+    /// Interpolation between the bins of a side; `flux` takes the number of a bin.
+    pub(super) fn over(grid: &HemisphereGrid, side: Side, flux: impl Fn(usize) -> T) -> Self {
+        let phi = grid.phi_edges_deg(side);
         let first = side.index() * grid.bins_per_side();
-        let mut rings: Vec<(usize, [f64; 2])> = edges_from_normal(&grid, side)
+        let mut rings: Vec<(usize, [f64; 2])> = edges_from_normal(grid, side)
             .into_iter()
             .enumerate()
             .collect();
         rings.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]));
-        let flux = |ring: usize, sector: usize| {
-            let bin = first + ring * grid.n_phi() + sector;
-            statistics.at(bins.get(bin)).mean
-        };
+        let flux = |ring: usize, sector: usize| flux(first + ring * grid.n_phi() + sector);
         let all = rings.iter().flat_map(|&(ring, theta_deg)| {
             phi.windows(2).enumerate().map(move |(sector, phi)| {
                 let phi_deg = [phi[0], phi[1]];
                 let bin = Range { theta_deg, phi_deg };
-                flux(ring, sector) / bin.projected_solid_angle()
+                flux(ring, sector) * bin.projected_solid_angle().recip()
             })
         });
-        let values: Vec<f64> = all.collect();
+        let values: Vec<T> = all.collect();
         let (innermost, theta_deg) = rings[0];
         let around = Range {
             theta_deg,
             phi_deg: [0.0, 360.0],
         };
-        let light: f64 = (0..grid.n_phi())
+        let light = (1..grid.n_phi())
             .map(|sector| flux(innermost, sector))
-            .sum();
+            .fold(flux(innermost, 0), Add::add);
         let bound = |theta_deg: f64| sin_squared(theta_deg.to_radians());
         let upper = rings.iter().map(|(_, [_, upper])| bound(*upper));
         Self {
             rings: std::iter::once(0.0).chain(upper).collect(),
             sectors: phi.iter().map(|phi| phi.to_radians()).collect(),
             values,
-            at_normal: light / around.projected_solid_angle(),
+            at_normal: light * around.projected_solid_angle().recip(),
         }
     }
 
-    /// BSDF, 1/sr, of light that leaves at `theta` from the normal of the side and azimuth `phi`, radians.
-    pub(super) fn bsdf(&self, theta: f64, phi: f64) -> f64 {
+    /// Value, 1/sr, of light that leaves at `theta` from the normal of the side and azimuth `phi`, radians.
+    pub(super) fn at(&self, theta: f64, phi: f64) -> T {
         let at = sin_squared(theta);
         let count = self.rings.len() - 1;
         let ring = bin_of(&self.rings, at);
@@ -76,27 +90,22 @@ impl Interpolated {
         // About the normal all azimuths meet
         let middle = 0.5 * self.rings[1];
         if at < middle {
-            return self.at_normal + at / middle * (around(0) - self.at_normal);
+            return self.at_normal + (around(0) - self.at_normal) * (at / middle);
         }
         let width = |ring: usize| self.rings[ring + 1] - self.rings[ring];
         let below = (ring > 0).then(|| (ring - 1, at - self.rings[ring]));
         let above = (ring + 1 < count).then(|| (ring + 1, self.rings[ring + 1] - at));
         let value = around(ring);
-        let passing = [below, above]
-            .into_iter()
-            .flatten()
-            .map(|(next, distance)| {
-                let share = share_of(distance, [width(ring), width(next)]);
-                if share > 0.0 {
-                    share * (around(next) - value)
-                } else {
-                    0.0
-                }
-            });
-        value + passing.sum::<f64>()
+        let neighbours = [below, above].into_iter().flatten();
+        neighbours.fold(value, |sum, (next, distance)| {
+            match share_of(distance, [width(ring), width(next)]) {
+                0.0 => sum,
+                share => sum + (around(next) - value) * share,
+            }
+        })
     }
 
-    fn on_ring(&self, ring: usize, phi: f64) -> f64 {
+    fn on_ring(&self, ring: usize, phi: f64) -> T {
         let count = self.sectors.len() - 1;
         let values = &self.values[ring * count..(ring + 1) * count];
         let phi = self.sectors[0] + (phi - self.sectors[0]).rem_euclid(TAU);
@@ -107,10 +116,10 @@ impl Interpolated {
             ((sector + 1) % count, self.sectors[sector + 1] - phi),
         ];
         let value = values[sector];
-        let passing = neighbours.map(|(next, distance)| {
-            share_of(distance, [width(sector), width(next)]) * (values[next] - value)
-        });
-        value + passing.iter().sum::<f64>()
+        neighbours.into_iter().fold(value, |sum, (next, distance)| {
+            let share = share_of(distance, [width(sector), width(next)]);
+            sum + (values[next] - value) * share
+        })
     }
 }
 

@@ -97,7 +97,7 @@ impl SpecularGrid {
             let at = |about: f64| {
                 let direction = frame.direction(radial, about);
                 match direction.z > 0.0 {
-                    true => bsdf.bsdf(polar_angle(direction), azimuth(direction)),
+                    true => bsdf.at(polar_angle(direction), azimuth(direction)),
                     false => 0.0,
                 }
             };

@@ -3,7 +3,7 @@
 use super::entry::Entry;
 
 /// Formats, and the flags of each.
-const PRESETS: [(&str, &[(&str, &str)]); 3] = [
+const PRESETS: [(&str, &[(&str, &str)]); 7] = [
     ("netcdf", &[("bins", "36x72")]),
     (
         "klems",
@@ -15,14 +15,22 @@ const PRESETS: [(&str, &[(&str, &str)]); 3] = [
             (AZIMUTH, "random"),
         ],
     ),
+    ("rgl", &[("theta", DENSE), (AZIMUTH, "random")]),
     (
-        "rgl",
+        "pbsdf",
         &[
-            ("theta", "0,10,20,30,38,45,51,57,62,66,70,74,77,80,83,86,88"),
+            ("theta", DENSE),
+            ("polarisation", "mueller"),
             (AZIMUTH, "random"),
         ],
     ),
+    ("zemax", &[("theta", EVEN), (AZIMUTH, "random")]),
+    ("fit", &[("theta", "0,15,30,45,60"), (AZIMUTH, "random")]),
+    ("ssdd", &[("theta", EVEN), (AZIMUTH, "random")]),
 ];
+/// Polar angles of readers that interpolate between them, up to grazing ones.
+const DENSE: &str = "0,10,20,30,38,45,51,57,62,66,70,74,77,80,83,86,88";
+const EVEN: &str = "0,10,20,30,40,50,60,70,80";
 const AZIMUTH: &str = "light-azimuth";
 
 /// Flags for a format that do not contradict the values given. The mean over azimuths is that of given surfaces: random ones

@@ -91,6 +91,10 @@ pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("klems", "XML with matrices of slabs, as Radiance reads"),
     choice("rgl", ".bsdf of Mitsuba 3 (spectral variants) and pbrt-v4"),
     choice("rgl-rgb", ".bsdf of Mitsuba 3 (rgb variants)"),
+    choice(
+        "pbsdf",
+        "Mueller matrices as .pbsdf of Mitsuba 3 (spectral polarised variants)",
+    ),
     choice("zemax", "tabular BSDF of OpticStudio, of one side"),
     choice(
         "fit",
@@ -103,6 +107,10 @@ pub(super) const FOR_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "the same bins for all directions"),
     choice("klems", "patches lit as a whole from both sides"),
     choice("rgl", "17 polar angles of the light up to 88 degrees"),
+    choice("pbsdf", "the same, with Mueller matrices"),
+    choice("zemax", "polar angles of the light from 0 to 80 degrees"),
+    choice("fit", "polar angles of the light from 0 to 60 degrees"),
+    choice("ssdd", "polar angles of the light from 0 to 80 degrees"),
 ]);
 
 pub(super) const EXPORTED_SIDE: Kind = Kind::Choice(&[

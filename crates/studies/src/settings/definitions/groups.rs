@@ -350,6 +350,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
             variant("klems"),
             variant("rgl"),
             variant("rgl-rgb"),
+            variant("pbsdf"),
             variant("zemax").allows(&["export.side"]),
             variant("fit"),
             variant("ssdd"),
