@@ -143,3 +143,34 @@ def test_mitsuba_sends_light_of_all_azimuths_where_it_went(tmp_path):
         found = np.array([bsdf.eval(mitsuba.BSDFContext(), point, direction(*one))[0] for one in angles])
         cosine = expected @ found / np.linalg.norm(expected) / np.linalg.norm(found)
         assert cosine > 0.9, phi
+
+
+def test_mitsuba_polarises_as_its_own_rough_metal(tmp_path):
+    gonio = "gonio --smoothness 20 --material conductor --eta 0.43 --kappa 2.455 --for pbsdf --rays 2e4 --realisations 4"
+    asperity(tmp_path, f"{gonio} --no-plots --quiet -o out")
+    asperity(tmp_path, "export out --format pbsdf -o metal.pbsdf --quiet")
+    mitsuba.set_variant("scalar_spectral_polarized")
+    file = str(tmp_path / "metal.pbsdf")
+    measured = mitsuba.load_dict({"type": "measured_polarized", "filename": file, "alpha_sample": 0.1})
+    index = {name: {"type": "spectrum", "value": value} for name, value in (("eta", 0.43), ("k", 2.455))}
+    rough = mitsuba.load_dict({"type": "roughconductor", "material": "none", "alpha": 0.1, **index})
+    point, context = mitsuba.SurfaceInteraction3f(), mitsuba.BSDFContext()
+    point.wavelengths = [550.0] * 4
+    for light, seen, turn in ((40, 45, 183), (20, 28, 165), (60, 55, 176), (75, 72, 181)):
+        point.wi = direction(seen, 20 + turn)
+        first, second = (
+            np.array(bsdf.eval(context, point, mitsuba.Vector3f(direction(light, 20))))[..., 0] for bsdf in (measured, rough)
+        )
+        assert first[0, 0] == pytest.approx(second[0, 0], rel=0.1)
+        assert np.allclose(first / first[0, 0], second / second[0, 0], atol=0.02), (light, seen, turn)
+    # Light of a lamp beside the camera, where measured files have no values
+    point.wi = direction(9, 0)
+    assert np.array(measured.eval(context, point, mitsuba.Vector3f(direction(9, 180))))[0, 0, 0] > 0.1
+    random = np.random.default_rng(1)
+    for theta in (0.5, 45, 75.5):
+        point.wi = direction(theta, 30)
+        samples = [measured.sample(context, point, u[0], u[1:])[1] for u in random.random((4000, 3)).tolist()]
+        weights = [np.array(sample)[0, 0, 0] for sample in samples]
+        error = np.std(weights) / np.sqrt(len(weights))
+        expected = next(row for row in rows(tmp_path / "out/gonio.csv") if abs(float(row["theta_i_deg"]) - theta) < 2)
+        assert np.mean(weights) == pytest.approx(float(expected["reflected"]), abs=4 * error + 0.01)
