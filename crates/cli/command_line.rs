@@ -265,7 +265,7 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     let mut texts: Vec<String> = Vec::new();
     for input in inputs.into_iter().flatten() {
         let path = Path::new(input);
-        if let Some(hint) = stray_value(input).filter(|_| !path.exists()) {
+        if let Some(hint) = stray_value(input).filter(|_| named.is_none() && !path.exists()) {
             return Err(Failure::usage(format!(
                 "unexpected argument `{input}`; {hint}"
             )));

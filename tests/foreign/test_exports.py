@@ -54,6 +54,13 @@ def test_xarray_opens_netcdf_without_options(tmp_path):
     weight = band[:, None] * (phi[:, 1] - phi[:, 0])[None, :]
     integral = (data.bsdf * weight).sum(("theta_o", "phi_o"))
     assert np.allclose(integral, data.flux, rtol=0, atol=1e-12)
+    # Errors are those of the tables
+    assert float(one.flux_se[0]) == float(measured[1]["transmitted_se"])
+    exact = data.sel({"from": "above", "side": "reflected"}).sel(theta_i=40).squeeze("phi_i")
+    table = [row for row in rows(tmp_path / "out/bsdf.csv") if row["setting"] == "0" and row["side"] == "reflected"]
+    expected = [float(row["bsdf_se"]) for row in table if row["theta_i_deg"] == "40"]
+    found = (exact.bsdf_exact_se if "bsdf_exact_se" in data else exact.bsdf_se).values.ravel()
+    assert np.allclose(found[np.isfinite(found)], expected, rtol=1e-12, atol=0)
 
 
 def test_radiance_finds_the_light_of_both_sides(klems):
@@ -143,6 +150,7 @@ def test_mitsuba_sends_light_of_all_azimuths_where_it_went(tmp_path):
         found = np.array([bsdf.eval(mitsuba.BSDFContext(), point, direction(*one))[0] for one in angles])
         cosine = expected @ found / np.linalg.norm(expected) / np.linalg.norm(found)
         assert cosine > 0.9, phi
+        assert found.sum() == pytest.approx(expected.sum(), rel=0.1), phi
 
 
 def test_mitsuba_polarises_as_its_own_rough_metal(tmp_path):

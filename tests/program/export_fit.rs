@@ -1,8 +1,10 @@
 //! `asperity export --format fit`: parameters of laws, for surfaces of which they are known.
 
+use std::f64::consts::PI;
+
 use serde_json::Value;
 
-use crate::support::{Folder, InFolder, MustContain, unwrapped};
+use crate::support::{Folder, InFolder, MustContain, Table, unwrapped};
 
 const RUN: &str = "--rays 1e5 --realisations 8 --theta 0,20,40 --no-plots --quiet";
 
@@ -78,6 +80,34 @@ fn fits_are_of_one_setting_and_say_what_they_leave_out() {
                 .map(move |fit| parameter(fit, "k-correlation", name)[0])
         })
         .map(Iterator::collect::<Vec<f64>>);
+    // At normal incidence, by the formula of the page and gold of n = 0.97112 + 1.87367 i
+    let fit = &fits[0];
+    let [sigma_nm, b_nm, s] =
+        ["sigma_nm", "B_nm", "s"].map(|name| parameter(fit, "k-correlation", name)[0]);
+    let fresnel =
+        (0.02888_f64.powi(2) + 1.87367_f64.powi(2)) / (1.97112_f64.powi(2) + 1.87367_f64.powi(2));
+    let law = |theta: f64| {
+        let f = theta.sin() / 500.0;
+        let psd = (sigma_nm * b_nm).powi(2) * (s - 2.0)
+            / (2.0 * PI)
+            / (1.0 + (b_nm * f).powi(2)).powf(0.5 * s);
+        16.0 * PI.powi(2) / 500.0_f64.powi(4) * theta.cos() * fresnel * psd
+    };
+    let bins = Table::read(&folder.join("g/bsdf.csv"));
+    let mut logs = Vec::new();
+    for row in 0..bins.rows.len() {
+        let is_here = bins.text(row, "setting") == "0"
+            && bins.text(row, "theta_i_deg") == "0"
+            && bins.text(row, "side") == "reflected";
+        let [theta, mean, se] =
+            ["theta_o_deg", "bsdf", "bsdf_se"].map(|name| bins.number(row, name));
+        if is_here && mean > 0.0 && se < 0.3 * mean {
+            logs.push((law(theta.to_radians()) / mean).ln());
+        }
+    }
+    assert!(logs.len() > 20);
+    let ratio = (logs.iter().sum::<f64>() / logs.len() as f64).exp();
+    assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
     // The same lobe, of rays, at another wavelength: lengths of the law grow with it, whose errors are 4 and 7 %
     for lengths in [sigma, b] {
         let ratio = lengths[1] / lengths[0];

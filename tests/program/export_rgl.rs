@@ -71,7 +71,7 @@ fn a_bsdf_file_reflects_what_was_measured_by_wavelength_and_in_colour() {
     folder.succeed(format!("{line} {LITTLE} -o g"));
     let text = folder.succeed("export g --format rgl -o g.bsdf");
     unwrapped(&text).must_contain("48 of 48 directions");
-    unwrapped(&text).must_contain("at 16 of them or more");
+    unwrapped(&text).must_contain("at 16 angles or more");
     let table = Table::read(&folder.join("g/gonio.csv"));
     let bsdf = TensorFile::read(&std::fs::read(folder.join("g.bsdf")).unwrap());
     assert_eq!(bsdf.lengths("spectra")[..3], [1, 3, 16]);

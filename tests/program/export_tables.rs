@@ -299,7 +299,21 @@ fn tables_that_cannot_be_made_are_refused() {
     folder.succeed(
         "gonio --smoothness 8 --eta 1/1.5 --rays 1e3 --realisations 1 --no-plots --quiet --theta 30,60 -o dense",
     );
+    for (setting, name) in [
+        ("--stokes 1,1,0,0", "polarised"),
+        ("--light-spread 5", "cone"),
+    ] {
+        folder.succeed(format!("{fixed} --theta 30 {setting} -o {name}"));
+    }
     for (line, words) in [
+        (
+            "export polarised --format zemax -o z.bsdf",
+            "unpolarised light",
+        ),
+        (
+            "export cone --format ssdd -o z.ssdd",
+            "one direction at a time",
+        ),
         (
             "export uneven --format zemax -o z.bsdf",
             "divide the turn evenly",
@@ -312,7 +326,7 @@ fn tables_that_cannot_be_made_are_refused() {
         ("export two --format ssdd -o z.ssdd", "differ in s"),
         (
             "export mirror --format zemax --side transmitted -o z.bsdf",
-            "there is none",
+            "this one is opaque",
         ),
         (
             "export two --format zemax --side both -o z.bsdf",

@@ -81,7 +81,8 @@ pub(crate) struct NpzReader {
 
 impl NpzReader {
     pub(crate) fn new(bytes: Vec<u8>) -> Result<Self, String> {
-        let archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
+        let archive = ZipArchive::new(Cursor::new(bytes))
+            .map_err(|error| format!("no archive of results: {error}"))?;
         let mut reader = Self {
             archive,
             machine: Map::new(),

@@ -63,7 +63,7 @@ impl AlbedoStudy {
         })
     }
 
-    /// The tables by the results of the plan, as far as they are there.
+    /// The tables of the plan from its results, possibly incomplete.
     ///
     /// # Errors
     /// [`StudyError`] if Smith's model does not describe a material.

@@ -160,7 +160,7 @@ impl Exported {
             agreement, notes, ..
         } = &self.contents;
         format!(
-            "{}: {}, {} of {} directions; light of the file, where it differs most from what was measured:\n{}{}",
+            "{}: {}, {} of {} directions; largest difference between flux in the file and measured flux:\n{}{}",
             shown_path(output),
             self.format.name(),
             self.cases,

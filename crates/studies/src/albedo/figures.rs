@@ -9,7 +9,7 @@ use super::outcome::{AlbedoOutcome, AlbedoPoint};
 use crate::report::effort::effort;
 use crate::report::error::ReportError;
 
-/// Light of a figure.
+/// Quantity plotted.
 #[derive(Clone, Copy)]
 pub(super) enum ShownLight {
     /// Reflected light.

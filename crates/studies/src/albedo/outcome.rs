@@ -51,7 +51,7 @@ impl AlbedoPoint<'_> {
     }
 }
 
-/// Tables of albedos, as far as they have come.
+/// Albedo tables, possibly incomplete.
 pub struct AlbedoOutcome<'a> {
     /// The configuration.
     pub config: &'a AlbedoConfig,

@@ -46,11 +46,9 @@ pub(super) fn albedo_text(outcome: &AlbedoOutcome<'_>) -> String {
             );
         out.push_str(&table.text(rows));
     }
-    out.push('\n');
-    for side in Side::BOTH {
-        if let Some(line) = largest_error(outcome, side) {
-            let _ = writeln!(out, "{line}");
-        }
+    let errors = Side::BOTH.map(|side| largest_error(outcome, side));
+    for (i, line) in errors.iter().flatten().enumerate() {
+        let _ = writeln!(out, "{}{line}", if i == 0 { "\n" } else { "" });
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");

@@ -20,7 +20,7 @@ pub(super) struct Axis {
     /// Its values, in the order of the cases.
     pub(super) values: Vec<Value>,
     /// Number of its value, by case.
-    places: Vec<usize>,
+    indices: Vec<usize>,
 }
 
 /// The grid of cases.
@@ -48,14 +48,16 @@ impl Axis {
                     unit: column.unit,
                     about: column.about,
                     values: Vec::new(),
-                    places: Vec::new(),
+                    indices: Vec::new(),
                 });
                 all.len() - 1
             });
-            let Self { values, places, .. } = &mut all[number];
-            let place = values.iter().position(|value| *value == column.value);
-            places.push(place.unwrap_or(values.len()));
-            if place.is_none() {
+            let Self {
+                values, indices, ..
+            } = &mut all[number];
+            let index = values.iter().position(|value| *value == column.value);
+            indices.push(index.unwrap_or(values.len()));
+            if index.is_none() {
                 values.push(column.value);
             }
         }
@@ -72,21 +74,21 @@ impl Axis {
         let mut order: Vec<usize> = (0..numbers.len()).collect();
         order.sort_by(|&a, &b| numbers[a].total_cmp(&numbers[b]));
         self.values = order.iter().map(|&i| self.values[i].clone()).collect();
-        let mut place = vec![0; order.len()];
+        let mut index = vec![0; order.len()];
         for (new, &old) in order.iter().enumerate() {
-            place[old] = new;
+            index[old] = new;
         }
-        self.places.iter_mut().for_each(|old| *old = place[*old]);
+        self.indices.iter_mut().for_each(|old| *old = index[*old]);
     }
 
     /// Value of a case.
     pub(super) fn of(&self, case: usize) -> &Value {
-        &self.values[self.places[case]]
+        &self.values[self.indices[case]]
     }
 
     fn rank(&self) -> usize {
-        let place = PREFERRED.iter().position(|name| *name == self.name);
-        place.unwrap_or(PREFERRED.len())
+        let index = PREFERRED.iter().position(|name| *name == self.name);
+        index.unwrap_or(PREFERRED.len())
     }
 }
 
@@ -127,8 +129,8 @@ impl Axes {
         let points = axes.iter().map(|axis| axis.values.len()).product();
         let mut grid = vec![None; points];
         for case in 0..cases.len() {
-            let place = |place, axis: &Axis| place * axis.values.len() + axis.places[case];
-            grid[axes.iter().fold(0, place)] = Some(case);
+            let index = |index, axis: &Axis| index * axis.values.len() + axis.indices[case];
+            grid[axes.iter().fold(0, index)] = Some(case);
         }
         Self {
             axes,
@@ -139,19 +141,19 @@ impl Axes {
     }
 }
 
-/// The places of all cases on some axes, each once; one without axes.
+/// Distinct tuples of the indices of the cases on `axes`; one, the empty one, without axes.
 fn tuples(axes: &[Axis]) -> BTreeSet<Vec<usize>> {
-    let cases = axes.first().map_or(1, |axis| axis.places.len());
-    let of_case = |case| axes.iter().map(|axis| axis.places[case]).collect();
+    let cases = axes.first().map_or(1, |axis| axis.indices.len());
+    let of_case = |case| axes.iter().map(|axis| axis.indices[case]).collect();
     (0..cases).map(of_case).collect()
 }
 
 /// Settings by number, where no product of coordinates has them all.
 fn numbered(coordinates: &[Axis]) -> Axis {
     let all: Vec<Vec<usize>> = tuples(coordinates).into_iter().collect();
-    let cases = coordinates[0].places.len();
-    let place = |case| {
-        let of_case: Vec<usize> = coordinates.iter().map(|axis| axis.places[case]).collect();
+    let cases = coordinates[0].indices.len();
+    let index = |case| {
+        let of_case: Vec<usize> = coordinates.iter().map(|axis| axis.indices[case]).collect();
         all.partition_point(|tuple| *tuple < of_case)
     };
     Axis {
@@ -159,6 +161,6 @@ fn numbered(coordinates: &[Axis]) -> Axis {
         unit: String::new(),
         about: "number of the setting".to_owned(),
         values: (1..=all.len()).map(Value::from).collect(),
-        places: (0..cases).map(place).collect(),
+        indices: (0..cases).map(index).collect(),
     }
 }

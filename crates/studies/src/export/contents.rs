@@ -12,7 +12,7 @@ const COARSE: f64 = 0.05;
 /// Contents of a file.
 pub(super) struct Contents {
     pub(super) bytes: Vec<u8>,
-    /// The light of the file next to that which was measured.
+    /// Flux in the file and measured flux.
     pub(super) agreement: Vec<Agreement>,
     /// Sentences on what the format cannot hold, or what was done with it.
     pub(super) notes: Vec<String>,

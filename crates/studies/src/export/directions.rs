@@ -56,7 +56,7 @@ pub(super) fn of_one_sample(measurement: &Measurement) -> Result<Vec<&Outcome>, 
         ));
     }
     if measurement.cases.len() < measurement.planned {
-        return Err("needs results of all directions: end the run with --resume".to_owned());
+        return Err("needs results of all directions, and this run is unfinished: give its command again to resume it".to_owned());
     }
     let outcomes = measurement.cases.iter().map(|case| &case.outcome);
     Ok(outcomes.collect())

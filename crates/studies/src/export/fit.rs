@@ -15,7 +15,7 @@ use asperity_tally::{Component, Side, TallyResult};
 use serde_json::{Map, Value, json};
 
 use self::fitting::Fit;
-use self::laws::{Fitted, LeftOut};
+use self::laws::{Fitted, Skipped};
 use self::points::{Point, points};
 use super::axes::Axes;
 use super::contents::{Agreement, Contents};
@@ -25,6 +25,12 @@ use super::measurement::Measurement;
 
 /// Fewest bins that a law is fitted to.
 const FEWEST_BINS: usize = 10;
+
+/// Relative deviation of a law that is far off.
+const FAR: f64 = 0.2;
+
+/// Most laws that the command prints.
+const NEAREST: usize = 6;
 
 const CONVENTIONS: &str = "beta: direction in which light leaves, as a unit vector projected onto the mean plane; beta0: the same of the specular direction, of transmitted light of the refracted one. alpha: roughness of microfacets, sqrt(2) times the deviation of slopes per axis of Gaussian ones. rms_in_standard_errors: root mean square of the differences over the standard errors. relative_deviation: sum of the absolute differences of flux over that of the fluxes. standard_errors: by the scatter about the law, as if bins were independent";
 
@@ -44,6 +50,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     let settings = &axes.axes[..axes.axes.len() - 2];
     let mut fits = Vec::new();
     let mut agreement = Vec::new();
+    let (mut nearest, mut is_near) = (Vec::new(), true);
     let mut notes = vec![
         "a law of few parameters: export a table where a program takes one".to_owned(),
         "the light of the file is that of the law that deviates least on the side".to_owned(),
@@ -63,10 +70,13 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
                 continue;
             }
             let points = points(&outcomes, side);
+            if points.iter().all(|point| point.mean == 0.0) {
+                continue;
+            }
             let bins = points.iter().filter(|point| point.is_fitted()).count();
             if bins < FEWEST_BINS {
                 notes.push(format!(
-                    "left out: {side} light of {bins} bins with a standard error below a third"
+                    "left out: {side} light, with {bins} bins of a standard error below 30 %"
                 ));
                 continue;
             }
@@ -78,14 +88,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
             let mut laws = Map::new();
             let mut best: Option<Fit> = None;
             for law in fitted.laws() {
-                let fit = law.and_then(|law| {
-                    let name = law.name;
-                    law.fit(&points, outcomes.len()).ok_or(LeftOut {
-                        name,
-                        reason: "the fit does not converge",
-                    })
-                });
-                match fit {
+                match law.and_then(|law| law.fit(&points, outcomes.len())) {
                     Ok(fit) => {
                         laws.insert(fit.law.name.to_owned(), fit.json());
                         if best
@@ -95,14 +98,18 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
                             best = Some(fit);
                         }
                     }
-                    Err(LeftOut { name, reason }) => {
-                        laws.insert(name.to_owned(), json!({ "left_out": reason }));
+                    Err(Skipped { name, reason }) => {
+                        laws.insert(name.to_owned(), json!({ "skipped": reason }));
                         let note = format!("no {name} of {side} light: {reason}");
                         if !notes.contains(&note) {
                             notes.push(note);
                         }
                     }
                 }
+            }
+            if let Some(best) = &best {
+                nearest.push(format!("nearest to {side} light: {}", best.sentence()));
+                is_near &= best.deviation < FAR;
             }
             let fluxes = best
                 .iter()
@@ -125,7 +132,18 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     }
     if fits.is_empty() {
         return Err(unfit(
-            "needs more light: no side has ten bins with a standard error below a third; measure with more rays",
+            "needs more light: no side has ten bins with a standard error below 30 %; measure with more rays",
+        ));
+    }
+    let more = nearest.len().saturating_sub(NEAREST);
+    nearest.truncate(NEAREST);
+    if more > 0 {
+        nearest.push(format!("{more} more in the file"));
+    }
+    notes.splice(0..0, nearest);
+    if !is_near {
+        notes.push(format!(
+            "no law is near to some of the light: relative deviations above {FAR}"
         ));
     }
     let build = &measurement.header.build;

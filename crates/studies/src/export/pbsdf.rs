@@ -103,7 +103,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         "for the spectral polarised variants of Mitsuba, with alpha_sample near the roughness of the lobes".to_owned(),
     ];
     if known.is_none() {
-        notes.push("of one wavelength, or none: the material is grey".to_owned());
+        notes.push("one wavelength or none was measured: the material is grey".to_owned());
     }
     if !directions.are_symmetric() {
         notes.push("light of one azimuth stands for all: the material is isotropic".to_owned());

@@ -89,13 +89,14 @@ pub(super) fn contents(
     let sigma = sample.sigma(&slices);
     notes.extend(sample.between_nodes(&slices, &sigma));
     let (count, last) = ANGLES;
-    if sample.theta.len() < count || sample.theta[sample.theta.len() - 1] < last.to_radians() {
+    let farthest = sample.directions.theta_deg[sample.theta.len() - 1];
+    if sample.theta.len() < count || farthest < last {
         notes.push(format!(
-            "for small errors between angles of the light measure at {count} of them or more, dense up to 88 degrees, as --for rgl does"
+            "measured up to {farthest} deg, beyond which readers extrapolate: for small errors measure at {count} angles or more, dense up to 88 degrees, as --for rgl does"
         ));
     }
     if sample.directions.wavelengths_nm.len() < 2 {
-        notes.push("of one wavelength, or none: the material is grey".to_owned());
+        notes.push("one wavelength or none was measured: the material is grey".to_owned());
     }
     if sample.phi.len() == 1 && !slices[0].0.outcome.case.light.random_azimuth {
         notes.push("light of one azimuth stands for all: the material is isotropic".to_owned());
@@ -297,9 +298,10 @@ impl<'a> Sample<'a> {
         let sentence = |(name, found): (&str, Option<(f64, usize)>)| {
             let (error, i) = found?;
             let light = slices[i].0.outcome.case.light.incidence;
+            let without = 100.0 * error;
             Some(format!(
-                "between {name} of the light: {:+.2} % of the reflected light at theta {:.1} at most, where that one is left out and its neighbours are interpolated",
-                100.0 * error,
+                "between {name} of the light: about {:+.2} % of the reflected light at most ({without:+.2} % with theta {:.1} left out)",
+                without / 4.0,
                 light.theta_deg()
             ))
         };

@@ -1,6 +1,6 @@
 //! Specular table: BSDFs over the angle to the direction in which a smooth sample would send the light, and the azimuth about it.
 //!
-//! Azimuth 0 lies between that direction and the normal of the side. Azimuths turn counter-clockwise to who looks against the light that leaves,
+//! Azimuth 0 lies between that direction and the normal of the side. Azimuths turn counter-clockwise as seen against the light that leaves,
 //! of transmitted light as mirrored at the mean plane: 90 degrees lies at y < 0 where light travels along +x.
 
 use std::f64::consts::PI;

@@ -10,6 +10,7 @@
 use std::fmt::Write;
 
 use asperity_tally::{Component, Side, TallyResult};
+use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, from_one_side, of_one_sample};
@@ -33,6 +34,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     let mut agreement = Vec::new();
     let mut notes =
         vec!["not in the file: standard errors, polarisation, orders of scattering".to_owned()];
+    if outcomes[0].case.light.from == HalfSpace::Below {
+        notes.push("of light from below".to_owned());
+    }
     if outcomes.len() < all.len() {
         notes.push(format!(
             "left out: {} directions of light from below",

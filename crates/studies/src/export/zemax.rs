@@ -11,6 +11,7 @@ use std::fmt::Write;
 
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallyResult};
+use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, from_one_side, of_one_sample};
@@ -34,11 +35,12 @@ pub(super) fn contents(
     let side = recorded(&all, side)?;
     let mut outcomes = from_one_side(&all);
     let from_other_side = all.len() - outcomes.len();
+    let is_from_below = outcomes[0].case.light.from == HalfSpace::Below;
     let lit = outcomes.len();
     outcomes.retain(|outcome| specular_theta(&outcome.case, side).is_some());
     if outcomes.is_empty() {
         return Err(unfit(
-            "has angles about the direction of light that a smooth sample lets through, and here there is none",
+            "of transmitted light needs a direction in which a smooth sample transmits: this one is opaque, or reflects all light at these angles",
         ));
     }
     let beyond = lit - outcomes.len();
@@ -94,8 +96,9 @@ pub(super) fn contents(
         Side::Transmitted => "BTDF",
     };
     let build = &measurement.header.build;
+    let from = if is_from_below { "below" } else { "above" };
     let mut text = format!(
-        "# asperity {}, {}\n",
+        "# asperity {}, {}, light from {from}\n",
         build.version, measurement.header.study
     );
     if let Some(wavelength) = wavelength_nm {
@@ -119,6 +122,9 @@ pub(super) fn contents(
     }
     let _ = write!(text, "\nMonochrome\nDataBegin\n{blocks}DataEnd\n");
     let mut notes = notes(side, from_other_side, beyond);
+    if is_from_below {
+        notes.push("of light from below".to_owned());
+    }
     notes.extend(coarse_note(&agreement));
     Ok(Contents {
         bytes: text.into_bytes(),

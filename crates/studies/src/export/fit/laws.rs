@@ -24,18 +24,20 @@ pub(super) struct Law {
     pub(super) name: &'static str,
     /// Formula in words of the file.
     pub(super) formula: &'static str,
-    /// Sentence on what the law leaves out.
-    pub(super) loses: &'static str,
+    /// Sentence on what the law neglects.
+    pub(super) neglects: &'static str,
     pub(super) parameters: &'static [Parameter],
     /// Logarithms from which the fit begins; the best minimum counts.
     pub(super) starts: Vec<Vec<f64>>,
     /// `true` if bins count by the light that they hold.
     pub(super) by_flux: bool,
+    /// `false` where the fitted logarithms stand for no lobe of finite height and light.
+    pub(super) is_lobe: fn(&[f64]) -> bool,
     pub(super) of: FormulaOf,
 }
 
-/// A law that is left out, and why.
-pub(super) struct LeftOut {
+/// A law that is not fitted, and why.
+pub(super) struct Skipped {
     pub(super) name: &'static str,
     pub(super) reason: &'static str,
 }
@@ -54,12 +56,15 @@ const POSITIVE: fn(f64) -> f64 = f64::exp;
 /// Slope at which the laws of three parameters end: steeper ones are Gaussian, and do not determine slope and width.
 const STEEPEST: f64 = 50.0;
 
+/// Width of the narrowest lobes, in projected directions.
+const NARROWEST: f64 = 1e-6;
+
 /// A slope by its logarithm.
 const SLOPE: fn(f64) -> f64 = |log| log.exp().min(STEEPEST);
 
 impl Fitted<'_> {
     /// All laws, in the order of the file.
-    pub(super) fn laws(&self) -> Vec<Result<Law, LeftOut>> {
+    pub(super) fn laws(&self) -> Vec<Result<Law, Skipped>> {
         vec![
             Ok(self.abg()),
             Ok(self.harvey_shack()),
@@ -73,17 +78,18 @@ impl Fitted<'_> {
         ]
     }
 
-    fn abg(&self) -> Law {
+    pub(super) fn abg(&self) -> Law {
         let (peak, width) = self.peak_and_width();
         Law {
             name: "abg",
             formula: "A / (B + |beta - beta0|^g), in 1/sr",
-            loses: SAME_AT_ALL_ANGLES,
+            neglects: SAME_AT_ALL_ANGLES,
             parameters: &[("A", POSITIVE), ("B", POSITIVE), ("g", SLOPE)],
             starts: [1.5_f64, 3.0]
                 .map(|g| vec![(peak * width.powf(g)).ln(), g * width.ln(), g.ln()])
                 .to_vec(),
             by_flux: false,
+            is_lobe: |logs| logs[1] > SLOPE(logs[2]) * NARROWEST.ln(),
             of: Box::new(|logs| {
                 let [a, b, g] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
                 Some(Box::new(move |ray| a / (b + ray.distance.powf(g))))
@@ -91,17 +97,18 @@ impl Fitted<'_> {
         }
     }
 
-    fn harvey_shack(&self) -> Law {
+    pub(super) fn harvey_shack(&self) -> Law {
         let (peak, width) = self.peak_and_width();
         Law {
             name: "harvey-shack",
             formula: "b0 (1 + (|beta - beta0| / L)^2)^(s / 2), in 1/sr",
-            loses: SAME_AT_ALL_ANGLES,
+            neglects: SAME_AT_ALL_ANGLES,
             parameters: &[("b0", POSITIVE), ("L", POSITIVE), ("s", |log| -SLOPE(log))],
             starts: [1.5_f64, 4.0]
                 .map(|slope| vec![peak.ln(), width.ln(), slope.ln()])
                 .to_vec(),
             by_flux: false,
+            is_lobe: |logs| logs[1] > NARROWEST.ln(),
             of: Box::new(|logs| {
                 let [b0, l, slope] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
                 let shape = move |x: f64| (1.0 + (x / l).powi(2)).powf(-0.5 * slope);
@@ -114,22 +121,20 @@ impl Fitted<'_> {
     ///
     /// # Source
     /// Church and Takacs 1991; Dittman 2006, K-correlation power spectral density and surface scatter model.
-    fn k_correlation(&self) -> Result<Law, LeftOut> {
-        let left_out = |reason| {
+    fn k_correlation(&self) -> Result<Law, Skipped> {
+        let skipped = |reason| {
             let name = "k-correlation";
-            Err(LeftOut { name, reason })
+            Err(Skipped { name, reason })
         };
         let case = &self.outcomes[0].case;
         if self.side == Side::Transmitted {
-            return left_out("fitted to reflected light alone");
+            return skipped("fitted to reflected light alone");
         }
         let Some(wavelength) = case.at.wavelength_nm() else {
-            return left_out(
-                "needs a wavelength: measure with --wavelength and a material by name",
-            );
+            return skipped("needs a wavelength: measure with --wavelength and a material by name");
         };
         if case.at.unit.conversion(LengthUnit::Metre).is_none() {
-            return left_out("needs lengths of the surface with a unit");
+            return skipped("needs lengths of the surface with a unit");
         }
         let wavelength = wavelength / case.at.index_above.unwrap_or(1.0);
         let material = case.material;
@@ -144,7 +149,7 @@ impl Fitted<'_> {
         Ok(Law {
             name: "k-correlation",
             formula: "16 pi^2 / lambda^4 cos(theta_i) cos(theta_o) F(theta_i) PSD(f), f = |beta - beta0| / lambda, PSD = sigma^2 B^2 (s - 2) / (2 pi) / (1 + (B f)^2)^(s / 2); the correlation length is B / (2 pi)",
-            loses: "everything that is not the first order of a smooth surface: where 4 pi sigma cos(theta_i) / lambda is not well below 1, sigma and B describe the lobe, not the surface",
+            neglects: "everything that is not the first order of a smooth surface: where 4 pi sigma cos(theta_i) / lambda is not well below 1, sigma and B describe the lobe, not the surface",
             parameters: &[
                 ("sigma_nm", POSITIVE),
                 ("B_nm", POSITIVE),
@@ -152,6 +157,8 @@ impl Fitted<'_> {
             ],
             starts: starts.to_vec(),
             by_flux: false,
+            // With a slope of 2 the roughness is not finite
+            is_lobe: |logs| SLOPE(logs[2]) > 1e-3,
             of: Box::new(move |logs| {
                 let [sigma, b, excess] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
                 let psd = move |f: f64| {
@@ -171,12 +178,12 @@ impl Fitted<'_> {
         &self,
         name: &'static str,
         model: fn(SlopeCovariance, Material) -> Option<Smith>,
-    ) -> Result<Law, LeftOut> {
-        let left_out = |reason| Err(LeftOut { name, reason });
+    ) -> Result<Law, Skipped> {
+        let skipped = |reason| Err(Skipped { name, reason });
         let case = &self.outcomes[0].case;
         let material = case.material;
         if !case.layers.is_empty() {
-            return left_out("describes one surface, without layers below it");
+            return skipped("describes one surface, without layers below it");
         }
         let slopes = |logs: &[f64]| {
             let half = |log: f64| 0.5 * (2.0 * log).exp();
@@ -186,7 +193,7 @@ impl Fitted<'_> {
             .and_then(|slopes| model(slopes, material))
             .is_none()
         {
-            return left_out("describes facets that reflect as mirrors or refract");
+            return skipped("describes facets that reflect as mirrors or refract");
         }
         let mut azimuths: Vec<f64> = self
             .outcomes
@@ -202,13 +209,14 @@ impl Fitted<'_> {
         Ok(Law {
             name,
             formula: "F D G2 / (4 cos(theta_i) cos(theta_o)) of reflection, and its counterpart of refraction (Walter et al. 2007), with height-correlated Smith masking and the index of the material",
-            loses: "light that meets the surface more than once, and every slope distribution but its own",
+            neglects: "light that meets the surface more than once, and every slope distribution but its own",
             parameters: match has_axes {
                 true => &[("alpha_x", POSITIVE), ("alpha_y", POSITIVE)],
                 false => &[("alpha", POSITIVE)],
             },
             starts: starts.to_vec(),
             by_flux: true,
+            is_lobe: |_| true,
             of: Box::new(move |logs| {
                 let model = model(slopes(logs)?, material)?;
                 Some(Box::new(move |ray| model.bsdf(ray.wi, ray.wo)))
