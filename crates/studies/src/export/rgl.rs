@@ -4,22 +4,19 @@
 //! and azimuth of the light (`sigma`), which readers divide by: with narrow lobes the BRDF grows as the inverse cosine of that angle, so that it could
 //! not be interpolated between angles. The tables of normals are constant, and neither warp the square nor weight it.
 
+mod angles;
+mod sample;
+
 use std::f64::consts::FRAC_PI_2;
 
 use asperity_io::{Tensor, tensor_file};
-use asperity_optics::{
-    ColourObserver, azimuth, colour_weights, from_spherical, linear_srgb, polar_angle,
-};
-use asperity_simulate::Outcome;
-use asperity_tally::{Component, Estimate, Side, TallyResult};
-use asperity_tracer::HalfSpace;
-use glam::DVec3;
+use asperity_optics::{ColourObserver, colour_weights, linear_srgb};
+use asperity_tally::Side;
 
+use self::sample::{Sample, Slice};
 use super::contents::{Agreement, Contents};
-use super::directions::{Directions, of_one_sample};
 use super::error::ExportError;
 use super::half_vectors::{HalfVectors, integral};
-use super::interpolation::Interpolated;
 use super::measurement::Measurement;
 
 /// Numbers of nodes along either side of the square, of which the least is taken that resolves the lobes.
@@ -55,7 +52,7 @@ pub(super) fn contents(
     measurement: &Measurement,
     channels: Channels,
 ) -> Result<Contents, ExportError> {
-    let sample = Sample::of(measurement)?;
+    let sample = Sample::of(measurement).map_err(unfit)?;
     let planes = sample.planes(channels)?;
     let nodes = sample.nodes();
     let mut factors = [f64::INFINITY, 0.0];
@@ -87,7 +84,7 @@ pub(super) fn contents(
         ),
     ];
     let sigma = sample.sigma(&slices);
-    notes.extend(sample.between_nodes(&slices, &sigma));
+    notes.extend(sample.between_angles(&slices, &sigma));
     let (count, last) = ANGLES;
     let farthest = sample.directions.theta_deg[sample.theta.len() - 1];
     if sample.theta.len() < count || farthest < last {
@@ -109,97 +106,7 @@ pub(super) fn contents(
     })
 }
 
-/// Light from one direction, at one wavelength.
-struct Slice<'a> {
-    outcome: &'a Outcome,
-    bsdf: Interpolated,
-    /// Direction towards the light, of azimuth zero in isotropic files.
-    light: DVec3,
-    /// Azimuth of the results less that of the file, radians.
-    turn: f64,
-    is_isotropic: bool,
-}
-
-impl Slice<'_> {
-    fn on(&self, nodes: usize) -> HalfVectors {
-        let values = HalfVectors::of(nodes, self.light, |leaving| {
-            let bsdf = self
-                .bsdf
-                .at(polar_angle(leaving), azimuth(leaving) + self.turn);
-            bsdf * leaving.z
-        });
-        match self.is_isotropic {
-            true => values.symmetric(),
-            false => values,
-        }
-    }
-
-    fn flux(&self) -> Estimate {
-        self.outcome
-            .statistics
-            .flux(Side::Reflected, Component::All)
-    }
-}
-
-/// Outcomes of one sample over wavelengths and directions of light.
-struct Sample<'a> {
-    directions: Directions<'a>,
-    /// Polar angles of the light, radians, ascending.
-    theta: Vec<f64>,
-    /// Azimuths of the light, radians, ascending from -pi to pi, with the number of the results of each; one for isotropic files.
-    phi: Vec<(f64, usize)>,
-}
-
-impl<'a> Sample<'a> {
-    fn of(measurement: &'a Measurement) -> Result<Self, ExportError> {
-        let outcomes = of_one_sample(measurement).map_err(unfit)?;
-        outcomes.iter().try_for_each(|outcome| check(outcome))?;
-        let directions = Directions::of(&outcomes).map_err(unfit)?;
-        let theta = directions.theta_deg.iter();
-        let theta: Vec<f64> = theta.map(|theta| theta.to_radians()).collect();
-        if theta.len() < 2 {
-            return Err(unfit(
-                "needs light from several polar angles: measure with gonio --for rgl",
-            ));
-        }
-        Ok(Self {
-            phi: turn_of(&directions.phi_deg)?,
-            theta,
-            directions,
-        })
-    }
-
-    /// Wavelengths, nm, if there are several.
-    fn wavelengths_nm(&self) -> Vec<f64> {
-        let all = self.directions.wavelengths_nm.iter().copied().flatten();
-        all.collect()
-    }
-
-    /// In the order of the file: azimuth, polar angle, wavelength.
-    fn slices(&self) -> impl Iterator<Item = Slice<'a>> {
-        let Directions {
-            wavelengths_nm,
-            phi_deg,
-            outcomes,
-            ..
-        } = &self.directions;
-        self.phi.iter().flat_map(move |&(phi, azimuth)| {
-            self.theta.iter().enumerate().flat_map(move |(i, &theta)| {
-                (0..wavelengths_nm.len()).map(move |wavelength| {
-                    let number = (wavelength * phi_deg.len() + azimuth) * self.theta.len() + i;
-                    let outcome = outcomes[number];
-                    Slice {
-                        outcome,
-                        bsdf: Interpolated::of(outcome, Side::Reflected),
-                        light: from_spherical(theta, phi),
-                        turn: phi_deg[azimuth].to_radians() - phi,
-                        is_isotropic: self.phi.len() == 1,
-                    }
-                })
-            })
-        })
-    }
-
+impl Sample<'_> {
     /// Number of nodes that resolves the lobes: reflection of all directions together hardly changes with twice as many.
     fn nodes(&self) -> usize {
         let wavelengths = self.directions.wavelengths_nm.len();
@@ -245,70 +152,6 @@ impl<'a> Sample<'a> {
                     .collect()
             }
         })
-    }
-
-    /// Factors of the values in the file, by azimuth and polar angle of the light: inverse integrals over half-vectors, 1 for the first direction.
-    fn sigma(&self, slices: &[(Slice, HalfVectors)]) -> Vec<f64> {
-        let wavelengths = slices.len() / (self.phi.len() * self.theta.len());
-        let of_direction = |slices: &[(Slice, HalfVectors)]| {
-            let integrals = slices.iter().map(|(_, values)| values.over_half_vectors());
-            integrals.sum::<f64>()
-        };
-        let sums: Vec<f64> = slices.chunks(wavelengths).map(of_direction).collect();
-        match sums.iter().all(|&sum| sum > 0.0) {
-            true => sums.iter().map(|sum| sums[0] / sum).collect(),
-            false => vec![1.0; sums.len()],
-        }
-    }
-
-    /// Factor at a polar angle of the light, radians, from those of its azimuth: linear in the cosine.
-    fn sigma_at(&self, sigma: &[f64], theta: f64) -> f64 {
-        let upper = self
-            .theta
-            .partition_point(|&one| one < theta)
-            .clamp(1, self.theta.len() - 1);
-        let value = linear(
-            theta,
-            [&self.theta, sigma].map(|list| [list[upper - 1], list[upper]]),
-            f64::cos,
-        );
-        let last = sigma[sigma.len() - 1];
-        // Beyond the last angle it falls no further than by half
-        value.max(0.5 * sigma[upper].min(last))
-    }
-
-    /// Sentences on reflection of light between the directions of the file, by leaving one out.
-    fn between_nodes(&self, slices: &[(Slice, HalfVectors)], sigma: &[f64]) -> Vec<String> {
-        let per_phi = slices.len() / self.phi.len();
-        let per_theta = per_phi / self.theta.len();
-        let theta = |i: usize| i % per_phi / per_theta;
-        let weights = |[before, i, after]: [usize; 3], angle: &dyn Fn(usize) -> f64, of| {
-            let angles = [before, after].map(angle);
-            let sigma = [before, after].map(|k| sigma[k / per_theta]);
-            let whole = linear(angle(i), [angles, sigma], of);
-            let part = linear(angle(i), [angles, [0.0, 1.0]], |angle| angle);
-            [(1.0 - part) * sigma[0] / whole, part * sigma[1] / whole]
-        };
-        let of_theta = |three| weights(three, &|k| self.theta[theta(k)], f64::cos);
-        let of_phi = |three| weights(three, &|k| self.phi[k / per_phi].0, |angle| angle);
-        let inner = |&i: &usize| (1..self.theta.len() - 1).contains(&theta(i));
-        let over_theta = farthest((0..slices.len()).filter(inner), slices, per_theta, of_theta);
-        let inner = per_phi..slices.len().saturating_sub(per_phi);
-        let over_phi = farthest(inner, slices, per_phi, of_phi);
-        let sentence = |(name, found): (&str, Option<(f64, usize)>)| {
-            let (error, i) = found?;
-            let light = slices[i].0.outcome.case.light.incidence;
-            let without = 100.0 * error;
-            Some(format!(
-                "between {name} of the light: about {:+.2} % of the reflected light at most ({without:+.2} % with theta {:.1} left out)",
-                without / 4.0,
-                light.theta_deg()
-            ))
-        };
-        [("polar angles", over_theta), ("azimuths", over_phi)]
-            .into_iter()
-            .filter_map(sentence)
-            .collect()
     }
 
     fn file(
@@ -400,72 +243,4 @@ impl<'a> Sample<'a> {
 /// Parts of an integral: several of each cell between nodes, and enough for its edge at the horizon.
 fn parts(nodes: usize) -> usize {
     (2 * (nodes - 1)).max(256)
-}
-
-/// Value at `at` on the line through two points of `[arguments, values]`, linear in a function of the argument.
-fn linear(at: f64, [x, y]: [[f64; 2]; 2], of: fn(f64) -> f64) -> f64 {
-    let part = (of(at) - of(x[0])) / (of(x[1]) - of(x[0]));
-    y[0] + part * (y[1] - y[0])
-}
-
-/// Largest relative error of reflection of light from the directions `inner`, interpolated with `weights` of those `step` before and after.
-fn farthest(
-    inner: impl Iterator<Item = usize>,
-    slices: &[(Slice, HalfVectors)],
-    step: usize,
-    weights: impl Fn([usize; 3]) -> [f64; 2],
-) -> Option<(f64, usize)> {
-    let errors = inner.map(|i| {
-        let (slice, values) = &slices[i];
-        let weights = weights([i - step, i, i + step]);
-        let [before, after] = [i - step, i + step].map(|k| &slices[k].1);
-        let parts = 2 * (values.nodes() - 1);
-        let found = integral(slice.light, parts, |at| {
-            weights[0] * before.at(at) + weights[1] * after.at(at)
-        });
-        (
-            found / integral(slice.light, parts, |at| values.at(at)) - 1.0,
-            i,
-        )
-    });
-    let errors = errors.filter(|(error, _)| error.is_finite());
-    errors.max_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))
-}
-
-/// Azimuths of the file, from -pi to pi, with the number of the results of each; zero alone for one azimuth.
-fn turn_of(azimuths: &[f64]) -> Result<Vec<(f64, usize)>, ExportError> {
-    if azimuths.len() == 1 {
-        return Ok(vec![(0.0, 0)]);
-    }
-    let signed = |phi: f64| (phi + 180.0).rem_euclid(360.0) - 180.0;
-    let mut turn: Vec<(f64, usize)> = azimuths
-        .iter()
-        .enumerate()
-        .map(|(i, &phi)| (signed(phi), i))
-        .collect();
-    turn.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (first, number) = turn[0];
-    turn.push((180.0, number));
-    if first != -180.0 || azimuths.len() < 4 {
-        return Err(unfit(
-            "of several azimuths needs at least four, of which one is 180: measure with --phi 0:345:15",
-        ));
-    }
-    Ok(turn.iter().map(|&(phi, i)| (phi.to_radians(), i)).collect())
-}
-
-/// Checks that a case is reflection of light from above.
-fn check(outcome: &Outcome) -> Result<(), ExportError> {
-    let light = &outcome.case.light;
-    if light.from != HalfSpace::Above {
-        return Err(unfit(
-            "holds reflection of light from above: measure with --from above",
-        ));
-    }
-    if !outcome.statistics.spec().records(Side::Reflected) {
-        return Err(unfit(
-            "holds reflected light: measure with --side both or reflected",
-        ));
-    }
-    Ok(())
 }
