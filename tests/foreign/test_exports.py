@@ -6,6 +6,8 @@ import re
 import subprocess
 from pathlib import Path
 
+import colour
+import drjit
 import mitsuba
 import numpy as np
 import pyradiance
@@ -13,6 +15,11 @@ import pytest
 import pywincalc
 import xarray
 from pyradiance import bsdf
+
+# Compiled variants of Mitsuba need it
+LLVM = sorted(Path("/usr/lib").glob("*/libLLVM.so.1[5-9]*")) + sorted(Path("/usr/lib").glob("*/libLLVM-1[5-9].so"))
+if LLVM:
+    os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(LLVM[-1]))
 
 SLAB = "gonio --smoothness 20 --tau 16um --eta 1.5 --thickness 1mm --rays 2e4 --realisations 2 --no-plots --quiet"
 
@@ -131,6 +138,46 @@ def test_mitsuba_reflects_what_was_measured_at_angles_and_between(tmp_path, smoo
         for variant, file in (("scalar_spectral", "mirror.bsdf"), ("scalar_rgb", "rgb.bsdf")):
             mean, error = albedo(*measured_material(variant, tmp_path / file, theta))
             assert mean == pytest.approx(1.0, abs=4 * error + 0.005), (theta, variant)
+
+
+def test_colours_are_those_of_the_spectrum(tmp_path):
+    gold = "gonio --smoothness 4 --tau 16um --material gold --wavelength 400:700:20nm --theta 0,50,85 --bins 18x36"
+    asperity(tmp_path, f"{gold} --rays 1e4 --realisations 2 --no-plots --quiet -o out")
+    asperity(tmp_path, "export out --format rgl -o gold.bsdf --quiet")
+    asperity(tmp_path, "export out --format rgl-rgb -o rgb.bsdf --quiet")
+    wavelengths = np.arange(400.0, 701.0, 20.0)
+    observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    lamp = colour.SDS_ILLUMINANTS["D65"]
+    for theta in (30.0, 55.0):
+        bsdf, point = measured_material("scalar_spectral", tmp_path / "gold.bsdf", 50)
+        spectrum = []
+        for four in wavelengths.reshape(4, 4).tolist():
+            point.wavelengths = four
+            spectrum += list(bsdf.eval(mitsuba.BSDFContext(), point, direction(theta, 180)))
+        shape = colour.SpectralShape(400, 700, 20)
+        distribution = colour.SpectralDistribution(dict(zip(wavelengths, spectrum))).align(shape)
+        xyz = colour.sd_to_XYZ(distribution, observer, lamp, method="Integration") / 100
+        expected = colour.XYZ_to_RGB(xyz, "sRGB", apply_cctf_encoding=False)
+        bsdf, point = measured_material("scalar_rgb", tmp_path / "rgb.bsdf", 50)
+        found = np.array(bsdf.eval(mitsuba.BSDFContext(), point, direction(theta, 180)))
+        # Wavelengths of 20 nm are weighted by different rules
+        assert np.allclose(found, expected, rtol=0, atol=0.01 * expected.max()), (found, expected)
+
+
+@pytest.mark.skipif(not LLVM, reason="libLLVM of version 15 or later is not installed (apt-get install libllvm19)")
+def test_vectorised_mitsuba_reads_the_same(tmp_path):
+    gold = "gonio --smoothness 4 --theta 0,40,80 --rays 1e4 --realisations 2 --no-plots --quiet"
+    asperity(tmp_path, f"{gold} -o out")
+    asperity(tmp_path, "export out --format rgl -o one.bsdf --quiet")
+    bsdf, point = measured_material("scalar_spectral", tmp_path / "one.bsdf", 30)
+    leaving = [direction(theta, phi) for theta in (5, 30, 60) for phi in (0, 100, 180)]
+    expected = [bsdf.eval(mitsuba.BSDFContext(), point, one)[0] for one in leaving]
+    mitsuba.set_variant("llvm_ad_spectral")
+    bsdf = mitsuba.load_dict({"type": "measured", "filename": str(tmp_path / "one.bsdf")})
+    point = drjit.zeros(mitsuba.SurfaceInteraction3f, len(leaving))
+    point.wi, point.wavelengths = mitsuba.Vector3f([float(x) for x in direction(30, 0)]), mitsuba.UnpolarizedSpectrum(550.0)
+    found = bsdf.eval(mitsuba.BSDFContext(), point, mitsuba.Vector3f(np.array(leaving).T))
+    assert np.allclose(np.array(found)[0], expected, rtol=1e-4, atol=1e-6)
 
 
 def test_mitsuba_sends_light_of_all_azimuths_where_it_went(tmp_path):

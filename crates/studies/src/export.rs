@@ -27,7 +27,7 @@ use asperity_tally::Side;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use self::contents::{Contents, farthest, table};
+use self::contents::{Agreement, Contents, farthest, table};
 pub use self::error::ExportError;
 use self::measurement::Measurement;
 use self::rgl::Channels;
@@ -165,7 +165,7 @@ impl Exported {
             self.format.name(),
             self.cases,
             self.planned,
-            table().text(farthest(agreement)),
+            table(agreement.iter().all(Agreement::is_from_above)).text(farthest(agreement)),
             note_lines(notes)
         )
     }
@@ -180,7 +180,7 @@ impl Exported {
             "format": self.format.name(),
             "directions": self.cases,
             "planned": self.planned,
-            "agreement": table().json(agreement),
+            "agreement": table(false).json(agreement),
             "notes": notes,
         });
         Head::of("export").insert_into(&mut summary);

@@ -2,6 +2,7 @@
 
 use asperity_simulate::{Case, Light};
 use asperity_tally::{Estimate, Side};
+use asperity_tracer::HalfSpace;
 use serde_json::json;
 
 use crate::output::{Column, Table, incidence_columns};
@@ -39,6 +40,10 @@ impl Agreement {
         }
     }
 
+    pub(super) fn is_from_above(&self) -> bool {
+        self.light.from == HalfSpace::Above
+    }
+
     fn difference(&self) -> f64 {
         (self.exported - self.measured.mean).abs()
     }
@@ -63,7 +68,8 @@ pub(super) fn coarse_note(all: &[Agreement]) -> Option<String> {
     })
 }
 
-pub(super) fn table<'a>() -> Table<'a, Agreement> {
+/// Columns of the comparison; without the half space of the light if `is_from_above`.
+pub(super) fn table<'a>(is_from_above: bool) -> Table<'a, Agreement> {
     let from = |row: &Agreement| {
         json!(row.light.from)
             .as_str()
@@ -71,12 +77,9 @@ pub(super) fn table<'a>() -> Table<'a, Agreement> {
             .to_owned()
     };
     let side = |row: &Agreement| row.side.to_string();
+    let from = Column::new("from", "half space that the light comes from", from);
     Table::new()
-        .column(Column::new(
-            "from",
-            "half space that the light comes from",
-            from,
-        ))
+        .columns((!is_from_above).then_some(from))
         .columns(incidence_columns(|row: &Agreement| row.light.incidence))
         .column(Column::new("side", "side on which light leaves", side))
         .column(Column::estimate(
