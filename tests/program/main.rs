@@ -23,6 +23,7 @@ mod export;
 mod export_fit;
 mod export_rgl;
 mod export_tables;
+mod export_window;
 mod figures;
 mod flags;
 mod given;

@@ -3,7 +3,7 @@
 use super::entry::Entry;
 
 /// Formats, and the flags of each.
-const PRESETS: [(&str, &[(&str, &str)]); 3] = [
+const PRESETS: [(&str, &[(&str, &str)]); 4] = [
     ("netcdf", &[("bins", "36x72")]),
     (
         "klems",
@@ -16,13 +16,13 @@ const PRESETS: [(&str, &[(&str, &str)]); 3] = [
         ],
     ),
     (
-        "rgl",
-        &[
-            ("theta", "0,10,20,30,38,45,51,57,62,66,70,74,77,80,83,86,88"),
-            (AZIMUTH, "random"),
-        ],
+        "tensor-tree",
+        &[("theta", ANGLES), ("from", "both"), (AZIMUTH, "random")],
     ),
+    ("rgl", &[("theta", ANGLES), (AZIMUTH, "random")]),
 ];
+/// Polar angles between which reflection is interpolated with small errors.
+const ANGLES: &str = "0,10,20,30,38,45,51,57,62,66,70,74,77,80,83,86,88";
 const AZIMUTH: &str = "light-azimuth";
 
 /// Flags for a format that do not contradict the values given. The mean over azimuths is that of given surfaces: random ones
