@@ -70,13 +70,18 @@ def test_xarray_opens_netcdf_without_options(tmp_path):
     assert np.allclose(found[np.isfinite(found)], expected, rtol=1e-12, atol=0)
 
 
-def test_radiance_finds_the_light_of_both_sides(klems):
+def check_bsdf(folder, file):
     place = Path(pyradiance.__file__).parent
     environment = {**os.environ, "RAYPATH": f".:{place / 'lib'}"}
-    check = [place / "bin/checkBSDF", "./slab.xml"]
-    done = subprocess.run(check, cwd=klems, env=environment, capture_output=True, text=True, check=True)
-    assert "Type: Klems_Full" in done.stdout, done.stdout + done.stderr
-    found = dict(re.findall(r"^(.* (?:Refl|Trans)).*?([\d.]+)%", done.stdout, re.MULTILINE))
+    check = [place / "bin/checkBSDF", f"./{file}"]
+    done = subprocess.run(check, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    return done.stdout + done.stderr
+
+
+def test_radiance_finds_the_light_of_both_sides(klems):
+    checked = check_bsdf(klems, "slab.xml")
+    assert "Type: Klems_Full" in checked, checked
+    found = dict(re.findall(r"^(.* (?:Refl|Trans)).*?([\d.]+)%", checked, re.MULTILINE))
     measured = rows(klems / "out/gonio.csv")
     for name, side, column in [
         ("Interior Refl", "above", "reflected"),
@@ -85,7 +90,7 @@ def test_radiance_finds_the_light_of_both_sides(klems):
         ("Ext->Int Trans", "below", "transmitted"),
     ]:
         most = max(float(row[column]) for row in measured if row["from"] == side)
-        assert float(found[name]) == pytest.approx(100 * most, abs=0.1), done.stdout
+        assert float(found[name]) == pytest.approx(100 * most, abs=0.1), checked
 
 
 def test_radiance_sees_light_straight_on_and_mirrored(klems):
@@ -100,6 +105,82 @@ def test_radiance_sees_light_straight_on_and_mirrored(klems):
 def test_pywincalc_parses_the_file(klems):
     product = pywincalc.parse_bsdf_xml_file(str(klems / "slab.xml"))
     assert product.thickness == pytest.approx(0.001)
+
+
+def flux_and_mean(directions, fluxes):
+    """Flux, and the mean direction in which it leaves, projected onto the mean plane."""
+    return np.sum(fluxes), directions.T @ fluxes / np.sum(fluxes)
+
+
+def measured_light(rows, side, theta, phi):
+    rows = [row for row in rows if row["side"] == side and (float(row["theta_i_deg"]), float(row["phi_i_deg"])) == (theta, phi)]
+    names = ("theta_min_deg", "theta_max_deg", "phi_min_deg", "phi_max_deg", "theta_o_deg", "phi_o_deg")
+    a, b, first, last, theta, phi = (np.radians([float(row[name]) for row in rows]) for name in names)
+    area = 0.5 * np.abs(np.sin(b) ** 2 - np.sin(a) ** 2) * (last - first)
+    directions = (np.sin(theta) * [np.cos(phi), np.sin(phi)]).T
+    return flux_and_mean(directions, area * [float(row["bsdf"]) for row in rows])
+
+
+def discs(count):
+    """Middles of cells of equal areas of the unit disc, by the map of Shirley and Chiu."""
+    middles = 2 * (np.arange(count) + 0.5) / count - 1
+    a, b = (one.ravel() for one in np.meshgrid(middles, middles))
+    radius, angle = np.where(np.abs(a) > np.abs(b), (a, np.pi / 4 * b / a), (b, np.pi / 4 * (2 - a / b)))
+    return (radius * [np.cos(angle), np.sin(angle)]).T
+
+
+def radiance_light(data, source, side, theta, phi, count=128):
+    """The same of Radiance, over parts of equal projected solid angle."""
+    directions = discs(count)
+    polar = np.degrees(np.arcsin(np.linalg.norm(directions, axis=1)))
+    if (source == "above") != (side == "reflected"):
+        polar = 180 - polar
+    azimuth = np.degrees(np.arctan2(directions[:, 1], directions[:, 0]))
+    light = (theta if source == "above" else 180 - theta, phi)
+    values = np.array([bsdf.query(data, *light, *angles)[1] for angles in zip(polar, azimuth)])
+    return flux_and_mean(directions, values * np.pi / len(values))
+
+
+def check_light_of_all_functions(folder, file, lights, tolerances):
+    data = bsdf.load_file(str(folder / file))
+    measured = rows(folder / "out/bsdf.csv")
+    for setting, source in enumerate(("above", "below")):
+        of_source = [row for row in measured if row["setting"] == str(setting)]
+        for side in ("reflected", "transmitted"):
+            for light in lights:
+                flux, mean = measured_light(of_source, side, *light)
+                found, towards = radiance_light(data, source, side, *light)
+                assert found == pytest.approx(flux, abs=tolerances[0]), (source, side, light)
+                assert np.linalg.norm(towards - mean) < tolerances[1], (source, side, light, towards, mean)
+
+
+def test_radiance_takes_a_tensor_tree_without_a_direction(tmp_path):
+    asperity(tmp_path, f"{SLAB.replace('20', '8', 1)} --for tensor-tree -o out")
+    asperity(tmp_path, "export out --format tensor-tree -o slab.xml --quiet")
+    assert "TensorTree3" in (tmp_path / "slab.xml").read_text()
+    # Cells of light are 1/32 wide in the sine, per unit of which reflectance changes by up to 1 at these angles
+    check_light_of_all_functions(tmp_path, "slab.xml", [(38, 0), (57, 0)], (0.02, 0.04))
+    data = bsdf.load_file(str(tmp_path / "slab.xml"))
+    found = radiance_light(data, "above", "transmitted", 38, 0)
+    turned = radiance_light(data, "above", "transmitted", 38, 90)
+    assert turned[0] == pytest.approx(found[0], rel=0.03)
+    assert np.allclose(turned[1], [-found[1][1], found[1][0]], atol=0.03)
+
+
+def long_slopes(folder):
+    """A slab whose upper face has slopes that face -x, so that no two azimuths are alike."""
+    np.save(folder / "saw.npy", np.tile(0.15 * (np.arange(32) % 8), (32, 1)))
+    return "gonio --surface saw.npy --spacing 1 --eta 1.5 --thickness 1000 --rays 2e4 --no-plots --quiet -o out"
+
+
+def test_radiance_sends_light_of_a_tensor_tree_where_it_went(tmp_path):
+    asperity(tmp_path, f"{long_slopes(tmp_path)} --from both --theta 20,40,60 --phi 0:330:30")
+    asperity(tmp_path, "export out --format tensor-tree -o saw.xml --quiet")
+    assert "TensorTree4" in (tmp_path / "saw.xml").read_text()
+    # Half a cell of light is 1/32 of the sine, and reflectance changes by 0.4 from 40 to 60 degrees
+    check_light_of_all_functions(tmp_path, "saw.xml", [(40, 0), (40, 120), (40, 270)], (0.06, 0.08))
+    checked = check_bsdf(tmp_path, "saw.xml")
+    assert "Type: Anisotropic_Tensor_Tree" in checked, checked
 
 
 def direction(theta, phi):

@@ -208,7 +208,7 @@ fn results_that_a_format_cannot_hold_are_refused() {
         ("export two --format klems -o k.xml", "results of several"),
         (
             "export fixed --format klems -o k.xml",
-            "--light-azimuth random",
+            "between 5 and 15 degrees at the azimuth 180",
         ),
         (
             "export half --format klems -o k.xml",

@@ -24,6 +24,7 @@ mod export_fit;
 mod export_pbsdf;
 mod export_rgl;
 mod export_tables;
+mod export_window;
 mod figures;
 mod flags;
 mod given;

@@ -12,12 +12,15 @@ mod half_vectors;
 mod interpolation;
 mod klems;
 mod measurement;
+mod moved_lobes;
 mod netcdf;
 mod pbsdf;
 mod ranges;
 mod rgl;
 mod specular_table;
 mod ssdd;
+mod tensor_tree;
+mod window_element;
 mod zemax;
 
 use std::path::{Path, PathBuf};
@@ -55,6 +58,8 @@ enum ExportFormat {
     Netcdf,
     /// XML of Radiance, WINDOW and EnergyPlus with matrices of the full Klems basis.
     Klems,
+    /// XML of Radiance with trees of cells.
+    TensorTree,
     /// Tensor file of measured materials of Mitsuba and pbrt, by wavelength.
     Rgl,
     /// Tensor file of measured materials of Mitsuba, in linear sRGB.
@@ -74,6 +79,7 @@ impl ExportFormat {
         match self {
             Self::Netcdf => "netcdf",
             Self::Klems => "klems",
+            Self::TensorTree => "tensor-tree",
             Self::Rgl => "rgl",
             Self::RglRgb => "rgl-rgb",
             Self::Pbsdf => "pbsdf",
@@ -86,7 +92,7 @@ impl ExportFormat {
     const fn ending(self) -> &'static str {
         match self {
             Self::Netcdf => "nc",
-            Self::Klems => "xml",
+            Self::Klems | Self::TensorTree => "xml",
             Self::Rgl | Self::RglRgb | Self::Zemax => "bsdf",
             Self::Pbsdf => "pbsdf",
             Self::Fit => "json",
@@ -128,6 +134,7 @@ impl ExportConfig {
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement)?,
             ExportFormat::Klems => klems::contents(&measurement)?,
+            ExportFormat::TensorTree => tensor_tree::contents(&measurement)?,
             ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra)?,
             ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb)?,
             ExportFormat::Pbsdf => pbsdf::contents(&measurement)?,

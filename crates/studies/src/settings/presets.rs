@@ -3,7 +3,7 @@
 use super::entry::Entry;
 
 /// Formats, and the flags of each.
-const PRESETS: [(&str, &[(&str, &str)]); 7] = [
+const PRESETS: [(&str, &[(&str, &str)]); 8] = [
     ("netcdf", &[("bins", "36x72")]),
     (
         "klems",
@@ -16,6 +16,10 @@ const PRESETS: [(&str, &[(&str, &str)]); 7] = [
         ],
     ),
     ("rgl", &[("theta", DENSE), (AZIMUTH, "random")]),
+    (
+        "tensor-tree",
+        &[("theta", DENSE), ("from", "both"), (AZIMUTH, "random")],
+    ),
     (
         "pbsdf",
         &[

@@ -89,6 +89,7 @@ pub(super) const MESH_FORMAT: Kind = Kind::Choice(&[
 pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "labelled arrays for xarray, MATLAB, Julia and R"),
     choice("klems", "XML with matrices of slabs, as Radiance reads"),
+    choice("tensor-tree", "XML of Radiance with cells as fine as lobes"),
     choice("rgl", ".bsdf of Mitsuba 3 (spectral variants) and pbrt-v4"),
     choice("rgl-rgb", ".bsdf of Mitsuba 3 (rgb variants)"),
     choice(
@@ -106,6 +107,10 @@ pub(super) const EXPORT_FORMAT: Kind = Kind::Choice(&[
 pub(super) const FOR_FORMAT: Kind = Kind::Choice(&[
     choice("netcdf", "the same bins for all directions"),
     choice("klems", "patches lit as a whole from both sides"),
+    choice(
+        "tensor-tree",
+        "light of 17 polar angles up to 88 degrees, from both sides",
+    ),
     choice("rgl", "17 polar angles of the light up to 88 degrees"),
     choice("pbsdf", "the same, with Mueller matrices"),
     choice("zemax", "polar angles of the light from 0 to 80 degrees"),

@@ -348,6 +348,7 @@ pub(in crate::settings) static GROUPS: &[Group] = &[
         &[
             variant("netcdf"),
             variant("klems"),
+            variant("tensor-tree"),
             variant("rgl"),
             variant("rgl-rgb"),
             variant("pbsdf"),

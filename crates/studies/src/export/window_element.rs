@@ -1,0 +1,201 @@
+//! Window element: what the XML files of Radiance and WINDOW have in common, whatever basis their values are over.
+//!
+//! They describe a slab between equal media by four functions, reflection and transmission of light from either side. *Back* is light from above,
+//! *Front* light from below. Directions of incidence are those in which light travels, which turns their azimuth by half a turn.
+
+use std::fmt::Write;
+
+use asperity_optics::{ColourObserver, Layer, colour_weights};
+use asperity_simulate::Outcome;
+use asperity_surface::LengthUnit;
+use asperity_tally::{Component, Estimate, Side, TallyResult};
+use asperity_tracer::HalfSpace;
+
+/// A function of the file: the half space that light comes from, and the side on which it leaves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    pub(super) from: HalfSpace,
+    pub(super) side: Side,
+}
+
+/// The functions of a file.
+pub(super) const BLOCKS: [Block; 4] = [
+    block(HalfSpace::Above, Side::Transmitted),
+    block(HalfSpace::Above, Side::Reflected),
+    block(HalfSpace::Below, Side::Transmitted),
+    block(HalfSpace::Below, Side::Reflected),
+];
+
+const fn block(from: HalfSpace, side: Side) -> Block {
+    Block { from, side }
+}
+
+impl Block {
+    /// Outcomes of light from its half space, with their weights.
+    pub(super) fn lit<'a, 'b>(&self, weighted: &'b [Weighted<'a>]) -> Vec<Weighted<'a>> {
+        let is_lit = |(outcome, _): &&Weighted| outcome.case.light.from == self.from;
+        weighted.iter().filter(is_lit).copied().collect()
+    }
+}
+
+/// An outcome, and its weight in a band.
+pub(super) type Weighted<'a> = (&'a Outcome, f64);
+
+/// Name of a half space in sentences.
+pub(super) const fn from_where(from: HalfSpace) -> &'static str {
+    match from {
+        HalfSpace::Above => "above",
+        HalfSpace::Below => "below",
+    }
+}
+
+/// Checks that the outcomes are of a slab between equal media, and of unpolarised light on both sides.
+///
+/// # Errors
+/// What a file needs.
+pub(super) fn check_slab(outcome: &Outcome) -> Result<(), String> {
+    let case = &outcome.case;
+    let slab = "describes a slab between equal media, as Radiance and WINDOW take it";
+    if case.layers.is_empty() {
+        return Err(format!("{slab}: give the sample a --thickness, or layers"));
+    }
+    if !case.passes_on() {
+        return Err(format!(
+            "{slab}: what lies behind this one is opaque or another medium"
+        ));
+    }
+    let spec = outcome.statistics.spec();
+    if !Side::BOTH.into_iter().all(|side| spec.records(side)) {
+        return Err("needs light on both sides: measure with --side both".to_owned());
+    }
+    if case.light.is_polarised() {
+        return Err("is of unpolarised light: measure without --stokes".to_owned());
+    }
+    Ok(())
+}
+
+/// Wavelengths of the outcomes, nm, ascending.
+pub(super) fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
+    let all = outcomes
+        .iter()
+        .filter_map(|one| one.case.at.wavelength_nm());
+    let mut all: Vec<f64> = all.collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Outcomes with their weights in the visible band: all alike if they have one wavelength, or none.
+///
+/// # Errors
+/// What a file needs.
+pub(super) fn visible<'a>(outcomes: &[&'a Outcome]) -> Result<Vec<Weighted<'a>>, String> {
+    let nm = wavelengths(outcomes);
+    if nm.len() < 2 {
+        return Ok(outcomes.iter().map(|one| (*one, 1.0)).collect());
+    }
+    let weights = colour_weights(&nm, ColourObserver::Cie1931).ok_or(
+        "needs one wavelength, or those of the Visible band, from 400 to 700 nm in steps of at most 20 nm",
+    )?;
+    let weighted = outcomes.iter().filter_map(|one| {
+        let place = nm
+            .iter()
+            .position(|nm| Some(*nm) == one.case.at.wavelength_nm())?;
+        Some((*one, weights[place][1]))
+    });
+    Ok(weighted.collect())
+}
+
+/// Flux that leaves on a side, over a band.
+pub(super) fn weighted_flux(weighted: &[Weighted], side: Side) -> Estimate {
+    let (mut mean, mut variance) = (0.0, Some(0.0));
+    for (outcome, weight) in weighted {
+        let flux = outcome.statistics.flux(side, Component::All);
+        mean += weight * flux.mean;
+        variance = variance.and_then(|sum: f64| Some(sum + (weight * flux.se?).powi(2)));
+    }
+    let se = variance.map(f64::sqrt);
+    Estimate { mean, se }
+}
+
+/// The text of a file, in the order in which it is written.
+pub(super) struct WindowElement {
+    text: String,
+    has_thickness: bool,
+}
+
+impl WindowElement {
+    /// A file up to its data; `definition` is the XML between the structure and the data.
+    pub(super) fn new(outcome: &Outcome, structure: &str, definition: &str) -> Self {
+        let case = &outcome.case;
+        let slabs = case.layers.iter().filter_map(Layer::end);
+        let thickness: f64 = slabs.map(|slab| slab.thickness).sum();
+        let metres = case.at.unit.conversion(LengthUnit::Metre);
+        let metres = metres.map(|metres| metres(thickness));
+        let text = HEAD
+            .replace("THICKNESS", &metres.unwrap_or(0.0).to_string())
+            .replace("STRUCTURE", structure)
+            .replace("DEFINITION", definition);
+        Self {
+            text,
+            has_thickness: metres.is_some(),
+        }
+    }
+
+    /// Adds a function over a band; `bases` is the XML that names the basis of its values.
+    pub(super) fn add(&mut self, band: &str, block: Block, bases: &str, values: &str) {
+        let [source, eye] = match band {
+            "Visible" => ["CIE Illuminant D65 1nm.ssp", "ASTM E308 1931 Y.dsp"],
+            _ => ["None", "None"],
+        };
+        let (kind, scatter) = match block.side {
+            Side::Transmitted => ("Transmission", "BTDF"),
+            Side::Reflected => ("Reflection", "BRDF"),
+        };
+        let light = match block.from {
+            HalfSpace::Above => "Back",
+            HalfSpace::Below => "Front",
+        };
+        let _ = write!(
+            self.text,
+            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{band}</Wavelength>\n<SourceSpectrum>{source}</SourceSpectrum>\n<DetectorSpectrum>{eye}</DetectorSpectrum>\n<WavelengthDataBlock>\n<WavelengthDataDirection>{kind} {light}</WavelengthDataDirection>\n{bases}\n<ScatteringDataType>{scatter}</ScatteringDataType>\n<ScatteringData>\n{values}</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n"
+        );
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        let mut notes = vec![
+            "not in the file: standard errors, polarisation, orders of scattering".to_owned(),
+            "Back is light from above, Front light from below".to_owned(),
+        ];
+        if !self.has_thickness {
+            notes.push(
+                "the lengths of the sample have no unit: the file says a thickness of 0".to_owned(),
+            );
+        }
+        notes
+    }
+
+    pub(super) fn into_bytes(self) -> Vec<u8> {
+        let mut text = self.text;
+        text.push_str("</Layer>\n</Optical>\n</WindowElement>\n");
+        text.into_bytes()
+    }
+}
+
+/// The file up to its data.
+const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<WindowElement xmlns="http://windows.lbl.gov" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="http://windows.lbl.gov/BSDF-v1.4.xsd">
+<WindowElementType>System</WindowElementType>
+<FileType>BSDF</FileType>
+<Optical>
+<Layer>
+<Material>
+<Name>asperity</Name>
+<Manufacturer>asperity</Manufacturer>
+<Thickness unit="Meter">THICKNESS</Thickness>
+<DeviceType>Other</DeviceType>
+</Material>
+<DataDefinition>
+<IncidentDataStructure>STRUCTURE</IncidentDataStructure>
+DEFINITION</DataDefinition>
+"#;
