@@ -170,17 +170,24 @@ def test_radiance_takes_a_tensor_tree_without_a_direction(tmp_path):
 def long_slopes(folder):
     """A slab whose upper face has slopes that face -x, so that no two azimuths are alike."""
     np.save(folder / "saw.npy", np.tile(0.15 * (np.arange(32) % 8), (32, 1)))
-    return "gonio --surface saw.npy --spacing 1 --eta 1.5 --thickness 1000 --rays 2e4 --no-plots --quiet -o out"
+    return "gonio --surface saw.npy --spacing 1 --eta 1.5 --thickness 1000 --no-plots --quiet -o out"
 
 
 def test_radiance_sends_light_of_a_tensor_tree_where_it_went(tmp_path):
-    asperity(tmp_path, f"{long_slopes(tmp_path)} --from both --theta 20,40,60 --phi 0:330:30")
+    asperity(tmp_path, f"{long_slopes(tmp_path)} --from both --theta 20,40,60 --phi 0:330:30 --rays 2e4")
     asperity(tmp_path, "export out --format tensor-tree -o saw.xml --quiet")
     assert "TensorTree4" in (tmp_path / "saw.xml").read_text()
     # Half a cell of light is 1/32 of the sine, and reflectance changes by 0.4 from 40 to 60 degrees
     check_light_of_all_functions(tmp_path, "saw.xml", [(40, 0), (40, 120), (40, 270)], (0.06, 0.08))
     checked = check_bsdf(tmp_path, "saw.xml")
     assert "Type: Anisotropic_Tensor_Tree" in checked, checked
+
+
+def test_radiance_sends_light_of_all_patches_where_it_went(tmp_path):
+    asperity(tmp_path, f"{long_slopes(tmp_path)} --for klems --bins 18x36 --rays 2e3")
+    asperity(tmp_path, "export out --format klems -o saw.xml --quiet")
+    # A patch has about a hundred points, of which its border leaves out some; half a patch is up to 0.1 wide
+    check_light_of_all_functions(tmp_path, "saw.xml", [(40, 0), (40, 120), (30, 270)], (0.05, 0.1))
 
 
 def direction(theta, phi):

@@ -220,6 +220,79 @@ fn a_tensor_tree_of_a_sample_with_a_direction_sends_light_where_it_went() {
     }
 }
 
+/// Patches of the full Klems basis: centre of their polar and azimuth angles, radians, and projected solid angle.
+fn patches() -> Vec<([f64; 2], f64)> {
+    let rings = [
+        (5.0, 1),
+        (15.0, 8),
+        (25.0, 16),
+        (35.0, 20),
+        (45.0, 24),
+        (55.0, 24),
+        (65.0, 24),
+        (75.0, 16),
+        (90.0, 12),
+    ];
+    let mut lower: f64 = 0.0;
+    let mut all = Vec::new();
+    for (upper, count) in rings {
+        let [a, b] = [lower, upper].map(|angle: f64| angle.to_radians().sin().powi(2));
+        let theta = (0.5 * (a + b)).sqrt().asin();
+        let width = 2.0 * PI / f64::from(count);
+        all.extend((0..count).map(|k| ([theta, width * f64::from(k)], 0.5 * (b - a) * width)));
+        lower = upper;
+    }
+    all[0].0 = [0.0, 0.0];
+    all
+}
+
+#[test]
+fn a_klems_matrix_of_a_sample_with_a_direction_has_the_light_of_every_patch() {
+    let folder = Folder::new();
+    long_slopes(&folder);
+    let line =
+        "gonio --surface saw.txt --spacing 1 --eta 1.5 --thickness 1000 --for klems --bins 18x36";
+    folder.succeed(format!("{line} --rays 2e3 --no-plots --quiet -o g"));
+    let text = folder.succeed("export g --format klems -o g.xml");
+    unwrapped(&text).must_contain("290 of 290 directions");
+    let xml = folder.text("g.xml");
+    let gonio = Table::read(&folder.join("g/gonio.csv"));
+    let bsdf = Table::read(&folder.join("g/bsdf.csv"));
+    let patches = patches();
+    for (setting, from) in ["Back", "Front"].into_iter().enumerate() {
+        for (kind, side) in [("Transmission", "transmitted"), ("Reflection", "reflected")] {
+            let numbers = data(&xml, &format!("{kind} {from}")).split(',');
+            let matrix: Vec<f64> = numbers.filter_map(|one| one.trim().parse().ok()).collect();
+            assert_eq!(matrix.len(), 145 * 145);
+            for (column, (incident, _)) in patches.iter().enumerate().step_by(9) {
+                let light = Light::of(patches.iter().enumerate().map(|(row, (angles, area))| {
+                    let [sin, phi] = [angles[0].sin(), angles[1]];
+                    let flux = matrix[row * 145 + column] * area;
+                    ([sin * phi.cos(), sin * phi.sin()], flux)
+                }));
+                // A column is named by the direction in which light travels
+                let towards = (incident[1].to_degrees() + 180.0) % 360.0;
+                let wanted = (0..gonio.rows.len()).skip(145 * setting).take(145);
+                let mut wanted = wanted.filter(|&row| {
+                    let angle = |name| gonio.number(row, name);
+                    let ring = angle("theta_i_deg").to_radians() - incident[0];
+                    let turned = (angle("phi_i_deg") - towards).abs();
+                    ring.abs() < 0.06 && (incident[0] == 0.0 || turned < 1e-6)
+                });
+                let row = wanted.next().unwrap();
+                assert!(wanted.next().is_none());
+                let angles = ["theta_i_deg", "phi_i_deg"].map(|name| gonio.number(row, name));
+                let measured = Light::measured(&bsdf, setting, side, angles);
+                let what = format!("{side} {from} {angles:?}: {light:?} {measured:?}");
+                let flux = gonio.number(row, side);
+                assert!((light.flux - flux).abs() < 1e-3, "{what}");
+                // Half a patch is up to 0.1 wide
+                assert!(light.distance(&measured) < 0.1, "{what}");
+            }
+        }
+    }
+}
+
 #[test]
 fn results_that_a_tensor_tree_cannot_hold_are_refused() {
     let folder = Folder::new();

@@ -51,4 +51,4 @@ pub use polarisation::{
     FacetMueller, Mueller, PolarisedFresnel, Stokes, Turn, incidence_axis, polarised_conductor,
     polarised_dielectric, reference_axes,
 };
-pub use spread::{KLEMS, Spread, SpreadError};
+pub use spread::{KLEMS, Spread, SpreadError, klems_centres};

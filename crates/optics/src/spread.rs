@@ -91,6 +91,29 @@ pub const KLEMS: [(f64, f64); 9] = [
     (90.0, 12.0),
 ];
 
+/// Centres of the patches of the full Klems basis, polar angle and azimuth in degrees, ring by ring: 145.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::klems_centres;
+///
+/// let centres: Vec<[f64; 2]> = klems_centres().collect();
+/// assert_eq!(centres.len(), 145);
+/// assert_eq!(centres[..3], [[0.0, 0.0], [10.0, 0.0], [10.0, 45.0]]);
+/// ```
+pub fn klems_centres() -> impl Iterator<Item = [f64; 2]> {
+    let lower = std::iter::once(0.0).chain(KLEMS.map(|(upper, _)| upper));
+    lower.zip(KLEMS).flat_map(|(lower, (upper, count))| {
+        // The first patch is about the normal
+        let theta = if lower == 0.0 {
+            0.0
+        } else {
+            0.5 * (lower + upper)
+        };
+        (0..count as usize).map(move |k| [theta, k as f64 * 360.0 / count])
+    })
+}
+
 impl Spread {
     /// A cone of `half_angle` degrees about the direction of `incidence`.
     ///

@@ -115,6 +115,9 @@ pub struct LightConfig {
     /// Direction towards the sun on a given surface, in place of `theta` and `phi`.
     #[serde(flatten)]
     pub sun: SunConfig,
+    /// Leaves out pairs of `theta` and `phi` that are not centres of patches of the full Klems basis.
+    #[serde(skip)]
+    pub centres_alone: bool,
 }
 
 impl LightConfig {

@@ -32,7 +32,7 @@ use crate::settings::Document;
 use crate::study::{Findings, Study, finished, tracing};
 use crate::verify::plan::Plan;
 
-pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
+pub use config::{GonioConfig, GonioLight, GonioOutput, LightDirections, PatchBasis, PlotScale};
 pub use sample::Sample;
 
 /// BRDF and BTDF of random or given surfaces, direction by direction.
@@ -67,7 +67,7 @@ impl GonioStudy {
     /// # Errors
     /// [`StudyError`] if the angles make no sense.
     pub fn judge<'a>(&'a self, found: &'a ResultSet<'_>) -> Result<GonioOutcome<'a>, StudyError> {
-        let [thetas, phis] = self.config.light.angles()?;
+        let [thetas, phis] = self.config.angles()?;
         Ok(GonioOutcome {
             config: &self.config,
             sample: self.sample.as_ref(),
@@ -75,6 +75,7 @@ impl GonioStudy {
             found,
             thetas,
             phis,
+            pairs: self.config.pairs()?,
         })
     }
 }

@@ -74,7 +74,8 @@ pub use given::{
     ReadHeightMap,
 };
 pub use gonio::{
-    Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, PlotScale, Sample,
+    Direction, GonioConfig, GonioLight, GonioOutcome, GonioOutput, GonioStudy, LightDirections,
+    PatchBasis, PlotScale, Sample,
 };
 pub use inspect::{
     InspectConfig, InspectLight, InspectReport, Inspection, Statistics, inspection_files,

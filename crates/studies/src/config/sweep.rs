@@ -3,7 +3,7 @@
 //! [`DIMENSIONS`] names the lists in their order of nesting: the last one changes fastest. A further dimension is a
 //! further row there.
 
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, klems_centres};
 use asperity_simulate::{Case, Coordinates, Light, SurfaceSource};
 use serde_json::{Value, json};
 
@@ -136,7 +136,16 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
-        expanded_by_side(self, lit_sample, &DIMENSIONS)
+        let mut singles = expanded_by_side(self, lit_sample, &DIMENSIONS)?;
+        if self.light.centres_alone {
+            let is_centre = |light: &LightConfig| {
+                let direction = [light.theta.first(), light.phi.first()];
+                klems_centres()
+                    .any(|[theta, phi]| direction == [Some(Number(theta)), Some(Number(phi))])
+            };
+            singles.retain(|single| is_centre(&single.light));
+        }
+        Ok(singles)
     }
 
     /// The settings that the results of all cases depend on, without those that are listed: a case has its own. `measured`: the given

@@ -32,7 +32,7 @@ const fn block(from: HalfSpace, side: Side) -> Block {
 
 impl Block {
     /// Outcomes of light from its half space, with their weights.
-    pub(super) fn lit<'a, 'b>(&self, weighted: &'b [Weighted<'a>]) -> Vec<Weighted<'a>> {
+    pub(super) fn lit<'a>(&self, weighted: &[Weighted<'a>]) -> Vec<Weighted<'a>> {
         let is_lit = |(outcome, _): &&Weighted| outcome.case.light.from == self.from;
         weighted.iter().filter(is_lit).copied().collect()
     }

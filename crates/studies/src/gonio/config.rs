@@ -1,6 +1,6 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, klems_centres};
 use asperity_results::Header;
 use asperity_simulate::{check_memory, check_results};
 use asperity_tally::HemisphereGrid;
@@ -21,6 +21,24 @@ use crate::settings::spread_text::SpreadText;
 use crate::settings::{Command, Document, defaults};
 use crate::verify::plan::Plan;
 
+/// Parts of a hemisphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum LightDirections {
+    /// Patches of the full Klems basis.
+    Named(PatchBasis),
+    /// Bins, `THETAxPHI`.
+    Grid(HemisphereGrid),
+}
+
+/// Basis of patches by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PatchBasis {
+    /// The full Klems basis.
+    Klems,
+}
+
 /// `[light]`: the directions that light comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GonioLight {
@@ -30,9 +48,9 @@ pub struct GonioLight {
     /// Azimuth of the direction towards the light, degrees, one or several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phi: Option<OneOrMany<Number>>,
-    /// The centres of the bins of a hemisphere, `THETAxPHI`, instead of `theta` and `phi`.
+    /// Centres of the parts of a hemisphere, instead of `theta` and `phi`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub directions: Option<HemisphereGrid>,
+    pub directions: Option<LightDirections>,
     /// Random or fixed azimuth; random by default where surfaces are drawn and isotropic.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth: Option<Azimuth>,
@@ -65,7 +83,12 @@ impl GonioLight {
         Some(self.wavelength.as_ref()?.first()?.0)
     }
 
-    /// Polar angles and azimuths, degrees; every pair is a direction.
+    /// Returns `true` if light comes from patches of the full Klems basis.
+    fn is_of_patches(&self) -> bool {
+        matches!(self.directions, Some(LightDirections::Named(_)))
+    }
+
+    /// Polar angles and azimuths, degrees; every pair is a direction, of patches every pair that is the centre of one.
     ///
     /// # Errors
     /// [`ConfigError`] if a list is empty, holds a value twice, or an angle is out of range.
@@ -78,7 +101,16 @@ impl GonioLight {
             Ok::<Vec<f64>, ConfigError>(numbers.collect())
         };
         let [thetas, phis] = match &self.directions {
-            Some(grid) => {
+            Some(LightDirections::Named(PatchBasis::Klems)) => {
+                let all = |axis: usize| {
+                    let mut angles: Vec<f64> = klems_centres().map(|one| one[axis]).collect();
+                    angles.sort_by(f64::total_cmp);
+                    angles.dedup();
+                    angles
+                };
+                [all(0), all(1)]
+            }
+            Some(LightDirections::Grid(grid)) => {
                 let centres = |n: usize, span: f64| {
                     (0..n)
                         .map(|i| span * (i as f64 + 0.5) / n as f64)
@@ -172,10 +204,47 @@ impl GonioConfig {
         verification.is_ok_and(|config| config.any_azimuth())
     }
 
+    /// Polar angles and azimuths of the light, degrees. Of patches one azimuth stands for all where it is random.
+    ///
+    /// # Errors
+    /// [`ConfigError`] as of [`GonioLight::angles`].
+    pub(super) fn angles(&self) -> Result<[Vec<f64>; 2], ConfigError> {
+        let [thetas, phis] = self.light.angles()?;
+        let is_random = self
+            .azimuth()
+            .map_or(self.surface.is_isotropic(), |one| one == Azimuth::Random);
+        Ok(match self.light.is_of_patches() && is_random {
+            true => [thetas, vec![0.0]],
+            false => [thetas, phis],
+        })
+    }
+
+    /// Numbers of the polar angle and of the azimuth of each direction.
+    ///
+    /// # Errors
+    /// [`ConfigError`] as of [`GonioLight::angles`].
+    pub(super) fn pairs(&self) -> Result<Vec<[usize; 2]>, ConfigError> {
+        let [thetas, phis] = self.angles()?;
+        let all = (0..thetas.len()).flat_map(|theta| (0..phis.len()).map(move |phi| [theta, phi]));
+        let is_lit = |&[theta, phi]: &[usize; 2]| {
+            !self.light.is_of_patches()
+                || klems_centres().any(|centre| centre == [thetas[theta], phis[phi]])
+        };
+        Ok(all.filter(is_lit).collect())
+    }
+
+    /// Results on a given surface hold for one azimuth.
+    fn azimuth(&self) -> Option<Azimuth> {
+        match self.measured.is_given() {
+            true => self.light.azimuth.or(Some(Azimuth::Fixed)),
+            false => self.light.azimuth,
+        }
+    }
+
     /// The verification of all settings and directions, without models.
     fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
         let numbers = |list: Vec<f64>| OneOrMany::Many(list.into_iter().map(Number).collect());
-        let [theta, phi] = self.light.angles()?.map(numbers);
+        let [theta, phi] = self.angles()?.map(numbers);
         Ok(VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
@@ -183,16 +252,13 @@ impl GonioConfig {
             light: LightConfig {
                 theta,
                 phi,
-                // Results on a given surface hold for one azimuth.
-                azimuth: match self.measured.is_given() {
-                    true => self.light.azimuth.or(Some(Azimuth::Fixed)),
-                    false => self.light.azimuth,
-                },
+                azimuth: self.azimuth(),
                 from: self.light.from,
                 spread: self.light.spread,
                 wavelength: self.light.wavelength.clone(),
                 stokes: self.light.stokes.clone(),
                 sun: SunConfig::default(),
+                centres_alone: self.light.is_of_patches(),
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),

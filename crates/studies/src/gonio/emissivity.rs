@@ -86,11 +86,11 @@ fn hemisphere_weights(angles: &[f64], middle: fn(f64, f64) -> f64) -> Vec<f64> {
 
 /// The emissivity by polar angle; `None` where a direction is missing or the body is not opaque.
 fn by_theta(outcome: &GonioOutcome<'_>, setting: usize) -> Option<Vec<(f64, Estimate)>> {
-    let phis = outcome.phis.len();
     let of_theta = |theta: usize| {
-        let directions = (0..phis).map(|phi| outcome.direction(setting, theta, phi).outcome);
-        let found = directions.map(|found| emissivity(found?));
+        let found = outcome.ring(setting, theta);
+        let found = found.map(|direction| emissivity(direction.outcome?));
         let found = found.collect::<Option<Vec<Estimate>>>()?;
+        let phis = found.len();
         let mean = weighted_sum(found.into_iter().map(|one| (1.0 / phis as f64, one)));
         Some((outcome.thetas[theta], mean))
     };

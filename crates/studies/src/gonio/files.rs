@@ -64,7 +64,7 @@ impl GonioConfig {
             Ok(0)
         });
         if self.output.plots {
-            let [thetas, _] = self.light.angles()?;
+            let [thetas, _] = self.angles()?;
             let names = figures::names(&plan.settings.tally, &thetas);
             let names = names.iter().flat_map(|name| figure_files(name));
             let names = names.map(|file| format!("{PLOTS}{file}"));
@@ -111,16 +111,19 @@ fn write_arrays(outcome: &GonioOutcome, place: &Place<'_>) -> Result<(), ReportE
     let shape = [directions.as_slice(), &[rings, sectors]].concat();
     let all = shape.iter().product();
     let (mut means, mut errors) = (vec![f64::NAN; all], vec![f64::NAN; all]);
-    let (mut theta_edges, mut phi_edges) = (Vec::new(), Vec::new());
+    let sides = directions.iter().product::<usize>();
+    let mut theta_edges = vec![f64::NAN; sides * (rings + 1)];
+    let mut phi_edges = vec![f64::NAN; sides * (sectors + 1)];
     for (number, direction) in outcome.directions().enumerate() {
+        let number = outcome.place(number);
         let grid = direction.spec.grid();
         for side in Side::BOTH {
-            let padded = |mut edges: Vec<f64>, count: usize| {
-                edges.resize(count + 1, f64::NAN);
-                edges
+            let place = number * Side::BOTH.len() + side.index();
+            let fill = |all: &mut [f64], count: usize, edges: &[f64]| {
+                all[place * (count + 1)..][..edges.len()].copy_from_slice(edges);
             };
-            theta_edges.extend(padded(grid.theta_edges_deg(side), rings));
-            phi_edges.extend(padded(grid.phi_edges_deg(side), sectors));
+            fill(&mut theta_edges, rings, &grid.theta_edges_deg(side));
+            fill(&mut phi_edges, sectors, &grid.phi_edges_deg(side));
         }
         for bin in 0..grid.len() {
             let Some(bsdf) = direction.bsdf(bin) else {

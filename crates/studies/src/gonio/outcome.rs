@@ -100,6 +100,8 @@ pub struct GonioOutcome<'a> {
     pub thetas: Vec<f64>,
     /// Azimuths of the light, degrees.
     pub phis: Vec<f64>,
+    /// Numbers of the polar angle and of the azimuth of the directions of a setting.
+    pub(super) pairs: Vec<[usize; 2]>,
 }
 
 impl<'a> GonioOutcome<'a> {
@@ -167,8 +169,22 @@ impl<'a> GonioOutcome<'a> {
         })
     }
 
-    pub(super) fn per_setting(&self) -> usize {
-        self.thetas.len() * self.phis.len()
+    pub(super) const fn per_setting(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Place of a direction among all settings, polar angles and azimuths, measured or not.
+    pub(super) fn place(&self, number: usize) -> usize {
+        let [theta, phi] = self.pairs[number % self.per_setting()];
+        let setting = number / self.per_setting();
+        (setting * self.thetas.len() + theta) * self.phis.len() + phi
+    }
+
+    /// The directions of a setting and polar angle.
+    pub(super) fn ring(&self, setting: usize, theta: usize) -> impl Iterator<Item = Direction<'a>> {
+        let pairs = self.pairs.iter().enumerate();
+        let of_ring = pairs.filter(move |(_, pair)| pair[0] == theta);
+        of_ring.map(move |(number, _)| self.numbered(setting * self.per_setting() + number))
     }
 
     /// A case of each setting.
@@ -190,8 +206,9 @@ impl<'a> GonioOutcome<'a> {
         }
     }
 
-    /// The direction of a setting, polar angle and azimuth, each by number.
+    /// The direction of a setting, polar angle and azimuth, each by number; the first azimuth is one of every polar angle.
     pub(super) fn direction(&self, setting: usize, theta: usize, phi: usize) -> Direction<'a> {
-        self.numbered((setting * self.thetas.len() + theta) * self.phis.len() + phi)
+        let number = self.pairs.iter().position(|pair| *pair == [theta, phi]);
+        self.numbered(setting * self.per_setting() + number.unwrap_or(0))
     }
 }

@@ -8,11 +8,10 @@ const PRESETS: [(&str, &[(&str, &str)]); 8] = [
     (
         "klems",
         &[
-            ("theta", "0,10,20,30,40,50,60,70,82.5"),
+            ("directions", "klems"),
             ("from", "both"),
             ("light-spread", "klems"),
             ("bins", "36x72"),
-            (AZIMUTH, "random"),
         ],
     ),
     ("rgl", &[("theta", DENSE), (AZIMUTH, "random")]),
@@ -53,6 +52,7 @@ pub(super) fn flags_for(
     let has_directions = gives(&["light.directions"]) || gives(&sun);
     let is_free = |flag: &str| match flag {
         "theta" => !has_directions,
+        "directions" => !has_directions && !gives(&["light.theta", "light.phi"]),
         AZIMUTH => has_given_surface && !has_directions && !gives(&["light.phi"]),
         _ => true,
     };

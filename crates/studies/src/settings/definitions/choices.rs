@@ -118,6 +118,11 @@ pub(super) const FOR_FORMAT: Kind = Kind::Choice(&[
     choice("ssdd", "polar angles of the light from 0 to 80 degrees"),
 ]);
 
+pub(super) const DIRECTIONS: Kind = Kind::GridOrChoice(&[choice(
+    "klems",
+    "patches of the full Klems basis, one per ring if the azimuth is random",
+)]);
+
 pub(super) const EXPORTED_SIDE: Kind = Kind::Choice(&[
     choice("reflected", "reflected light"),
     choice("transmitted", "transmitted light"),

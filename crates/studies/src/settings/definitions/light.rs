@@ -2,7 +2,7 @@
 
 use asperity_surface::LengthUnit;
 
-use super::choices::{AZIMUTH, FROM, FROM_EITHER};
+use super::choices::{AZIMUTH, DIRECTIONS, FROM, FROM_EITHER};
 use super::commands::{
     ALBEDO, ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MAP, MODEL, RENDER, SWEEPS, TRACE,
     TRACING, VERIFY,
@@ -58,10 +58,10 @@ pub(super) const LIGHT: &[Setting] = &table(
             .unit(DEGREES)
             .arity(Arity::ListIn(GONIO.and(MODEL)))
             .default("0"),
-        setting("directions", Kind::Grid)
-            .help("Centres of the bins of a hemisphere, in place of theta and phi")
+        setting("directions", DIRECTIONS)
+            .help("Centres of parts of a hemisphere, in place of theta and phi")
             .commands(GONIO)
-            .value_name("THETAxPHI"),
+            .value_name("klems|THETAxPHI"),
         SUN_ELEVATION
             .commands(TRACE.and(GONIO))
             .arity(Arity::ListIn(GONIO)),
