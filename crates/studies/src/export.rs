@@ -89,6 +89,20 @@ impl ExportFormat {
         }
     }
 
+    /// The subject of sentences on what the format needs.
+    const fn in_words(self) -> &'static str {
+        match self {
+            Self::Netcdf => "a NetCDF file",
+            Self::Klems => "a Klems file",
+            Self::TensorTree => "a tensor tree",
+            Self::Rgl | Self::RglRgb => "a .bsdf file",
+            Self::Pbsdf => "a .pbsdf file",
+            Self::Zemax => "a Zemax file",
+            Self::Fit => "a fit",
+            Self::Ssdd => "an SSDD file",
+        }
+    }
+
     const fn ending(self) -> &'static str {
         match self {
             Self::Netcdf => "nc",
@@ -132,16 +146,20 @@ impl ExportConfig {
         }
         let measurement = Measurement::read(path)?;
         let contents = match format {
-            ExportFormat::Netcdf => netcdf::contents(&measurement)?,
-            ExportFormat::Klems => klems::contents(&measurement)?,
-            ExportFormat::TensorTree => tensor_tree::contents(&measurement)?,
-            ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra)?,
-            ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb)?,
-            ExportFormat::Pbsdf => pbsdf::contents(&measurement)?,
-            ExportFormat::Zemax => zemax::contents(&measurement, *side)?,
-            ExportFormat::Fit => fit::contents(&measurement)?,
-            ExportFormat::Ssdd => ssdd::contents(&measurement)?,
+            ExportFormat::Netcdf => netcdf::contents(&measurement),
+            ExportFormat::Klems => klems::contents(&measurement),
+            ExportFormat::TensorTree => tensor_tree::contents(&measurement),
+            ExportFormat::Rgl => rgl::contents(&measurement, Channels::Spectra),
+            ExportFormat::RglRgb => rgl::contents(&measurement, Channels::Rgb),
+            ExportFormat::Pbsdf => pbsdf::contents(&measurement),
+            ExportFormat::Zemax => zemax::contents(&measurement, *side),
+            ExportFormat::Fit => fit::contents(&measurement),
+            ExportFormat::Ssdd => ssdd::contents(&measurement),
         };
+        let contents = contents.map_err(|reason| ExportError::Unfit {
+            format: format.in_words(),
+            reason,
+        })?;
         Ok(Exported {
             format: *format,
             contents,

@@ -46,9 +46,6 @@ pub enum ExportError {
         /// What it needs, and how to get it.
         reason: String,
     },
-    /// The file cannot be made.
-    #[error("the file cannot be made: {0}")]
-    Unwritable(String),
 }
 
 impl ExportError {

@@ -20,7 +20,6 @@ use self::points::{Point, points};
 use super::axes::Axes;
 use super::contents::{Agreement, Contents};
 use super::directions::check_light;
-use super::error::ExportError;
 use super::measurement::Measurement;
 
 /// Fewest bins that a law is fitted to.
@@ -34,16 +33,9 @@ const NEAREST: usize = 6;
 
 const CONVENTIONS: &str = "beta: direction in which light leaves, as a unit vector projected onto the mean plane; beta0: the same of the specular direction, of transmitted light of the refracted one. alpha: roughness of microfacets, sqrt(2) times the deviation of slopes per axis of Gaussian ones. rms_in_standard_errors: root mean square of the differences over the standard errors. relative_deviation: sum of the absolute differences of flux over that of the fluxes. standard_errors: by the scatter about the law, as if bins were independent";
 
-fn unfit(reason: &str) -> ExportError {
-    ExportError::Unfit {
-        format: "a fit",
-        reason: reason.to_owned(),
-    }
-}
-
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     let cases = &measurement.cases;
-    check_light(cases).map_err(|reason| unfit(&reason))?;
+    check_light(cases)?;
     let axes = Axes::of(cases);
     let directions = axes.axes.iter().rev().take(2);
     let directions: usize = directions.map(|axis| axis.values.len()).product();
@@ -131,9 +123,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         }
     }
     if fits.is_empty() {
-        return Err(unfit(
-            "needs more light: no side has ten bins with a standard error below 30 %; measure with more rays",
-        ));
+        return Err("needs more light: no side has ten bins with a standard error below 30 %; measure with more rays".to_owned());
     }
     let more = nearest.len().saturating_sub(NEAREST);
     nearest.truncate(NEAREST);

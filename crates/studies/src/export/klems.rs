@@ -10,7 +10,6 @@ use asperity_simulate::Outcome;
 use asperity_tally::Side;
 
 use super::contents::{Agreement, Contents};
-use super::error::ExportError;
 use super::measurement::Measurement;
 use super::ranges::Range;
 use super::window_element::{
@@ -60,20 +59,12 @@ fn patches() -> impl Iterator<Item = Patch> {
     })
 }
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "a Klems file",
-        reason,
-    }
-}
-
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     let outcomes: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
     for outcome in &outcomes {
         check(outcome)?;
     }
-    let weighted = visible(&outcomes).map_err(unfit)?;
+    let weighted = visible(&outcomes)?;
     let per_patch = wavelengths(&outcomes).len().max(1);
     let bands: &[&str] = match per_patch {
         1 => &["Visible", "Solar"],
@@ -85,7 +76,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         let columns = Columns::of(block, &weighted, per_patch)?;
         let matrix = columns.matrix(block.side);
         agreement.extend(columns.agreement(block.side, &matrix));
-        Ok::<String, ExportError>(text_of(&matrix))
+        Ok::<String, String>(text_of(&matrix))
     });
     for (block, matrix) in BLOCKS.into_iter().zip(matrices) {
         let matrix = matrix?;
@@ -129,14 +120,14 @@ fn definition() -> String {
 }
 
 /// Checks that a case is a slab whose patches of light are those of the basis.
-fn check(outcome: &Outcome) -> Result<(), ExportError> {
-    check_slab(outcome).map_err(unfit)?;
+fn check(outcome: &Outcome) -> Result<(), String> {
+    check_slab(outcome)?;
     let light = &outcome.case.light;
     let patch = Spread::klems(light.incidence).ok();
     if patch.is_none() || light.spread != patch {
-        return Err(unfit(
-            "needs patches that are lit as a whole: measure with gonio --for klems",
-        ));
+        return Err(
+            "needs patches that are lit as a whole: measure with gonio --for klems".to_owned(),
+        );
     }
     Ok(())
 }
@@ -145,7 +136,7 @@ fn check(outcome: &Outcome) -> Result<(), ExportError> {
 struct Columns<'a>(Vec<Vec<Weighted<'a>>>);
 
 impl<'a> Columns<'a> {
-    fn of(block: Block, weighted: &[Weighted<'a>], per_patch: usize) -> Result<Self, ExportError> {
+    fn of(block: Block, weighted: &[Weighted<'a>], per_patch: usize) -> Result<Self, String> {
         let lit = block.lit(weighted);
         let columns = patches().map(|patch| {
             let [lower, upper] = patch.range.theta_deg;
@@ -158,15 +149,13 @@ impl<'a> Columns<'a> {
             };
             let found: Vec<Weighted> = lit.iter().filter(is_of_patch).copied().collect();
             if found.len() > per_patch {
-                return Err(unfit(
-                    "describes one sample, and there are results of several: measure one at a time",
-                ));
+                return Err("describes one sample, and there are results of several: measure one at a time".to_owned());
             }
             if found.len() < per_patch {
-                return Err(unfit(format!(
+                return Err(format!(
                     "needs light from {} between {lower} and {upper} degrees at the azimuth {}: measure with gonio --for klems",
                     from_where(block.from), patch.light_deg()
-                )));
+                ));
             }
             Ok(found)
         });

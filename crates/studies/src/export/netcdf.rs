@@ -10,14 +10,13 @@ use serde_json::Value;
 
 use super::axes::{Axes, Axis};
 use super::contents::{Agreement, Contents};
-use super::error::ExportError;
 use super::measurement::Measurement;
 use super::ranges::{Range, edges_from_normal, regular};
 
 /// What angles and sides mean.
 const CONVENTIONS: &str = "theta_i, phi_i: direction towards the light, from the normal of the lit side, and azimuth. side: on which light leaves, reflected on that of the light. theta_o: from the normal of that side; phi_o: azimuth of the direction in which light leaves. bsdf: mean over the bin. Light is unpolarised unless the configuration says otherwise";
 
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     let cases = &measurement.cases;
     let grid_of = |outcome: &Outcome| outcome.statistics.spec().grid();
     let first = grid_of(&cases[0].outcome);
@@ -102,7 +101,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
     Ok(Contents {
         agreement: agreement.collect(),
         notes,
-        bytes: file.finish(measurement).map_err(ExportError::Unwritable)?,
+        bytes: file
+            .finish(measurement)
+            .map_err(|reason| format!("cannot be made: {reason}"))?,
     })
 }
 

@@ -20,7 +20,6 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::contents::{Agreement, Contents};
 use super::directions::{Directions, of_one_sample};
-use super::error::ExportError;
 use super::half_vectors::{half_vector, integral, mirrored};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
@@ -42,28 +41,18 @@ const MIRROR: DVec4 = DVec4::new(1.0, 1.0, -1.0, -1.0);
 /// Signs of Stokes components in Mitsuba.
 const MITSUBA: DVec4 = DVec4::new(1.0, 1.0, 1.0, -1.0);
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "a .pbsdf file",
-        reason,
-    }
-}
-
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
-    let outcomes = of_one_sample(measurement).map_err(unfit)?;
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
+    let outcomes = of_one_sample(measurement)?;
     outcomes.iter().try_for_each(|outcome| check(outcome))?;
-    let directions = Directions::of(&outcomes).map_err(unfit)?;
+    let directions = Directions::of(&outcomes)?;
     let angles = directions.theta_deg.len();
     if angles < 2 {
-        return Err(unfit(
-            "needs light from several polar angles: measure with gonio --for pbsdf",
-        ));
+        return Err(
+            "needs light from several polar angles: measure with gonio --for pbsdf".to_owned(),
+        );
     }
     if directions.phi_deg.len() > 1 {
-        return Err(unfit(
-            "holds isotropic samples: measure with one azimuth, or the mean over azimuths by --light-azimuth random",
-        ));
+        return Err("holds isotropic samples: measure with one azimuth, or the mean over azimuths by --light-azimuth random".to_owned());
     }
     let known: Option<Vec<f64>> = directions.wavelengths_nm.iter().copied().collect();
     let known = known.filter(|known| known.len() > 1);
@@ -71,9 +60,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         .as_ref()
         .is_some_and(|known| known.len() != WAVELENGTHS)
     {
-        return Err(unfit(format!(
+        return Err(format!(
             "holds one wavelength or {WAVELENGTHS}: measure with --wavelength 450:650:50nm"
-        )));
+        ));
     }
     let mut agreement = Vec::new();
     let mut tables = Vec::new();
@@ -83,7 +72,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         let levels = levels.map(|outcome| flux(outcome).mean / table.reflected(outcome));
         let levels: Vec<f64> = levels.collect();
         if !levels.iter().all(|level| level.is_finite()) {
-            return Err(unfit("holds reflected light, and none was measured"));
+            return Err("holds reflected light, and none was measured".to_owned());
         }
         table.scale(&levels);
         for outcome in outcomes {
@@ -120,23 +109,17 @@ fn flux(outcome: &Outcome) -> Estimate {
 }
 
 /// Checks that a case has Mueller matrices of reflection of light from above.
-fn check(outcome: &Outcome) -> Result<(), ExportError> {
+fn check(outcome: &Outcome) -> Result<(), String> {
     let spec = outcome.statistics.spec();
     if outcome.case.light.from != HalfSpace::Above {
-        return Err(unfit(
-            "holds reflection of light from above: measure with --from above",
-        ));
+        return Err("holds reflection of light from above: measure with --from above".to_owned());
     }
     if spec.polarimetry() != Polarimetry::Mueller {
-        return Err(unfit(
-            "holds Mueller matrices: measure with --polarisation mueller",
-        ));
+        return Err("holds Mueller matrices: measure with --polarisation mueller".to_owned());
     }
     match spec.records(Side::Reflected) {
         true => Ok(()),
-        false => Err(unfit(
-            "holds reflected light: measure with --side both or reflected",
-        )),
+        false => Err("holds reflected light: measure with --side both or reflected".to_owned()),
     }
 }
 

@@ -15,7 +15,6 @@ use asperity_tally::Side;
 
 use self::sample::{Sample, Slice};
 use super::contents::{Agreement, Contents};
-use super::error::ExportError;
 use super::half_vectors::{HalfVectors, integral};
 use super::measurement::Measurement;
 
@@ -40,19 +39,8 @@ pub(super) enum Channels {
     Rgb,
 }
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "a .bsdf file",
-        reason,
-    }
-}
-
-pub(super) fn contents(
-    measurement: &Measurement,
-    channels: Channels,
-) -> Result<Contents, ExportError> {
-    let sample = Sample::of(measurement).map_err(unfit)?;
+pub(super) fn contents(measurement: &Measurement, channels: Channels) -> Result<Contents, String> {
+    let sample = Sample::of(measurement)?;
     let planes = sample.planes(channels)?;
     let nodes = sample.nodes();
     let mut factors = [f64::INFINITY, 0.0];
@@ -68,7 +56,7 @@ pub(super) fn contents(
         slices.push((slice, values));
     }
     if factors[1] <= 0.0 {
-        return Err(unfit("holds reflected light, and none was measured"));
+        return Err("holds reflected light, and none was measured".to_owned());
     }
     let agreement = slices.iter().map(|(slice, values)| {
         let exported = integral(slice.light, 3 * parts(nodes) / 2, |point| values.at(point));
@@ -128,7 +116,7 @@ impl Sample<'_> {
     }
 
     /// Weights of wavelengths in each channel.
-    fn planes(&self, channels: Channels) -> Result<Vec<Vec<f64>>, ExportError> {
+    fn planes(&self, channels: Channels) -> Result<Vec<Vec<f64>>, String> {
         let wavelengths = self.wavelengths_nm();
         let count = wavelengths.len();
         Ok(match channels {
@@ -141,7 +129,7 @@ impl Sample<'_> {
             Channels::Rgb => {
                 let observer = ColourObserver::Cie1931;
                 let weights = colour_weights(&wavelengths, observer).ok_or_else(|| {
-                    unfit("in colour needs one wavelength, or those from 400 to 700 nm in steps of at most 20 nm")
+                    "in colour needs one wavelength, or those from 400 to 700 nm in steps of at most 20 nm".to_owned()
                 })?;
                 let rgb: Vec<[f64; 3]> = weights
                     .iter()

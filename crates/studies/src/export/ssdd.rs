@@ -14,20 +14,11 @@ use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, from_one_side, of_one_sample};
-use super::error::ExportError;
 use super::measurement::Measurement;
 use super::specular_table::{SpecularGrid, SpecularTable, specular_theta};
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "an SSDD file",
-        reason,
-    }
-}
-
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
-    let all = of_one_sample(measurement).map_err(unfit)?;
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
+    let all = of_one_sample(measurement)?;
     let outcomes = from_one_side(&all);
     let build = &measurement.header.build;
     let mut text = format!("VERSION 0.3\nSOFTWARE asperity-{}\n", build.version);
@@ -52,7 +43,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportErro
         if block.is_empty() {
             continue;
         }
-        let directions = Directions::of(&block).map_err(unfit)?;
+        let directions = Directions::of(&block)?;
         agreement.extend(write(&mut text, side, &directions));
         if block.len() < outcomes.len() {
             notes.push(format!(

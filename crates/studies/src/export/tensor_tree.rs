@@ -17,7 +17,6 @@ use glam::DVec2;
 
 use super::contents::{Agreement, Contents};
 use super::directions::{Directions, of_one_sample};
-use super::error::ExportError;
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
 use super::moved_lobes::{Mixed, MovedLobes};
@@ -57,20 +56,12 @@ const SPREAD: [f64; 2] = [0.2, 0.03];
 /// Parts of a cell, per axis of the directions in which light leaves.
 const PARTS: usize = 2;
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "a tensor tree",
-        reason,
-    }
-}
-
-pub(super) fn contents(measurement: &Measurement) -> Result<Contents, ExportError> {
-    let outcomes = of_one_sample(measurement).map_err(unfit)?;
+pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
+    let outcomes = of_one_sample(measurement)?;
     for outcome in &outcomes {
-        check_slab(outcome).map_err(unfit)?;
+        check_slab(outcome)?;
     }
-    let weighted = visible(&outcomes).map_err(unfit)?;
+    let weighted = visible(&outcomes)?;
     let functions = BLOCKS.map(|block| Function::of(block, &weighted));
     let functions = functions.into_iter().collect::<Result<Vec<_>, _>>()?;
     let resolution = match functions[0].is_isotropic() {
@@ -118,13 +109,13 @@ struct Function<'a> {
 }
 
 impl<'a> Function<'a> {
-    fn of(block: Block, weighted: &[Weighted<'a>]) -> Result<Self, ExportError> {
+    fn of(block: Block, weighted: &[Weighted<'a>]) -> Result<Self, String> {
         let lit = block.lit(weighted);
         let Some((first, _)) = lit.first() else {
-            return Err(unfit(format!(
+            return Err(format!(
                 "needs light from {}: measure with gonio --for tensor-tree",
                 from_where(block.from)
-            )));
+            ));
         };
         let wavelength = |one: &Outcome| one.case.at.wavelength_nm();
         let of_one: Vec<&Outcome> = lit.iter().map(|(outcome, _)| *outcome).collect();
@@ -132,16 +123,15 @@ impl<'a> Function<'a> {
             .into_iter()
             .filter(|one| wavelength(one) == wavelength(first))
             .collect();
-        let directions = Directions::of(&of_one).map_err(unfit)?;
+        let directions = Directions::of(&of_one)?;
         if directions.theta_deg.len() < 2 {
-            return Err(unfit(
-                "needs light from several polar angles: measure with gonio --for tensor-tree",
-            ));
+            return Err(
+                "needs light from several polar angles: measure with gonio --for tensor-tree"
+                    .to_owned(),
+            );
         }
         if !directions.are_symmetric() && directions.phi_deg.len() < 4 {
-            return Err(unfit(
-                "needs light from four azimuths or more, as by --phi 0:345:15, or from random ones, by --light-azimuth random",
-            ));
+            return Err("needs light from four azimuths or more, as by --phi 0:345:15, or from random ones, by --light-azimuth random".to_owned());
         }
         let band = |outcome: &&Outcome| {
             let light = &outcome.case.light;
@@ -150,9 +140,7 @@ impl<'a> Function<'a> {
         };
         let bands: Vec<Vec<Weighted>> = directions.outcomes.iter().map(band).collect();
         if bands.iter().any(|band| band.len() != bands[0].len()) {
-            return Err(unfit(
-                "needs the same directions of the light at all wavelengths",
-            ));
+            return Err("needs the same directions of the light at all wavelengths".to_owned());
         }
         Ok(Self {
             block,

@@ -15,23 +15,11 @@ use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, from_one_side, of_one_sample};
-use super::error::ExportError;
 use super::measurement::Measurement;
 use super::specular_table::{SpecularGrid, specular_theta};
 
-fn unfit(reason: impl Into<String>) -> ExportError {
-    let reason = reason.into();
-    ExportError::Unfit {
-        format: "a Zemax file",
-        reason,
-    }
-}
-
-pub(super) fn contents(
-    measurement: &Measurement,
-    side: Option<Side>,
-) -> Result<Contents, ExportError> {
-    let all = of_one_sample(measurement).map_err(unfit)?;
+pub(super) fn contents(measurement: &Measurement, side: Option<Side>) -> Result<Contents, String> {
+    let all = of_one_sample(measurement)?;
     let side = recorded(&all, side)?;
     let mut outcomes = from_one_side(&all);
     let from_other_side = all.len() - outcomes.len();
@@ -39,16 +27,15 @@ pub(super) fn contents(
     let lit = outcomes.len();
     outcomes.retain(|outcome| specular_theta(&outcome.case, side).is_some());
     if outcomes.is_empty() {
-        return Err(unfit(
-            "of transmitted light needs a direction in which a smooth sample transmits: this one is opaque, or reflects all light at these angles",
-        ));
+        return Err("of transmitted light needs a direction in which a smooth sample transmits: this one is opaque, or reflects all light at these angles".to_owned());
     }
     let beyond = lit - outcomes.len();
-    let directions = Directions::of(&outcomes).map_err(unfit)?;
+    let directions = Directions::of(&outcomes)?;
     let [wavelength_nm] = directions.wavelengths_nm[..] else {
-        return Err(unfit(
-            "is of one wavelength, and there are results of several: measure one at a time",
-        ));
+        return Err(
+            "is of one wavelength, and there are results of several: measure one at a time"
+                .to_owned(),
+        );
     };
     let incidences = &directions.outcomes[..directions.theta_deg.len()];
     let thetas: Vec<f64> = incidences
@@ -134,14 +121,15 @@ pub(super) fn contents(
 }
 
 /// The side that is written: the one that is given, otherwise reflected light where it is recorded.
-fn recorded(outcomes: &[&Outcome], side: Option<Side>) -> Result<Side, ExportError> {
+fn recorded(outcomes: &[&Outcome], side: Option<Side>) -> Result<Side, String> {
     let records = |side: Side| {
         let mut specs = outcomes.iter().map(|outcome| outcome.statistics.spec());
         specs.all(|spec| spec.records(side))
     };
     let wanted = side.map_or(Side::BOTH.to_vec(), |side| vec![side]);
     let found = wanted.into_iter().find(|side| records(*side));
-    found.ok_or_else(|| unfit("needs light of one side, and these results have not recorded it"))
+    found
+        .ok_or_else(|| "needs light of one side, and these results have not recorded it".to_owned())
 }
 
 fn notes(side: Side, from_other_side: usize, beyond: usize) -> Vec<String> {
