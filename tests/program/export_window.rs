@@ -39,7 +39,7 @@ impl Light {
         }
     }
 
-    /// What was measured of the direction `[polar angle, azimuth]` of the light, degrees; `setting` 0 is light from above, 1 from below.
+    /// Light that was measured from the direction `[polar angle, azimuth]` towards the source, degrees; `setting` 0 is light from above, 1 from below.
     fn measured(bsdf: &Table, setting: usize, side: &str, light: [f64; 2]) -> Self {
         let is_wanted = |&row: &usize| {
             let angles = ["theta_i_deg", "phi_i_deg"].map(|name| bsdf.number(row, name));

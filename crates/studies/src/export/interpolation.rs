@@ -1,8 +1,8 @@
 //! Interpolation: a BSDF without steps, from the bins in which light was counted.
 //!
-//! About an edge between two bins the value passes linearly from the mean of one to that of the other, over the half of the narrower bin on
-//! either side: between bins of equal widths that is linear interpolation between their centres. What a bin gives away its neighbour gains,
-//! so the integral over all directions stays the flux that was counted. The variables are `sin^2 theta`, in which projected solid angle is
+//! About an edge between two bins the value is interpolated linearly from the mean of one to that of the other, over the half of the narrower bin on
+//! either side: between bins of equal widths that is linear interpolation between their centres. The interpolation conserves flux:
+//! the integral over all directions is the flux that was counted. The variables are `sin^2 theta`, in which projected solid angle is
 //! uniform, and azimuth.
 
 use std::f64::consts::TAU;
@@ -123,7 +123,7 @@ impl<T: Mixed> Interpolated<T> {
     }
 }
 
-/// Part that the neighbour has at a distance from the edge between two bins.
+/// Interpolation weight of the neighbour at a distance from the edge between two bins.
 fn share_of(distance: f64, widths: [f64; 2]) -> f64 {
     let reach = 0.5 * widths[0].min(widths[1]);
     0.5 * (1.0 - distance / reach).max(0.0)

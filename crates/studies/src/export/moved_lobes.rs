@@ -1,8 +1,8 @@
 //! Moved lobes: the BSDF of a slab between the directions of light that were measured.
 //!
-//! The lobes of two directions of light are not mixed where they stand, which would give two lobes in between, but moved to where light of the new
-//! direction goes: projected onto the mean plane, by the difference of the directions of light. That is the way of mirrored light and, behind equal
-//! media, of light that goes straight on, and what the grating equation says of all other light. Weights are linear in the cosine of the polar angle
+//! Lobes are shifted in direction cosines to the new specular direction, then interpolated; interpolated where they stand, two directions of light
+//! would give two lobes in between. The shift is exact for mirrored light and, between equal media, for light that goes straight on; the grating
+//! equation requires it of all other light. Weights are linear in the cosine of the polar angle
 //! of the light and in its azimuth.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -20,7 +20,7 @@ pub(super) struct MovedLobes {
     theta: Vec<f64>,
     /// By azimuth and polar angle of the light.
     lobes: Vec<Lobe>,
-    /// Whether light comes from random azimuths: the lobes are those of light from the azimuth pi.
+    /// `true` if light comes from random azimuths: the lobes are then those of light from the azimuth pi.
     is_turned: bool,
 }
 

@@ -36,7 +36,7 @@ const PARTS: usize = 256;
 /// Least cosine that values are divided by.
 const LEAST_COSINE: f64 = 0.0175;
 
-/// Signs of what the mirror image about the plane of incidence has: those of U and V are opposite.
+/// Signs of Stokes components under reflection in the plane of incidence.
 const MIRROR: DVec4 = DVec4::new(1.0, 1.0, -1.0, -1.0);
 /// Signs of Stokes components in Mitsuba.
 const MITSUBA: DVec4 = DVec4::new(1.0, 1.0, 1.0, -1.0);
@@ -171,7 +171,7 @@ impl Slice {
         }
     }
 
-    /// Matrix of light that leaves along `leaving` where the light has azimuth zero, the mean with its mirror image; below the horizon that at it.
+    /// Matrix of light that leaves along `leaving` where the light has azimuth zero, the mean with its mirror image; below the horizon, the value at the horizon.
     fn matrix(&self, leaving: DVec3) -> DMat4 {
         let theta = polar_angle(leaving).min(FRAC_PI_2);
         let phi = azimuth(leaving);

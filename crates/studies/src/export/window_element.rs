@@ -52,7 +52,7 @@ pub(super) const fn from_where(from: HalfSpace) -> &'static str {
 /// Checks that the outcomes are of a slab between equal media, and of unpolarised light on both sides.
 ///
 /// # Errors
-/// What a file needs.
+/// A sentence on what a file needs.
 pub(super) fn check_slab(outcome: &Outcome) -> Result<(), String> {
     let case = &outcome.case;
     let slab = "describes a slab between equal media, as Radiance and WINDOW take it";
@@ -85,10 +85,10 @@ pub(super) fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
     all
 }
 
-/// Outcomes with their weights in the visible band: all alike if they have one wavelength, or none.
+/// Outcomes with their weights in the visible band: equal weights if they have one wavelength, or none.
 ///
 /// # Errors
-/// What a file needs.
+/// A sentence on what a file needs.
 pub(super) fn visible<'a>(outcomes: &[&'a Outcome]) -> Result<Vec<Weighted<'a>>, String> {
     let nm = wavelengths(outcomes);
     if nm.len() < 2 {

@@ -31,7 +31,7 @@ pub(super) struct Law {
     pub(super) starts: Vec<Vec<f64>>,
     /// `true` if bins count by the light that they hold.
     pub(super) by_flux: bool,
-    /// `false` where the fitted logarithms stand for no lobe of finite height and light.
+    /// `false` if the fitted logarithms give no finite peak or flux.
     pub(super) is_lobe: fn(&[f64]) -> bool,
     pub(super) of: FormulaOf,
 }
