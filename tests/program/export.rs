@@ -237,3 +237,48 @@ fn results_that_a_format_cannot_hold_are_refused() {
         .must_contain("nothing");
     assert!(!folder.join("g.nc").exists());
 }
+
+/// Glass that is clear up to 780 nm, and black from 800 nm on.
+#[test]
+fn the_solar_band_of_klems_weights_the_spectrum_by_sunlight() {
+    let folder = Folder::new();
+    let rows = [(300, 0.0), (780, 0.0), (800, 2e-3), (2500, 2e-3)];
+    let rows = rows.map(|(nm, k)| format!("{nm},1.5,{k}\n"));
+    folder.write(
+        "filter.csv",
+        format!("wavelength_nm,n,k\n{}", rows.concat()),
+    );
+    let line = "gonio --smoothness 20 --tau 16um --material filter.csv --thickness 1mm --for klems --bins 9x18";
+    let wavelengths = "--wavelength 350nm,400:780:20nm,800:2000:100nm";
+    let little = "--rays 200 --realisations 1 --no-plots --quiet";
+    folder.succeed(format!("{line} {wavelengths} {little} -o g"));
+    let text = unwrapped(&folder.succeed("export g --format klems -o g.xml"));
+    text.must_contain("ASTM G173-03");
+    let xml = folder.text("g.xml");
+    let transmitted = |band: &str| {
+        let of_band = xml.split("<WavelengthData>").find(|block| {
+            block.contains(&format!(">{band}<")) && block.contains("Transmission Back")
+        });
+        let data = of_band
+            .unwrap()
+            .split("<ScatteringData>")
+            .nth(1)
+            .unwrap()
+            .split('<')
+            .next()
+            .unwrap();
+        let first = data
+            .lines()
+            .map(|row| row.split(',').next().unwrap().trim().parse::<f64>());
+        first.map_while(Result::ok).sum::<f64>()
+    };
+    // 58.3 % of G173 from 300 to 2500 nm lie below 790 nm
+    let ratio = transmitted("Solar") / transmitted("Visible");
+    assert!((ratio - 0.583).abs() < 0.02, "{ratio}");
+
+    folder.succeed(format!(
+        "{line} --wavelength 400:700:20nm {little} -o visible"
+    ));
+    let text = unwrapped(&folder.succeed("export visible --format klems -o v.xml"));
+    text.must_contain("the Visible band alone");
+}

@@ -34,6 +34,7 @@ mod participating;
 mod phase;
 mod polarisation;
 mod spread;
+mod sunlight;
 
 pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
@@ -52,3 +53,4 @@ pub use polarisation::{
     polarised_dielectric, reference_axes,
 };
 pub use spread::{KLEMS, Spread, SpreadError, klems_centres};
+pub use sunlight::solar_weights;

@@ -13,8 +13,7 @@ use super::contents::{Agreement, Contents};
 use super::measurement::Measurement;
 use super::ranges::Range;
 use super::window_element::{
-    BLOCKS, Block, Weighted, WindowElement, check_slab, from_where, visible, wavelengths,
-    weighted_flux,
+    BLOCKS, Block, Weighted, WindowElement, check_slab, from_where, solar, visible, weighted_flux,
 };
 
 /// Patches of incidence.
@@ -64,34 +63,48 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     for outcome in &outcomes {
         check(outcome)?;
     }
-    let weighted = visible(&outcomes)?;
-    let per_patch = wavelengths(&outcomes).len().max(1);
-    let bands: &[&str] = match per_patch {
-        1 => &["Visible", "Solar"],
-        _ => &["Visible"],
+    let visible = visible(&outcomes)?;
+    let solar = solar(&outcomes);
+    let is_of_one = visible.len() == outcomes.len() && visible[0].1 == 1.0;
+    let (names, note): (&[&str], _) = match (is_of_one, &solar) {
+        (true, _) => (
+            &["Visible", "Solar"],
+            "the same values stand for both bands, Visible and Solar",
+        ),
+        (false, Some(_)) => (
+            &["Visible"],
+            "the Solar band is weighted by ASTM G173-03 from 300 to 2500 nm",
+        ),
+        (false, None) => (
+            &["Visible"],
+            "the Visible band alone: Solar needs wavelengths from 350 to 2000 nm in steps of at most 100 nm",
+        ),
     };
     let mut file = WindowElement::new(outcomes[0], "Columns", &definition());
     let mut agreement = Vec::new();
-    let matrices = BLOCKS.map(|block| {
-        let columns = Columns::of(block, &weighted, per_patch)?;
-        let matrix = columns.matrix(block.side);
-        agreement.extend(columns.agreement(block.side, &matrix));
-        Ok::<String, String>(text_of(&matrix))
-    });
-    for (block, matrix) in BLOCKS.into_iter().zip(matrices) {
-        let matrix = matrix?;
-        for band in bands {
-            file.add(band, block, BASES, &matrix);
+    let bands = [(names, Some(visible)), (&["Solar"], solar)];
+    for (names, weighted) in &bands {
+        let weighted = weighted
+            .iter()
+            .flatten()
+            .copied()
+            .collect::<Vec<Weighted>>();
+        if weighted.is_empty() {
+            continue;
+        }
+        for block in BLOCKS {
+            let columns = Columns::of(block, &weighted)?;
+            let matrix = columns.matrix(block.side);
+            if names[0] == "Visible" {
+                agreement.extend(columns.agreement(block.side, &matrix));
+            }
+            for band in *names {
+                file.add(band, block, BASES, &text_of(&matrix));
+            }
         }
     }
     let mut notes = file.notes();
-    notes.push(
-        match per_patch {
-            1 => "the same values stand for both bands, Visible and Solar",
-            _ => "the Visible band alone: solar weighting is not supported",
-        }
-        .to_owned(),
-    );
+    notes.push(note.to_owned());
     Ok(Contents {
         bytes: file.into_bytes(),
         agreement,
@@ -136,8 +149,15 @@ fn check(outcome: &Outcome) -> Result<(), String> {
 struct Columns<'a>(Vec<Vec<Weighted<'a>>>);
 
 impl<'a> Columns<'a> {
-    fn of(block: Block, weighted: &[Weighted<'a>], per_patch: usize) -> Result<Self, String> {
+    fn of(block: Block, weighted: &[Weighted<'a>]) -> Result<Self, String> {
         let lit = block.lit(weighted);
+        let mut wavelengths: Vec<Option<f64>> = weighted
+            .iter()
+            .map(|(one, _)| one.case.at.wavelength_nm())
+            .collect();
+        wavelengths.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        wavelengths.dedup();
+        let per_patch = wavelengths.len();
         let columns = patches().map(|patch| {
             let [lower, upper] = patch.range.theta_deg;
             let is_of_patch = |(outcome, _): &&Weighted| {

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use asperity_optics::{ColourObserver, Layer, colour_weights};
+use asperity_optics::{ColourObserver, Layer, colour_weights, solar_weights};
 use asperity_simulate::Outcome;
 use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Estimate, Side, TallyResult};
@@ -37,6 +37,9 @@ impl Block {
         weighted.iter().filter(is_lit).copied().collect()
     }
 }
+
+/// Wavelengths that count for the visible band, nm.
+const VISIBLE_NM: std::ops::RangeInclusive<f64> = 380.0..=780.0;
 
 /// An outcome, and its weight in a band.
 pub(super) type Weighted<'a> = (&'a Outcome, f64);
@@ -75,7 +78,7 @@ pub(super) fn check_slab(outcome: &Outcome) -> Result<(), String> {
 }
 
 /// Wavelengths of the outcomes, nm, ascending.
-pub(super) fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
+fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
     let all = outcomes
         .iter()
         .filter_map(|one| one.case.at.wavelength_nm());
@@ -90,20 +93,32 @@ pub(super) fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
 /// # Errors
 /// A sentence on what a file needs.
 pub(super) fn visible<'a>(outcomes: &[&'a Outcome]) -> Result<Vec<Weighted<'a>>, String> {
-    let nm = wavelengths(outcomes);
+    let mut nm = wavelengths(outcomes);
     if nm.len() < 2 {
         return Ok(outcomes.iter().map(|one| (*one, 1.0)).collect());
     }
+    nm.retain(|nm| VISIBLE_NM.contains(nm));
     let weights = colour_weights(&nm, ColourObserver::Cie1931).ok_or(
         "needs one wavelength, or those of the Visible band, from 400 to 700 nm in steps of at most 20 nm",
     )?;
+    let luminosity: Vec<f64> = weights.iter().map(|xyz| xyz[1]).collect();
+    Ok(weighted(outcomes, &nm, &luminosity))
+}
+
+/// Outcomes with their weights in the solar band, if their wavelengths cover it.
+pub(super) fn solar<'a>(outcomes: &[&'a Outcome]) -> Option<Vec<Weighted<'a>>> {
+    let nm = wavelengths(outcomes);
+    Some(weighted(outcomes, &nm, &solar_weights(&nm)?))
+}
+
+/// Outcomes at some wavelengths, with the weight of each.
+fn weighted<'a>(outcomes: &[&'a Outcome], nm: &[f64], weights: &[f64]) -> Vec<Weighted<'a>> {
     let weighted = outcomes.iter().filter_map(|one| {
-        let place = nm
-            .iter()
-            .position(|nm| Some(*nm) == one.case.at.wavelength_nm())?;
-        Some((*one, weights[place][1]))
+        let wavelength = one.case.at.wavelength_nm();
+        let number = nm.iter().position(|nm| Some(*nm) == wavelength)?;
+        Some((*one, weights[number]))
     });
-    Ok(weighted.collect())
+    weighted.collect()
 }
 
 /// Flux that leaves on a side, over a band.
@@ -146,7 +161,7 @@ impl WindowElement {
     pub(super) fn add(&mut self, band: &str, block: Block, bases: &str, values: &str) {
         let [source, eye] = match band {
             "Visible" => ["CIE Illuminant D65 1nm.ssp", "ASTM E308 1931 Y.dsp"],
-            _ => ["None", "None"],
+            _ => ["ASTM G173-03 global", "None"],
         };
         let (kind, scatter) = match block.side {
             Side::Transmitted => ("Transmission", "BTDF"),
