@@ -94,12 +94,16 @@ fn results_that_a_pbsdf_file_cannot_hold_are_refused() {
     folder.succeed(format!(
         "{mueller} --theta 0,30 --tau 16um --material gold --wavelength 500nm,600nm -o two"
     ));
+    folder.succeed(format!(
+        "{mueller} --theta 0,30 --tau 16um --material gold --wavelength 550:551:0.25nm -o fine"
+    ));
     for (folder_name, words) in [
         ("plain", "--polarisation mueller"),
         ("one", "several polar angles"),
         ("below", "--from above"),
         ("azimuths", "isotropic samples"),
         ("two", "one wavelength or 5"),
+        ("fine", "whole nanometres"),
     ] {
         let text = folder.refused(format!("export {folder_name} --format pbsdf -o a.pbsdf"));
         assert!(unwrapped(&text).contains(words), "{folder_name}: {text}");

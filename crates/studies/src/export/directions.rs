@@ -10,6 +10,9 @@ use super::measurement::Measurement;
 /// Coordinates in which outcomes of one sample may differ.
 const OF_ONE_SAMPLE: [&str; 4] = ["from", "wavelength_nm", "theta_deg", "phi_deg"];
 
+/// Fewest polar angles of the light, and the last one, degrees, that keep the error of readers between them small.
+const ENOUGH: (usize, f64) = (16, 85.0);
+
 /// Outcomes of one sample, of light from every combination of polar angle and azimuth at every wavelength.
 pub(super) struct Directions<'a> {
     /// Wavelengths, nm, ascending; one `None` for results without a wavelength.
@@ -129,6 +132,17 @@ impl<'a> Directions<'a> {
             theta_deg,
             phi_deg,
             outcomes: grid,
+        })
+    }
+
+    /// Note on readers that interpolate between the polar angles of the light, where these are few or end far from the horizon; `preset` has enough.
+    pub(super) fn sparse_note(&self, preset: &str) -> Option<String> {
+        let farthest = self.theta_deg[self.theta_deg.len() - 1];
+        let (count, last) = ENOUGH;
+        (self.theta_deg.len() < count || farthest < last).then(|| {
+            format!(
+                "measured up to {farthest} deg, beyond which readers extrapolate: for small errors measure at {count} angles or more, dense up to 88 degrees, as --for {preset} does"
+            )
         })
     }
 

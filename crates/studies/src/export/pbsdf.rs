@@ -18,7 +18,7 @@ use asperity_tally::{Component, Estimate, Measure, Polarimetry, Side, TallyResul
 use asperity_tracer::HalfSpace;
 use glam::{DMat4, DVec3, DVec4};
 
-use super::contents::{Agreement, Contents};
+use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, of_one_sample};
 use super::half_vectors::{half_vector, integral, mirrored};
 use super::interpolation::Interpolated;
@@ -56,12 +56,13 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     }
     let known: Option<Vec<f64>> = directions.wavelengths_nm.iter().copied().collect();
     let known = known.filter(|known| known.len() > 1);
-    if known
-        .as_ref()
-        .is_some_and(|known| known.len() != WAVELENGTHS)
-    {
+    let is_held = |known: &Vec<f64>| {
+        let is_whole = |nm: &f64| *nm == f64::from(*nm as u16);
+        known.len() == WAVELENGTHS && known.iter().all(is_whole)
+    };
+    if !known.as_ref().is_none_or(is_held) {
         return Err(format!(
-            "holds one wavelength or {WAVELENGTHS}: measure with --wavelength 450:650:50nm"
+            "holds one wavelength or {WAVELENGTHS}, in whole nanometres: measure with --wavelength 450:650:50nm"
         ));
     }
     let mut agreement = Vec::new();
@@ -91,6 +92,8 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         "not in the file: transmission, standard errors, orders of scattering".to_owned(),
         "for the spectral polarised variants of Mitsuba, with alpha_sample near the roughness of the lobes".to_owned(),
     ];
+    notes.extend(directions.sparse_note("pbsdf"));
+    notes.extend(coarse_note(&agreement));
     if known.is_none() {
         notes.push("one wavelength or none was measured: the material is grey".to_owned());
     }
@@ -284,12 +287,13 @@ impl Table {
         }
     }
 
-    /// Part of the light of an outcome that readers find reflected.
+    /// Directional-hemispherical reflectance as readers interpolate it: the direction of an outcome is the view, by reciprocity, and the light
+    /// comes from all others.
     fn reflected(&self, outcome: &Outcome) -> f64 {
-        let light = from_spherical(outcome.case.light.incidence.theta(), 0.0);
-        integral(light, PARTS, |point| {
-            let leaving = mirrored(light, half_vector(point));
-            leaving.map_or(0.0, |leaving| self.brdf(light, leaving) * leaving.z)
+        let view = from_spherical(outcome.case.light.incidence.theta(), 0.0);
+        integral(view, PARTS, |point| {
+            let light = mirrored(view, half_vector(point));
+            light.map_or(0.0, |light| self.brdf(light, view) * light.z)
         })
     }
 
@@ -373,7 +377,7 @@ fn file(tables: &[Table], wavelengths_nm: Option<&[f64]>) -> Vec<u8> {
     };
     let lengths = [phi_d, theta_d, theta_h].map(Vec::len);
     let wavelengths = wavelengths_nm.map_or(GREY_NM.to_vec(), |known| {
-        known.iter().map(|nm| nm.round() as u16).collect()
+        known.iter().map(|nm| *nm as u16).collect()
     });
     let lengths = [&lengths[..], &[WAVELENGTHS, 4, 4]].concat();
     tensor_file(&[

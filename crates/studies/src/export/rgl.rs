@@ -24,9 +24,6 @@ const NODES: [usize; 3] = [65, 129, 257];
 const RESOLVED: f64 = 5e-3;
 /// Wavelengths of a grey material, nm: the file needs two.
 const GREY_NM: [f64; 2] = [360.0, 830.0];
-/// Fewest polar angles of the light, and the last one, degrees, that keep the error between them small.
-const ANGLES: (usize, f64) = (16, 85.0);
-
 /// Numbers of `sigma` over the polar angle: the steps of its slope lie within a small part of those of the light.
 const SIGMA_NODES: usize = 4097;
 
@@ -73,13 +70,7 @@ pub(super) fn contents(measurement: &Measurement, channels: Channels) -> Result<
     ];
     let sigma = sample.sigma(&slices);
     notes.extend(sample.between_angles(&slices, &sigma));
-    let (count, last) = ANGLES;
-    let farthest = sample.directions.theta_deg[sample.theta.len() - 1];
-    if sample.theta.len() < count || farthest < last {
-        notes.push(format!(
-            "measured up to {farthest} deg, beyond which readers extrapolate: for small errors measure at {count} angles or more, dense up to 88 degrees, as --for rgl does"
-        ));
-    }
+    notes.extend(sample.directions.sparse_note("rgl"));
     if sample.directions.wavelengths_nm.len() < 2 {
         notes.push("one wavelength or none was measured: the material is grey".to_owned());
     }

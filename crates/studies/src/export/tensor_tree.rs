@@ -15,7 +15,7 @@ use asperity_optics::Incidence;
 use asperity_simulate::Outcome;
 use glam::DVec2;
 
-use super::contents::{Agreement, Contents};
+use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, of_one_sample};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
@@ -87,6 +87,8 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         factors[0],
         factors[1]
     ));
+    notes.extend(functions[0].directions.sparse_note("tensor-tree"));
+    notes.extend(coarse_note(&agreement));
     let last = (1.0 - 2.0 / cells as f64).asin().to_degrees();
     notes.push(format!(
         "light within a cell has the mean of the cell: at grazing incidence, of all light from {last:.0} to 90 degrees"
