@@ -205,15 +205,12 @@ fn results_that_a_format_cannot_hold_are_refused() {
     ));
     std::fs::hard_link(folder.join("g/results.npz"), folder.join("link.nc")).unwrap();
     for (line, words) in [
-        ("export two --format klems -o k.xml", "results of several"),
         (
-            "export fixed --format klems -o k.xml",
-            "between 5 and 15 degrees at the azimuth 180",
+            "export two --format klems -o k.xml",
+            "differ in s: measure one at a time",
         ),
-        (
-            "export half --format klems -o k.xml",
-            "needs light from above between 5",
-        ),
+        ("export fixed --format klems -o k.xml", "all patches"),
+        ("export half --format klems -o k.xml", "--from both"),
         (
             "export g --format klems -o k.xml",
             "a slab between equal media",
@@ -259,18 +256,10 @@ fn the_solar_band_of_klems_weights_the_spectrum_by_sunlight() {
         let of_band = xml.split("<WavelengthData>").find(|block| {
             block.contains(&format!(">{band}<")) && block.contains("Transmission Back")
         });
-        let data = of_band
-            .unwrap()
-            .split("<ScatteringData>")
-            .nth(1)
-            .unwrap()
-            .split('<')
-            .next()
-            .unwrap();
-        let first = data
-            .lines()
-            .map(|row| row.split(',').next().unwrap().trim().parse::<f64>());
-        first.map_while(Result::ok).sum::<f64>()
+        let data = of_band.unwrap().split("<ScatteringData>\n").nth(1).unwrap();
+        let rows = data.split('<').next().unwrap().lines();
+        rows.map(|row| row.split(',').next().unwrap().parse::<f64>().unwrap())
+            .sum::<f64>()
     };
     // 58.3 % of G173 from 300 to 2500 nm lie below 790 nm
     let ratio = transmitted("Solar") / transmitted("Visible");
@@ -281,4 +270,53 @@ fn the_solar_band_of_klems_weights_the_spectrum_by_sunlight() {
     ));
     let text = unwrapped(&folder.succeed("export visible --format klems -o v.xml"));
     text.must_contain("the Visible band alone");
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_refused_before_it_is_traced() {
+    let folder = Folder::new();
+    let slab = "--eta 1.5 --thickness 1000";
+    for (format, flags, words) in [
+        (
+            "klems",
+            "--eta 1.5".to_owned(),
+            "give the sample a --thickness",
+        ),
+        ("klems", format!("{slab} --from above"), "--from both"),
+        (
+            "klems",
+            format!("{slab} --theta 0,30"),
+            "light from all patches",
+        ),
+        (
+            "tensor-tree",
+            format!("{slab} --theta 30"),
+            "several polar angles",
+        ),
+        (
+            "tensor-tree",
+            format!("{slab} --light-azimuth fixed --phi 0,180"),
+            "four azimuths",
+        ),
+        ("rgl", "--from both".to_owned(), "--from above"),
+        ("rgl-rgb", "--theta 30".to_owned(), "several polar angles"),
+        (
+            "pbsdf",
+            "--polarisation averaged".to_owned(),
+            "Mueller matrices",
+        ),
+        (
+            "zemax",
+            "--light-spread 2".to_owned(),
+            "without --light-spread",
+        ),
+        ("ssdd", "--directions 3x4".to_owned(), "from 0 on"),
+        ("fit", "--stokes 1,1,0,0".to_owned(), "unpolarised"),
+    ] {
+        // Far more rays than the test has time for
+        let line =
+            format!("gonio --for {format} --smoothness 3 {flags} --rays 1e12 --quiet -o out");
+        folder.refused(line).must_contain(words);
+        assert!(!folder.join("out").exists(), "{format}");
+    }
 }

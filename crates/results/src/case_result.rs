@@ -1,6 +1,6 @@
 //! Case result: the stored results of one case.
 
-use asperity_simulate::{CaseColumn, CaseGroup, Outcome, SurfaceSource};
+use asperity_simulate::{Case, CaseColumn, CaseGroup, Outcome, SurfaceSource};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -42,22 +42,26 @@ impl From<Outcome> for CaseResult {
     }
 }
 
+/// Coordinates of a case: the columns of tables, and the azimuth of the light.
+#[must_use]
+pub fn coordinates(case: &Case) -> Vec<CaseColumn> {
+    let phi = CaseColumn {
+        group: CaseGroup::Light,
+        name: "phi_deg".to_owned(),
+        unit: "deg".to_owned(),
+        about: "azimuth of the light".to_owned(),
+        value: json!(case.light.incidence.phi_deg()),
+    };
+    case.columns().into_iter().chain([phi]).collect()
+}
+
 impl Stored for CaseResult {
     fn is_cut_short(&self) -> bool {
         self.outcome.stopping.is_cut_short()
     }
 
-    /// The columns of tables, and the azimuth of the light.
     fn columns(&self) -> Vec<CaseColumn> {
-        let case = &self.outcome.case;
-        let phi = CaseColumn {
-            group: CaseGroup::Light,
-            name: "phi_deg".to_owned(),
-            unit: "deg".to_owned(),
-            about: "azimuth of the light".to_owned(),
-            value: json!(case.light.incidence.phi_deg()),
-        };
-        case.columns().into_iter().chain([phi]).collect()
+        coordinates(&self.outcome.case)
     }
 
     fn surface_mut(&mut self) -> Option<&mut SurfaceSource> {

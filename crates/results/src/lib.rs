@@ -34,7 +34,7 @@ mod rounding;
 mod set;
 mod store;
 
-pub use case_result::{CaseResult, Stored};
+pub use case_result::{CaseResult, Stored, coordinates};
 pub use error::ResultsError;
 pub use header::{Header, Machine};
 pub use set::{Container, ResultSet, Resumed};

@@ -115,9 +115,9 @@ pub struct LightConfig {
     /// Direction towards the sun on a given surface, in place of `theta` and `phi`.
     #[serde(flatten)]
     pub sun: SunConfig,
-    /// Leaves out pairs of `theta` and `phi` that are not centres of patches of the full Klems basis.
+    /// The pairs of `theta` and `phi` that light comes from; all by default.
     #[serde(skip)]
-    pub centres_alone: bool,
+    pub pairs: Option<Vec<[f64; 2]>>,
 }
 
 impl LightConfig {

@@ -10,6 +10,7 @@ use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;
 use crate::config::error::{ConfigError, with_insistence};
+use crate::export::Unfit;
 use crate::given::{ComparedSurfaceError, GivenError};
 use crate::settings::SettingError;
 
@@ -38,6 +39,9 @@ pub enum StudyError {
     /// The surfaces cannot be simulated.
     #[error(transparent)]
     Simulate(SimulateError),
+    /// The format that they are measured for cannot hold them.
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
     /// Results cannot be kept.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -117,7 +121,7 @@ impl StudyError {
                 error.is_usage()
             }
             Self::Config(ConfigError::Record(_)) => false,
-            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
+            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) | Self::Unfit(_) => true,
             Self::Render(error) => matches!(
                 error,
                 RenderError::View(_)

@@ -15,6 +15,7 @@ mod measurement;
 mod moved_lobes;
 mod netcdf;
 mod pbsdf;
+mod planned;
 mod ranges;
 mod rgl;
 mod specular_table;
@@ -31,10 +32,12 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use self::contents::{Agreement, Contents, farthest, table};
-pub use self::error::ExportError;
+pub use self::error::{ExportError, Unfit};
 use self::measurement::Measurement;
+use self::planned::{Planned, check_light};
 use self::rgl::Channels;
 use crate::output::{Head, note_lines};
+use crate::verify::plan::Plan;
 
 /// Configuration of `asperity export`.
 #[derive(Clone, Debug, Deserialize)]
@@ -103,6 +106,28 @@ impl ExportFormat {
         }
     }
 
+    /// Checks that the format can hold such cases, as far as is known before they are traced.
+    fn check(self, cases: &[Planned]) -> Result<(), Unfit> {
+        let checked = match self {
+            Self::Netcdf => Ok(()),
+            Self::Klems => klems::check(cases),
+            Self::TensorTree => tensor_tree::check(cases),
+            Self::Rgl | Self::RglRgb => rgl::check(cases),
+            Self::Pbsdf => pbsdf::check(cases),
+            Self::Zemax => zemax::check(cases),
+            Self::Fit => check_light(cases),
+            Self::Ssdd => ssdd::check(cases),
+        };
+        checked.map_err(|reason| self.unfit(reason))
+    }
+
+    const fn unfit(self, reason: String) -> Unfit {
+        Unfit {
+            format: self.in_words(),
+            reason,
+        }
+    }
+
     const fn ending(self) -> &'static str {
         match self {
             Self::Netcdf => "nc",
@@ -113,6 +138,22 @@ impl ExportFormat {
             Self::Ssdd => "ssdd",
         }
     }
+}
+
+/// Checks that the format of `gonio --for` can hold what is planned.
+///
+/// # Errors
+/// [`Unfit`].
+pub(crate) fn check_plan(format: &Value, plan: &Plan) -> Result<(), Unfit> {
+    let Ok(format) = ExportFormat::deserialize(format) else {
+        return Ok(());
+    };
+    let cases = plan.cases.iter();
+    let cases = cases.map(|case| Planned {
+        case,
+        spec: plan.settings.spec_of(case),
+    });
+    format.check(&cases.collect::<Vec<_>>())
 }
 
 /// A file that is ready to be written.
@@ -145,6 +186,9 @@ impl ExportConfig {
             return Err(ExportError::Input(output.to_owned()));
         }
         let measurement = Measurement::read(path)?;
+        let outcomes = measurement.cases.iter().map(|case| &case.outcome);
+        let cases: Vec<Planned> = outcomes.map(Planned::from).collect();
+        format.check(&cases)?;
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement),
             ExportFormat::Klems => klems::contents(&measurement),
@@ -156,10 +200,7 @@ impl ExportConfig {
             ExportFormat::Fit => fit::contents(&measurement),
             ExportFormat::Ssdd => ssdd::contents(&measurement),
         };
-        let contents = contents.map_err(|reason| ExportError::Unfit {
-            format: format.in_words(),
-            reason,
-        })?;
+        let contents = contents.map_err(|reason| format.unfit(reason))?;
         Ok(Exported {
             format: *format,
             contents,

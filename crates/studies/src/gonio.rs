@@ -27,6 +27,7 @@ use self::summary::gonio_table;
 
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
+use crate::export::check_plan;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study, finished, tracing};
@@ -102,10 +103,11 @@ impl Study for GonioStudy {
         let sample = given.map(|(surfaces, bottom)| {
             Sample::of(surfaces, bottom, medium, &config.measured, cells)
         });
-        Ok(Self {
-            notes,
-            ..Self::new(config, sample.transpose()?)?
-        })
+        let study = Self::new(config, sample.transpose()?)?;
+        if let Some(format) = document.value("results.for") {
+            check_plan(&format, &study.plan)?;
+        }
+        Ok(Self { notes, ..study })
     }
 
     fn notes(&self) -> &[String] {

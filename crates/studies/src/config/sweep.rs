@@ -3,7 +3,7 @@
 //! [`DIMENSIONS`] names the lists in their order of nesting: the last one changes fastest. A further dimension is a
 //! further row there.
 
-use asperity_optics::{Incidence, klems_centres};
+use asperity_optics::Incidence;
 use asperity_simulate::{Case, Coordinates, Light, SurfaceSource};
 use serde_json::{Value, json};
 
@@ -137,13 +137,14 @@ impl VerifyConfig {
     /// [`ConfigError`] if a list is empty, or there are more than [`MAX_CASES`] combinations.
     pub(crate) fn singles(&self) -> Result<Vec<Self>, ConfigError> {
         let mut singles = expanded_by_side(self, lit_sample, &DIMENSIONS)?;
-        if self.light.centres_alone {
-            let is_centre = |light: &LightConfig| {
-                let direction = [light.theta.first(), light.phi.first()];
-                klems_centres()
-                    .any(|[theta, phi]| direction == [Some(Number(theta)), Some(Number(phi))])
-            };
-            singles.retain(|single| is_centre(&single.light));
+        if let Some(pairs) = &self.light.pairs {
+            let pairs = pairs
+                .iter()
+                .map(|pair| pair.map(|angle| Some(Number(angle))));
+            let pairs: Vec<[Option<Number>; 2]> = pairs.collect();
+            singles.retain(|single| {
+                pairs.contains(&[single.light.theta.first(), single.light.phi.first()])
+            });
         }
         Ok(singles)
     }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use asperity_results::{CaseResult, Stored};
+use asperity_results::coordinates;
+use asperity_simulate::Case;
 use serde_json::Value;
 
 /// Coordinates of the direction of the light, which are always axes, the last ones.
@@ -38,9 +39,9 @@ pub(super) struct Axes {
 
 impl Axis {
     /// The coordinates of cases, in the order of their columns.
-    fn all(cases: &[CaseResult]) -> Vec<Self> {
+    fn all(cases: &[&Case]) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
-        for column in cases.iter().flat_map(Stored::columns) {
+        for column in cases.iter().flat_map(|case| coordinates(case)) {
             let known = all.iter().position(|axis| axis.name == column.name);
             let number = known.unwrap_or_else(|| {
                 all.push(Self {
@@ -93,7 +94,7 @@ impl Axis {
 }
 
 impl Axes {
-    pub(super) fn of(cases: &[CaseResult]) -> Self {
+    pub(super) fn of(cases: &[&Case]) -> Self {
         let is_direction = |axis: &Axis| DIRECTION.contains(&axis.name.as_str());
         let (direction, settings): (Vec<Axis>, Vec<Axis>) =
             Axis::all(cases).into_iter().partition(is_direction);

@@ -5,6 +5,16 @@ use std::path::PathBuf;
 use asperity_io::{WriteError, shown, shown_path};
 use asperity_results::ResultsError;
 
+/// Cases that a format cannot hold.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{format} {reason}")]
+pub struct Unfit {
+    /// Name of the format.
+    pub(super) format: &'static str,
+    /// What it needs, and how to get it.
+    pub(super) reason: String,
+}
+
 /// Reason for which results are not exported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -39,13 +49,8 @@ pub enum ExportError {
     #[error("{} holds no finished direction", shown_path(.0))]
     Empty(PathBuf),
     /// The format holds results of other cases.
-    #[error("{format} {reason}")]
-    Unfit {
-        /// Name of the format.
-        format: &'static str,
-        /// What it needs, and how to get it.
-        reason: String,
-    },
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
 }
 
 impl ExportError {
@@ -58,7 +63,7 @@ impl ExportError {
                 | Self::Input(_)
                 | Self::Ending(_)
                 | Self::OtherStudy { .. }
-                | Self::Unfit { .. }
+                | Self::Unfit(_)
         )
     }
 }

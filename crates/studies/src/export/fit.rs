@@ -17,9 +17,7 @@ use serde_json::{Map, Value, json};
 use self::fitting::Fit;
 use self::laws::{Fitted, Skipped};
 use self::points::{Point, points};
-use super::axes::Axes;
 use super::contents::{Agreement, Contents};
-use super::directions::check_light;
 use super::measurement::Measurement;
 
 /// Fewest bins that a law is fitted to.
@@ -35,8 +33,7 @@ const CONVENTIONS: &str = "beta: direction in which light leaves, as a unit vect
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     let cases = &measurement.cases;
-    check_light(cases)?;
-    let axes = Axes::of(cases);
+    let axes = measurement.axes();
     let directions = axes.axes.iter().rev().take(2);
     let directions: usize = directions.map(|axis| axis.values.len()).product();
     let settings = &axes.axes[..axes.axes.len() - 2];

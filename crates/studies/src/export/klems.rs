@@ -6,14 +6,16 @@
 use std::fmt::Write;
 
 use asperity_optics::{KLEMS, Spread};
-use asperity_simulate::Outcome;
+use asperity_simulate::Light;
 use asperity_tally::Side;
+use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents};
 use super::measurement::Measurement;
+use super::planned::Planned;
 use super::ranges::Range;
 use super::window_element::{
-    BLOCKS, Block, Weighted, WindowElement, check_slab, from_where, solar, visible, weighted_flux,
+    BLOCKS, Block, Weighted, WindowElement, check_slab, in_solar, in_visible, weighted_flux,
 };
 
 /// Patches of incidence.
@@ -30,6 +32,15 @@ impl Patch {
     /// Azimuth towards light that travels towards the patch, degrees from 0 to 360.
     fn light_deg(&self) -> f64 {
         (self.centre_deg + 180.0).rem_euclid(360.0)
+    }
+
+    /// Returns `true` if light travels towards the patch, or, from random azimuths, towards one of its ring.
+    fn is_lit_by(&self, light: &Light) -> bool {
+        let [lower, upper] = self.range.theta_deg;
+        let is_turned = lower == 0.0 || light.random_azimuth;
+        let centre = light.incidence.phi_deg().rem_euclid(360.0);
+        (lower..upper).contains(&light.incidence.theta_deg())
+            && (is_turned || (centre - self.light_deg()).abs() < 1e-6)
     }
 }
 
@@ -59,12 +70,9 @@ fn patches() -> impl Iterator<Item = Patch> {
 }
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
-    let outcomes: Vec<&Outcome> = measurement.cases.iter().map(|case| &case.outcome).collect();
-    for outcome in &outcomes {
-        check(outcome)?;
-    }
-    let visible = visible(&outcomes)?;
-    let solar = solar(&outcomes);
+    let outcomes = measurement.outcomes()?;
+    let visible = in_visible(&outcomes)?;
+    let solar = in_solar(&outcomes);
     let is_of_one = visible.len() == outcomes.len() && visible[0].1 == 1.0;
     let (names, note): (&[&str], _) = match (is_of_one, &solar) {
         (true, _) => (
@@ -132,15 +140,24 @@ fn definition() -> String {
     text + "</AngleBasis>\n"
 }
 
-/// Checks that a case is a slab whose patches of light are those of the basis.
-fn check(outcome: &Outcome) -> Result<(), String> {
-    check_slab(outcome)?;
-    let light = &outcome.case.light;
-    let patch = Spread::klems(light.incidence).ok();
-    if patch.is_none() || light.spread != patch {
+/// Checks that a file can hold such cases.
+pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
+    check_slab(cases)?;
+    let is_patch = |one: &Planned| {
+        let light = &one.case.light;
+        light.spread.is_some() && light.spread == Spread::klems(light.incidence).ok()
+    };
+    if !cases.iter().all(is_patch) {
         return Err(
             "needs patches that are lit as a whole: measure with gonio --for klems".to_owned(),
         );
+    }
+    for from in [HalfSpace::Above, HalfSpace::Below] {
+        let mut lights: Vec<&Light> = cases.iter().map(|one| &one.case.light).collect();
+        lights.retain(|light| light.from == from);
+        if !patches().all(|patch| lights.iter().any(|light| patch.is_lit_by(light))) {
+            return Err("needs light from all patches: measure with gonio --for klems, without --theta, --phi or --directions".to_owned());
+        }
     }
     Ok(())
 }
@@ -159,25 +176,12 @@ impl<'a> Columns<'a> {
         wavelengths.dedup();
         let per_patch = wavelengths.len();
         let columns = patches().map(|patch| {
-            let [lower, upper] = patch.range.theta_deg;
-            let is_of_patch = |(outcome, _): &&Weighted| {
-                let light = &outcome.case.light;
-                let is_turned = lower == 0.0 || light.random_azimuth;
-                let centre = light.incidence.phi_deg().rem_euclid(360.0);
-                (lower..upper).contains(&light.incidence.theta_deg())
-                    && (is_turned || (centre - patch.light_deg()).abs() < 1e-6)
-            };
+            let is_of_patch = |(outcome, _): &&Weighted| patch.is_lit_by(&outcome.case.light);
             let found: Vec<Weighted> = lit.iter().filter(is_of_patch).copied().collect();
-            if found.len() > per_patch {
-                return Err("describes one sample, and there are results of several: measure one at a time".to_owned());
+            match found.len() == per_patch {
+                true => Ok(found),
+                false => Err("needs the same patches of the light at all wavelengths".to_owned()),
             }
-            if found.len() < per_patch {
-                return Err(format!(
-                    "needs light from {} between {lower} and {upper} degrees at the azimuth {}: measure with gonio --for klems",
-                    from_where(block.from), patch.light_deg()
-                ));
-            }
-            Ok(found)
         });
         columns.collect::<Result<_, _>>().map(Self)
     }

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use asperity_results::{CaseResult, Header, ResultSet};
+use asperity_simulate::{Case, Outcome};
 
+use super::axes::Axes;
 use super::error::ExportError;
 
 /// Results of a measurement.
@@ -23,6 +25,23 @@ impl Measurement {
             "asperity {}, commit {}, results epoch {}",
             build.version, build.commit, build.results_epoch
         )
+    }
+
+    /// The coordinates over which the finished cases form a grid.
+    pub(super) fn axes(&self) -> Axes {
+        let cases: Vec<&Case> = self.cases.iter().map(|case| &case.outcome.case).collect();
+        Axes::of(&cases)
+    }
+
+    /// Outcomes of all directions.
+    ///
+    /// # Errors
+    /// A sentence without its subject, if some are missing.
+    pub(super) fn outcomes(&self) -> Result<Vec<&Outcome>, String> {
+        match self.cases.len() < self.planned {
+            true => Err("needs results of all directions, and this run is unfinished: give its command again to resume it".to_owned()),
+            false => Ok(self.cases.iter().map(|case| &case.outcome).collect()),
+        }
     }
 
     /// Reads the results of a folder or file.

@@ -7,6 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use asperity_simulate::Outcome;
 use asperity_tally::Side;
 use glam::DVec2;
 
@@ -43,7 +44,7 @@ pub(super) struct Mixed<'a> {
 impl MovedLobes {
     /// Lobes of outcomes by azimuth and polar angle of the light, each given at all its wavelengths, on `nodes` times `nodes` directions.
     pub(super) fn of(
-        directions: &Directions,
+        directions: &Directions<&Outcome>,
         bands: &[Vec<Weighted>],
         side: Side,
         nodes: usize,

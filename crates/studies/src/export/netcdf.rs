@@ -29,7 +29,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     };
     let counts = [common.n_theta(), common.n_phi()];
 
-    let axes = Axes::of(cases);
+    let axes = measurement.axes();
     let outcomes: Vec<Option<&Outcome>> = axes
         .cases
         .iter()

@@ -15,14 +15,14 @@ use asperity_io::{Tensor, tensor_file};
 use asperity_optics::{Turn, azimuth, from_spherical, incidence_axis, polar_angle};
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, Measure, Polarimetry, Side, TallyResult};
-use asperity_tracer::HalfSpace;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::{Directions, of_one_sample};
+use super::directions::Directions;
 use super::half_vectors::{half_vector, integral, mirrored};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
+use super::planned::{OfCase, Planned, check_reflection};
 
 /// Wavelengths that the reader takes.
 const WAVELENGTHS: usize = 5;
@@ -33,7 +33,10 @@ const AZIMUTHS: usize = 37;
 const HALF_ANGLES: usize = 65;
 /// Parts of an integral over half-vectors, per axis.
 const PARTS: usize = 256;
-/// Least cosine that values are divided by.
+/// Number of times that values are scaled to reflect what was measured: light from one direction leaves in all others, so that their factors depend on
+/// each other.
+const SCALINGS: usize = 4;
+/// Least cosine that values are divided by: that of 89 degrees, above the last of the usual angles of incidence.
 const LEAST_COSINE: f64 = 0.0175;
 
 /// Signs of Stokes components under reflection in the plane of incidence.
@@ -42,40 +45,23 @@ const MIRROR: DVec4 = DVec4::new(1.0, 1.0, -1.0, -1.0);
 const MITSUBA: DVec4 = DVec4::new(1.0, 1.0, 1.0, -1.0);
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
-    let outcomes = of_one_sample(measurement)?;
-    outcomes.iter().try_for_each(|outcome| check(outcome))?;
-    let directions = Directions::of(&outcomes)?;
+    let directions = directions(&measurement.outcomes()?)?;
     let angles = directions.theta_deg.len();
-    if angles < 2 {
-        return Err(
-            "needs light from several polar angles: measure with gonio --for pbsdf".to_owned(),
-        );
-    }
-    if directions.phi_deg.len() > 1 {
-        return Err("holds isotropic samples: measure with one azimuth, or the mean over azimuths by --light-azimuth random".to_owned());
-    }
     let known: Option<Vec<f64>> = directions.wavelengths_nm.iter().copied().collect();
     let known = known.filter(|known| known.len() > 1);
-    let is_held = |known: &Vec<f64>| {
-        let is_whole = |nm: &f64| *nm == f64::from(*nm as u16);
-        known.len() == WAVELENGTHS && known.iter().all(is_whole)
-    };
-    if !known.as_ref().is_none_or(is_held) {
-        return Err(format!(
-            "holds one wavelength or {WAVELENGTHS}, in whole nanometres: measure with --wavelength 450:650:50nm"
-        ));
-    }
     let mut agreement = Vec::new();
     let mut tables = Vec::new();
     for outcomes in directions.outcomes.chunks(angles) {
         let mut table = Table::of(outcomes);
-        let levels = outcomes.iter();
-        let levels = levels.map(|outcome| flux(outcome).mean / table.reflected(outcome));
-        let levels: Vec<f64> = levels.collect();
-        if !levels.iter().all(|level| level.is_finite()) {
-            return Err("holds reflected light, and none was measured".to_owned());
+        for _ in 0..SCALINGS {
+            let levels = outcomes.iter();
+            let levels = levels.map(|outcome| flux(outcome).mean / table.reflected(outcome));
+            let levels: Vec<f64> = levels.collect();
+            if !levels.iter().all(|level| level.is_finite()) {
+                return Err("holds reflected light, and none was measured".to_owned());
+            }
+            table.scale(&levels);
         }
-        table.scale(&levels);
         for outcome in outcomes {
             let measured = flux(outcome);
             let exported = table.reflected(outcome);
@@ -111,19 +97,31 @@ fn flux(outcome: &Outcome) -> Estimate {
     outcome.statistics.flux(Side::Reflected, Component::All)
 }
 
-/// Checks that a case has Mueller matrices of reflection of light from above.
-fn check(outcome: &Outcome) -> Result<(), String> {
-    let spec = outcome.statistics.spec();
-    if outcome.case.light.from != HalfSpace::Above {
-        return Err("holds reflection of light from above: measure with --from above".to_owned());
-    }
-    if spec.polarimetry() != Polarimetry::Mueller {
+/// Checks that a file can hold such cases.
+pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
+    check_reflection(cases)?;
+    let has_matrices = |one: &Planned| one.spec.polarimetry() == Polarimetry::Mueller;
+    if !cases.iter().all(has_matrices) {
         return Err("holds Mueller matrices: measure with --polarisation mueller".to_owned());
     }
-    match spec.records(Side::Reflected) {
-        true => Ok(()),
-        false => Err("holds reflected light: measure with --side both or reflected".to_owned()),
+    let directions = directions(cases)?;
+    if directions.phi_deg.len() > 1 {
+        return Err("holds isotropic samples: measure with one azimuth, or the mean over azimuths by --light-azimuth random".to_owned());
     }
+    let nm = &directions.wavelengths_nm;
+    let is_whole = |nm: &Option<f64>| nm.is_some_and(|nm| nm == f64::from(nm as u16));
+    match nm.len() == 1 || nm.len() == WAVELENGTHS && nm.iter().all(is_whole) {
+        true => Ok(()),
+        false => Err(format!(
+            "holds one wavelength or {WAVELENGTHS}, in whole nanometres: measure with --wavelength 450:650:50nm"
+        )),
+    }
+}
+
+fn directions<T: OfCase + Copy>(outcomes: &[T]) -> Result<Directions<T>, String> {
+    let directions = Directions::of(outcomes)?;
+    directions.check_polar_angles("pbsdf")?;
+    Ok(directions)
 }
 
 /// Reflection of light from one direction.
@@ -278,12 +276,16 @@ impl Table {
         }
     }
 
-    /// Multiplies the values with a factor for each angle of the results, linear between them.
+    /// Multiplies the values with a factor for each angle of the results, linear between them: with its square root at the angle of the light, and with
+    /// that at the angle at which light leaves, so that reciprocity is kept.
     fn scale(&mut self, levels: &[f64]) {
         for number in 0..self.matrices.len() {
-            let [light, _] = self.node(number);
-            let (lower, part) = self.interval(light);
-            self.matrices[number] *= levels[lower] + part * (levels[lower + 1] - levels[lower]);
+            let [light, half] = self.node(number);
+            let factors = [light, mirror(light, half)].map(|direction| {
+                let (lower, part) = self.interval(direction);
+                levels[lower] + part * (levels[lower + 1] - levels[lower])
+            });
+            self.matrices[number] *= (factors[0] * factors[1]).sqrt();
         }
     }
 

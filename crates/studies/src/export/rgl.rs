@@ -13,6 +13,7 @@ use asperity_io::{Tensor, tensor_file};
 use asperity_optics::{ColourObserver, colour_weights, linear_srgb};
 use asperity_tally::Side;
 
+pub(super) use self::sample::check;
 use self::sample::{Sample, Slice};
 use super::contents::{Agreement, Contents};
 use super::half_vectors::{HalfVectors, integral};

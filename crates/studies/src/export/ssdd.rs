@@ -9,16 +9,25 @@
 
 use std::fmt::Write;
 
+use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::{Directions, from_one_side, of_one_sample};
+use super::directions::{Directions, from_one_side};
 use super::measurement::Measurement;
+use super::planned::{Planned, check_light, check_one_sample};
 use super::specular_table::{SpecularGrid, SpecularTable, specular_theta};
 
+/// Checks that a file can hold such cases.
+pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
+    check_light(cases)?;
+    check_one_sample(cases)?;
+    Directions::of(&from_one_side(cases)).map(drop)
+}
+
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
-    let all = of_one_sample(measurement)?;
+    let all = measurement.outcomes()?;
     let outcomes = from_one_side(&all);
     let build = &measurement.header.build;
     let mut text = format!("VERSION 0.3\nSOFTWARE asperity-{}\n", build.version);
@@ -61,7 +70,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
 }
 
 /// Writes the block of a side, and returns its light.
-fn write(text: &mut String, side: Side, directions: &Directions) -> Vec<Agreement> {
+fn write(text: &mut String, side: Side, directions: &Directions<&Outcome>) -> Vec<Agreement> {
     let count = directions.theta_deg.len();
     let azimuths = directions.phi_deg.len();
     // The lobes of other wavelengths lie near that of the first

@@ -11,6 +11,9 @@ use asperity_surface::LengthUnit;
 use asperity_tally::{Component, Estimate, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
+use super::directions::ascending;
+use super::planned::{OfCase, Planned, check_one_sample, check_unpolarised};
+
 /// A function of the file: the half space that light comes from, and the side on which it leaves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
@@ -44,79 +47,85 @@ const VISIBLE_NM: std::ops::RangeInclusive<f64> = 380.0..=780.0;
 /// An outcome, and its weight in a band.
 pub(super) type Weighted<'a> = (&'a Outcome, f64);
 
-/// Name of a half space in sentences.
-pub(super) const fn from_where(from: HalfSpace) -> &'static str {
-    match from {
-        HalfSpace::Above => "above",
-        HalfSpace::Below => "below",
-    }
-}
-
-/// Checks that the outcomes are of a slab between equal media, and of unpolarised light on both sides.
+/// Checks that the cases are of one slab between equal media, lit by unpolarised light from both sides, and recorded on both.
 ///
 /// # Errors
 /// A sentence on what a file needs.
-pub(super) fn check_slab(outcome: &Outcome) -> Result<(), String> {
-    let case = &outcome.case;
+pub(super) fn check_slab(cases: &[Planned]) -> Result<(), String> {
+    check_unpolarised(cases)?;
+    check_one_sample(cases)?;
     let slab = "describes a slab between equal media, as Radiance and WINDOW take it";
-    if case.layers.is_empty() {
+    if cases.iter().any(|one| one.case.layers.is_empty()) {
         return Err(format!("{slab}: give the sample a --thickness, or layers"));
     }
-    if !case.passes_on() {
+    if !cases.iter().all(|one| one.case.passes_on()) {
         return Err(format!(
             "{slab}: what lies behind this one is opaque or another medium"
         ));
     }
-    let spec = outcome.statistics.spec();
-    if !Side::BOTH.into_iter().all(|side| spec.records(side)) {
+    let is_recorded = |one: &Planned| Side::BOTH.iter().all(|side| one.spec.records(*side));
+    if !cases.iter().all(is_recorded) {
         return Err("needs light on both sides: measure with --side both".to_owned());
     }
-    if case.light.is_polarised() {
-        return Err("is of unpolarised light: measure without --stokes".to_owned());
+    let is_lit = |from| cases.iter().any(|one| one.case.light.from == from);
+    if !(is_lit(HalfSpace::Above) && is_lit(HalfSpace::Below)) {
+        return Err("needs light from both sides: measure with --from both".to_owned());
     }
-    Ok(())
+    visible(&wavelengths(cases)).map(drop)
 }
 
-/// Wavelengths of the outcomes, nm, ascending.
-fn wavelengths(outcomes: &[&Outcome]) -> Vec<f64> {
-    let all = outcomes
+/// Wavelengths, nm, ascending.
+fn wavelengths<T: OfCase>(cases: &[T]) -> Vec<f64> {
+    let all = cases.iter().filter_map(|one| one.case().at.wavelength_nm());
+    ascending(all)
+}
+
+/// Wavelengths of the visible band with their weights; none if all results have one wavelength, or none.
+///
+/// # Errors
+/// A sentence on what a file needs.
+fn visible(nm: &[f64]) -> Result<Vec<(f64, f64)>, String> {
+    if nm.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let nm: Vec<f64> = nm
         .iter()
-        .filter_map(|one| one.case.at.wavelength_nm());
-    let mut all: Vec<f64> = all.collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup();
-    all
+        .copied()
+        .filter(|nm| VISIBLE_NM.contains(nm))
+        .collect();
+    let weights = colour_weights(&nm, ColourObserver::Cie1931).ok_or(
+        "needs one wavelength, or those of the Visible band, from 400 to 700 nm in steps of at most 20 nm",
+    )?;
+    let luminosity = weights.iter().map(|xyz| xyz[1]);
+    Ok(nm.into_iter().zip(luminosity).collect())
 }
 
 /// Outcomes with their weights in the visible band: equal weights if they have one wavelength, or none.
 ///
 /// # Errors
 /// A sentence on what a file needs.
-pub(super) fn visible<'a>(outcomes: &[&'a Outcome]) -> Result<Vec<Weighted<'a>>, String> {
-    let mut nm = wavelengths(outcomes);
-    if nm.len() < 2 {
-        return Ok(outcomes.iter().map(|one| (*one, 1.0)).collect());
-    }
-    nm.retain(|nm| VISIBLE_NM.contains(nm));
-    let weights = colour_weights(&nm, ColourObserver::Cie1931).ok_or(
-        "needs one wavelength, or those of the Visible band, from 400 to 700 nm in steps of at most 20 nm",
-    )?;
-    let luminosity: Vec<f64> = weights.iter().map(|xyz| xyz[1]).collect();
-    Ok(weighted(outcomes, &nm, &luminosity))
+pub(super) fn in_visible<'a>(outcomes: &[&'a Outcome]) -> Result<Vec<Weighted<'a>>, String> {
+    let weights = visible(&wavelengths(outcomes))?;
+    Ok(match weights.is_empty() {
+        true => outcomes.iter().map(|one| (*one, 1.0)).collect(),
+        false => weighted(outcomes, &weights),
+    })
 }
 
 /// Outcomes with their weights in the solar band, if their wavelengths cover it.
-pub(super) fn solar<'a>(outcomes: &[&'a Outcome]) -> Option<Vec<Weighted<'a>>> {
+pub(super) fn in_solar<'a>(outcomes: &[&'a Outcome]) -> Option<Vec<Weighted<'a>>> {
     let nm = wavelengths(outcomes);
-    Some(weighted(outcomes, &nm, &solar_weights(&nm)?))
+    let weights = solar_weights(&nm)?;
+    let weights: Vec<(f64, f64)> = nm.into_iter().zip(weights).collect();
+    Some(weighted(outcomes, &weights))
 }
 
 /// Outcomes at some wavelengths, with the weight of each.
-fn weighted<'a>(outcomes: &[&'a Outcome], nm: &[f64], weights: &[f64]) -> Vec<Weighted<'a>> {
+fn weighted<'a>(outcomes: &[&'a Outcome], weights: &[(f64, f64)]) -> Vec<Weighted<'a>> {
     let weighted = outcomes.iter().filter_map(|one| {
         let wavelength = one.case.at.wavelength_nm();
-        let number = nm.iter().position(|nm| Some(*nm) == wavelength)?;
-        Some((*one, weights[number]))
+        let (_, weight) = weights.iter().find(|(nm, _)| Some(*nm) == wavelength)?;
+        Some((*one, *weight))
     });
     weighted.collect()
 }

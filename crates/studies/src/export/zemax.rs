@@ -14,12 +14,27 @@ use asperity_tally::{Component, Side, TallyResult};
 use asperity_tracer::HalfSpace;
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::{Directions, from_one_side, of_one_sample};
+use super::directions::{Directions, from_one_side};
 use super::measurement::Measurement;
+use super::planned::{Planned, check_light, check_one_sample};
 use super::specular_table::{SpecularGrid, specular_theta};
 
+/// Checks that a file can hold such cases.
+pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
+    check_light(cases)?;
+    check_one_sample(cases)?;
+    let directions = Directions::of(&from_one_side(cases))?;
+    match directions.wavelengths_nm.len() {
+        1 => Ok(()),
+        _ => Err(
+            "is of one wavelength, and there are results of several: measure one at a time"
+                .to_owned(),
+        ),
+    }
+}
+
 pub(super) fn contents(measurement: &Measurement, side: Option<Side>) -> Result<Contents, String> {
-    let all = of_one_sample(measurement)?;
+    let all = measurement.outcomes()?;
     let side = recorded(&all, side)?;
     let mut outcomes = from_one_side(&all);
     let from_other_side = all.len() - outcomes.len();
@@ -31,12 +46,7 @@ pub(super) fn contents(measurement: &Measurement, side: Option<Side>) -> Result<
     }
     let beyond = lit - outcomes.len();
     let directions = Directions::of(&outcomes)?;
-    let [wavelength_nm] = directions.wavelengths_nm[..] else {
-        return Err(
-            "is of one wavelength, and there are results of several: measure one at a time"
-                .to_owned(),
-        );
-    };
+    let wavelength_nm = directions.wavelengths_nm[0];
     let incidences = &directions.outcomes[..directions.theta_deg.len()];
     let thetas: Vec<f64> = incidences
         .iter()

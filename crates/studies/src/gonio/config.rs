@@ -88,6 +88,11 @@ impl GonioLight {
         matches!(self.directions, Some(LightDirections::Named(_)))
     }
 
+    /// The pairs of polar angle and azimuth that light comes from, where these are not all.
+    fn pairs(&self) -> Option<Vec<[f64; 2]>> {
+        self.is_of_patches().then(|| klems_centres().collect())
+    }
+
     /// Polar angles and azimuths, degrees; every pair is a direction, of patches every pair that is the centre of one.
     ///
     /// # Errors
@@ -226,9 +231,10 @@ impl GonioConfig {
     pub(super) fn pairs(&self) -> Result<Vec<[usize; 2]>, ConfigError> {
         let [thetas, phis] = self.angles()?;
         let all = (0..thetas.len()).flat_map(|theta| (0..phis.len()).map(move |phi| [theta, phi]));
+        let lit = self.light.pairs();
         let is_lit = |&[theta, phi]: &[usize; 2]| {
-            !self.light.is_of_patches()
-                || klems_centres().any(|centre| centre == [thetas[theta], phis[phi]])
+            let pair = [thetas[theta], phis[phi]];
+            lit.as_ref().is_none_or(|lit| lit.contains(&pair))
         };
         Ok(all.filter(is_lit).collect())
     }
@@ -258,7 +264,7 @@ impl GonioConfig {
                 wavelength: self.light.wavelength.clone(),
                 stokes: self.light.stokes.clone(),
                 sun: SunConfig::default(),
-                centres_alone: self.light.is_of_patches(),
+                pairs: self.light.pairs(),
             },
             run: self.run.clone(),
             compare: CompareConfig::none(),

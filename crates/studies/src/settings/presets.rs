@@ -3,7 +3,7 @@
 use super::entry::Entry;
 
 /// Formats, and the flags of each.
-const PRESETS: [(&str, &[(&str, &str)]); 8] = [
+const PRESETS: [(&str, &[(&str, &str)]); 9] = [
     ("netcdf", &[("bins", "36x72")]),
     (
         "klems",
@@ -15,6 +15,7 @@ const PRESETS: [(&str, &[(&str, &str)]); 8] = [
         ],
     ),
     ("rgl", &[("theta", DENSE), (AZIMUTH, "random")]),
+    ("rgl-rgb", &[("theta", DENSE), (AZIMUTH, "random")]),
     (
         "tensor-tree",
         &[("theta", DENSE), ("from", "both"), (AZIMUTH, "random")],

@@ -3,13 +3,13 @@
 use asperity_optics::{azimuth, from_spherical, polar_angle};
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, Side, TallyResult};
-use asperity_tracer::HalfSpace;
 use glam::DVec3;
 
-use crate::export::directions::{Directions, of_one_sample};
+use crate::export::directions::Directions;
 use crate::export::half_vectors::HalfVectors;
 use crate::export::interpolation::Interpolated;
 use crate::export::measurement::Measurement;
+use crate::export::planned::{OfCase, Planned, check_reflection};
 
 /// Light from one direction, at one wavelength.
 pub(super) struct Slice<'a> {
@@ -45,7 +45,7 @@ impl Slice<'_> {
 
 /// Outcomes of one sample over wavelengths and directions of light.
 pub(super) struct Sample<'a> {
-    pub(super) directions: Directions<'a>,
+    pub(super) directions: Directions<&'a Outcome>,
     /// Polar angles of the light, radians, ascending.
     pub(super) theta: Vec<f64>,
     /// Azimuths of the light, radians, ascending from -pi to pi, with the number of the results of each; one for isotropic files.
@@ -54,19 +54,11 @@ pub(super) struct Sample<'a> {
 
 impl<'a> Sample<'a> {
     pub(super) fn of(measurement: &'a Measurement) -> Result<Self, String> {
-        let outcomes = of_one_sample(measurement)?;
-        outcomes.iter().try_for_each(|outcome| check(outcome))?;
-        let directions = Directions::of(&outcomes)?;
+        let directions = directions(&measurement.outcomes()?)?;
         let theta = directions.theta_deg.iter();
-        let theta: Vec<f64> = theta.map(|theta| theta.to_radians()).collect();
-        if theta.len() < 2 {
-            return Err(
-                "needs light from several polar angles: measure with gonio --for rgl".to_owned(),
-            );
-        }
         Ok(Self {
             phi: turn_of(&directions.phi_deg)?,
-            theta,
+            theta: theta.map(|theta| theta.to_radians()).collect(),
             directions,
         })
     }
@@ -123,14 +115,14 @@ fn turn_of(azimuths: &[f64]) -> Result<Vec<(f64, usize)>, String> {
     Ok(turn.iter().map(|&(phi, i)| (phi.to_radians(), i)).collect())
 }
 
-/// Checks that a case is reflection of light from above.
-fn check(outcome: &Outcome) -> Result<(), String> {
-    let light = &outcome.case.light;
-    if light.from != HalfSpace::Above {
-        return Err("holds reflection of light from above: measure with --from above".to_owned());
-    }
-    if !outcome.statistics.spec().records(Side::Reflected) {
-        return Err("holds reflected light: measure with --side both or reflected".to_owned());
-    }
-    Ok(())
+/// Checks that a file can hold such cases.
+pub(in crate::export) fn check(cases: &[Planned]) -> Result<(), String> {
+    check_reflection(cases)?;
+    turn_of(&directions(cases)?.phi_deg).map(drop)
+}
+
+fn directions<T: OfCase + Copy>(outcomes: &[T]) -> Result<Directions<T>, String> {
+    let directions = Directions::of(outcomes)?;
+    directions.check_polar_angles("rgl")?;
+    Ok(directions)
 }

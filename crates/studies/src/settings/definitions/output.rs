@@ -92,7 +92,7 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE),
         basic("output", Kind::Path)
-            .help("File to write: .nc, .xml, .bsdf, .json or .ssdd, by the format")
+            .help("File: .nc, .xml, .bsdf, .pbsdf, .json or .ssdd, by the format")
             .commands(EXPORT)
             .short('o')
             .value_name(FILE)
