@@ -348,6 +348,7 @@ const STUDIES: [(&str, &[&str]); 24] = [
         &[
             "config",
             "error",
+            "export",
             "given",
             "output",
             "report",

@@ -199,7 +199,7 @@ fn a_tensor_tree_of_a_sample_with_a_direction_sends_light_where_it_went() {
     let line = "gonio --surface saw.txt --spacing 1 --eta 1.5 --thickness 1000 --from both --theta 20,40,60 --phi 0:330:30";
     folder.succeed(format!("{line} --rays 2e4 --no-plots --quiet -o g"));
     let text = folder.succeed("export g --format tensor-tree -o g.xml");
-    unwrapped(&text).must_contain("TensorTree4 of 64 cells");
+    unwrapped(&text).must_contain("TensorTree4 of 32 cells");
     let xml = folder.text("g.xml");
     let bsdf = Table::read(&folder.join("g/bsdf.csv"));
     for (setting, from) in ["Back", "Front"].into_iter().enumerate() {

@@ -10,7 +10,6 @@ use asperity_tracer::MeshError;
 
 use crate::config::SurfaceFileError;
 use crate::config::error::{ConfigError, with_insistence};
-use crate::export::Unfit;
 use crate::given::{ComparedSurfaceError, GivenError};
 use crate::settings::SettingError;
 
@@ -39,9 +38,6 @@ pub enum StudyError {
     /// The surfaces cannot be simulated.
     #[error(transparent)]
     Simulate(SimulateError),
-    /// The format that they are measured for cannot hold them.
-    #[error(transparent)]
-    Unfit(#[from] Unfit),
     /// Results cannot be kept.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -121,7 +117,7 @@ impl StudyError {
                 error.is_usage()
             }
             Self::Config(ConfigError::Record(_)) => false,
-            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) | Self::Unfit(_) => true,
+            Self::Setting(_) | Self::Config(_) | Self::ComparedSurface(_) => true,
             Self::Render(error) => matches!(
                 error,
                 RenderError::View(_)

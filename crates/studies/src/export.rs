@@ -27,17 +27,17 @@ mod zemax;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, check_ending, is_same_file, shown_path, write_bytes};
-use asperity_tally::Side;
+use asperity_simulate::Case;
+use asperity_tally::{Side, TallySpec};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use self::contents::{Agreement, Contents, farthest, table};
-pub use self::error::{ExportError, Unfit};
+pub use self::error::ExportError;
 use self::measurement::Measurement;
 use self::planned::{Planned, check_light};
 use self::rgl::Channels;
 use crate::output::{Head, note_lines};
-use crate::verify::plan::Plan;
 
 /// Configuration of `asperity export`.
 #[derive(Clone, Debug, Deserialize)]
@@ -107,8 +107,8 @@ impl ExportFormat {
     }
 
     /// Checks that the format can hold such cases, as far as is known before they are traced.
-    fn check(self, cases: &[Planned]) -> Result<(), Unfit> {
-        let checked = match self {
+    fn check(self, cases: &[Planned]) -> Result<(), String> {
+        match self {
             Self::Netcdf => Ok(()),
             Self::Klems => klems::check(cases),
             Self::TensorTree => tensor_tree::check(cases),
@@ -117,14 +117,6 @@ impl ExportFormat {
             Self::Zemax => zemax::check(cases),
             Self::Fit => check_light(cases),
             Self::Ssdd => ssdd::check(cases),
-        };
-        checked.map_err(|reason| self.unfit(reason))
-    }
-
-    const fn unfit(self, reason: String) -> Unfit {
-        Unfit {
-            format: self.in_words(),
-            reason,
         }
     }
 
@@ -140,20 +132,20 @@ impl ExportFormat {
     }
 }
 
-/// Checks that the format of `gonio --for` can hold what is planned.
+/// Checks that the format of `gonio --for` can hold results of such cases, each with what is recorded of it.
 ///
 /// # Errors
-/// [`Unfit`].
-pub(crate) fn check_plan(format: &Value, plan: &Plan) -> Result<(), Unfit> {
+/// A sentence.
+pub(crate) fn check_planned<'a>(
+    format: &Value,
+    cases: impl Iterator<Item = (&'a Case, TallySpec)>,
+) -> Result<(), String> {
     let Ok(format) = ExportFormat::deserialize(format) else {
         return Ok(());
     };
-    let cases = plan.cases.iter();
-    let cases = cases.map(|case| Planned {
-        case,
-        spec: plan.settings.spec_of(case),
-    });
-    format.check(&cases.collect::<Vec<_>>())
+    let cases: Vec<Planned> = cases.map(|(case, spec)| Planned { case, spec }).collect();
+    let checked = format.check(&cases);
+    checked.map_err(|reason| format!("{} {reason}", format.in_words()))
 }
 
 /// A file that is ready to be written.
@@ -186,9 +178,13 @@ impl ExportConfig {
             return Err(ExportError::Input(output.to_owned()));
         }
         let measurement = Measurement::read(path)?;
+        let unfit = |reason| ExportError::Unfit {
+            format: format.in_words(),
+            reason,
+        };
         let outcomes = measurement.cases.iter().map(|case| &case.outcome);
         let cases: Vec<Planned> = outcomes.map(Planned::from).collect();
-        format.check(&cases)?;
+        format.check(&cases).map_err(unfit)?;
         let contents = match format {
             ExportFormat::Netcdf => netcdf::contents(&measurement),
             ExportFormat::Klems => klems::contents(&measurement),
@@ -200,7 +196,7 @@ impl ExportConfig {
             ExportFormat::Fit => fit::contents(&measurement),
             ExportFormat::Ssdd => ssdd::contents(&measurement),
         };
-        let contents = contents.map_err(|reason| format.unfit(reason))?;
+        let contents = contents.map_err(unfit)?;
         Ok(Exported {
             format: *format,
             contents,

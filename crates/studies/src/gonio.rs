@@ -27,7 +27,7 @@ use self::summary::gonio_table;
 
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
-use crate::export::check_plan;
+use crate::export::check_planned;
 use crate::report::views::Views;
 use crate::settings::Document;
 use crate::study::{Findings, Study, finished, tracing};
@@ -105,7 +105,11 @@ impl Study for GonioStudy {
         });
         let study = Self::new(config, sample.transpose()?)?;
         if let Some(format) = document.value("results.for") {
-            check_plan(&format, &study.plan)?;
+            let Plan {
+                cases, settings, ..
+            } = &study.plan;
+            let cases = cases.iter().map(|case| (case, settings.spec_of(case)));
+            check_planned(&format, cases).map_err(ConfigError::Unfit)?;
         }
         Ok(Self { notes, ..study })
     }

@@ -67,7 +67,7 @@ pub use converge::{
     Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
-pub use export::{ExportConfig, ExportError, Exported, Unfit};
+pub use export::{ExportConfig, ExportError, Exported};
 pub use generate::{GeneratePlan, GeneratedSurface};
 pub use given::{
     ComparedSurfaceError, FileProblem, GivenError, GivenShape, GivenSurface, GivenSurfaces,

@@ -20,6 +20,9 @@ pub enum ConfigError {
     /// A value is unknown, invalid, missing or excluded by another, by itself or with the surfaces and the light at hand.
     #[error(transparent)]
     Setting(#[from] SettingError),
+    /// Cases that the format they are measured for cannot hold.
+    #[error("{0}")]
+    Unfit(String),
     /// A value that does not suit the surfaces, the light or the study.
     #[error("{given}: {reason}")]
     Unsuitable {

@@ -48,7 +48,7 @@ impl<T: OfCase + Copy> Directions<T> {
         wavelengths_nm.dedup();
         let theta_deg = ascending(outcomes.iter().map(theta));
         let oblique = outcomes.iter().filter(|one| !is_vertical(one));
-        let mut phi_deg = ascending(oblique.map(|one| azimuth(one)));
+        let mut phi_deg = ascending(oblique.map(azimuth));
         if phi_deg.is_empty() {
             phi_deg = vec![azimuth(&outcomes[0])];
         }

@@ -5,16 +5,6 @@ use std::path::PathBuf;
 use asperity_io::{WriteError, shown, shown_path};
 use asperity_results::ResultsError;
 
-/// Cases that a format cannot hold.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{format} {reason}")]
-pub struct Unfit {
-    /// Name of the format.
-    pub(super) format: &'static str,
-    /// What it needs, and how to get it.
-    pub(super) reason: String,
-}
-
 /// Reason for which results are not exported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -49,8 +39,13 @@ pub enum ExportError {
     #[error("{} holds no finished direction", shown_path(.0))]
     Empty(PathBuf),
     /// The format holds results of other cases.
-    #[error(transparent)]
-    Unfit(#[from] Unfit),
+    #[error("{format} {reason}")]
+    Unfit {
+        /// Name of the format.
+        format: &'static str,
+        /// What it needs, and how to get it.
+        reason: String,
+    },
 }
 
 impl ExportError {
@@ -63,7 +58,7 @@ impl ExportError {
                 | Self::Input(_)
                 | Self::Ending(_)
                 | Self::OtherStudy { .. }
-                | Self::Unfit(_)
+                | Self::Unfit { .. }
         )
     }
 }

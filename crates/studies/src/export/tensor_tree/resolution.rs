@@ -9,11 +9,12 @@ const RESOLVED: f64 = 0.1;
 /// Cells per axis of the grid on which resolution is judged.
 const FINEST: usize = 256;
 
-/// Fewest cells per axis of the `candidates`, ascending, that resolve the lobes, otherwise the most, and the part of the light that moves within them.
+/// Fewest cells per axis of the `candidates`, ascending, that resolve the lobes, or `otherwise`, one of them, and the part of the light that moves within them.
 ///
 /// A lobe is the BSDF over directions projected onto the mean plane.
 pub(super) fn resolving(
     candidates: &[usize],
+    otherwise: usize,
     lobes: impl Iterator<Item = impl Fn(DVec2) -> f64>,
 ) -> (usize, f64) {
     let mut moved = vec![0.0; candidates.len()];
@@ -46,7 +47,8 @@ pub(super) fn resolving(
         }
     }
     let is_taken = |place: &usize| moved[*place] <= RESOLVED * sum;
-    let places = 0..candidates.len();
-    let place = places.clone().find(is_taken).unwrap_or(places.end - 1);
+    let fewest = (0..candidates.len()).find(is_taken);
+    let otherwise = candidates.iter().position(|cells| *cells == otherwise);
+    let place = fewest.or(otherwise).unwrap_or(0);
     (candidates[place], moved[place] / sum)
 }
