@@ -117,9 +117,22 @@ def test_radiance_sees_light_straight_on_and_mirrored(klems):
         assert mirrored > 100 * back
 
 
-def test_pywincalc_parses_the_file(klems):
+@pytest.mark.parametrize(("method", "theta"), [("PHOTOPIC", 60), ("SOLAR", 20)])
+def test_glazing_of_window_sends_light_as_measured(klems, method, theta):
     product = pywincalc.parse_bsdf_xml_file(str(klems / "slab.xml"))
     assert product.thickness == pytest.approx(0.001)
+    standard = Path(pywincalc.__file__).parent / "standards/W5_NFRC_2003.std"
+    glazing = pywincalc.GlazingSystem(
+        optical_standard=pywincalc.load_standard(str(standard)),
+        solid_layers=[product],
+        bsdf_hemisphere=pywincalc.BSDFHemisphere.create(pywincalc.BSDFBasisType.FULL),
+    )
+    light = glazing.optical_method_results(method, theta, 0).system_results
+    for source, side in (("above", light.back), ("below", light.front)):
+        lit = (row for row in rows(klems / "out/gonio.csv") if (row["from"], float(row["theta_i_deg"])) == (source, theta))
+        measured = next(lit)
+        for name, found in (("reflected", side.reflectance), ("transmitted", side.transmittance)):
+            assert found.direct_hemispherical == pytest.approx(float(measured[name]), abs=1e-5), (source, name)
 
 
 def flux_and_mean(directions, fluxes):

@@ -1,14 +1,66 @@
-"""Recipes of docs/recipes.md: their commands with few rays, then their Python as it stands. ASPERITY names the program."""
+"""Recipes of docs/recipes.md: their commands with few rays, then their Python as it stands, and what it found. ASPERITY names the program."""
 
+import csv
 import os
 import re
 import subprocess
 from pathlib import Path
 
+import mitsuba
+import numpy as np
 import pytest
 
 PAGE = Path(__file__).parents[2] / "docs/recipes.md"
 SECTIONS = PAGE.read_text().split("\n## ")[1:]
+
+
+def reflected(folder, theta, phi):
+    """Measured reflectance of light from a direction."""
+    with open(f"{folder}/gonio.csv", newline="") as file:
+        found = (row for row in csv.DictReader(file) if (float(row["theta_i_deg"]), float(row["phi_i_deg"])) == (theta, phi))
+        return float(next(found)["reflected"])
+
+
+def check_netcdf(names):
+    light = names["data"].flux.sel(side="reflected", theta_i=40, phi_i=90)
+    assert float(light) == reflected("bsdf", 40, 90)
+
+
+def check_numpy(names):
+    assert (names["bsdf"] * names["weight"]).sum() == pytest.approx(reflected("arrays", 40, 0), rel=1e-9)
+
+
+def check_film(names):
+    through, scattered = (names["bsdf"].query(names["film"], 30, 0, 150, turn)[1] for turn in (180, 0))
+    assert through > 10 * scattered
+
+
+def check_glass(names):
+    # Slopes of the surface have a deviation of about sqrt(2) sigma / tau, and alpha is sqrt(2) times that
+    alpha = names["transmitted"][names["law"]]["parameters"]["alpha"]
+    assert alpha == pytest.approx(0.25, rel=0.3)
+
+
+def check_gold(names):
+    point = mitsuba.SurfaceInteraction3f()
+    point.wi = mitsuba.Vector3f(0.5, 0, np.sqrt(0.75))
+    red, green, blue = names["gold"].eval(mitsuba.BSDFContext(), point, mitsuba.Vector3f(-0.5, 0, np.sqrt(0.75)))
+    assert red > green > 1.5 * blue > 0
+
+
+def check_energy(names):
+    ratio = names["reflected"] / names["single"]
+    assert ratio.min() > 0.9 and ratio[-1].max() > 1.1
+
+
+CHECKS = {
+    "Rough glass into Mitsuba": check_glass,
+    "Rough metal into Mitsuba and pbrt": check_gold,
+    "Film into WINDOW and Radiance": check_film,
+    "NetCDF in xarray": check_netcdf,
+    "NumPy without a library": check_numpy,
+    "Energy compensation of rough glass": check_energy,
+}
 
 
 @pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.splitlines()[0])
@@ -22,5 +74,8 @@ def test_python_of_recipes_runs(section, tmp_path, monkeypatch):
         if line.startswith(("asperity gonio", "asperity albedo")):
             few = "--no-plots --rays " + ("1e4" if "--surface" in line else "1e3 --realisations 2")
         subprocess.run([program, *f"{line} {few} --quiet".split()[1:]], check=True)
+    names = {}
     for block in re.findall(r"```python\n(.*?)```", section, re.DOTALL):
-        exec(block, {})
+        exec(block, names)
+    if names:
+        CHECKS[section.splitlines()[0]](names)
