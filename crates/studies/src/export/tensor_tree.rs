@@ -18,7 +18,7 @@ use glam::DVec2;
 use self::disc::{PARTS, disc, middle};
 use self::grid::{Grid, flux_of};
 use self::resolution::resolving;
-use super::contents::{Agreement, Contents, coarse_note};
+use super::contents::{Agreement, Contents};
 use super::directions::Directions;
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
@@ -62,7 +62,6 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         factors[1]
     ));
     notes.extend(functions[0].directions.sparse_note("tensor-tree"));
-    notes.extend(coarse_note(&agreement));
     let last = (1.0 - 2.0 / cells as f64).asin().to_degrees();
     notes.push(format!(
         "light within a cell has the mean of the cell: at grazing incidence, of all light from {last:.0} to 90 degrees"
