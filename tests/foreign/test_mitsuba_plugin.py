@@ -130,6 +130,8 @@ def test_samples_have_the_weights_of_eval_and_pdf(folder, variant):
             # Floats give directions to 1e-6, near the horizon to 1e-3
             assert dr.allclose(pdf, sample.pdf, rtol=1e-2)
             assert dr.allclose(value[0], weight[0] * pdf, rtol=1e-5)
+            # Nothing is absorbed, and radiance scales by the square of the index
+            assert dr.allclose(weight[0] * sample.eta**2, 1, atol=1e-4)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -192,3 +194,16 @@ def test_model_has_the_published_energy():
 def test_files_without_common_bins_are_refused(folder):
     with pytest.raises(Exception, match="measure with --bins"):
         table("scalar_rgb", folder, "refined")
+
+
+def test_a_sculpture_is_closed():
+    meshes = importlib.import_module("meshes")
+    vertices, triangles = meshes.sculpture("bust")
+    meshes.check(vertices, triangles)
+    assert len(triangles) > 20000
+    # A shape without handles
+    assert len(vertices) - len(triangles) / 2 == 2
+    with pytest.raises(ValueError, match="not closed"):
+        meshes.check(vertices, triangles[1:])
+    with pytest.raises(ValueError, match="inside out"):
+        meshes.check(vertices, triangles[:, ::-1])
