@@ -52,19 +52,21 @@ class Measurement:
 
     def on_square(self, nodes):
         """The BSDF at `nodes` by `nodes` points of the unit square, which the concentric map takes to projected directions."""
+        # All sectors meet at the normal, and beyond the last ring the BSDF is constant
+        inner, outer = self.bsdf[..., :1, :], self.bsdf[..., -1:, :]
+        pole = np.broadcast_to(inner.mean(-1, keepdims=True), inner.shape)
+        rings = np.concatenate([pole, self.bsdf, outer], axis=-2)
         bins, sectors = self.bsdf.shape[-2:]
         x, y = disk(nodes)
-        ring = np.arcsin(np.minimum(np.hypot(x, y), 1)) / (np.pi / 2) * bins - 0.5
-        sector = np.arctan2(y, x) / (2 * np.pi) % 1 * sectors - 0.5
-        first, of_next = np.floor(ring).astype(int), ring - np.floor(ring)
-        left, of_right = np.floor(sector).astype(int), sector - np.floor(sector)
+        theta = np.arcsin(np.minimum(np.hypot(x, y), 1)) / (np.pi / 2) * bins
+        ring = np.interp(theta, [0, 0.5, bins + 0.5], [0, 1, bins + 1])
+        sector = np.arctan2(y, x) / (2 * np.pi) * sectors - 0.5
         result = np.zeros((*self.bsdf.shape[:3], *x.shape), np.float32)
-        for at_ring, weight in ((first, 1 - of_next), (first + 1, of_next)):
-            # Beyond the normal a ring goes on at the opposite azimuth; beyond the horizon as in the last one
-            opposite = np.where(at_ring < 0, sectors // 2, 0)
-            at_ring = np.clip(np.where(at_ring < 0, 0, at_ring), 0, bins - 1)
-            for at_sector, share in ((left, 1 - of_right), (left + 1, of_right)):
-                result += self.bsdf[..., at_ring, (at_sector + opposite) % sectors] * weight * share
+        for i in (0, 1):
+            for j in (0, 1):
+                weight = (1 - np.abs(ring - np.floor(ring) - i)) * (1 - np.abs(sector - np.floor(sector) - j))
+                of_bins = rings[..., np.floor(ring).astype(int) + i, (np.floor(sector).astype(int) + j) % sectors]
+                result += of_bins * weight
         return result
 
 
@@ -97,7 +99,8 @@ class AsperityTable(mi.BSDF):
         # Nothing to sample where no light goes: a constant, of which the flux is zero
         values[values.sum((-2, -1)) == 0] = 1
         theta = file.theta_i.tolist()
-        self.lobes = [[mi.MarginalContinuous2D1(one, [theta]) for one in of_source] for of_source in values]
+        # By number of the lobe and polar angle of `wi`
+        self.lobes = mi.MarginalContinuous2D2(values.reshape(4, *values.shape[2:]), [list(range(4)), theta])
         self.fluxes = [[Curve(theta, one) for one in of_source] for of_source in file.flux]
         both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
         self.m_components = [
@@ -125,16 +128,14 @@ class AsperityTable(mi.BSDF):
             return 1
         return dr.square(dr.select(above, 1 / self.eta, self.eta))
 
-    def lobe(self, theta, above, reflected, call):
-        """One of four distributions: `call` says what it is asked."""
-        first, second, third, fourth = (call(one, [theta]) for of_source in self.lobes for one in of_source)
-        return choose(above, choose(reflected, first, second), choose(reflected, third, fourth))
+    def lobe(self, theta, above, reflected):
+        """Parameters of one of the four lobes."""
+        return [dr.select(above, 0.0, 2.0) + dr.select(reflected, 0.0, 1.0), theta]
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         theta, above, fluxes, probability = self.sides(ctx, si)
         reflected = sample1 < probability
-        draw = lambda lobe, at: lobe.sample(sample2, at, active)
-        position, density = self.lobe(theta, above, reflected, draw)
+        position, density = self.lobes.sample(sample2, self.lobe(theta, above, reflected), active)
         projected = mi.warp.square_to_uniform_disk_concentric(position)
         cosine = dr.safe_sqrt(1 - dr.squared_norm(projected))
         # About the azimuth of wi
@@ -156,8 +157,7 @@ class AsperityTable(mi.BSDF):
         cosine = mi.Frame3f.cos_theta(wo)
         reflected = (cosine > 0) == above
         position = mi.warp.uniform_disk_to_square_concentric(turned(mi.Vector2f(wo.x, wo.y), -azimuth(si.wi)))
-        look_up = lambda lobe, at: lobe.eval(position, at, active)
-        density = self.lobe(theta, above, reflected, look_up) * dr.abs(cosine) / dr.pi
+        density = self.lobes.eval(position, self.lobe(theta, above, reflected), active) * dr.abs(cosine) / dr.pi
         active &= (mi.Frame3f.cos_theta(si.wi) != 0) & (cosine != 0)
         value = dr.select(reflected, fluxes[0], fluxes[1] * self.of_radiance(ctx, above)) * density
         pdf = dr.select(reflected, probability, 1 - probability) * density
@@ -183,13 +183,6 @@ class Curve:
 
     def at(self, angle):
         return self.curve.eval_pdf(dr.clip(angle, self.first, self.last))
-
-
-def choose(condition, first, second):
-    """`dr.select` of values, or of pairs of values."""
-    if isinstance(first, tuple):
-        return tuple(dr.select(condition, one, other) for one, other in zip(first, second))
-    return dr.select(condition, first, second)
 
 
 def azimuth(w):

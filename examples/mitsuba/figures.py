@@ -15,6 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("llvm_ad_mono")
+mi.set_log_level(mi.LogLevel.Error)
 import asperity_bsdf  # noqa: E402, F401
 import meshes  # noqa: E402
 
@@ -68,7 +69,7 @@ def sculpture(material, mesh):
     scene = {
         "sculpture": {"type": "ply", "filename": mesh["filename"], "face_normals": True, "bsdf": material},
         "light": {"type": "directional", "direction": [0, 0, 1], "irradiance": 1.0},
-        "camera": camera(0.75 * size, 1.05 * size, middle),
+        "camera": camera(0.75 * size, 1.3 * size, middle),
     }
     return picture(scene, 16, 32, 4)
 
