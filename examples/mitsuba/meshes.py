@@ -62,7 +62,7 @@ def bust(p):
     head = join(head, ball(side, (0.047, 1.315, 0.415), 0.034), 0.03)
     head = join(head, ellipsoid(p, (0, 1.212, 0.375), (0.105, 0.024, 0.05)), 0.02)
     head = join(head, ellipsoid(p, (0, 1.162, 0.365), (0.080, 0.030, 0.05)), 0.02)
-    head = join(head, ellipsoid(side, (0.36, 1.40, -0.04), (0.035, 0.11, 0.065)), 0.03)
+    head = join(head, ellipsoid(side, (0.325, 1.41, -0.03), (0.045, 0.11, 0.065)), 0.06)
     # Hair: a wavy cap above a line from the forehead to the nape, and a knot behind
     hair = ellipsoid(p, (0, 1.66, -0.10), (0.41, 0.42, 0.48))
     strands = 0.014 * np.sin(34 * np.arctan2(x, y - 1.1) + 6 * np.sin(5 * z))
@@ -114,15 +114,15 @@ def angel(p):
     # Wings: feathers that overlap like a fan, bent backwards
     span = np.abs(x)
     bent = (span, y, z + 0.17 + 0.30 * np.clip(span - 0.1, 0, None) - 0.12 * np.clip(span - 0.1, 0, None) ** 2)
-    wing = limb(bent, (0.07, 1.34, 0.02), (0.42, 1.86, 0.0), 0.055, 0.045)
-    wing = join(wing, limb(bent, (0.42, 1.86, 0.0), (0.74, 1.80, 0.0), 0.045, 0.03), 0.06)
+    wing = limb(bent, (0.07, 1.34, 0.02), (0.42, 1.86, 0.0), 0.060, 0.050)
+    wing = join(wing, limb(bent, (0.42, 1.86, 0.0), (0.74, 1.80, 0.0), 0.050, 0.04), 0.06)
     bones = np.array([(0.07, 1.34), (0.42, 1.86), (0.74, 1.80)])
     roots = np.array([np.interp(np.linspace(0.15, 2, 9), range(3), bones[:, k]) for k in (0, 1)]).T
     tips = np.array([(0.18, 0.95), (0.27, 0.80), (0.37, 0.68), (0.48, 0.62), (0.60, 0.62), (0.72, 0.70), (0.83, 0.84), (0.93, 1.03), (1.01, 1.25)])
     for number, (root, tip) in enumerate(zip(roots, tips)):
-        wing = join(wing, feather(bent, root, tip, 0.075, 0.018, 0.012 * (number % 2)), 0.015)
+        wing = join(wing, feather(bent, root, tip, 0.075, 0.018, 0.012 * (number % 2)), 0.03)
     for root, tip in zip(roots[1:], 0.55 * roots[1:] + 0.45 * tips[1:]):
-        wing = join(wing, feather(bent, root, tip, 0.075, 0.020, -0.022), 0.02)
+        wing = join(wing, feather(bent, root, tip, 0.075, 0.020, -0.022), 0.03)
     figure = join(figure, wing, 0.03)
     base = np.maximum(np.sqrt(x**2 + z**2) - 0.50, np.abs(y + 0.05) - 0.06) - 0.015
     return join(figure, base, 0.04)
