@@ -219,7 +219,9 @@ class XuSun(mi.BSDF):
     def gain(self, w):
         """Visibility of Eq. 24, over Smith's masking."""
         tangent = dr.maximum(dr.abs(mi.Frame3f.tan_theta(w)), 1e-6)
-        visibility = dr.exp(-0.7 * tangent / self.s * dr.exp(-dr.square(self.s / (2 * tangent))))
+        exponent = 0.7 * tangent / self.s * dr.exp(-dr.square(self.s / (2 * tangent)))
+        # Not rounded to zero near the horizon: a sample without weight counts as none
+        visibility = dr.exp(-dr.minimum(exponent, 60))
         masking = self.facets.smith_g1(w, mi.Vector3f(0, 0, 1))
         return dr.select(masking > 0, visibility / dr.maximum(masking, 1e-20), 0)
 

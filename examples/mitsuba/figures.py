@@ -69,9 +69,9 @@ def sculpture(material, mesh):
     scene = {
         "sculpture": {"type": "ply", "filename": mesh["filename"], "face_normals": True, "bsdf": material},
         "light": {"type": "directional", "direction": [0, 0, 1], "irradiance": 1.0},
-        "camera": camera(0.75 * size, 1.3 * size, middle),
+        "camera": camera(0.75 * size, 1.25 * size, middle),
     }
-    return picture(scene, 16, 32, 4)
+    return picture(scene, 16, 32, 8)
 
 
 def figure(filename, title, rows, columns, compute):
@@ -88,7 +88,7 @@ def figure(filename, title, rows, columns, compute):
             axis.imshow(images[name] / white(images[name]), cmap="gray", vmin=0, vmax=1)
             axis.set_xlabel(f"max {white(images[name]) / peak:.2f}, sum {images[name].sum() / exact.sum():.2f}", fontsize=6, labelpad=1)
         for axis, name in zip(line[3:], names):
-            shown = axis.imshow((images[name] - exact) / peak, cmap="RdBu_r", vmin=-0.5, vmax=0.5)
+            shown = axis.imshow((images[name] - exact) / peak, cmap="RdBu_r", vmin=-0.3, vmax=0.3)
             difference = np.abs(images[name] - exact).sum() / exact.sum()
             axis.set_xlabel(f"sum of differences {difference:.2f}", fontsize=6, labelpad=1)
         line[0].set_ylabel(label, fontsize=8)
@@ -99,7 +99,7 @@ def figure(filename, title, rows, columns, compute):
         axis.set_title(name, fontsize=8)
     for axis in axes.flat:
         axis.set(xticks=[], yticks=[])
-    bar = fig.colorbar(shown, ax=axes[:, 3:], orientation="horizontal", shrink=0.7, pad=0.01, aspect=40)
+    bar = fig.colorbar(shown, ax=axes[:, 3:], orientation="horizontal", extend="both", shrink=0.7, pad=0.01, aspect=40)
     bar.ax.tick_params(labelsize=6)
     bar.set_label("in units of the maximum of the explicit image", fontsize=6)
     fig.savefig(filename, dpi=130)
