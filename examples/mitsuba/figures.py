@@ -102,7 +102,7 @@ def figure(filename, title, rows, columns, compute):
     bar = fig.colorbar(shown, ax=axes[:, 3:], orientation="horizontal", extend="both", shrink=0.7, pad=0.01, aspect=40)
     bar.ax.tick_params(labelsize=6)
     bar.set_label("in units of the maximum of the explicit image", fontsize=6)
-    fig.savefig(filename, dpi=130)
+    fig.savefig(filename, dpi=115)
 
 
 def white(image):

@@ -113,36 +113,37 @@ def test_light_goes_where_it_went(folder, variant):
         towards *= [1, 1, 1 if source == "above" else -1]
         expected = np.abs(towards[:, 2]) * [float(row["bsdf"]) for row in of_source]
         found = values(bsdf, direction(40 if source == "above" else 140, 70), towards, "Importance")
-        # Bins are flat and nodes are not: 2 % of the light in all, of any bin up to a tenth of the peak
+        # Interpolation between bins smooths their noise: 1.4 % of the light from above, 4 % from below, at three seeds
         solid_angles = np.sin(np.radians(angles[:, 0]))
-        assert np.sum(solid_angles * np.abs(found - expected)) < 0.05 * np.sum(solid_angles * expected), source
+        assert np.sum(solid_angles * np.abs(found - expected)) < 0.06 * np.sum(solid_angles * expected), source
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_samples_have_the_weights_of_eval_and_pdf(folder, variant):
-    bsdf, context, random = table(variant, folder), mi.BSDFContext(), np.random.default_rng(1).random((300, 3))
-    numbers = random.tolist() if "scalar" in variant else [mi.Point3f(np.float32(random.T))]
-    for theta in (0.0, 33.0, 85.0, 120.0, 179.0):
-        point = seen_from(direction(theta, 20))
-        for u in numbers:
-            sample, weight = bsdf.sample(context, point, u[0], mi.Point2f(u[1], u[2]), True)
-            value, pdf = bsdf.eval_pdf(context, point, sample.wo, True)
-            # Floats give directions to 1e-6, near the horizon to 1e-3
-            assert dr.allclose(pdf, sample.pdf, rtol=1e-2)
-            assert dr.allclose(value[0], weight[0] * pdf, rtol=1e-5)
-            # Nothing is absorbed, and radiance scales by the square of the index
-            assert dr.allclose(weight[0] * sample.eta**2, 1, atol=1e-4)
+    bsdf, context, random = table(variant, folder), mi.BSDFContext(), np.random.default_rng(1).random((200, 3))
+    cases = [(direction(theta, 20), u) for theta in (0.0, 33.0, 85.0, 120.0, 179.0) for u in random.tolist()]
+    if "scalar" not in variant:
+        cases = [[np.float32(part).T for part in zip(*cases)]]
+    for wi, u in cases:
+        point = seen_from(wi)
+        sample, weight = bsdf.sample(context, point, mi.Float(u[0]), mi.Point2f(u[1], u[2]), True)
+        value, pdf = bsdf.eval_pdf(context, point, sample.wo, True)
+        # Floats give directions to 1e-6, near the horizon to 1e-3
+        assert dr.allclose(pdf, sample.pdf, rtol=1e-2)
+        assert dr.allclose(value[0], weight[0] * pdf, rtol=1e-5)
+        # Nothing is absorbed, and radiance scales by the square of the index
+        assert dr.allclose(weight[0] * sample.eta**2, 1, atol=1e-4)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_transmission_is_reciprocal(folder, variant):
-    """Of measured directions of the light, between which interpolation is no more than a guess, to the errors of both measurements."""
+    """Of measured directions of the light, between which interpolation is no more than a guess, to the noise of both: 0.5 % at three seeds."""
     bsdf = table(variant, folder)
     angles = [(above, below, turn) for above, below in ((20, 20), (40, 20), (40, 40), (60, 40)) for turn in (165, 180, 195)]
     pairs = [(direction(above, 0), direction(180 - below, turn)) for above, below, turn in angles]
     there = [values(bsdf, above, np.array([below]))[0] / abs(below[2]) for above, below in pairs]
     back = [values(bsdf, below, np.array([above]), "Importance")[0] / abs(above[2]) for above, below in pairs]
-    assert np.sum(there) == pytest.approx(np.sum(back), rel=0.05)
+    assert np.sum(there) == pytest.approx(np.sum(back), rel=0.02)
 
 
 @pytest.mark.skipif(not LLVM, reason=NO_LLVM)
