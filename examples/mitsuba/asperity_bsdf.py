@@ -38,6 +38,8 @@ class Measurement:
             raise ValueError(f"{filename}: dimensions {dimensions}: must be {DIMENSIONS}, one setting lit by --from both")
         if "bsdf_exact" in variables:
             raise ValueError(f"{filename}: bins differ between directions: measure with --bins, such as --bins 60x90")
+        if len(variables["theta_i"]) < 2:
+            raise ValueError(f"{filename}: one polar angle of the light: needs two or more, up to about 88 degrees")
         bsdf = np.maximum(variables["bsdf"], 0)
         if not np.isfinite(bsdf).all():
             raise ValueError(f"{filename}: directions are missing, or a side was not recorded")
@@ -71,7 +73,7 @@ class Measurement:
 
 
 def disk(nodes):
-    """Points of the unit disk at nodes of the unit square, by the area-preserving map of Shirley and Chiu; y, then x."""
+    """Points of the unit disk at nodes of the unit square, by the area-preserving map of Shirley and Chiu: arrays of x and of y."""
     a, b = np.meshgrid(*2 * [np.linspace(-1, 1, nodes)])
     is_steep = np.abs(a) < np.abs(b)
     radius, other = np.where(is_steep, (b, a), (a, b))
