@@ -32,7 +32,8 @@ def folder(tmp_path_factory):
         f"gonio --smoothness 3 --eta {ETA} --theta 0:80:20 --bins 45x72 {common} -o glass",
         f"gonio --smoothness 3 --eta {ETA} --theta 0,40,80 --bins 18x36 --thickness 200 {common} -o pane",
         f"gonio --smoothness 3 --eta {ETA} --theta 40 {common} -o refined",
-        *(f"export {name} --format netcdf -o {name}.nc --quiet" for name in ("glass", "pane", "refined")),
+        f"gonio --smoothness 3 --eta {ETA} --theta 40 --bins 18x36 {common} -o single",
+        *(f"export {name} --format netcdf -o {name}.nc --quiet" for name in ("glass", "pane", "refined", "single")),
     ):
         subprocess.run([program, *line.split()], cwd=folder, check=True)
     return folder
@@ -192,9 +193,10 @@ def test_model_has_the_published_energy():
         assert light.sum() == pytest.approx(expected, rel=2e-3)
 
 
-def test_files_without_common_bins_are_refused(folder):
-    with pytest.raises(Exception, match="measure with --bins"):
-        table("scalar_rgb", folder, "refined")
+@pytest.mark.parametrize("name, reason", [("refined", "measure with --bins"), ("single", "needs two or more")])
+def test_files_that_do_not_suffice_are_refused(folder, name, reason):
+    with pytest.raises(Exception, match=reason):
+        table("scalar_rgb", folder, name)
 
 
 def test_a_sculpture_is_closed():
