@@ -90,7 +90,7 @@ class AsperityTable(mi.BSDF):
 
     The BSDF is interpolated linearly between nodes of equal projected solid angle and between polar angles of the light, and scaled to the
     flux that was measured. The table stands at `wi`, also where `wi` is the direction of the view: by reciprocity, the light that a direction receives
-    is divided among directions of `wo` as the light that it sends. Sampling is exact: the weight of a sample is the reflectance plus the transmittance.
+    is divided among directions of `wo` as the light that it sends. Sampling is exact: the weight of a sample is the reflectance plus the transmittance, times the scale of radiance.
     """
 
     def __init__(self, props):
