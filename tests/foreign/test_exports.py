@@ -221,6 +221,23 @@ def direction(theta, phi):
     return [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
 
 
+def test_pbrt_has_the_fields_that_it_reads(tmp_path):
+    """Names, types and ranks by pbrt-v4's `MeasuredBxDFData::Create`, in the tensor reader of Mitsuba, which does not use them all."""
+    asperity(tmp_path, "gonio --smoothness 3 --material gold --tau 16um --wavelength 500nm,600nm --for rgl --rays 1e3 --no-plots --quiet -o gold")
+    scene = (Path(__file__).parents[2] / "examples/pbrt/ball.pbrt").read_text()
+    file = re.search(r'"measured" "string filename" "(.*)"', scene).group(1)
+    asperity(tmp_path, f"export gold --format rgl -o {file} --quiet")
+    fields = mitsuba.tensor_io.read(str(tmp_path / file))
+    ranks = {"theta_i": 1, "phi_i": 1, "ndf": 2, "sigma": 2, "vndf": 4, "spectra": 5, "luminance": 4, "wavelengths": 1}
+    for name, rank in ranks.items():
+        assert (fields[name].dtype, fields[name].ndim) == (np.float32, rank), name
+    assert fields["description"].dtype == fields["jacobian"].dtype == np.uint8
+    incidence = fields["phi_i"].size, fields["theta_i"].size
+    assert fields["vndf"].shape[:2] == fields["luminance"].shape[:2] == incidence
+    assert fields["spectra"].shape[:3] == (*incidence, fields["wavelengths"].size)
+    assert fields["luminance"].shape[2:] == fields["spectra"].shape[3:]
+
+
 def measured_material(variant, file, theta, phi=0.0):
     """BSDF of Mitsuba, and a point of a surface seen from a direction."""
     mitsuba.set_variant(variant)

@@ -138,7 +138,7 @@ def test_samples_have_the_weights_of_eval_and_pdf(folder, variant):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_transmission_is_reciprocal(folder, variant):
-    """Of measured directions of the light, between which interpolation is no more than a guess, to the noise of both: 0.5 % at three seeds."""
+    """Of measured directions of the light, between which interpolation is no more than a guess, to the noise of both: 0.5 % at two seeds."""
     bsdf = table(variant, folder)
     angles = [(above, below, turn) for above, below in ((20, 20), (40, 20), (40, 40), (60, 40)) for turn in (165, 180, 195)]
     pairs = [(direction(above, 0), direction(180 - below, turn)) for above, below, turn in angles]

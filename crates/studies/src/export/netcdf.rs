@@ -11,7 +11,9 @@ use serde_json::Value;
 use super::axes::{Axes, Axis};
 use super::contents::{Agreement, Contents};
 use super::measurement::Measurement;
-use super::ranges::{Range, edges_from_normal, regular};
+use super::ranges::{
+    Range, bin_light, edges_from_normal, regular, regular_light, ring_from_normal,
+};
 
 /// What angles and sides mean.
 const CONVENTIONS: &str = "theta_i, phi_i: direction towards the light, from the normal of the lit side, and azimuth. side: on which light leaves, reflected on that of the light. theta_o: from the normal of that side; phi_o: azimuth of the direction in which light leaves. bsdf: mean over the bin. Light is unpolarised unless the configuration says otherwise";
@@ -41,10 +43,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
 
     let ranges: Vec<Range> = regular(counts).collect();
     let bsdf = |outcome: &Outcome, side: Side| {
-        let values = ranges.iter().map(|range| {
-            let light = range.light(outcome, side)?;
-            Some(over(light, range.projected_solid_angle()))
-        });
+        let light = regular_light(counts, outcome, side).into_iter();
+        let values = light.zip(&ranges);
+        let values = values.map(|(light, range)| Some(over(light?, range.projected_solid_angle())));
         values.collect()
     };
     file.add_estimates(
@@ -87,7 +88,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         let sides = Side::BOTH.into_iter();
         let sides = sides.filter(|&side| outcome.statistics.spec().records(side));
         let lights = sides.map(|side| {
-            let light = ranges.iter().filter_map(|range| range.light(outcome, side));
+            let light = regular_light(counts, outcome, side).into_iter().flatten();
             let measured = outcome.statistics.flux(side, Component::All);
             Agreement::of(
                 &outcome.case,
@@ -295,15 +296,10 @@ impl<'a> File<'a> {
             let grid = outcome.statistics.spec().grid();
             let edges = edges_from_normal(&grid, side);
             let phi = grid.phi_edges_deg(side);
-            // From the normal outwards on both sides
-            let ring = |i: usize| match side {
-                Side::Reflected => i,
-                Side::Transmitted => edges.len() - 1 - i,
-            };
             let range = |i: usize| {
                 let (row, sector) = (i / sectors, i % sectors);
                 (row < edges.len() && sector + 1 < phi.len()).then(|| Range {
-                    theta_deg: edges[ring(row)],
+                    theta_deg: edges[ring_from_normal(side, edges.len(), row)],
                     phi_deg: [phi[sector], phi[sector + 1]],
                 })
             };
@@ -312,13 +308,12 @@ impl<'a> File<'a> {
                 .collect::<Vec<Option<Range>>>()
         };
         let bsdf = |outcome: &Outcome, side: Side| {
-            let ranges = bins(outcome, side).into_iter();
-            let values = ranges.map(|range| {
-                let range = range?;
-                Some(over(
-                    range.light(outcome, side)?,
-                    range.projected_solid_angle(),
-                ))
+            let rings = outcome.statistics.spec().grid().n_theta();
+            let ranges = bins(outcome, side).into_iter().enumerate();
+            let values = ranges.map(|(i, range)| {
+                let divisor = range?.projected_solid_angle();
+                let ring = ring_from_normal(side, rings, i / sectors);
+                Some(over(bin_light(outcome, side, ring, i % sectors)?, divisor))
             });
             values.collect()
         };
