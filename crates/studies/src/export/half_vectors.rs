@@ -108,9 +108,14 @@ pub(super) fn half_vector([x, y]: [f64; 2]) -> DVec3 {
     from_spherical(x * x * FRAC_PI_2, (2.0 * y - 1.0) * PI)
 }
 
+/// The direction on the other side of a half-vector.
+pub(super) fn mirror(light: DVec3, half: DVec3) -> DVec3 {
+    2.0 * light.dot(half) * half - light
+}
+
 /// The direction in which light leaves, if it does so above the horizon.
 pub(super) fn mirrored(light: DVec3, half: DVec3) -> Option<DVec3> {
-    let leaving = 2.0 * light.dot(half) * half - light;
+    let leaving = mirror(light, half);
     (light.dot(half) > 0.0 && leaving.z > 0.0).then_some(leaving)
 }
 

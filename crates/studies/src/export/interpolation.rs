@@ -15,13 +15,13 @@ use glam::DMat4;
 use super::ranges::{Range, edges_from_normal};
 
 /// A quantity that can be averaged: a number, or a matrix of them.
-pub(super) trait Mixed:
+pub(super) trait Linear:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {
 }
 
-impl Mixed for f64 {}
-impl Mixed for DMat4 {}
+impl Linear for f64 {}
+impl Linear for DMat4 {}
 
 /// BSDF, or Mueller matrix in its place, of light from one direction that leaves on one side.
 pub(super) struct Interpolated<T = f64> {
@@ -44,7 +44,7 @@ impl Interpolated {
     }
 }
 
-impl<T: Mixed> Interpolated<T> {
+impl<T: Linear> Interpolated<T> {
     /// Interpolation between the bins of a side; `flux` takes the number of a bin.
     pub(super) fn over(grid: &HemisphereGrid, side: Side, flux: impl Fn(usize) -> T) -> Self {
         let phi = grid.phi_edges_deg(side);

@@ -19,7 +19,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::Directions;
-use super::half_vectors::{half_vector, integral, mirrored};
+use super::half_vectors::{half_vector, integral, mirror, mirrored};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
 use super::planned::{OfCase, Planned, check_reflection};
@@ -343,11 +343,6 @@ fn nodes() -> [Vec<f64>; 3] {
         theta_d,
         even(HALF_ANGLES, &|part| part * part * FRAC_PI_2),
     ]
-}
-
-/// The direction on the other side of a half-vector.
-fn mirror(light: DVec3, half: DVec3) -> DVec3 {
-    2.0 * light.dot(half) * half - light
 }
 
 /// The interval of ascending values, at least two, that holds `at`, and its part below `at`, clamped.
