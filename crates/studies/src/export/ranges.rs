@@ -134,7 +134,7 @@ pub(super) fn regular_light(
     let of_sectors: Vec<Shares> = (0..sectors).map(sector).collect();
     let of_rings = (0..rings).map(ring);
     let light = of_rings.flat_map(|ring| {
-        let of_ring = |sector| light_of(outcome, side, &ring, sector);
+        let of_ring = |sector: &Shares| light_of(outcome, side, &ring, sector);
         of_sectors.iter().map(of_ring).collect::<Vec<_>>()
     });
     light.collect()
