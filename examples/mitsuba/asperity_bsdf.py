@@ -14,6 +14,8 @@ the square of the index. They are grey, and take all unpolarised variants.
 Needs numpy and scipy.
 """
 
+import warnings
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -27,30 +29,39 @@ class Measurement:
 
     `theta_i`: polar angles of the light, radians, ascending. `flux`: fractions of the incident flux, `[from][side][theta_i]`.
     `bsdf`: 1/sr, `[from][side][theta_i][theta_o][phi_o]`, over bins of equal angles; azimuths are relative to that towards the light.
-    `eta`: index below over index above.
+    `eta`: index behind the sample over index above it.
     """
 
     def __init__(self, filename):
         with netcdf_file(filename, mmap=False) as file:
             variables = {name: one.data for name, one in file.variables.items()}
+            attributes = {name: one.decode() for name, one in file._attributes.items()}
             dimensions = file.variables["bsdf"].dimensions
-        if dimensions != DIMENSIONS:
-            raise ValueError(f"{filename}: dimensions {dimensions}: must be {DIMENSIONS}, one setting lit by --from both")
-        if "bsdf_exact" in variables:
-            raise ValueError(f"{filename}: bins differ between directions: measure with --bins, such as --bins 60x90")
-        if len(variables["theta_i"]) < 2:
-            raise ValueError(f"{filename}: one polar angle of the light: needs two or more, up to about 88 degrees")
+
+        def require(holds, reason):
+            if not holds:
+                raise ValueError(f"{filename}: {reason}")
+
+        measured, planned = attributes["completeness"].split()[:3:2]
+        require(measured == planned, f"{attributes['completeness']}: give the command of gonio again to resume it")
+        require("index_behind" in attributes, "no light leaves behind the sample: Mitsuba has `measured` for reflection (--format rgl)")
+        require(dimensions == DIMENSIONS, f"dimensions {dimensions}: must be {DIMENSIONS}, one setting lit by --from both")
+        require("bsdf_exact" not in variables, "bins differ between directions: measure with --bins, such as --bins 60x90")
+        require(attributes["azimuths"] == "random", "of one azimuth: measure with --light-azimuth random, which takes the mean")
+        require(attributes["light"] == "unpolarised", "of polarised light: measure without --stokes")
+        require("light_spread" not in variables, "of light over patches: measure without --light-spread")
+        require(len(variables["theta_i"]) >= 2, "one polar angle of the light: needs two or more, up to about 88 degrees")
         bsdf = np.maximum(variables["bsdf"], 0)
-        if not np.isfinite(bsdf).all():
-            raise ValueError(f"{filename}: directions are missing, or a side was not recorded")
-        turned = np.roll(bsdf, -round(variables["phi_i"][0] / 360 * bsdf.shape[-1]), axis=-1)
-        if bsdf.shape[2] != 1 or not np.allclose(turned, turned[..., ::-1], rtol=1e-6, atol=1e-9):
-            raise ValueError(f"{filename}: not an isotropic sample: measure it with one --phi and light of random azimuths")
+        require(np.isfinite(bsdf).all(), "a side was not recorded: measure with --side both")
+        turn = variables["phi_i"][0] / 360 * bsdf.shape[-1]
+        require(bsdf.shape[2] == 1 and turn == round(turn), "one azimuth of the light on an edge of bins: measure with --phi 0")
+        turned = np.roll(bsdf, -round(turn), axis=-1)
+        if variables["theta_i"][0] > 5 or variables["theta_i"][-1] < 80:
+            warnings.warn(f"{filename}: constant below the first polar angle of the light and above the last: measure from 0 to 88 degrees")
         self.theta_i = np.radians(variables["theta_i"])
         self.flux = np.maximum(variables["flux"][:, :, 0], 0).swapaxes(1, 2)
         self.bsdf = turned[:, :, 0].swapaxes(1, 2)
-        # A slab is thin: both half spaces have the same index unless the caller knows better
-        self.eta = 1.0 if "thickness" in variables else float(variables["eta"][0])
+        self.eta = float(attributes["index_behind"])
 
     def on_square(self, nodes):
         """The BSDF at `nodes` by `nodes` points of the unit square, which the concentric map takes to projected directions."""
@@ -86,7 +97,7 @@ class AsperityTable(mi.BSDF):
     """BSDF of all orders of scattering, as it was measured on explicit surfaces.
 
     `filename`: a NetCDF file of one isotropic sample, lit by `gonio --from both --bins THETAxPHI`: a half space or a slab. `eta`: index of the interior
-    over that of the exterior, by default that of the file, and 1 for a slab. `nodes`: per axis of a hemisphere, 129 by default.
+    over that of the exterior, by default that of the file: 1 for a slab between equal media. `nodes`: per axis of a hemisphere, 129 by default.
 
     The BSDF is interpolated linearly between nodes of equal projected solid angle and between polar angles of the light, and scaled to the
     flux that was measured. The table stands at `wi`, also where `wi` is the direction of the view: by reciprocity, the light that a direction receives
@@ -98,7 +109,7 @@ class AsperityTable(mi.BSDF):
         file = Measurement(props["filename"])
         self.eta = float(props.get("eta", file.eta))
         values = file.on_square(int(props.get("nodes", 129)))
-        # Nothing to sample where no light goes: a constant, of which the flux is zero
+        # The distribution refuses zeros everywhere: a constant, of which the flux is zero
         values[values.sum((-2, -1)) == 0] = 1
         theta = file.theta_i.tolist()
         # By number of the lobe and polar angle of `wi`
@@ -124,7 +135,7 @@ class AsperityTable(mi.BSDF):
         total = fluxes[0] + fluxes[1]
         return theta, above, fluxes, dr.select(total > 0, fluxes[0] / dr.maximum(total, 1e-20), 0)
 
-    def of_radiance(self, ctx, above):
+    def radiance_scale(self, ctx, above):
         """Square of the index on the side of `wi` over that on the side of `wo`, if radiance is transported."""
         if ctx.mode != mi.TransportMode.Radiance:
             return 1
@@ -141,7 +152,7 @@ class AsperityTable(mi.BSDF):
         projected = mi.warp.square_to_uniform_disk_concentric(position)
         cosine = dr.safe_sqrt(1 - dr.squared_norm(projected))
         # About the azimuth of wi
-        tangent = turned(mi.Vector2f(projected), azimuth(si.wi))
+        tangent = rotated(mi.Vector2f(projected), azimuth(si.wi))
         bs = dr.zeros(mi.BSDFSample3f)
         bs.wo = mi.Vector3f(tangent.x, tangent.y, dr.select(above == reflected, cosine, -cosine))
         bs.pdf = dr.select(reflected, probability, 1 - probability) * density * cosine / dr.pi
@@ -151,17 +162,17 @@ class AsperityTable(mi.BSDF):
         )
         bs.sampled_component = dr.select(reflected, mi.UInt32(0), mi.UInt32(1))
         active &= (mi.Frame3f.cos_theta(si.wi) != 0) & (bs.pdf > 0)
-        weight = (fluxes[0] + fluxes[1]) * dr.select(reflected, 1, self.of_radiance(ctx, above))
+        weight = (fluxes[0] + fluxes[1]) * dr.select(reflected, 1, self.radiance_scale(ctx, above))
         return bs, mi.Spectrum(dr.select(active, weight, 0))
 
     def eval_pdf(self, ctx, si, wo, active=True):
         theta, above, fluxes, probability = self.sides(ctx, si)
         cosine = mi.Frame3f.cos_theta(wo)
         reflected = (cosine > 0) == above
-        position = mi.warp.uniform_disk_to_square_concentric(turned(mi.Vector2f(wo.x, wo.y), -azimuth(si.wi)))
+        position = mi.warp.uniform_disk_to_square_concentric(rotated(mi.Vector2f(wo.x, wo.y), -azimuth(si.wi)))
         density = self.lobes.eval(position, self.lobe(theta, above, reflected), active) * dr.abs(cosine) / dr.pi
         active &= (mi.Frame3f.cos_theta(si.wi) != 0) & (cosine != 0)
-        value = dr.select(reflected, fluxes[0], fluxes[1] * self.of_radiance(ctx, above)) * density
+        value = dr.select(reflected, fluxes[0], fluxes[1] * self.radiance_scale(ctx, above)) * density
         pdf = dr.select(reflected, probability, 1 - probability) * density
         return mi.Spectrum(dr.select(active, value, 0)), dr.select(active, pdf, 0)
 
@@ -191,7 +202,7 @@ def azimuth(w):
     return dr.atan2(w.y, w.x)
 
 
-def turned(point, angle):
+def rotated(point, angle):
     sine, cosine = dr.sincos(angle)
     return mi.Point2f(cosine * point.x - sine * point.y, sine * point.x + cosine * point.y)
 

@@ -6,7 +6,7 @@ TABLES holds `sS.nc`, tables of rough interfaces of index 1.4 and smoothness S (
 largest value, as in the paper, and linear; those of the differences are to one scale. Needs numpy, scipy, matplotlib and mitsuba.
 """
 
-import sys
+import argparse
 from pathlib import Path
 
 import matplotlib
@@ -73,8 +73,11 @@ def sculpture(material, mesh):
     return picture(scene, 16, 32, 8)
 
 
-def figure(filename, title, rows, cases, compute):
-    """Panels of every model, and their differences from the explicit surfaces, one row per case."""
+def figure(filename, title, rows, cases, compute, limit=0.3):
+    """Panels of every model, and their differences from the explicit surfaces, one row per case.
+
+    `limit`: end of the scale of the differences.
+    """
     names = ["Eq. 25", "Smith", "explicit"]
     fig, axes = plt.subplots(len(rows), 5, figsize=(8.5, 1.68 * len(rows) + 0.75), squeeze=False, layout="constrained")
     fig.suptitle(title, fontsize=10)
@@ -89,7 +92,7 @@ def figure(filename, title, rows, cases, compute):
             axis.set_xlabel(text, fontsize=6, labelpad=1)
             printed.append(f"{name}: {text}")
         for axis, name in zip(line[3:], names):
-            shown = axis.imshow((images[name] - exact) / white(exact), cmap="RdBu_r", vmin=-0.3, vmax=0.3)
+            shown = axis.imshow((images[name] - exact) / white(exact), cmap="RdBu_r", vmin=-limit, vmax=limit)
             text = f"differences {np.abs(blocks(images[name]) - blocks(exact)).sum() / blocks(exact).sum():.3f}"
             axis.set_xlabel(text, fontsize=6, labelpad=1)
             printed.append(f"{name}: {text}")
@@ -100,6 +103,7 @@ def figure(filename, title, rows, cases, compute):
     for axis in axes.flat:
         axis.set(xticks=[], yticks=[])
     bar = fig.colorbar(shown, ax=axes[:, 3:], orientation="horizontal", extend="both", shrink=0.7, pad=0.01, aspect=40)
+    bar.set_ticks([-limit, -limit / 2, 0, limit / 2, limit])
     bar.ax.tick_params(labelsize=6)
     bar.set_label("in units of the maximum of the explicit image", fontsize=6)
     fig.savefig(filename, dpi=110)
@@ -129,6 +133,7 @@ def main(tables, output, numbers):
                 [f"n = {'1/1.4' if is_dense else '1.4'}, s = {s:g}" for is_dense, s in cases],
                 cases,
                 lambda case: {name: plate(one, case[0], light) for name, one in materials(tables, case[1]).items()},
+                0.3 if number == 10 else 0.1,
             )
     for number, name in {12: "bust", 13: "angel"}.items():
         if number in numbers:
@@ -147,5 +152,10 @@ def main(tables, output, numbers):
 
 
 if __name__ == "__main__":
-    tables, output, *numbers = sys.argv[1:]
-    main(Path(tables), Path(output), [int(number) for number in numbers] or [10, 11, 12, 13])
+    parser = argparse.ArgumentParser(description="Figures 10 to 13 of the transmission paper")
+    parser.add_argument("tables", type=Path, help="folder of s1.nc to s6.nc")
+    parser.add_argument("output", type=Path, help="folder for pictures and meshes")
+    parser.add_argument("numbers", type=int, nargs="*", default=[10, 11, 12, 13], help="figures")
+    given = parser.parse_args()
+    given.output.mkdir(parents=True, exist_ok=True)
+    main(given.tables, given.output, given.numbers)

@@ -33,6 +33,13 @@ pub(super) fn from_one_side<T: OfCase + Copy>(outcomes: &[T]) -> Vec<T> {
     }
 }
 
+/// Azimuths of oblique light, degrees, ascending.
+pub(super) fn azimuths_deg<T: OfCase>(outcomes: &[T]) -> Vec<f64> {
+    let incidences = outcomes.iter().map(|one| one.case().light.incidence);
+    let oblique = incidences.filter(|incidence| !incidence.is_vertical());
+    ascending(oblique.map(|incidence| incidence.phi_deg()))
+}
+
 impl<T: OfCase + Copy> Directions<T> {
     /// The grid of these outcomes of one sample, at least one.
     ///
@@ -47,8 +54,7 @@ impl<T: OfCase + Copy> Directions<T> {
         wavelengths_nm.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
         wavelengths_nm.dedup();
         let theta_deg = ascending(outcomes.iter().map(theta));
-        let oblique = outcomes.iter().filter(|one| !is_vertical(one));
-        let mut phi_deg = ascending(oblique.map(azimuth));
+        let mut phi_deg = azimuths_deg(outcomes);
         if phi_deg.is_empty() {
             phi_deg = vec![azimuth(&outcomes[0])];
         }

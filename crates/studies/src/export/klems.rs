@@ -74,18 +74,22 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     let visible = in_visible(&outcomes)?;
     let solar = in_solar(&outcomes);
     let is_of_one = visible.len() == outcomes.len() && visible[0].1 == 1.0;
+    let nm = outcomes[0].case.at.wavelength_nm();
     let (names, note): (&[&str], _) = match (is_of_one, &solar) {
         (true, _) => (
             &["Visible", "Solar"],
-            "the same values stand for both bands, Visible and Solar",
+            nm.map_or_else(
+                || "the same values stand for both bands, Visible and Solar".to_owned(),
+                |nm| format!("values of {nm} nm stand for both bands, Visible and Solar"),
+            ),
         ),
         (false, Some(_)) => (
             &["Visible"],
-            "the Solar band is weighted by ASTM G173-03 from 300 to 2500 nm",
+            "the Solar band is weighted by ASTM G173-03 from 300 to 2500 nm".to_owned(),
         ),
         (false, None) => (
             &["Visible"],
-            "the Visible band alone: Solar needs wavelengths from 350 to 2000 nm in steps of at most 100 nm",
+            "the Visible band alone: Solar needs wavelengths from 350 to 2000 nm in steps of at most 100 nm".to_owned(),
         ),
     };
     let mut file = WindowElement::new(outcomes[0], "Columns", &definition());
@@ -112,7 +116,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         }
     }
     let mut notes = file.notes();
-    notes.push(note.to_owned());
+    notes.push(note);
     Ok(Contents {
         bytes: file.into_bytes(),
         agreement,
@@ -208,7 +212,8 @@ impl<'a> Columns<'a> {
                 }
             }
         }
-        matrix
+        // Radiance takes no negative values, which a control variate may give within its error
+        matrix.iter().map(|value| value.max(0.0)).collect()
     }
 
     /// The light of each patch that was measured.
@@ -238,8 +243,7 @@ fn text_of(matrix: &[f64]) -> String {
     let mut text = String::new();
     for row in matrix.chunks(PATCHES) {
         for value in row {
-            // Radiance takes no negative values, which a control variate may give within its error
-            let _ = write!(text, "{:.6e},", value.max(0.0));
+            let _ = write!(text, "{value:.6e},");
         }
         text.push('\n');
     }

@@ -4,8 +4,9 @@
 //! they differ the exact ones stand beside them, by number of ring and sector, with their edges.
 
 use asperity_io::{NetCdf, NetCdfValues, NetCdfVariable};
-use asperity_simulate::Outcome;
+use asperity_simulate::{Case, Outcome};
 use asperity_tally::{Component, Estimate, HemisphereGrid, Side, TallyResult};
+use asperity_tracer::HalfSpace;
 use serde_json::Value;
 
 use super::axes::{Axes, Axis};
@@ -392,8 +393,37 @@ impl<'a> File<'a> {
             ("seed", header.seed.to_string()),
             ("configuration", header.document.to_string()),
         ];
+        self.content.attributes.extend(optics_of(measurement));
         self.content.bytes()
     }
+}
+
+/// What programs that render the file ask of all cases: the azimuths of the light, its polarisation, and the index behind the sample over that above it.
+fn optics_of(measurement: &Measurement) -> Vec<(&'static str, String)> {
+    let cases = measurement.cases.iter().map(|one| &one.outcome.case);
+    let is_random = cases.clone().all(|case| case.light.random_azimuth);
+    let is_polarised = cases.clone().any(|case| case.light.is_polarised());
+    let mut attributes = vec![
+        (
+            "azimuths",
+            if is_random { "random" } else { "fixed" }.to_owned(),
+        ),
+        (
+            "light",
+            if is_polarised {
+                "polarised"
+            } else {
+                "unpolarised"
+            }
+            .to_owned(),
+        ),
+    ];
+    let mut lit_from_above = cases.filter(|case| case.light.from == HalfSpace::Above);
+    let first = lit_from_above.next().and_then(Case::index_beyond);
+    let behind =
+        first.filter(|first| lit_from_above.all(|case| case.index_beyond() == Some(*first)));
+    attributes.extend(behind.map(|index| ("index_behind", index.to_string())));
+    attributes
 }
 
 /// Name of a coordinate, without its unit.

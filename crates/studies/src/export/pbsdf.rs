@@ -18,7 +18,7 @@ use asperity_tally::{Component, Estimate, Measure, Polarimetry, Side, TallyResul
 use glam::{DMat4, DVec3, DVec4};
 
 use super::contents::{Agreement, Contents, coarse_note};
-use super::directions::Directions;
+use super::directions::{Directions, azimuths_deg};
 use super::half_vectors::{half_vector, integral, mirror, mirrored};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
@@ -33,9 +33,10 @@ const AZIMUTHS: usize = 37;
 const HALF_ANGLES: usize = 65;
 /// Parts of an integral over half-vectors, per axis.
 const PARTS: usize = 256;
-/// Number of times that values are scaled to reflect what was measured: light from one direction leaves in all others, so that their factors depend on
-/// each other.
-const SCALINGS: usize = 4;
+/// Relative difference of light that is reflected from light that was measured, up to which values are scaled, and the most times that they are: light
+/// from one direction leaves in all others, so that factors depend on each other.
+const LEVEL: f64 = 1e-3;
+const SCALINGS: usize = 16;
 /// Least cosine that values are divided by: that of 89 degrees, above the last of the usual angles of incidence.
 const LEAST_COSINE: f64 = 0.0175;
 
@@ -59,6 +60,9 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
             let levels: Vec<f64> = levels.collect();
             if !levels.iter().all(|level| level.is_finite()) {
                 return Err("holds reflected light, and none was measured".to_owned());
+            }
+            if levels.iter().all(|level| (level - 1.0).abs() < LEVEL) {
+                break;
             }
             table.scale(&levels);
         }
@@ -104,11 +108,10 @@ pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
     if !cases.iter().all(has_matrices) {
         return Err("holds Mueller matrices: measure with --polarisation mueller".to_owned());
     }
-    let directions = directions(cases)?;
-    if directions.phi_deg.len() > 1 {
+    if azimuths_deg(cases).len() > 1 {
         return Err("holds isotropic samples: measure with one azimuth, or the mean over azimuths by --light-azimuth random".to_owned());
     }
-    let nm = &directions.wavelengths_nm;
+    let nm = directions(cases)?.wavelengths_nm;
     let is_whole = |nm: &Option<f64>| nm.is_some_and(|nm| nm == f64::from(nm as u16));
     match nm.len() == 1 || nm.len() == WAVELENGTHS && nm.iter().all(is_whole) {
         true => Ok(()),

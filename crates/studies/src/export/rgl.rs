@@ -76,7 +76,7 @@ pub(super) fn contents(measurement: &Measurement, channels: Channels) -> Result<
         notes.push("one wavelength or none was measured: the material is grey".to_owned());
     }
     if sample.phi.len() == 1 && !slices[0].0.outcome.case.light.random_azimuth {
-        notes.push("light of one azimuth stands for all: the material is isotropic".to_owned());
+        notes.push("light of one azimuth stands for all: the material is isotropic; --phi 0:345:15 measures others".to_owned());
     }
     let bytes = sample.file(measurement, channels, &planes, &slices, &sigma);
     Ok(Contents {

@@ -19,7 +19,7 @@ use self::disc::{PARTS, disc, middle};
 use self::grid::{Grid, flux_of};
 use self::resolution::resolving;
 use super::contents::{Agreement, Contents};
-use super::directions::Directions;
+use super::directions::{Directions, azimuths_deg};
 use super::interpolation::Interpolated;
 use super::measurement::Measurement;
 use super::moved_lobes::{Mixed, MovedLobes};
@@ -82,10 +82,11 @@ pub(super) fn check(cases: &[Planned]) -> Result<(), String> {
     for from in [HalfSpace::Above, HalfSpace::Below] {
         let mut lit = cases.to_vec();
         lit.retain(|one| one.case.light.from == from);
-        let directions = directions(&lit)?;
-        if !directions.are_symmetric() && directions.phi_deg.len() < 4 {
+        let is_symmetric = lit.iter().all(|one| one.case.light.random_azimuth);
+        if !is_symmetric && azimuths_deg(&lit).len() < 4 {
             return Err("needs light from four azimuths or more, as by --phi 0:345:15, or from random ones, by --light-azimuth random".to_owned());
         }
+        directions(&lit)?;
     }
     Ok(())
 }
