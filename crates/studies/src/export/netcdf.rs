@@ -398,7 +398,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// What programs that render the file ask of all cases: the azimuths of the light, its polarisation, and the index behind the sample over that above it.
+/// Attributes for renderers: whether azimuths of the light are random, whether it is polarised, and the index behind the sample relative to that above it.
 fn optics_of(measurement: &Measurement) -> Vec<(&'static str, String)> {
     let cases = measurement.cases.iter().map(|one| &one.outcome.case);
     let is_random = cases.clone().all(|case| case.light.random_azimuth);

@@ -27,7 +27,7 @@ impl<'a> From<&'a Outcome> for Planned<'a> {
     }
 }
 
-/// What has a case: a plan of it, or its outcome.
+/// Access to the case of a plan or of an outcome.
 pub(super) trait OfCase {
     fn case(&self) -> &Case;
 }
