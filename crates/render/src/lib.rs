@@ -5,21 +5,21 @@
 //! interface. For paths that begin and end above the surface these factors cancel, so that a path is followed as
 //! light is ([`asperity_tracer::PathIntegrator`]).
 //!
-//! Random paths hardly ever hit a sun behind a refracting surface. Where a path is scattered inside a medium, the
-//! facets that light it from one direction of the sun's disc are computed ([`asperity_tracer::LightBeams`]), with
-//! one direction per pass. Random paths add the rest: sunlight that is reflected, or interacts with several facets, and all of it
-//! below smooth cells, which have no facets.
+//! Random paths hardly ever hit a sun. Where a path is scattered diffusely, by a Lambertian face or a medium, it is connected to
+//! the sun ([`asperity_tracer::Sunlight`]): above a surface by a ray to a point of the disc, below it by the
+//! facets that bring light from one direction of the disc per pass and sequence ([`asperity_tracer::LightBeams`]). Random paths add the rest: sunlight
+//! that smooth facets reflect, or that interacts with several of them, and all of it below smooth cells, which have no facets.
 //!
-//! A picture is made in passes with an equal number of samples per pixel, spread evenly over it. Every row of a pass
-//! has its own random stream. Errors are those of the mean over passes.
+//! A picture is made in passes with an equal number of samples per pixel. Samples belong to four independent sequences, which fill the
+//! pixel and the first decisions of its paths evenly; errors come from the scatter between them.
 
 mod error;
 mod exposure;
 mod lights;
 mod passes;
 mod scene;
+mod sequence;
 mod settings;
-mod spread;
 mod tile_frame;
 mod view;
 
@@ -39,7 +39,7 @@ use asperity_tracer::{
 pub use error::RenderError;
 pub use exposure::exposure;
 pub use lights::{Lights, LightsError, Patch, Sun};
-use passes::{BeginBeams, Film, PassPlan, SunlightInMedium, expose};
+use passes::{AimedBeams, BeginBeams, Film, PassPlan, expose};
 use scene::Scene;
 pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
@@ -52,8 +52,6 @@ pub struct RenderOutcome {
     pub picture: Picture,
     /// Samples per pixel.
     pub samples: u64,
-    /// Passes that were completed; errors come from their scatter.
-    pub passes: u64,
     /// Mean fraction of the light of a camera ray that was truncated by a limit, not counting roulette, which is zero
     /// on average.
     pub truncated: f64,
@@ -70,10 +68,9 @@ pub struct RenderOutcome {
 /// Makes a picture of a surface of `material`, with layers below it or nothing; `shape` holds the surfaces of
 /// their bottoms that have one of their own.
 ///
-/// Smooth cells have no light beams: sunlight in a medium below them is found by random paths alone.
+/// Smooth cells have no light beams: sunlight in a layer below them is found by random paths alone.
 ///
-/// A run that is to stop ends with the passes that are complete: for want of time after two at least, by an
-/// interrupt after one, whose error is unknown.
+/// A run that is to stop ends with the passes that are complete, of which there is one at least.
 ///
 /// # Errors
 /// [`RenderError`] if the surface or the picture is too large, a layer too thin, the eye too low, parallel
@@ -154,20 +151,21 @@ fn render_on<G: BuildAccelerator>(
 
     let tracing = Instant::now();
     let plan = PassPlan::new(settings.samples);
-    let scatters = matter
-        .layers
-        .first()
-        .is_some_and(|layer| !layer.medium().is_clear());
-    let sun = settings.lights.sun().filter(|_| scatters);
-    let sunlight = sun.zip(beams).map(|(sun, begin)| {
-        let light = (matter.material, *sun);
-        SunlightInMedium::new(geometries.top, begin, light, settings.seed, plan)
+    let scatters = matter.layers.first().is_some_and(|layer| {
+        let bottom = layer.end().map(|slab| slab.bottom.material());
+        !layer.medium().is_clear() || matches!(bottom, Some(Material::Lambertian { .. }))
     });
-    let film = expose(&scene, sunlight, plan, settings, progress);
-    if film.passes() == 0 {
+    let beams = beams.filter(|_| scatters).map(|begin| AimedBeams {
+        geometry: geometries.top,
+        begin,
+        material: matter.material,
+        beams: None,
+    });
+    let film = expose(&scene, beams, plan, settings, progress);
+    if film.passes == 0 {
         return Err(RenderError::Interrupted);
     }
-    let is_stopped = film.passes() < plan.passes;
+    let is_stopped = film.passes < plan.passes;
     let stopped_by = is_stopped.then(|| progress.stop().unwrap_or(StoppedBy::Interrupt));
     let seconds = [build_seconds, tracing.elapsed().as_secs_f64()];
     Ok(outcome(film, plan, seconds, stopped_by))
@@ -206,15 +204,13 @@ fn outcome(
     seconds: [f64; 2],
     stopped_by: Option<StoppedBy>,
 ) -> RenderOutcome {
-    let passes = film.passes();
-    let samples = passes * plan.samples;
+    let samples = film.passes * plan.samples();
     let losses = film.losses;
     let picture = film.develop();
     let rays = samples as f64 * (picture.size[0] * picture.size[1]) as f64;
     RenderOutcome {
         picture,
         samples,
-        passes,
         truncated: losses.truncated / rays,
         left_patch: losses.left_patch / rays,
         lost: losses.lost / rays,
@@ -228,8 +224,8 @@ fn check_size([columns, rows]: [usize; 2]) -> Result<(), RenderError> {
     if ![columns, rows].iter().all(|n| (1..=MAX_PIXELS).contains(n)) {
         return Err(RenderError::BadSize(columns, rows));
     }
-    // Means, squares, a pass, coverage and the picture.
-    check_memory("this picture", 64 * columns * rows)?;
+    // Four sequences and coverage, a pass of each, the statistics and the picture.
+    check_memory("this picture", 144 * columns * rows)?;
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use asperity_optics::{Incidence, around};
+use asperity_tracer::{Geometry, Sunlight};
 use glam::{DVec2, DVec3};
 
 /// Light from all sides. Radiance is relative to a unit of the user's choice.
@@ -154,6 +155,11 @@ impl Sun {
     /// The direction of a point of the disc, by two uniform numbers that spread evenly over its solid angle.
     pub(crate) fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
         around(self.towards, 1.0 - u * (1.0 - self.cos_radius), v)
+    }
+
+    /// The disc, as paths are connected to it.
+    pub(crate) const fn sunlight<'a, G: Geometry>(&self) -> Sunlight<'a, G> {
+        Sunlight::new(self.towards, self.cos_radius)
     }
 
     /// Radiance times solid angle, which light from one direction stands for on a line that meets the mean

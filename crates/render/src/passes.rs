@@ -2,96 +2,105 @@
 
 use asperity_io::Picture;
 use asperity_optics::Material;
-use asperity_simulate::{Observer, StoppedBy, picture_stream};
+use asperity_simulate::{Observer, StoppedBy};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, LightBeams};
 use glam::DVec3;
-use rand::RngExt;
 use rayon::prelude::*;
 
-use crate::lights::Sun;
-use crate::scene::{Losses, Row, Scene};
+use crate::scene::{Losses, PassSamples, Row, SEQUENCES, Scene};
+use crate::sequence::shared_numbers;
 use crate::settings::RenderSettings;
-use crate::spread::spread;
 
-/// Passes, if there are as many samples: enough for errors, few enough to spread rays evenly in each.
-const PASSES: u64 = 16;
+/// Passes, if there are as many samples.
+const PASSES: u64 = 4;
 
-/// Most samples per pixel of a pass: more samples take more passes, so that each is soon complete.
+/// Most samples per pixel of a pass in each sequence: more samples take more passes, so that each is soon complete.
 const MAX_SAMPLES_PER_PASS: u64 = 4;
-
-/// Passes that are completed even after the time limit, if they soon are: fewer give no error.
-const MIN_PASSES: u64 = 2;
 
 /// Division of the samples into passes.
 #[derive(Clone, Copy)]
 pub(crate) struct PassPlan {
     pub(crate) passes: u64,
-    /// Samples per pixel of each pass.
-    pub(crate) samples: u64,
+    /// Samples per pixel of each pass in each sequence.
+    count: u64,
 }
 
 impl PassPlan {
     /// The plan for at least `samples` per pixel.
     pub(crate) fn new(samples: u64) -> Self {
-        let passes = samples.clamp(MIN_PASSES, PASSES);
+        let samples = samples.div_ceil(SEQUENCES);
+        let passes = samples.clamp(1, PASSES);
         let passes = passes.max(samples.div_ceil(MAX_SAMPLES_PER_PASS));
         Self {
             passes,
-            samples: samples.div_ceil(passes),
+            count: samples.div_ceil(passes),
         }
+    }
+
+    /// Samples per pixel of each pass.
+    pub(crate) const fn samples(&self) -> u64 {
+        self.count * SEQUENCES
     }
 }
 
 /// The passes that were completed.
 pub(crate) struct Film {
     size: [usize; 2],
-    radiance: BatchStatistics,
-    /// Sums over passes.
+    pub(crate) passes: u64,
+    /// Sums over passes, by sequence.
+    radiance: [Vec<f64>; SEQUENCES as usize],
+    /// Sums over passes and sequences.
     coverage: Vec<f64>,
     pub(crate) losses: Losses,
 }
 
 impl Film {
     fn new(size: [usize; 2]) -> Self {
-        let pixels = size[0] * size[1];
+        let dark = vec![0.0; size[0] * size[1]];
         Self {
             size,
-            radiance: BatchStatistics::new(pixels),
-            coverage: vec![0.0; pixels],
+            passes: 0,
+            radiance: [(); SEQUENCES as usize].map(|()| dark.clone()),
+            coverage: dark,
             losses: Losses::default(),
         }
     }
 
-    fn add_pass(&mut self, rows: Vec<Row>) {
-        let columns = self.size[0];
-        let mut values = Vec::with_capacity(self.coverage.len());
-        for (row, coverage) in rows
-            .into_iter()
-            .zip(self.coverage.chunks_exact_mut(columns))
-        {
-            for (all, here) in coverage.iter_mut().zip(&row.coverage) {
-                *all += here;
+    /// Adds a pass: the rows of all sequences.
+    fn add_pass(&mut self, sequences: Vec<Vec<Row>>) {
+        let add = |sums: &mut [f64], values: &[f64]| {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += value;
             }
-            values.extend(row.radiance);
-            self.losses.add(&row.losses);
+        };
+        let columns = self.size[0];
+        for (rows, radiance) in sequences.into_iter().zip(&mut self.radiance) {
+            let sums = radiance.chunks_exact_mut(columns);
+            let sums = sums.zip(self.coverage.chunks_exact_mut(columns));
+            for (row, (radiance, coverage)) in rows.into_iter().zip(sums) {
+                add(radiance, &row.radiance);
+                add(coverage, &row.coverage);
+                self.losses.add(&row.losses);
+            }
         }
-        self.radiance.push(&values);
+        self.passes += 1;
     }
 
-    /// Passes that were completed.
-    pub(crate) fn passes(&self) -> u64 {
-        self.radiance.batches()
-    }
-
-    /// The mean over passes, with its standard error, which is NaN for a single pass.
+    /// The mean over sequences, with its standard error.
     pub(crate) fn develop(mut self) -> Picture {
-        let passes = self.passes() as f64;
-        self.coverage.iter_mut().for_each(|c| *c /= passes);
+        let passes = self.passes as f64;
+        let all = passes * SEQUENCES as f64;
+        self.coverage.iter_mut().for_each(|c| *c /= all);
+        let mut statistics = BatchStatistics::new(self.coverage.len());
+        for mut radiance in self.radiance {
+            radiance.iter_mut().for_each(|value| *value /= passes);
+            statistics.push(&radiance);
+        }
         Picture {
             size: self.size,
-            radiance: self.radiance.means().to_vec(),
-            error: self.radiance.error_squares().map(f64::sqrt).collect(),
+            radiance: statistics.means().to_vec(),
+            error: statistics.error_squares().map(f64::sqrt).collect(),
             coverage: self.coverage,
         }
     }
@@ -100,37 +109,52 @@ impl Film {
 /// Makes passes until the plan is complete, or the run is to stop.
 pub(crate) fn expose<G: Geometry>(
     scene: &Scene<'_, G>,
-    sunlight: Option<SunlightInMedium<'_, G>>,
+    mut beams: Option<AimedBeams<'_, G>>,
     plan: PassPlan,
     settings: &RenderSettings,
     progress: &dyn Observer,
 ) -> Film {
     let rows = settings.size[1];
     let mut film = Film::new(settings.size);
-    let mut sunlight = sunlight;
-    progress.begin("rendering", plan.passes.saturating_mul(rows as u64));
+    let total = plan.passes.saturating_mul(SEQUENCES * rows as u64);
+    progress.begin("rendering", total);
     for pass in 0..plan.passes {
-        let beams = sunlight.as_mut().map(|sunlight| sunlight.aimed(pass));
         let stops = || match progress.stop() {
             Some(StoppedBy::Interrupt) => true,
-            other => {
-                let is_enough = pass >= MIN_PASSES || pass > 0 && progress.gives_up();
-                other.is_some() && (is_enough || progress.gives_up_first())
-            }
+            Some(_) => pass > 0 || progress.gives_up_first(),
+            None => false,
         };
-        let done: Option<Vec<Row>> = (0..rows)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|row| {
-                if stops() {
-                    return None;
+        let in_sequence = |sequence| {
+            let samples = PassSamples {
+                seed: settings.seed,
+                sequence,
+                first: pass * plan.count,
+                count: plan.count,
+            };
+            let sunlight = settings.lights.sun().map(|sun| {
+                let sunlight = sun.sunlight();
+                match &mut beams {
+                    Some(beams) => {
+                        let numbers = shared_numbers(settings.seed, sequence, pass);
+                        sunlight.with_beams(beams.geometry, beams.aimed(sun.point(numbers)))
+                    }
+                    None => sunlight,
                 }
-                let mut rng = picture_stream(settings.seed, pass, row as u64);
-                let row = scene.row(row, plan.samples, beams, &mut rng);
-                progress.advance(1);
-                Some(row)
-            })
-            .collect();
+            });
+            (0..rows)
+                .into_par_iter()
+                .with_max_len(1)
+                .map(|row| {
+                    if stops() {
+                        return None;
+                    }
+                    let row = scene.row(row, &samples, sunlight.as_ref());
+                    progress.advance(1);
+                    Some(row)
+                })
+                .collect()
+        };
+        let done: Option<Vec<Vec<Row>>> = (0..SEQUENCES).map(in_sequence).collect();
         let Some(done) = done else { break };
         film.add_pass(done);
     }
@@ -141,38 +165,17 @@ pub(crate) fn expose<G: Geometry>(
 /// Makes the beams of light on a geometry of a material from a direction; of facets alone, which are flat.
 pub(crate) type BeginBeams<G> = fn(&G, Material, DVec3) -> LightBeams<G>;
 
-/// Sunlight inside a medium: light beams from one direction of the sun's disc per pass.
-pub(crate) struct SunlightInMedium<'a, G: Geometry> {
-    geometry: &'a G,
-    begin: BeginBeams<G>,
-    material: Material,
-    sun: Sun,
-    shift: [f64; 2],
-    beams: Option<LightBeams<G>>,
+/// Light beams below a surface, aimed at one direction of the sun after the other.
+pub(crate) struct AimedBeams<'a, G: Geometry> {
+    pub(crate) geometry: &'a G,
+    pub(crate) begin: BeginBeams<G>,
+    pub(crate) material: Material,
+    pub(crate) beams: Option<LightBeams<G>>,
 }
 
-impl<'a, G: Geometry> SunlightInMedium<'a, G> {
-    pub(crate) fn new(
-        geometry: &'a G,
-        begin: BeginBeams<G>,
-        (material, sun): (Material, Sun),
-        seed: u64,
-        plan: PassPlan,
-    ) -> Self {
-        let mut rng = picture_stream(seed, plan.passes, 0);
-        Self {
-            geometry,
-            begin,
-            material,
-            sun,
-            shift: [rng.random::<f64>(), rng.random::<f64>()],
-            beams: None,
-        }
-    }
-
-    /// The beams of a pass.
-    fn aimed(&mut self, pass: u64) -> &LightBeams<G> {
-        let towards = self.sun.point(spread(pass, self.shift));
+impl<G: Geometry> AimedBeams<'_, G> {
+    /// The beams from the direction `towards`.
+    fn aimed(&mut self, towards: DVec3) -> &LightBeams<G> {
         let beams = match self.beams.take() {
             Some(mut beams) => {
                 beams.aim(self.geometry, towards);

@@ -1,16 +1,31 @@
 //! Scene: follows the camera rays of one row of a picture.
 
+use asperity_simulate::picture_stream;
 use asperity_tracer::{
-    BeamContribution, CameraContribution, Geometry, LightBeams, PathEnd, PathIntegrator, PathResult,
+    CameraContribution, Geometry, PathEnd, PathIntegrator, PathResult, SunContribution, Sunlight,
 };
-use rand::{Rng, RngExt};
+use rand::RngExt;
 
 use crate::lights::Lights;
-use crate::spread::spread;
+use crate::sequence::{SampleNumbers, scrambles};
 use crate::tile_frame::TileFrame;
 use crate::view::{Camera, CameraRay};
 
-/// One row of one pass.
+/// Independent sequences of samples, whose scatter gives the errors.
+pub(crate) const SEQUENCES: u64 = 4;
+
+/// Samples of a pass in one sequence.
+pub(crate) struct PassSamples {
+    pub(crate) seed: u64,
+    /// Number of the sequence, below [`SEQUENCES`].
+    pub(crate) sequence: u64,
+    /// Number of the first sample.
+    pub(crate) first: u64,
+    /// Samples per pixel.
+    pub(crate) count: u64,
+}
+
+/// One row of one pass in one sequence.
 pub(crate) struct Row {
     pub(crate) radiance: Vec<f64>,
     pub(crate) coverage: Vec<f64>,
@@ -44,13 +59,12 @@ pub(crate) struct Scene<'a, G: Geometry> {
 }
 
 impl<G: Geometry> Scene<'_, G> {
-    /// Follows `samples` camera rays through each pixel of a row.
-    pub(crate) fn row<R: Rng>(
+    /// Follows camera rays through each pixel of a row: the samples of a pass in one sequence.
+    pub(crate) fn row(
         &self,
         row: usize,
-        samples: u64,
-        beams: Option<&LightBeams<G>>,
-        rng: &mut R,
+        samples: &PassSamples,
+        sunlight: Option<&Sunlight<'_, G>>,
     ) -> Row {
         let columns = self.size[0];
         let mut out = Row {
@@ -58,29 +72,38 @@ impl<G: Geometry> Scene<'_, G> {
             coverage: Vec::with_capacity(columns),
             losses: Losses::default(),
         };
-        for column in 0..columns {
-            let shift = [rng.random::<f64>(), rng.random::<f64>()];
+        let &PassSamples {
+            seed,
+            sequence,
+            first,
+            count,
+        } = samples;
+        let scrambles = scrambles(seed, sequence, row);
+        let mut rng = picture_stream(seed, first * SEQUENCES + sequence, row as u64);
+        for (column, scramble) in (0..columns).zip(scrambles) {
             let (mut radiance, mut hits) = (0.0, 0_u64);
-            for sample in 0..samples {
-                let ray = self.camera_ray([column, row], spread(sample, shift));
+            for sample in first..first + count {
+                let mut numbers = SampleNumbers::new(sample, scramble, &mut rng);
+                let place = [numbers.random(), numbers.random()];
+                let ray = self.camera_ray([column, row], place);
                 let mut hit = false;
                 self.integrator.trace_camera_ray(
                     ray.origin,
                     ray.direction,
-                    beams,
-                    rng,
+                    sunlight,
+                    &mut numbers,
                     |contribution| match contribution {
                         CameraContribution::Path(path) => {
                             hit |= path.path.order() > 0;
                             radiance += self.radiance(&path, &mut out.losses);
                         }
-                        CameraContribution::Beam(lit) => radiance += self.sunlit(&lit, beams),
+                        CameraContribution::Sun(lit) => radiance += self.sunlit(&lit),
                     },
                 );
                 hits += u64::from(hit);
             }
-            out.radiance.push(radiance / samples as f64);
-            out.coverage.push(hits as f64 / samples as f64);
+            out.radiance.push(radiance / count as f64);
+            out.coverage.push(hits as f64 / count as f64);
         }
         out
     }
@@ -98,19 +121,17 @@ impl<G: Geometry> Scene<'_, G> {
         }
     }
 
-    /// Radiance from sunlight that a light beam brings to a point of the medium.
-    fn sunlit(&self, lit: &BeamContribution, beams: Option<&LightBeams<G>>) -> f64 {
-        let (Some(sun), Some(beams)) = (self.lights.sun(), beams) else {
-            return 0.0;
-        };
-        let place = self.frame.on_mean_plane(lit.origin, beams.towards());
-        lit.fraction * sun.collimated(place)
+    /// Radiance of sunlight that is scattered into a path.
+    fn sunlit(&self, lit: &SunContribution) -> f64 {
+        let place = self.frame.on_mean_plane(lit.origin, lit.towards);
+        let sun = self.lights.sun();
+        lit.fraction * sun.map_or(0.0, |sun| sun.collimated(place))
     }
 
     /// Radiance along a path, by where it ends.
     fn radiance(&self, path: &PathResult, losses: &mut Losses) -> f64 {
         let radiance = match path.end {
-            PathEnd::Above if path.sampled_by_beams => self.lights.sky(path.direction),
+            PathEnd::Above if path.has_connected_sun => self.lights.sky(path.direction),
             PathEnd::Above => {
                 let place = || self.frame.on_mean_plane(path.origin, path.direction);
                 self.lights.above(path.direction, place)

@@ -67,7 +67,8 @@ pub use periodic::{
 pub use random::PathStream;
 pub use ray::{HalfSpace, Hit, Query, RayBatch, RayColumns, TileRay};
 pub use reference::{
-    BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
+    CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult, SunContribution,
+    Sunlight,
 };
 pub use sampling::{BatchedRays, Sampling};
 pub use settings::{Branching, PathSettings, PathSettingsError, Polarisation};

@@ -8,7 +8,8 @@
 //! path may as well begin at the eye.
 //!
 //! `next_event.rs` finds what a path comes to, `interface.rs` scatters it there, `state.rs` is the path,
-//! `result.rs` its end, and `camera.rs` follows both branches of a first interaction. Polarised light is followed by its
+//! `result.rs` its end, and `hooks.rs` what else happens at its interactions. `camera.rs` splits the paths of cameras, and
+//! `sunlight.rs` connects them to a sun. Polarised light is followed by its
 //! electric fields: `fields.rs` has them, `amplitudes.rs` the factors of interfaces, and `facet.rs` divides them between
 //! reflection and transmission.
 
@@ -17,10 +18,12 @@ mod camera;
 mod event;
 mod facet;
 mod fields;
+mod hooks;
 mod interface;
 mod next_event;
 mod result;
 mod state;
+mod sunlight;
 #[cfg(test)]
 mod tests;
 
@@ -30,15 +33,16 @@ use rand::{Rng, RngExt};
 
 use self::event::NextEvent;
 use self::fields::Fields;
+use self::hooks::{Hooks, Visit};
 use self::state::PathState;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::interaction::stack::TracedStack;
 use crate::settings::{PathSettings, Polarisation};
-use crate::visibility::light_beams::LightBeams;
 
 pub use self::event::FlightSearch;
-pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
+pub use self::result::{CameraContribution, PathEnd, PathResult, SunContribution};
+pub use self::sunlight::Sunlight;
 
 /// Follows light that comes from above, one path at a time.
 ///
@@ -145,20 +149,16 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         rng: &mut R,
         visit: &mut impl FnMut(DVec3),
     ) -> PathResult {
-        let end = self.follow(&mut path, None, rng, &mut |_| {}, visit);
+        let end = self.follow(&mut path, rng, &mut Visit(visit));
         path.ended(end)
     }
 
-    /// Follows a path to its end.
-    ///
-    /// With `beams`, `contribute` is told of the light of the beams that is scattered into the path; `visit` of the places of all interactions.
+    /// Follows a path to its end, and calls `hooks` at its interactions.
     fn follow<R: Rng>(
         &self,
         path: &mut PathState,
-        beams: Option<&LightBeams<G>>,
         rng: &mut R,
-        contribute: &mut impl FnMut(CameraContribution),
-        visit: &mut impl FnMut(DVec3),
+        hooks: &mut impl Hooks<G>,
     ) -> PathEnd {
         loop {
             // Find what the path comes to next, and move it there
@@ -183,7 +183,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     if let Some(end) = self.move_to_interface(path, &hit) {
                         return end;
                     }
-                    visit(path.position());
+                    hooks.visit(path.position());
 
                     // End the path at the highest order
                     if path.events.order() >= self.settings.max_order {
@@ -192,7 +192,8 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
 
                     // Compute what the interface reflects, transmits and absorbs
                     let m = self.normal(&hit, path.space);
-                    let scattered = self.scattered(hit.interface, path, m, rng);
+                    let mut scattered = self.scattered(hit.interface, path, m, rng);
+                    hooks.at_interface(hit.interface, path, m, &mut scattered, rng);
                     let [transmission, reflection] = &scattered.branches;
                     let kept = transmission.fraction + reflection.fraction;
                     path.absorbed += path.flux * scattered.absorbed;
@@ -208,14 +209,14 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     } else {
                         transmission
                     };
-                    path.leave_interface(hit.interface, wo);
+                    path.leave_interface(hit.interface, wo, scattered.is_diffuse);
                 }
 
                 NextEvent::Medium(layer, t) => {
                     if !self.move_inside(path, t) {
                         return PathEnd::LeftPatch;
                     }
-                    visit(path.position());
+                    hooks.visit(path.position());
 
                     // Absorb by the albedo of the medium
                     let kept = path.flux * layer.albedo();
@@ -230,12 +231,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                         return PathEnd::Truncated;
                     }
                     path.scatterings += 1;
-                    path.events_since = 0;
-
-                    // Add the light of beams that is scattered into the path here
-                    if let Some(beams) = beams {
-                        self.add_beams(layer, path, beams, rng, contribute);
-                    }
+                    hooks.in_medium(layer, path, rng);
 
                     // Sample the phase function
                     path.scatter_inside(layer, rng);
@@ -243,7 +239,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             }
 
             // Possibly terminate the path with Russian roulette
-            let threshold = self.settings.roulette_below;
+            let threshold = hooks.roulette_below(path, self.settings.roulette_below);
             if path.flux < threshold {
                 let survives = rng.random::<f64>() * threshold < path.flux;
                 let kept = if survives { threshold } else { 0.0 };

@@ -32,20 +32,14 @@ impl RenderedPicture {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let [build, follow] = outcome.seconds;
         let rays = outcome.samples as f64 * (columns * rows) as f64;
-        let error = match outcome.passes {
-            1 => "of unknown error, from a single pass".to_owned(),
-            passes => format!(
-                "standard error of a pixel {:.2e} on average, from {passes} passes",
-                mean(&picture.error)
-            ),
-        };
         let mut text = format!(
-            "{}, {columns} x {rows} pixels of {}, {} rays in {:.1} s\nmean radiance {:.5}, {error}\nexposure {:.4}\n",
+            "{}, {columns} x {rows} pixels of {}, {} rays in {:.1} s\nmean radiance {:.5}, standard error of a pixel {:.2e} on average\nexposure {:.4}\n",
             self.name,
             counted(outcome.samples, "camera ray"),
             short(rays),
             build + follow,
             mean(&picture.radiance),
+            mean(&picture.error),
             self.exposure,
         );
         for (fraction, end) in [

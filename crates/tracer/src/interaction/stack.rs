@@ -374,6 +374,11 @@ impl<G: Geometry> TracedLayer<'_, G> {
         Some(self.faces[1].as_ref()?.bottom)
     }
 
+    /// Extinction coefficient, tile coordinates.
+    pub(crate) fn extinction(&self) -> f64 {
+        self.absorption + self.mean_free_path.recip()
+    }
+
     /// Fraction of an interaction inside that scatters.
     pub(crate) const fn albedo(&self) -> f64 {
         self.albedo

@@ -1,26 +1,27 @@
-//! Camera paths: both branches of a first interaction, and the light of beams that is scattered into a path.
+//! Camera paths: split where the surface divides their light, and connected to a sun.
 
-use asperity_surface::Border;
-use glam::{DVec2, DVec3};
-use rand::{Rng, RngExt};
+use glam::DVec3;
+use rand::Rng;
 
 use super::PathIntegrator;
-use super::event::NextEvent;
-use super::result::{BeamContribution, CameraContribution, PathEnd, PathResult};
-use super::state::PathState;
+use super::facet::Scattered;
+use super::hooks::Hooks;
+use super::result::{CameraContribution, PathEnd, PathResult};
+use super::state::{PathState, Space};
+use super::sunlight::Sunlight;
 use crate::geometry::Geometry;
 use crate::interaction::stack::{Interface, TracedLayer};
-use crate::periodic::{Heading, TraversalEnd, TraversalResult, traverse};
-use crate::ray::HalfSpace;
-use crate::visibility::light_beams::LightBeams;
+
+/// Flux of the weaker branch below which only one of both is followed, picked by its flux.
+const MIN_SPLIT: f64 = 1e-3;
 
 impl<G: Geometry> PathIntegrator<'_, G> {
     /// Traces a camera ray: a path from above as in [`PathIntegrator::trace`], but where the surface divides the
-    /// light first, both branches are followed, each with its fraction of the flux, so that there are one or two ends.
+    /// light both branches are followed, each with its fraction of the flux, unless one is very weak. There are as many ends
+    /// as there are branches.
     ///
-    /// With `beams` it also tells of light from their direction that is scattered into the path inside the
-    /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
-    /// of lower index, in which light may rise below the surface; they end after some tiles.
+    /// With `sunlight` it also tells of sunlight that is scattered into the path by a Lambertian facet or bottom, or by the medium of the first
+    /// layer.
     ///
     /// Light counts as unpolarised at every interface, whatever the settings say: a path that begins at the eye does not know the
     /// polarisation of the light that comes along it.
@@ -28,113 +29,83 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         &self,
         origin: DVec3,
         direction: DVec3,
-        beams: Option<&LightBeams<G>>,
+        sunlight: Option<&Sunlight<'_, G>>,
         rng: &mut R,
-        mut contribute: impl FnMut(CameraContribution),
+        contribute: impl FnMut(CameraContribution),
     ) {
-        let is_denser = self
-            .material
-            .transmitting_index()
-            .is_some_and(|eta| eta >= 1.0);
-        let beams = beams.filter(|_| is_denser && self.geometry.border() != Border::Mirrored);
-        let mut path = PathState::new(origin, direction, None);
-
-        // Find the first facet
-        let hit = match self.next_event(&path, rng) {
-            NextEvent::Interface(hit) if hit.interface == Interface::TOP => hit,
-            NextEvent::End(end) => return contribute(CameraContribution::Path(path.ended(end))),
-            _ => return contribute(CameraContribution::Path(path.ended(PathEnd::Lost))),
+        let mut branches = Branches {
+            integrator: self,
+            sunlight,
+            waiting: vec![PathState::new(origin, direction, None)],
+            contribute,
         };
-        self.move_to_interface(&mut path, &hit);
-        path.flight = 0.0;
+        while let Some(mut path) = branches.waiting.pop() {
+            let end = self.follow(&mut path, rng, &mut branches);
+            let is_connected = sunlight.is_some_and(|sunlight| sunlight.is_connected(&path));
+            (branches.contribute)(CameraContribution::Path(PathResult {
+                has_connected_sun: end == PathEnd::Above && is_connected,
+                ..path.ended(end)
+            }));
+        }
+    }
+}
 
-        // Follow both branches
-        let m = self.normal(&hit, path.space);
-        let scattered = self.scattered(hit.interface, &path, m, rng);
-        let mut absorbed = scattered.absorbed;
-        for branch in scattered.branches {
-            if branch.fraction > 0.0 {
-                let mut path = path;
-                path.flux = branch.fraction;
-                path.absorbed = std::mem::take(&mut absorbed);
-                path.leave_interface(Interface::TOP, &branch);
-                let end = self.follow(&mut path, beams, rng, &mut contribute, &mut |_| {});
+/// The branches of a camera path that are still to be followed.
+struct Branches<'a, 'g, G: Geometry, C> {
+    integrator: &'a PathIntegrator<'g, G>,
+    sunlight: Option<&'a Sunlight<'a, G>>,
+    waiting: Vec<PathState>,
+    contribute: C,
+}
 
-                // Say whether the beams stand for where it came from
-                let sampled_by_beams = beams.is_some_and(|beams| path.flight <= beams.farthest())
-                    && end == PathEnd::Above
-                    && path.scatterings > 0
-                    && path.events_since == 1;
-                contribute(CameraContribution::Path(PathResult {
-                    sampled_by_beams,
-                    ..path.ended(end)
-                }));
+impl<G: Geometry, C: FnMut(CameraContribution)> Hooks<G> for Branches<'_, '_, G, C> {
+    fn at_interface<R: Rng>(
+        &mut self,
+        interface: Interface,
+        path: &PathState,
+        m: DVec3,
+        scattered: &mut Scattered,
+        rng: &mut R,
+    ) {
+        // Connect a diffuse face to the sun
+        if scattered.is_diffuse {
+            if let Some(sunlight) = self.sunlight {
+                let [_, reflection] = &scattered.branches;
+                let face = (interface, m, reflection.fraction);
+                self.integrator
+                    .add_sun_at_face(face, path, sunlight, rng, &mut self.contribute);
             }
+            return;
+        }
+
+        // Leave the weaker branch for later
+        let [transmission, reflection] = &mut scattered.branches;
+        let weaker = match transmission.fraction < reflection.fraction {
+            true => transmission,
+            false => reflection,
+        };
+        if path.flux * weaker.fraction >= MIN_SPLIT {
+            let mut later = *path;
+            later.flux *= weaker.fraction;
+            (later.absorbed, later.truncated) = (0.0, 0.0);
+            later.leave_interface(interface, weaker, false);
+            self.waiting.push(later);
+            weaker.fraction = 0.0;
         }
     }
 
-    /// Tells of the light of beams that is scattered into a path where it is now.
-    ///
-    /// The light must reach from the facet to here without an interaction, which a free flight of its own
-    /// decides, and nothing may stand in its way inside and above.
-    pub(super) fn add_beams<R: Rng>(
-        &self,
-        layer: &TracedLayer<'_, G>,
-        path: &PathState,
-        beams: &LightBeams<G>,
-        rng: &mut R,
-        contribute: &mut impl FnMut(CameraContribution),
-    ) {
-        if layer.upper() != Interface::TOP {
-            // Beams end at the next face
-            return;
+    fn in_medium<R: Rng>(&mut self, layer: &TracedLayer<'_, G>, path: &PathState, rng: &mut R) {
+        if let Some(sunlight) = self.sunlight {
+            self.integrator
+                .add_sun_in_medium(layer, path, sunlight, rng, &mut self.contribute);
         }
-        let reach = layer.free_flight(rng.random());
-        let is_periodic = self.geometry.border() != Border::Open;
-        let x = path.heading.origin;
-        beams.holding(self.geometry, x, reach, is_periodic, |beam| {
-            // Find the facet through which the beam enters the layer
-            let back = Heading {
-                direction: -beam.direction,
-                ..path.heading
-            };
-            let near = beam.t * (1.0 + 1e-9) + 1e-9;
-            let intersect =
-                |interface, half_space| self.intersect(interface, &back, half_space, near);
-            let Ok(hit) = intersect(Interface::TOP, HalfSpace::Below) else {
-                return;
-            };
-            let Some((_, at)) = hit
-                .at
-                .filter(|(facet, _)| *facet == beam.facet && hit.t <= near)
-            else {
-                return;
-            };
+    }
 
-            // Check that the bottom does not block it inside, nor the surface above
-            if intersect(layer.lower(), HalfSpace::Above).is_ok_and(|hit| hit.t <= near) {
-                return;
-            }
-            let up = Heading {
-                direction: beams.towards(),
-                ..at
-            };
-            let visibility = traverse(self.geometry, self.accelerator, up, HalfSpace::Above);
-            if !matches!(
-                visibility,
-                TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_))
-            ) {
-                return;
-            }
-
-            // Scatter it into the path
-            let d = beam.direction;
-            let phase = layer.phase().density(path.heading.direction.dot(-d));
-            let level = DVec2::new(d.x, d.y * self.geometry.aspect());
-            contribute(CameraContribution::Beam(BeamContribution {
-                fraction: path.flux * phase * beam.fraction,
-                origin: (path.place - beam.t * level).extend(at.origin.z),
-            }));
-        });
+    /// Paths between smooth faces end soon, and may see a bright sun.
+    fn roulette_below(&self, path: &PathState, setting: f64) -> f64 {
+        match path.space == Space::ABOVE && path.events_since != Some(0) {
+            true => MIN_SPLIT,
+            false => setting,
+        }
     }
 }

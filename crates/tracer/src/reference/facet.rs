@@ -14,6 +14,8 @@ pub(super) struct Scattered {
     /// Transmission and reflection; a branch without flux has the fraction zero and may have no direction.
     pub(super) branches: [Branch; 2],
     pub(super) absorbed: f64,
+    /// `true` if the direction of reflection is one of many possible ones.
+    pub(super) is_diffuse: bool,
 }
 
 /// One of the directions in which light leaves a facet.
@@ -41,6 +43,7 @@ impl Scattered {
                 branch(Event::Reflection, reflected),
             ],
             absorbed,
+            is_diffuse: false,
         }
     }
 
@@ -66,7 +69,10 @@ impl Scattered {
         // Lambert: the squared cosine to the normal is evenly distributed.
         let cos_theta_o = rng.random::<f64>().sqrt();
         let wo = around(m, cos_theta_o, rng.random());
-        Self::new([(0.0, DVec3::ZERO), (reflectance, wo)], 1.0 - reflectance)
+        Self {
+            is_diffuse: true,
+            ..Self::new([(0.0, DVec3::ZERO), (reflectance, wo)], 1.0 - reflectance)
+        }
     }
 
     /// This light with the fractions of the fields that a path brings to a point of normal `m`, in the world also in a mirrored tile.

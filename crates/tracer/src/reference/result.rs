@@ -20,9 +20,9 @@ pub struct PathResult {
     pub path: EventPath,
     /// Number of scatterings inside the layer.
     pub scatterings: u32,
-    /// `true` if [`CameraContribution::Beam`] accounts for its origin: it left above through one facet, straight after
-    /// it was scattered inside no farther away than beams reach, and beams were given.
-    pub sampled_by_beams: bool,
+    /// `true` if [`CameraContribution::Sun`] accounts for sunlight from where it ends: a sun was given, and the path was connected to it
+    /// where it was last scattered diffusely.
+    pub has_connected_sun: bool,
     /// Polarisation of its light: the Stokes vector over its flux, in the
     /// [`reference_axes`](asperity_optics::reference_axes) of `direction`; unpolarised where that is not tracked.
     pub stokes: Stokes,
@@ -37,17 +37,19 @@ pub struct PathResult {
 pub enum CameraContribution {
     /// The end of a path.
     Path(PathResult),
-    /// A point in the layer that light of beams has reached, through one facet.
-    Beam(BeamContribution),
+    /// Sunlight that is scattered diffusely into a path.
+    Sun(SunContribution),
 }
 
-/// Light that is scattered into a path.
+/// Light from one direction of a sun that is scattered into a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BeamContribution {
-    /// Factor of the radiance from that direction, times its solid angle: 1/sr.
+pub struct SunContribution {
+    /// Factor of the radiance from that direction, times the solid angle of the sun: 1/sr.
     pub fraction: f64,
-    /// Point where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
+    /// Point where the light comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
     pub origin: DVec3,
+    /// Unit direction towards the light, in the world.
+    pub towards: DVec3,
 }
 
 /// Kinds of ends of a path.

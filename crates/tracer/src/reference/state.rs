@@ -45,8 +45,8 @@ pub(super) struct PathState {
     pub(super) absorbed: f64,
     pub(super) truncated: f64,
     pub(super) events: EventPath,
-    /// Events since it was last scattered.
-    pub(super) events_since: u32,
+    /// Events at smooth interfaces since it was last scattered diffusely, if it was.
+    pub(super) events_since: Option<u32>,
     pub(super) scatterings: u32,
     /// Length of the last flight that met a facet.
     pub(super) flight: f64,
@@ -67,18 +67,26 @@ impl PathState {
             absorbed: 0.0,
             truncated: 0.0,
             events: EventPath::default(),
-            events_since: 0,
+            events_since: None,
             scatterings: 0,
             flight: 0.0,
         }
     }
 
-    /// Leaves an interface along a branch.
-    pub(super) fn leave_interface(&mut self, interface: Interface, branch: &Branch) {
+    /// Leaves an interface along a branch, which is one of many possible ones if it `is_diffuse`.
+    pub(super) fn leave_interface(
+        &mut self,
+        interface: Interface,
+        branch: &Branch,
+        is_diffuse: bool,
+    ) {
         self.heading.direction = branch.direction;
         self.fields = branch.fields;
         self.events = self.events.then(branch.event);
-        self.events_since += 1;
+        self.events_since = match is_diffuse {
+            true => Some(0),
+            false => self.events_since.map(|events| events + 1),
+        };
         if branch.event == Event::Transmission {
             let number = interface.number();
             self.space = match self.space.side_of(interface) {
@@ -94,6 +102,7 @@ impl PathState {
         layer: &TracedLayer<'_, G>,
         rng: &mut R,
     ) {
+        self.events_since = Some(0);
         match self.fields {
             Some(fields) if layer.phase() == PhaseFunction::Rayleigh => {
                 let (direction, fields) = fields.rayleigh(rng);
@@ -123,7 +132,7 @@ impl PathState {
             truncated: self.truncated,
             path: self.events,
             scatterings: self.scatterings,
-            sampled_by_beams: false,
+            has_connected_sun: false,
             stokes: self
                 .fields
                 .map_or(Stokes::UNPOLARISED, |fields| fields.stokes(direction)),

@@ -136,6 +136,13 @@ impl<G: Geometry> LightBeams<G> {
         self.towards
     }
 
+    /// Returns `true` if light goes down wherever it enters, in a medium of higher index or of the same.
+    pub(crate) fn is_denser_below(&self) -> bool {
+        self.material
+            .transmitting_index()
+            .is_some_and(|eta| eta >= 1.0)
+    }
+
     /// The length of beams, tile coordinates, beyond which light is left to chance.
     pub(crate) const fn farthest(&self) -> f64 {
         self.farthest

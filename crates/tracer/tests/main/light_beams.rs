@@ -9,7 +9,7 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, CameraContribution, FlightSearch, Geometry, LightBeams,
-    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Surface,
+    PathEnd, PathIntegrator, PathSettings, SearchedSurface, Sunlight, Surface,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -51,7 +51,7 @@ const COS_RADIUS: f64 = 0.85;
 /// each, 3.76 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
 const BOUND: f64 = 3.85;
 
-/// Light straight out of the medium, of a sun of radiance one, seen along lines from above.
+/// Light straight out of the layer, of a sun of radiance one, seen along lines from above.
 struct Found {
     /// By beams, and by chance.
     sums: BatchStatistics,
@@ -124,26 +124,23 @@ fn trace(case: Case) -> Found {
         for _ in 0..case.lines {
             let mu = 1.0 - rng.random::<f64>() * (1.0 - COS_RADIUS);
             beams.aim(&top, around(sun, mu, rng.random()));
+            let sunlight = Sunlight::new(sun, COS_RADIUS).with_beams(&top, &beams);
             let origin = DVec3::new(cx * rng.random::<f64>(), cy * rng.random::<f64>(), high);
-            integrator.trace_camera_ray(
-                origin,
-                direction,
-                Some(&beams),
-                &mut rng,
-                |seen| match seen {
-                    CameraContribution::Beam(lit) => {
+            integrator.trace_camera_ray(origin, direction, Some(&sunlight), &mut rng, |seen| {
+                match seen {
+                    CameraContribution::Sun(lit) => {
                         seen_beams += 1;
                         found[0] += lit.fraction * solid_angle / f64::from(case.lines);
                     }
                     CameraContribution::Path(path) => {
-                        if path.sampled_by_beams && path.direction.dot(sun) > COS_RADIUS {
+                        if path.has_connected_sun && path.direction.dot(sun) > COS_RADIUS {
                             assert_eq!(path.end, PathEnd::Above);
                             found[1] += path.flux / f64::from(case.lines);
                             told_apart += 1;
                         }
                     }
-                },
-            );
+                }
+            });
         }
         sums.push(&found);
     }
