@@ -113,6 +113,8 @@ fn figure(map: &AbsorbedMap, outcome: &TraceOutcome<'_>) -> Result<Option<Figure
         spacing: [dy, dx],
         unit: field.unit().symbol().to_owned(),
         y_up: outcome.study.y_is_north,
+        noun: "cells",
+        decades: false,
     };
     figure.draw().map(Some)
 }
