@@ -93,6 +93,7 @@ impl Film {
             radiance: self.radiance.means().to_vec(),
             error: self.radiance.error_squares().map(f64::sqrt).collect(),
             coverage: self.coverage,
+            colour: None,
         }
     }
 }

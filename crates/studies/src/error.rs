@@ -11,6 +11,7 @@ use asperity_tracer::MeshError;
 use crate::config::SurfaceFileError;
 use crate::config::error::{ConfigError, with_insistence};
 use crate::given::{ComparedSurfaceError, GivenError};
+use crate::report::error::ReportError;
 use crate::settings::SettingError;
 
 /// Reasons for which a study is refused or fails.
@@ -53,6 +54,12 @@ pub enum StudyError {
     /// A picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// An interrupt before all wavelengths of a picture were rendered.
+    #[error("stopped before all wavelengths were rendered")]
+    ColourInterrupted,
+    /// A figure cannot be drawn or written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// No light at all in the bins over which errors are taken.
     #[error(
         "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
@@ -93,7 +100,9 @@ impl StudyError {
     pub const fn is_stopped(&self) -> bool {
         matches!(
             self,
-            Self::Simulate(SimulateError::Interrupted) | Self::Render(RenderError::Interrupted)
+            Self::Simulate(SimulateError::Interrupted)
+                | Self::Render(RenderError::Interrupted)
+                | Self::ColourInterrupted
         )
     }
 
@@ -132,6 +141,8 @@ impl StudyError {
             | Self::Comparison(_)
             | Self::HeightField(_)
             | Self::Mesh(_)
+            | Self::ColourInterrupted
+            | Self::Report(_)
             | Self::NoLight => false,
         }
     }

@@ -1,6 +1,6 @@
 //! Camera, lights and picture of `render`.
 
-use super::choices::CAMERA as CAMERAS;
+use super::choices::{CAMERA as CAMERAS, TONE};
 use super::commands::{DEGREES, RENDER};
 use super::light::{SUN_AZIMUTH, SUN_ELEVATION};
 use crate::settings::kind::Kind;
@@ -99,6 +99,16 @@ pub(super) const PICTURE: &[Setting] = &flags(
             .value_name("FACTOR")
             .range(Range::Above(0.0))
             .otherwise("by the brightest percent, and by four times the median at most"),
+        setting("tone", TONE)
+            .help("Curve from exposed radiance to PNG brightness")
+            .default("reinhard"),
+        setting("scale_bar", Kind::Switch).help("Scale of radiance below the picture of a PNG"),
+        setting("denoise", Kind::Switch)
+            .help("Denoise by non-local means, within the errors of pixels"),
+        setting("error_image", Kind::Path)
+            .help("Figure of the relative error of each pixel: .png or .svg")
+            .value_name("FILE")
+            .otherwise("none"),
         basic("output", Kind::Path)
             .help("File to write: .exr or .png; may be repeated")
             .short('o')
