@@ -3,6 +3,7 @@
 use asperity_io::{Picture, PictureFormat, Pixels, write_picture_exr, write_picture_png};
 use asperity_plot::{BrightnessScale, CellMapFigure};
 use asperity_render::{LOG_DECADES, Tone, ToneCurve};
+use asperity_simulate::short;
 
 use super::config::PictureConfig;
 use crate::error::StudyError;
@@ -46,11 +47,10 @@ pub(super) fn write(
     if let Some(path) = &config.error_image {
         let values = relative_errors(picture);
         let [columns, rows] = picture.size;
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
         let figure = CellMapFigure {
             title: format!("Standard error of the pixels of {name}"),
             subtitle: format!(
-                "mean {mean:.2e}; over the radiance of the pixel, or over {} % of the mean radiance if that is more",
+                "over the radiance of the pixel, or over {} % of the mean radiance if that is more",
                 100.0 * DARKEST
             ),
             quantity: "standard error / radiance".to_owned(),
@@ -93,10 +93,10 @@ fn brightness(curve: &ToneCurve) -> String {
         Tone::Log => format!("stored grey 1 + log10(x) / {LOG_DECADES}, clipped to 0 to 1"),
     };
     format!(
-        "brightness: sRGB of the tone {}: {shape}, x = exposure times radiance; exposure {:e}; white: radiance {:e}; radiance, {UNIT}",
+        "brightness: sRGB of the tone {}: {shape}, x = exposure times radiance; exposure {}; white: radiance {}; radiance, {UNIT}",
         tone_name(curve.tone),
-        curve.exposure,
-        curve.white
+        short(curve.exposure),
+        short(curve.white)
     )
 }
 
