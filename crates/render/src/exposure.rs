@@ -2,23 +2,20 @@
 
 use asperity_io::Picture;
 
-use crate::tone::Tone;
-
 /// Upper limit of the white level over the median pixel. Beyond it a few highlights would leave everything else black.
 const MAX_OVER_MEDIAN: f64 = 4.0;
 
-/// The factor from radiance to exposed radiance `x` of [`Tone`]; one for a picture without light.
-///
-/// [`Tone::Log`]: one at the brightest pixel. Others: 0.9 at the 99th percentile of the pixels that show the surface, or of all pixels if
-/// none does, or at four times their median, if that is less and not zero.
+/// The factor from radiance to brightness, where one is white: nine tenths of white at the 99th percentile of the
+/// pixels that show the surface, or of all pixels if none does, or at four times their median, if that
+/// is less and not zero. One for a picture without light.
 #[must_use]
-pub fn exposure(picture: &Picture, tone: Tone) -> f64 {
-    let (level, at) = match tone {
-        Tone::Log => (1.0, brightest(picture)),
-        Tone::Reinhard | Tone::Linear => (0.9, highlights(picture)),
-    };
-    // Radiance so weak that its reciprocal overflows counts as none.
-    Some(level / at)
+pub fn exposure(picture: &Picture) -> f64 {
+    factor(0.9, highlights(picture))
+}
+
+/// The exposure that brings a radiance to a level; one where the radiance is zero, or so weak that the factor overflows.
+pub(crate) fn factor(level: f64, radiance: f64) -> f64 {
+    Some(level / radiance)
         .filter(|factor| factor.is_finite())
         .unwrap_or(1.0)
 }
@@ -51,29 +48,33 @@ fn highlights(picture: &Picture) -> f64 {
 mod tests {
     use super::*;
 
-    /// The exposure for a tone of 200 pixels that show the surface, three of them `bright`, next to one of sky.
-    fn with_highlights(bright: f64, tone: Tone) -> f64 {
+    /// 200 pixels that show the surface, three of them `bright`, next to one of sky.
+    fn with_highlights(bright: f64) -> Picture {
         let mut radiance = vec![0.5; 200];
         radiance[..3].fill(bright);
         radiance.push(1e6);
         let mut coverage = vec![1.0; 200];
         coverage.push(0.0);
-        let picture = Picture {
+        Picture {
             size: [201, 1],
             error: vec![0.0; 201],
             radiance,
             coverage,
             colour: None,
-        };
-        exposure(&picture, tone)
+        }
     }
 
     #[test]
     fn white_is_at_the_highlights_or_at_four_times_the_median() {
-        for tone in [Tone::Linear, Tone::Reinhard] {
-            assert_eq!(with_highlights(0.8, tone), 0.9 / 0.8);
-            assert_eq!(with_highlights(100.0, tone), 0.9 / 2.0);
+        assert_eq!(exposure(&with_highlights(0.8)), 0.9 / 0.8);
+        assert_eq!(exposure(&with_highlights(100.0)), 0.9 / 2.0);
+        assert_eq!(brightest(&with_highlights(100.0)), 1e6);
+    }
+
+    #[test]
+    fn darkness_has_an_exposure_of_one() {
+        for radiance in [0.0, 1e-310] {
+            assert_eq!(factor(0.9, radiance), 1.0);
         }
-        assert_eq!(with_highlights(100.0, Tone::Log), 1e-6);
     }
 }

@@ -3,7 +3,7 @@
 use asperity_io::{Picture, Pixels};
 use asperity_optics::srgb_encoded;
 
-use crate::exposure::{brightest, exposure};
+use crate::exposure::{brightest, exposure, factor};
 
 /// Decades of radiance from black to white of [`Tone::Log`].
 pub const LOG_DECADES: i32 = 3;
@@ -36,10 +36,13 @@ pub struct ToneCurve {
 }
 
 impl ToneCurve {
-    /// The curve for a picture; the exposure is chosen by [`exposure`] unless it is given.
+    /// The curve for a picture. Unless the exposure is given, it is that of [`exposure`], and the brightest pixel is white of [`Tone::Log`].
     #[must_use]
     pub fn new(tone: Tone, picture: &Picture, given: Option<f64>) -> Self {
-        let exposure = given.unwrap_or_else(|| exposure(picture, tone));
+        let exposure = given.unwrap_or_else(|| match tone {
+            Tone::Reinhard | Tone::Linear => exposure(picture),
+            Tone::Log => factor(1.0, brightest(picture)),
+        });
         let white = match tone {
             Tone::Reinhard => (1.0 / exposure).max(brightest(picture)),
             Tone::Linear | Tone::Log => 1.0 / exposure,

@@ -1,6 +1,7 @@
 //! Reasons for which a study is refused or fails.
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError};
+use asperity_plot::PlotError;
 use asperity_render::RenderError;
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
@@ -11,7 +12,6 @@ use asperity_tracer::MeshError;
 use crate::config::SurfaceFileError;
 use crate::config::error::{ConfigError, with_insistence};
 use crate::given::{ComparedSurfaceError, GivenError};
-use crate::report::error::ReportError;
 use crate::settings::SettingError;
 
 /// Reasons for which a study is refused or fails.
@@ -57,9 +57,9 @@ pub enum StudyError {
     /// An interrupt before all wavelengths of a picture were rendered.
     #[error("stopped before all wavelengths were rendered")]
     ColourInterrupted,
-    /// A figure cannot be drawn or written.
-    #[error(transparent)]
-    Report(#[from] ReportError),
+    /// A figure cannot be drawn.
+    #[error("a figure could not be drawn: {0}")]
+    Plot(#[from] PlotError),
     /// No light at all in the bins over which errors are taken.
     #[error(
         "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
@@ -142,7 +142,7 @@ impl StudyError {
             | Self::HeightField(_)
             | Self::Mesh(_)
             | Self::ColourInterrupted
-            | Self::Report(_)
+            | Self::Plot(_)
             | Self::NoLight => false,
         }
     }

@@ -6,6 +6,8 @@ mod files;
 mod text;
 mod wavelength_stage;
 
+use std::time::Duration;
+
 use asperity_render::{RenderOutcome, RenderSettings, ToneCurve, denoise, render};
 use asperity_simulate::{Cells, Deadline, Observer, Shape, StoppedBy};
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
@@ -121,16 +123,17 @@ impl RenderPlan {
         let wavelengths = config.wavelengths()?;
         let count = wavelengths.len();
         let mut sum: Option<RenderOutcome> = None;
-        for (number, (wavelength, xyz)) in wavelengths.into_iter().enumerate() {
-            let resolved = config.material.resolved(wavelength)?;
+        for (number, wavelength) in wavelengths.into_iter().enumerate() {
+            let resolved = config.material.resolved(wavelength.nm)?;
             let layers = resolved.layers(config.medium.as_ref(), self.surface.unit)?;
-            let part = (number + 1) as f64 / count as f64;
+            // Of integers, since a fraction of the longest time may overflow
+            let part = |time: Duration| time / count as u32 * (number + 1) as u32;
             let stage = WavelengthStage {
                 observer,
                 number,
                 count,
             };
-            let observer = Deadline::new(&stage, time.map(|time| time.mul_f64(part)));
+            let observer = Deadline::new(&stage, time.map(part));
             let one = render(
                 &self.shape,
                 resolved.material,
@@ -142,7 +145,7 @@ impl RenderPlan {
             if one.stopped_by == Some(StoppedBy::Interrupt) && !is_last {
                 return Err(StudyError::ColourInterrupted);
             }
-            sum = Some(match xyz {
+            sum = Some(match wavelength.xyz {
                 Some(xyz) => in_colour(sum, one, xyz, count),
                 None => one,
             });

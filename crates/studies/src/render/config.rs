@@ -52,6 +52,14 @@ pub struct WavelengthConfig {
     pub wavelength: Option<OneOrMany<Number>>,
 }
 
+/// A wavelength that is rendered.
+pub(super) struct RenderedWavelength {
+    /// Nanometres; `None` if it is not given.
+    pub(super) nm: Option<f64>,
+    /// Weights of its radiance in X, Y and Z, of a picture in colour.
+    pub(super) xyz: Option<[f64; 3]>,
+}
+
 /// `[view]`: the direction towards the camera, degrees.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct ViewConfig {
@@ -166,10 +174,11 @@ impl RenderConfig {
         Ok(config)
     }
 
-    /// The wavelengths with their weights `[X, Y, Z]`: several in colour; otherwise the only one, if there is one, without.
-    pub(super) fn wavelengths(&self) -> Result<Vec<(Option<f64>, Option<[f64; 3]>)>, ConfigError> {
+    /// The wavelengths: several for a picture in colour, one otherwise.
+    pub(super) fn wavelengths(&self) -> Result<Vec<RenderedWavelength>, ConfigError> {
+        let grey = |nm| vec![RenderedWavelength { nm, xyz: None }];
         let Some(given) = &self.light.wavelength else {
-            return Ok(vec![(None, None)]);
+            return Ok(grey(None));
         };
         let nm: Vec<f64> = given
             .values("wavelength")?
@@ -177,11 +186,15 @@ impl RenderConfig {
             .map(|one| one.0)
             .collect();
         if let [one] = nm[..] {
-            return Ok(vec![(Some(one), None)]);
+            return Ok(grey(Some(one)));
         }
         let weights = colour::weights(&nm)?;
         let weighted = nm.into_iter().zip(weights);
-        Ok(weighted.map(|(nm, xyz)| (Some(nm), Some(xyz))).collect())
+        let coloured = weighted.map(|(nm, xyz)| RenderedWavelength {
+            nm: Some(nm),
+            xyz: Some(xyz),
+        });
+        Ok(coloured.collect())
     }
 
     /// Refuses colours of a spectrum with gaps, a scale that is too narrow, and what colour and denoising take more of the memory than

@@ -1,15 +1,18 @@
 //! Files of a picture: EXR, PNG with a scale, and the figure of its errors.
 
-use asperity_io::{Picture, PictureFormat, Pixels, write_picture_exr, write_picture_png};
-use asperity_plot::{BrightnessScale, CellMapFigure};
+use asperity_io::{
+    Picture, PictureFormat, Pixels, check_ending, write_bytes, write_picture_exr, write_picture_png,
+};
+use asperity_plot::{BrightnessScale, CellMapFigure, PlotError};
 use asperity_render::{LOG_DECADES, Tone, ToneCurve};
 use asperity_simulate::short;
 
 use super::config::PictureConfig;
 use crate::error::StudyError;
 use crate::given::GivenError;
-use crate::report::error::ReportError;
-use crate::report::figures::write_by_ending;
+
+/// Endings of images of errors.
+const ERROR_IMAGES: [&str; 2] = ["png", "svg"];
 
 /// Unit of radiance.
 const UNIT: &str = "in the unit in which the lights were given";
@@ -62,8 +65,13 @@ pub(super) fn write(
             noun: "pixels",
             decades: true,
         };
-        let figure = figure.draw().map_err(ReportError::from)?;
-        write_by_ending(path, &figure)?;
+        let figure = figure.draw()?;
+        let bytes = match check_ending(path, "error images", &ERROR_IMAGES) {
+            Ok("svg") => figure.svg()?.into_bytes(),
+            Ok(_) => figure.png()?,
+            Err(error) => return Err(GivenError::from(error).into()),
+        };
+        write_bytes(path, &bytes).map_err(GivenError::from)?;
     }
     Ok(())
 }
@@ -109,7 +117,7 @@ pub(super) const fn tone_name(tone: Tone) -> &'static str {
 }
 
 /// Appends a scale of the brightness below the pixels, which stay as they are.
-fn append_scale(pixels: &mut Pixels, tone: &ToneCurve) -> Result<(), ReportError> {
+fn append_scale(pixels: &mut Pixels, tone: &ToneCurve) -> Result<(), PlotError> {
     let scale = BrightnessScale {
         title: "radiance",
         width: u32::try_from(pixels.size[0]).unwrap_or(u32::MAX),
