@@ -181,7 +181,7 @@ fn tones_differ_and_the_png_says_which_it_has() {
     let mut all = Vec::new();
     for tone in ["reinhard", "linear", "log"] {
         let text = folder.succeed(format!("{SMALL} --tone {tone} -o t.png"));
-        text.must_contain(&format!("tone {tone}, exposure"));
+        text.must_contain(format!("tone {tone}, exposure"));
         assert!(tone == "linear" || !text.contains("clipped"), "{text}");
         let png = fs::read(folder.join("t.png")).unwrap();
         let comment = comment(&png);
@@ -216,7 +216,7 @@ fn a_scale_and_an_image_of_errors_come_with_the_picture() {
     for (flags, more) in [("", 0), ("--scale-bar", 40)] {
         for errors in ["e.svg", "e.png"] {
             let text = folder.succeed(format!("{large} {flags} -o p.png --error-image {errors}"));
-            text.must_contain(&format!("picture in p.png\nerrors in {errors}"));
+            text.must_contain(format!("picture in p.png\nerrors in {errors}"));
         }
         assert!(rows("p.png") >= 40 + more && (more > 0 || rows("p.png") == 40));
     }

@@ -95,10 +95,10 @@ pub(super) const PICTURE: &[Setting] = &flags(
             .help("Samples per pixel, at least")
             .default("16"),
         basic("exposure", Kind::Number)
-            .help("Factor from radiance to PNG brightness, where 1 is white")
+            .help("Factor on radiance before the tone curve of a PNG")
             .value_name("FACTOR")
             .range(Range::Above(0.0))
-            .otherwise("by the brightest percent, and by four times the median at most"),
+            .otherwise("by the brightest percent, and by four times the median at most; log: by the brightest pixel"),
         setting("tone", TONE)
             .help("Curve from exposed radiance to PNG brightness")
             .default("reinhard"),
