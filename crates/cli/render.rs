@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::PictureFormat;
+use asperity_io::{PictureFormat, check_ending};
 use asperity_simulate::{Observer, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{RenderConfig, RenderPlan};
@@ -18,9 +18,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let refused = |error| Failure::of_study(document, error);
     let config = RenderConfig::new(document).map_err(refused)?;
     let outputs = config.picture.output.as_slice().iter();
-    let outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
+    let mut outputs: Vec<&Path> = outputs.map(PathBuf::as_path).collect();
     for path in &outputs {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
+    }
+    if let Some(path) = &config.picture.error_image {
+        check_ending(path, "error images", &["png", "svg"]).map_err(Failure::usage)?;
+        outputs.push(path);
     }
     check_outputs(&outputs, document)?;
     let progress = Progress::new(common);

@@ -85,6 +85,15 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         -o p.png --patch 0,0,1 => X0,Y0,X1,Y1
         -o p.png --patch 0,0,0,1 => below the other two
         -o p.png --exposure 0 => above 0
+        -o p.png --tone gamma => reinhard, linear or log
+        -o p.png --scale-bar => a scale bar below 24 columns: needs 160 or more
+        -o p.png --error-image e.exr => .png and .svg
+        -o p.png --error-image p.png => given as two outputs
+        -o p.png --error-image h.exr => .png and .svg
+        -o p.png --wavelength 400:700:20 => 16 wavelengths: change nothing unless the material is a named one
+        -o p.png --material gold --wavelength 450,550,650 => 3 wavelengths: a picture takes one, or in colour those from 400 to 700 nm
+        -o p.png --material gold --wavelength 700:400:20 => --wavelength 700:400:20
+        -o p.png --material gold --wavelength 420:700:20 => from 400 to 700 nm in increasing steps of at most 20 nm
         -o p.png --albedo 0.9 => needs --mean-free-path
         -o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1 => invalid thickness
         -o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent => must be flat, same or a file
@@ -156,4 +165,112 @@ fn exposure_and_the_radius_of_the_sun_reach_the_picture() {
     assert!(bright != dim);
     let (_, wide) = png("--exposure 2 --sun-radius 20");
     assert!(bright != wide);
+}
+
+/// The text of a PNG on its brightness.
+fn comment(png: &[u8]) -> String {
+    let text = String::from_utf8_lossy(png);
+    let from = text.find("tEXtComment").unwrap();
+    let end = text[from..].find("IDAT").unwrap();
+    text[from..from + end].to_owned()
+}
+
+#[test]
+fn tones_differ_and_the_png_says_which_it_has() {
+    let folder = with_surface();
+    let mut all = Vec::new();
+    for tone in ["reinhard", "linear", "log"] {
+        let text = folder.succeed(format!("{SMALL} --tone {tone} -o t.png"));
+        text.must_contain(format!("tone {tone}, exposure"));
+        assert!(tone == "linear" || !text.contains("clipped"), "{text}");
+        let png = fs::read(folder.join("t.png")).unwrap();
+        let comment = comment(&png);
+        for part in [
+            tone,
+            "exposure ",
+            "white: radiance ",
+            "in the unit in which the lights were given",
+        ] {
+            comment.as_str().must_contain(part);
+        }
+        assert!(!all.contains(&png), "{tone}");
+        all.push(png);
+    }
+    folder.succeed(format!("{SMALL} -o t.png"));
+    assert!(
+        fs::read(folder.join("t.png")).unwrap() == all[0],
+        "the default"
+    );
+    let text = folder.succeed(format!("{SMALL} --tone linear --exposure 99 -o t.png"));
+    text.must_contain("of the pixels is clipped");
+}
+
+#[test]
+fn a_scale_and_an_image_of_errors_come_with_the_picture() {
+    let folder = with_surface();
+    let large = "render h.exr --size 160x40 --samples 2";
+    let rows = |png: &str| {
+        let bytes = fs::read(folder.join(png)).unwrap();
+        u32::from_be_bytes(bytes[20..24].try_into().unwrap())
+    };
+    for (flags, more) in [("", 0), ("--scale-bar", 40)] {
+        for errors in ["e.svg", "e.png"] {
+            let text = folder.succeed(format!("{large} {flags} -o p.png --error-image {errors}"));
+            text.must_contain(format!("picture in p.png\nerrors in {errors}"));
+        }
+        assert!(rows("p.png") >= 40 + more && (more > 0 || rows("p.png") == 40));
+    }
+    let figure = folder.text("e.svg");
+    for part in [
+        "Standard error of the pixels of h.exr",
+        "160 × 40 pixels",
+        "standard error / radiance",
+    ] {
+        figure.as_str().must_contain(part);
+    }
+}
+
+#[test]
+fn several_wavelengths_give_a_picture_in_colour() {
+    let folder = with_surface();
+    let gold = format!("{SMALL} --material gold");
+    let both = "-o c.exr -o c.png --denoise";
+    let [one, three] = ["1", "3"].map(|threads| {
+        let line = format!("{gold} --wavelength 400:700:20 --threads {threads} {both}");
+        let text = folder.succeed(line);
+        text.must_contain("4 camera rays at each of 16 wavelengths, 27648 rays");
+        text.must_contain("mean luminance 0.");
+        text.must_contain("denoised by non-local means");
+        ["c.exr", "c.png"].map(|name| fs::read(folder.join(name)).unwrap())
+    });
+    assert!(one == three);
+    let [exr, png] = one;
+    // Colour type 2 of a PNG is RGB, 0 is grey.
+    assert_eq!(png[25], 2);
+    comment(&png)
+        .as_str()
+        .must_contain("denoised by non-local means");
+    let header = String::from_utf8_lossy(&exr[..2000.min(exr.len())]).into_owned();
+    for part in [
+        "R, G, B: linear sRGB",
+        "error: standard error of Y, that before denoising",
+    ] {
+        header.as_str().must_contain(part);
+    }
+    folder.succeed(format!("{gold} --wavelength 550 -o c.png"));
+    assert_eq!(fs::read(folder.join("c.png")).unwrap()[25], 0);
+}
+
+/// Every wavelength has its part of the time.
+#[test]
+fn colours_come_in_time() {
+    let folder = with_surface();
+    let light = "--material gold --wavelength 400:700:20 --samples 1e8 --max-time 0.1";
+    let output = folder.run(format!("render --flat --size 8x6 {light} -o f.png"));
+    let errors = errors_of(&output);
+    assert!(output.status.success(), "{errors}");
+    assert!(
+        errors.starts_with("the time is over; the picture of "),
+        "{errors}"
+    );
 }

@@ -66,6 +66,6 @@ pub use materials::{MaterialLookupError, MaterialRecord, material, materials, na
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
 pub use netcdf::{NetCdf, NetCdfValues, NetCdfVariable};
 pub use number_table::{NumberTable, read_number_table};
-pub use pictures::{Picture, PictureFormat, write_picture};
+pub use pictures::{Picture, PictureFormat, Pixels, write_picture_exr, write_picture_png};
 pub use shown::{json_text, printable, shown, shown_path, within};
 pub use tensors::{Tensor, tensor_file};

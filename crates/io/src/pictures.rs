@@ -1,9 +1,9 @@
-//! Pictures: radiance by pixel, as OpenEXR for numbers and as PNG for viewing.
+//! Pictures: radiance by pixel as OpenEXR, and pixels for viewing as PNG.
 //!
-//! EXR (.exr): the channels `Y`, radiance, `error`, its standard error, and `A`, the fraction of the pixel in
-//! which the camera sees the surface; single precision, ZIP compression, lossless. Radiance is linear, and
-//! relative to a unit that the text attribute `comments` names. PNG (.png): greyscale of 8 bits, radiance
-//! times the exposure by the curve of sRGB, cut off at white. Row 0 is on top in both.
+//! EXR: the channels `Y`, radiance, `error`, its standard error, and `A`, the fraction of the pixel in
+//! which the camera sees the surface, and `R`, `G` and `B`, linear sRGB, of pictures in colour; single precision, ZIP
+//! compression, lossless. Radiance is linear, and relative to a unit that the text attribute `comments` names. PNG:
+//! greyscale or RGB of 8 bits, stored by the curve of sRGB; the text chunk `Comment` says what they mean. Row 0 is on top in both.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -21,12 +21,25 @@ use crate::files::replace_alone;
 pub struct Picture {
     /// Columns and rows; every vector has their product of values.
     pub size: [usize; 2],
-    /// Radiance, linear.
+    /// Radiance, linear; of a picture in colour its Y, the luminance.
     pub radiance: Vec<f64>,
     /// Its standard error; NaN where it is unknown.
     pub error: Vec<f64>,
     /// Fraction of the pixel in which the camera sees the surface, `[0, 1]`.
     pub coverage: Vec<f64>,
+    /// Linear sRGB in the unit of `radiance`, of a picture in colour; a channel is negative where a colour is outside of sRGB.
+    pub colour: Option<Vec<[f64; 3]>>,
+}
+
+/// Pixels of 8 bits for viewing, row by row from the top, stored by the curve of sRGB.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// `true` for three bytes per pixel, red, green and blue; `false` for one, grey.
+    pub is_rgb: bool,
+    /// The bytes.
+    pub bytes: Vec<u8>,
 }
 
 /// A file format of pictures, chosen by the ending of the file's name.
@@ -51,33 +64,37 @@ impl PictureFormat {
     }
 }
 
-/// Writes a picture in the format of the ending of `path`, as
-/// [`crate::write_atomically`] does.
-///
-/// `exposure`: what radiance is multiplied by for PNG, where one is white; `comment`: what the values are,
-/// for EXR.
+/// Writes a picture as OpenEXR, as [`crate::write_atomically`] does; `comment`: what the values are.
 ///
 /// # Errors
-/// [`WriteError`] if the ending is unknown, a value is beyond single precision, or the file
-/// cannot be written.
+/// [`WriteError`] if a value is beyond single precision, or the file cannot be written.
 ///
 /// # Panics
 /// If a vector does not have one value per pixel.
-pub fn write_picture(
+pub fn write_picture_exr(
     path: impl AsRef<Path>,
     picture: &Picture,
-    exposure: f64,
     comment: &str,
 ) -> Result<(), WriteError> {
-    let path = path.as_ref();
     let pixels = picture.size[0] * picture.size[1];
     for values in [&picture.radiance, &picture.error, &picture.coverage] {
         assert_eq!(values.len(), pixels, "one value per pixel");
     }
-    match PictureFormat::from_path(path)? {
-        PictureFormat::Exr => replace_alone(path, |out| write_exr(picture, comment, out)),
-        PictureFormat::Png => replace_alone(path, |out| Ok(write_png(picture, exposure, out)?)),
-    }
+    let colours = picture.colour.as_ref().map_or(pixels, Vec::len);
+    assert_eq!(colours, pixels, "one colour per pixel");
+    replace_alone(path.as_ref(), |out| write_exr(picture, comment, out))
+}
+
+/// Writes pixels as PNG, as [`crate::write_atomically`] does; `comment`: what their brightness means, in ASCII.
+///
+/// # Errors
+/// [`WriteError`] if the file cannot be written.
+pub fn write_picture_png(
+    path: impl AsRef<Path>,
+    pixels: &Pixels,
+    comment: &str,
+) -> Result<(), WriteError> {
+    replace_alone(path.as_ref(), |out| Ok(write_png(pixels, comment, out)?))
 }
 
 fn write_exr(picture: &Picture, comment: &str, out: &mut dyn Write) -> Result<(), WriteProblem> {
@@ -85,11 +102,17 @@ fn write_exr(picture: &Picture, comment: &str, out: &mut dyn Write) -> Result<()
         let samples = values.iter().map(|value| single(name, *value));
         Ok::<_, WriteProblem>((name, samples.collect::<Result<Vec<f32>, _>>()?))
     };
-    let channels = vec![
+    let mut channels = vec![
         channel("A", &picture.coverage)?,
         channel("Y", &picture.radiance)?,
         errors(&picture.error)?,
     ];
+    if let Some(colour) = &picture.colour {
+        for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let values: Vec<f64> = colour.iter().map(|rgb| rgb[i]).collect();
+            channels.push(channel(name, &values)?);
+        }
+    }
     let attributes = LayerAttributes {
         comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
         ..LayerAttributes::default()
@@ -107,38 +130,25 @@ fn errors(values: &[f64]) -> Result<(&'static str, Vec<f32>), WriteProblem> {
     Ok(("error", samples))
 }
 
-fn write_png(picture: &Picture, exposure: f64, out: &mut dyn Write) -> io::Result<()> {
+fn write_png(pixels: &Pixels, comment: &str, out: &mut dyn Write) -> io::Result<()> {
     // The format counts with 31 bits.
-    let [width, height] = picture.size.map(|n| {
+    let [width, height] = pixels.size.map(|n| {
         let n = i32::try_from(n).map_err(|_| io::Error::other("too many columns or rows"))?;
         Ok::<_, io::Error>(n.cast_unsigned())
     });
     let mut encoder = ::png::Encoder::new(out, width?, height?);
-    encoder.set_color(::png::ColorType::Grayscale);
+    encoder.set_color(match pixels.is_rgb {
+        true => ::png::ColorType::Rgb,
+        false => ::png::ColorType::Grayscale,
+    });
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_compression(::png::Compression::High);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let text = encoder.add_text_chunk("Comment".to_owned(), comment.to_owned());
+    text.map_err(png_error)?;
     let mut writer = encoder.write_header().map_err(png_error)?;
-    let grey: Vec<u8> = picture
-        .radiance
-        .iter()
-        .map(|radiance| (255.0 * srgb(exposure * radiance)).round() as u8)
-        .collect();
-    writer.write_image_data(&grey).map_err(png_error)?;
+    writer.write_image_data(&pixels.bytes).map_err(png_error)?;
     writer.finish().map_err(png_error)
-}
-
-/// The curve of sRGB: from linear values to stored ones, both cut off to `[0, 1]`.
-///
-/// # Source
-/// IEC 61966-2-1:1999.
-fn srgb(linear: f64) -> f64 {
-    let linear = linear.clamp(0.0, 1.0);
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
 }
 
 #[cfg(test)]
@@ -154,14 +164,21 @@ mod tests {
             radiance: vec![0.0, 0.1, 0.25, 0.5, 1.0, 2.0],
             error: vec![0.01; 6],
             coverage: vec![1.0; 6],
+            colour: None,
         }
+    }
+
+    fn channels(path: &Path) -> Vec<String> {
+        let image = ::exr::prelude::read_all_flat_layers_from_file(path).unwrap();
+        let channels = &image.layer_data[0].channel_data.list;
+        channels.iter().map(|one| one.name.to_string()).collect()
     }
 
     #[test]
     fn exr_holds_radiance_row_by_row_from_the_top() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.exr");
-        write_picture(&path, &picture(), 1.0, "unit").unwrap();
+        write_picture_exr(&path, &picture(), "unit").unwrap();
         // The channel Y is read as heights are.
         let read = read_height_map(&path).unwrap();
         let field = read
@@ -173,14 +190,11 @@ mod tests {
         assert_eq!(field.shape(), [2, 3]);
         let stored = picture().radiance.into_iter().map(|r| f64::from(r as f32));
         assert!(field.heights().iter().copied().eq(stored));
-        let image = ::exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
-        let names: Vec<String> = image.layer_data[0]
-            .channel_data
-            .list
-            .iter()
-            .map(|channel| channel.name.to_string())
-            .collect();
-        assert_eq!(names, ["A", "Y", "error"]);
+        assert_eq!(channels(&path), ["A", "Y", "error"]);
+        let mut coloured = picture();
+        coloured.colour = Some(vec![[0.1, 0.2, -0.3]; 6]);
+        write_picture_exr(&path, &coloured, "unit").unwrap();
+        assert_eq!(channels(&path), ["A", "B", "G", "R", "Y", "error"]);
     }
 
     #[test]
@@ -189,9 +203,9 @@ mod tests {
         let path = folder.path().join("p.exr");
         let mut unknown = picture();
         unknown.error = vec![f64::NAN; 6];
-        write_picture(&path, &unknown, 1.0, "unit").unwrap();
+        write_picture_exr(&path, &unknown, "unit").unwrap();
         unknown.radiance[0] = f64::NAN;
-        let error = write_picture(&path, &unknown, 1.0, "unit").unwrap_err();
+        let error = write_picture_exr(&path, &unknown, "unit").unwrap_err();
         assert!(
             matches!(error.problem, WriteProblem::OutOfRange { .. }),
             "{error}"
@@ -201,33 +215,43 @@ mod tests {
     #[test]
     fn equal_pictures_give_equal_bytes() {
         let folder = tempfile::tempdir().unwrap();
-        for ending in ["exr", "png"] {
-            let bytes = ["a", "b"].map(|name| {
-                let path = folder.path().join(format!("{name}.{ending}"));
-                write_picture(&path, &picture(), 0.5, "unit").unwrap();
-                fs::read(path).unwrap()
-            });
-            assert!(bytes[0] == bytes[1], "{ending}");
-        }
+        let bytes = ["a", "b"].map(|name| {
+            let path = folder.path().join(name);
+            write_picture_exr(&path, &picture(), "unit").unwrap();
+            fs::read(path).unwrap()
+        });
+        assert!(bytes[0] == bytes[1]);
     }
 
     #[test]
-    fn png_follows_the_curve_of_srgb() {
+    fn png_holds_pixels_and_says_what_they_mean() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.png");
-        write_picture(&path, &picture(), 1.0, "").unwrap();
-        let decoder = ::png::Decoder::new(io::BufReader::new(fs::File::open(path).unwrap()));
-        let mut reader = decoder.read_info().unwrap();
-        let mut grey = vec![0; 6];
-        reader.next_frame(&mut grey).unwrap();
-        // Linear 0.1, 0.25 and 0.5 are stored as 0.3492, 0.5371 and 0.7354.
-        assert_eq!(grey, [0, 89, 137, 188, 255, 255]);
+        for is_rgb in [false, true] {
+            let bytes: Vec<u8> = (0..if is_rgb { 18 } else { 6 }).map(|i| 9 * i).collect();
+            let pixels = Pixels {
+                size: [3, 2],
+                is_rgb,
+                bytes: bytes.clone(),
+            };
+            write_picture_png(&path, &pixels, "white: 2").unwrap();
+            let file = io::BufReader::new(fs::File::open(&path).unwrap());
+            let mut reader = ::png::Decoder::new(file).read_info().unwrap();
+            let mut found = vec![0; bytes.len()];
+            reader.next_frame(&mut found).unwrap();
+            assert_eq!(found, bytes);
+            let texts = &reader.info().uncompressed_latin1_text;
+            assert_eq!(
+                (texts[0].keyword.as_str(), texts[0].text.as_str()),
+                ("Comment", "white: 2")
+            );
+        }
     }
 
     #[test]
     fn other_endings_are_refused() {
         for name in ["p.jpg", "p"] {
-            let error = write_picture(name, &picture(), 1.0, "").unwrap_err();
+            let error = PictureFormat::from_path(Path::new(name)).unwrap_err();
             assert!(error.to_string().contains(".exr and .png"), "{error}");
         }
     }

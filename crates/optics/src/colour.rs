@@ -105,7 +105,7 @@ impl Colour {
         Self {
             xyz,
             xy: [x / sum, y / sum],
-            srgb: linear.map(|value| encoded(value.clamp(0.0, 1.0))),
+            srgb: linear.map(|value| srgb_encoded(value.clamp(0.0, 1.0))),
             is_clipped: linear
                 .iter()
                 .any(|value| !(-ROUNDING..=1.0 + ROUNDING).contains(value)),
@@ -127,8 +127,9 @@ fn white(observer: ColourObserver) -> [f64; 3] {
     sum.map(|value| value / sum[1])
 }
 
-/// Transfer function of sRGB.
-fn encoded(linear: f64) -> f64 {
+/// Transfer function of sRGB, from linear values of `[0, 1]` to stored ones.
+#[must_use]
+pub fn srgb_encoded(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

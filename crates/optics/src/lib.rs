@@ -36,7 +36,7 @@ mod polarisation;
 mod spread;
 mod sunlight;
 
-pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb};
+pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb, srgb_encoded};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
 pub use elementary::{ln_of_normal, sin_cos_of_turn};

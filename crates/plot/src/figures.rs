@@ -1,6 +1,7 @@
 //! Figures, one per file.
 
 pub(crate) mod angle_grid;
+pub(crate) mod brightness_scale;
 pub(crate) mod cell_map;
 pub(crate) mod curves;
 pub(crate) mod diagram;

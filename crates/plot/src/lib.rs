@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`CellMapFigure`] | fractions by cell `[ny, nx]`, row-major | a quantity over the surface from above, in colours from zero |
+//! | [`BrightnessScale`] | a function from values to grey levels | what brightness means in a picture |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over roughness and angle |
@@ -66,6 +67,7 @@ pub use elements::series::{Series, Side, Source};
 pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
 pub use figures::angle_grid::{AngleGrid, AnglePanel};
+pub use figures::brightness_scale::BrightnessScale;
 pub use figures::cell_map::CellMapFigure;
 pub use figures::curves::Curves;
 pub use figures::diagram::{Diagram, DiagramLabel, DiagramPanel, DiagramPath, Stroke};

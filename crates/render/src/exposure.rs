@@ -10,6 +10,23 @@ const MAX_OVER_MEDIAN: f64 = 4.0;
 /// is less and not zero. One for a picture without light.
 #[must_use]
 pub fn exposure(picture: &Picture) -> f64 {
+    factor(0.9, highlights(picture))
+}
+
+/// The exposure that brings a radiance to a level; one where the radiance is zero, or so weak that the factor overflows.
+pub(crate) fn factor(level: f64, radiance: f64) -> f64 {
+    Some(level / radiance)
+        .filter(|factor| factor.is_finite())
+        .unwrap_or(1.0)
+}
+
+/// Radiance of the brightest pixel, zero or more.
+pub(crate) fn brightest(picture: &Picture) -> f64 {
+    picture.radiance.iter().copied().fold(0.0, f64::max)
+}
+
+/// Radiance of highlights of the surface, apart from the few brightest.
+fn highlights(picture: &Picture) -> f64 {
     let pixels = picture.radiance.iter().zip(&picture.coverage);
     let mut shown: Vec<f64> = pixels
         .filter(|(_, coverage)| **coverage >= 0.5)
@@ -21,14 +38,9 @@ pub fn exposure(picture: &Picture) -> f64 {
     shown.sort_unstable_by(f64::total_cmp);
     let percentile = |n: usize| shown.get(shown.len() * n / 100).copied().unwrap_or(0.0);
     let (median, highlights) = (percentile(50), percentile(99));
-    let brightest = match median > 0.0 {
+    match median > 0.0 {
         true => highlights.min(MAX_OVER_MEDIAN * median),
-        false => highlights,
-    };
-    if brightest > 0.0 {
-        0.9 / brightest
-    } else {
-        1.0
+        false => highlights.max(0.0),
     }
 }
 
@@ -36,24 +48,33 @@ pub fn exposure(picture: &Picture) -> f64 {
 mod tests {
     use super::*;
 
-    /// The exposure of 200 pixels that show the surface, three of them `bright`, next to one of sky.
-    fn with_highlights(bright: f64) -> f64 {
+    /// 200 pixels that show the surface, three of them `bright`, next to one of sky.
+    fn with_highlights(bright: f64) -> Picture {
         let mut radiance = vec![0.5; 200];
         radiance[..3].fill(bright);
         radiance.push(1e6);
         let mut coverage = vec![1.0; 200];
         coverage.push(0.0);
-        exposure(&Picture {
+        Picture {
             size: [201, 1],
             error: vec![0.0; 201],
             radiance,
             coverage,
-        })
+            colour: None,
+        }
     }
 
     #[test]
     fn white_is_at_the_highlights_or_at_four_times_the_median() {
-        assert_eq!(with_highlights(0.8), 0.9 / 0.8);
-        assert_eq!(with_highlights(100.0), 0.9 / 2.0);
+        assert_eq!(exposure(&with_highlights(0.8)), 0.9 / 0.8);
+        assert_eq!(exposure(&with_highlights(100.0)), 0.9 / 2.0);
+        assert_eq!(brightest(&with_highlights(100.0)), 1e6);
+    }
+
+    #[test]
+    fn darkness_has_an_exposure_of_one() {
+        for radiance in [0.0, 1e-310] {
+            assert_eq!(factor(0.9, radiance), 1.0);
+        }
     }
 }

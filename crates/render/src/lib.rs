@@ -13,6 +13,7 @@
 //! A picture is made in passes with an equal number of samples per pixel. Samples belong to four independent sequences, which fill the
 //! pixel and the first decisions of its paths evenly; errors come from the scatter between them.
 
+mod denoise;
 mod error;
 mod exposure;
 mod lights;
@@ -21,6 +22,7 @@ mod scene;
 mod sequence;
 mod settings;
 mod tile_frame;
+mod tone;
 mod view;
 
 use asperity_simulate::{
@@ -36,6 +38,7 @@ use asperity_tracer::{
     Polarisation, Surface, TracedStack, can_traverse, tiles_crossed,
 };
 
+pub use denoise::denoise;
 pub use error::RenderError;
 pub use exposure::exposure;
 pub use lights::{Lights, LightsError, Patch, Sun};
@@ -43,6 +46,7 @@ use passes::{AimedBeams, BeginBeams, Film, PassPlan, expose};
 use scene::Scene;
 pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
+pub use tone::{LOG_DECADES, Tone, ToneCurve};
 pub use view::{Projection, View, ViewError};
 
 /// A picture, and how it came about.

@@ -102,6 +102,7 @@ impl Film {
             radiance: statistics.means().to_vec(),
             error: statistics.error_squares().map(f64::sqrt).collect(),
             coverage: self.coverage,
+            colour: None,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Reasons for which a study is refused or fails.
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError};
+use asperity_plot::PlotError;
 use asperity_render::RenderError;
 use asperity_results::ResultsError;
 use asperity_simulate::SimulateError;
@@ -53,6 +54,12 @@ pub enum StudyError {
     /// A picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// An interrupt before all wavelengths of a picture were rendered.
+    #[error("stopped before all wavelengths were rendered")]
+    ColourInterrupted,
+    /// A figure cannot be drawn.
+    #[error("a figure could not be drawn: {0}")]
+    Plot(#[from] PlotError),
     /// No light at all in the bins over which errors are taken.
     #[error(
         "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
@@ -93,7 +100,9 @@ impl StudyError {
     pub const fn is_stopped(&self) -> bool {
         matches!(
             self,
-            Self::Simulate(SimulateError::Interrupted) | Self::Render(RenderError::Interrupted)
+            Self::Simulate(SimulateError::Interrupted)
+                | Self::Render(RenderError::Interrupted)
+                | Self::ColourInterrupted
         )
     }
 
@@ -132,6 +141,8 @@ impl StudyError {
             | Self::Comparison(_)
             | Self::HeightField(_)
             | Self::Mesh(_)
+            | Self::ColourInterrupted
+            | Self::Plot(_)
             | Self::NoLight => false,
         }
     }

@@ -32,6 +32,14 @@ impl Figure {
         svg::render(&self.scene)
     }
 
+    /// Pixels of the figure, one per point: red, green and blue of 8 bits, row by row from the top.
+    ///
+    /// # Errors
+    /// [`PlotError::Backend`] if the drawing library fails.
+    pub fn rgb(&self) -> Result<Vec<u8>, PlotError> {
+        png::rgb(&self.scene, 1)
+    }
+
     /// The figure as a PNG file, 8-bit RGB at two pixels per point.
     ///
     /// # Errors

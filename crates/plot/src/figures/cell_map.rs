@@ -7,7 +7,7 @@ use crate::elements::tile_map::{MapColours, MapText, TileMap};
 use crate::error::Valid;
 use crate::{Figure, PlotError};
 
-/// A quantity by cell of one tile, zero or more and without a unit, in colour, with a colour bar that begins at zero.
+/// A quantity by cell of one tile, zero or more and without a unit, in colour, with a colour bar that begins at zero, or a logarithmic one.
 ///
 /// The colours are *viridis*: equal steps appear equally large, also in grey. The subtitle gains the mean and the extremes of the cells. A tile
 /// of more than 512 cells per side is averaged over blocks for display; the colours then span the averages.
@@ -29,6 +29,8 @@ use crate::{Figure, PlotError};
 ///     spacing: [1e-6, 1e-6],
 ///     unit: "m".into(),
 ///     y_up: false,
+///     noun: "cells",
+///     decades: false,
 /// }
 /// .draw()?;
 /// assert!(figure.svg()?.contains("mean 0.2"));
@@ -52,7 +54,14 @@ pub struct CellMapFigure<'a> {
     pub unit: String,
     /// `true` if the first row is at the bottom, so that y points up, instead of on top.
     pub y_up: bool,
+    /// What the cells are called, in the plural.
+    pub noun: &'a str,
+    /// `true` for logarithmic colours, over three decades at most; smaller values have the colour of the lower end.
+    pub decades: bool,
 }
+
+/// Most decades of logarithmic colours.
+const MAX_DECADES: i32 = 3;
 
 impl CellMapFigure<'_> {
     /// Lays the figure out.
@@ -77,16 +86,27 @@ impl CellMapFigure<'_> {
             subtitle: &self.subtitle,
             facts: format!(
                 "{}; mean {mean}, lowest {lowest}, highest {highest}",
-                map.size_text("cells")
+                map.size_text(self.noun)
             ),
         };
         let colours = |means: &[f64]| {
-            let largest = means.iter().copied().fold(0.0, f64::max);
-            let scale = ColourScale::linear(0.0, if largest > 0.0 { largest } else { 1.0 });
-            let exponent = display_exponent(scale.hi);
+            let lit = extent(means.iter().copied().filter(|value| *value > 0.0));
+            let scale = match lit {
+                Some([least, largest]) if self.decades => {
+                    ColourScale::decades(least, largest, MAX_DECADES)
+                }
+                lit => ColourScale::linear(0.0, lit.map_or(1.0, |[_, largest]| largest)),
+            };
+            let exponent = match scale.log {
+                true => 0,
+                false => display_exponent(scale.hi),
+            };
             MapColours {
                 scale,
-                axis: move |n| Axis::linear(scale.lo, scale.hi, n, exponent),
+                axis: move |n| match scale.log {
+                    true => Axis::log10(scale.lo, scale.hi),
+                    false => Axis::linear(scale.lo, scale.hi, n, exponent),
+                },
                 title: match exponent {
                     0 => self.quantity.clone(),
                     exponent => format!("{} ({})", self.quantity, power_of_ten(exponent)),

@@ -14,6 +14,8 @@ fn map(values: &[f64], shape: [usize; 2]) -> CellMapFigure<'_> {
         spacing: [2e-6, 1e-6],
         unit: "m".into(),
         y_up: false,
+        noun: "cells",
+        decades: false,
     }
 }
 
@@ -48,6 +50,25 @@ fn colours_begin_at_zero() {
     assert_eq!(same, picture(&[0.1; 3]));
     assert_ne!(same, picture(&[0.0; 3]));
     assert_ne!(picture(&[0.3, 0.4, 0.4]), picture(&[0.0, 0.4, 0.4]));
+}
+
+/// The lower end is three decades below the upper one, and has the colour of all smaller values.
+#[test]
+fn logarithmic_colours_span_three_decades_at_most() {
+    let values = [0.0, 1e-7, 2e-3, 0.7];
+    let figure = CellMapFigure {
+        noun: "pixels",
+        decades: true,
+        ..map(&values, [1, 4])
+    };
+    let texts = render(&figure.draw().unwrap());
+    assert_has(&texts, &["4 × 1 pixels", "10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+    assert!(!texts.contains("10⁻⁴"), "{texts}");
+    let dark = CellMapFigure {
+        values: &[0.0; 4],
+        ..figure
+    };
+    assert_has(&render(&dark.draw().unwrap()), &["0.0", "1.0"]);
 }
 
 #[test]

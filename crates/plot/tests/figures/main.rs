@@ -5,6 +5,7 @@
 )]
 
 mod angle_grid;
+mod brightness_scale;
 mod cell_map;
 mod curves;
 mod diagram;

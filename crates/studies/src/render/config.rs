@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use asperity_optics::Incidence;
-use asperity_render::{Lights, Patch, Projection, RenderError, Sun, View};
+use asperity_plot::BrightnessScale;
+use asperity_render::{Lights, Patch, Projection, RenderError, Sun, Tone, View};
+use asperity_simulate::check_memory;
 use asperity_surface::LengthUnit;
 use serde::Deserialize;
 
@@ -13,8 +15,9 @@ use crate::config::measured::MeasuredConfig;
 use crate::config::medium::MediumConfig;
 use crate::config::sun::SunConfig;
 use crate::config::trace::CellsConfig;
-use crate::config::values::{OneOrMany, Seconds};
+use crate::config::values::{Number, OneOrMany, Seconds};
 use crate::error::StudyError;
+use crate::render::colour;
 use crate::settings::Document;
 
 /// A picture of one given surface.
@@ -28,7 +31,7 @@ pub struct RenderConfig {
     pub material: MaterialConfig,
     /// The medium below, if there is one.
     pub medium: Option<MediumConfig>,
-    /// The wavelength of named materials.
+    /// The wavelengths of named materials.
     pub light: WavelengthConfig,
     /// The direction towards the camera.
     pub view: ViewConfig,
@@ -43,10 +46,18 @@ pub struct RenderConfig {
 }
 
 /// `[light]` of a picture.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct WavelengthConfig {
-    /// Wavelength in vacuum of named materials, nanometres.
-    pub wavelength: Option<f64>,
+    /// Wavelength in vacuum of named materials, nanometres; several give a picture in colour.
+    pub wavelength: Option<OneOrMany<Number>>,
+}
+
+/// A wavelength that is rendered.
+pub(super) struct RenderedWavelength {
+    /// Nanometres; `None` if it is not given.
+    pub(super) nm: Option<f64>,
+    /// Weights of its radiance in X, Y and Z, of a picture in colour.
+    pub(super) xyz: Option<[f64; 3]>,
 }
 
 /// `[view]`: the direction towards the camera, degrees.
@@ -114,8 +125,28 @@ pub struct PictureConfig {
     pub samples: u64,
     /// Factor from radiance to the brightness of a PNG; chosen by the picture unless given.
     pub exposure: Option<f64>,
+    /// Curve from radiance to the brightness of a PNG.
+    #[serde(with = "ToneText")]
+    pub tone: Tone,
+    /// A scale of the brightness below a PNG.
+    #[serde(default)]
+    pub scale_bar: bool,
+    /// Denoising by non-local means.
+    #[serde(default)]
+    pub denoise: bool,
+    /// The figure of the errors, if it is requested.
+    pub error_image: Option<PathBuf>,
     /// The files.
     pub output: OneOrMany<PathBuf>,
+}
+
+/// Names of tones.
+#[derive(Deserialize)]
+#[serde(remote = "Tone", rename_all = "lowercase")]
+enum ToneText {
+    Reinhard,
+    Linear,
+    Log,
 }
 
 /// `[run]` of a picture.
@@ -123,7 +154,7 @@ pub struct PictureConfig {
 pub struct RenderRun {
     /// Seed of camera rays and paths.
     pub seed: u64,
-    /// Time after which no further pass begins.
+    /// Time after which no further pass begins; several wavelengths have equal parts of it.
     pub max_time: Option<Seconds>,
 }
 
@@ -133,9 +164,55 @@ impl RenderConfig {
     /// # Errors
     /// [`StudyError`] if a value is invalid or two contradict each other.
     pub fn new(document: &Document) -> Result<Self, StudyError> {
-        let config: Self = document.read()?;
+        let mut config: Self = document.read()?;
         config.lights.lights(false)?;
+        config.check_picture()?;
+        if let Some(wavelengths) = &config.light.wavelength {
+            let medium = config.medium.as_ref();
+            config.material.prepare(Some(wavelengths), medium)?;
+        }
         Ok(config)
+    }
+
+    /// The wavelengths: several for a picture in colour, one otherwise.
+    pub(super) fn wavelengths(&self) -> Result<Vec<RenderedWavelength>, ConfigError> {
+        let grey = |nm| vec![RenderedWavelength { nm, xyz: None }];
+        let Some(given) = &self.light.wavelength else {
+            return Ok(grey(None));
+        };
+        let nm: Vec<f64> = given
+            .values("wavelength")?
+            .iter()
+            .map(|one| one.0)
+            .collect();
+        if let [one] = nm[..] {
+            return Ok(grey(Some(one)));
+        }
+        let weights = colour::weights(&nm)?;
+        let weighted = nm.into_iter().zip(weights);
+        let coloured = weighted.map(|(nm, xyz)| RenderedWavelength {
+            nm: Some(nm),
+            xyz: Some(xyz),
+        });
+        Ok(coloured.collect())
+    }
+
+    /// Refuses colours of a spectrum with gaps, a scale that is too narrow, and pictures in colour that need more memory than there is.
+    fn check_picture(&self) -> Result<(), StudyError> {
+        let is_colour = self.wavelengths()?.len() > 1;
+        let [columns, rows] = self.picture.size;
+        let least = BrightnessScale::MIN_WIDTH;
+        if self.picture.scale_bar && columns < least as usize {
+            let given = format!("a scale bar below {columns} columns");
+            let reason = format!("needs {least} or more, as by --size {least}x120");
+            return Err(ConfigError::unsuitable(given, reason).into());
+        }
+        // What rendering one picture takes, and the sum over wavelengths, which is kept meanwhile.
+        if is_colour {
+            let pixels = columns.saturating_mul(rows);
+            check_memory("this picture", pixels.saturating_mul(192))?;
+        }
+        Ok(())
     }
 
     /// The view of a tile of that extent, lengths in `unit`.

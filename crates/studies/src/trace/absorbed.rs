@@ -1,6 +1,6 @@
 //! Light that each cell of a given surface absorbs: absorbed.exr, absorbed.npy, absorbed_se.npy, and their figure.
 
-use asperity_io::{Picture, write_array, write_picture};
+use asperity_io::{Picture, write_array, write_picture_exr};
 use asperity_plot::{CellMapFigure, Figure, PlotError};
 use asperity_results::{CaseResult, Stored};
 use asperity_simulate::{AbsorbedMap, Observer, SimulateError};
@@ -90,9 +90,10 @@ fn write(map: &AbsorbedMap, place: &Place<'_>) -> Result<(), ReportError> {
         radiance: map.means.clone(),
         error: map.errors.clone(),
         coverage: vec![1.0; map.means.len()],
+        colour: None,
     };
     let comment = format!("Y: {ABOUT}; error: {ABOUT_ERROR}, NaN where unknown; A: 1");
-    write_picture(place.claim(EXR)?, &picture, 1.0, &comment)?;
+    write_picture_exr(place.claim(EXR)?, &picture, &comment)?;
     write_array(place.claim(MEANS)?, &map.shape, &map.means)?;
     write_array(place.claim(ERRORS)?, &map.shape, &map.errors)?;
     Ok(())
@@ -113,6 +114,8 @@ fn figure(map: &AbsorbedMap, outcome: &TraceOutcome<'_>) -> Result<Option<Figure
         spacing: [dy, dx],
         unit: field.unit().symbol().to_owned(),
         y_up: outcome.study.y_is_north,
+        noun: "cells",
+        decades: false,
     };
     figure.draw().map(Some)
 }

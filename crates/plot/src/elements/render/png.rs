@@ -10,7 +10,14 @@ use crate::elements::{text, theme};
 
 /// The scene as a PNG file.
 pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
-    let scale = theme::PNG_PIXELS_PER_POINT * theme::PNG_OVERSAMPLING;
+    let per_point = theme::PNG_PIXELS_PER_POINT;
+    let pixels = rgb(scene, per_point)?;
+    encode(&pixels, scene.width * per_point, scene.height * per_point)
+}
+
+/// The pixels of the scene, red, green and blue, row by row.
+pub(super) fn rgb(scene: &Scene, pixels_per_point: u32) -> Result<Vec<u8>, PlotError> {
+    let scale = pixels_per_point * theme::PNG_OVERSAMPLING;
     let (width, height) = (scene.width * scale, scene.height * scale);
     let mut pixels = vec![255u8; width as usize * height as usize * 3];
     for picture in &scene.pictures {
@@ -28,16 +35,8 @@ pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
         }
         .all(&scene.items)?;
     }
-    let averaged = average_blocks(
-        &pixels,
-        width as usize * 3,
-        theme::PNG_OVERSAMPLING as usize,
-    );
-    encode(
-        &averaged,
-        scene.width * theme::PNG_PIXELS_PER_POINT,
-        scene.height * theme::PNG_PIXELS_PER_POINT,
-    )
+    let block = theme::PNG_OVERSAMPLING as usize;
+    Ok(average_blocks(&pixels, width as usize * 3, block))
 }
 
 fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> {

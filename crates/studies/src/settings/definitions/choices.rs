@@ -309,6 +309,15 @@ pub(super) const CAMERA: Kind = Kind::Choice(&[
     choice("orthographic", "parallel lines of sight"),
 ]);
 
+pub(super) const TONE: Kind = Kind::Choice(&[
+    choice(
+        "reinhard",
+        "Reinhard et al. 2002: highlights are compressed, not clipped",
+    ),
+    choice("linear", "in proportion to radiance, clipped at white"),
+    choice("log", "three decades of radiance in equal steps of grey"),
+]);
+
 pub(super) const HEIGHTS: Kind =
     Kind::ChoiceOrFile(&[choice("gaussian", "Gaussian, or by skewness and kurtosis")]);
 pub(super) const PSD: Kind = Kind::ChoiceOrFile(&[

@@ -92,7 +92,9 @@ pub(super) const LIGHT: &[Setting] = &table(
         WAVELENGTH
             .help("Wavelength of named materials, and to judge lengths against")
             .commands(TRACING.and(ALBEDO).and(CONVERGE).and(MODEL).and(RENDER))
-            .arity(Arity::ListIn(TRACING.and(ALBEDO).and(CONVERGE).and(MODEL)))
+            .arity(Arity::ListIn(
+                TRACING.and(ALBEDO).and(CONVERGE).and(MODEL).and(RENDER),
+            ))
             .otherwise("550 where the unit of the surface is known"),
         setting("stokes", Kind::Number)
             .help("Stokes vector of the incident light")

@@ -1,6 +1,6 @@
 //! Camera, lights and picture of `render`.
 
-use super::choices::CAMERA as CAMERAS;
+use super::choices::{CAMERA as CAMERAS, TONE};
 use super::commands::{DEGREES, RENDER};
 use super::light::{SUN_AZIMUTH, SUN_ELEVATION};
 use crate::settings::kind::Kind;
@@ -95,10 +95,20 @@ pub(super) const PICTURE: &[Setting] = &flags(
             .help("Samples per pixel, at least")
             .default("16"),
         basic("exposure", Kind::Number)
-            .help("Factor from radiance to PNG brightness, where 1 is white")
+            .help("Factor on radiance before the tone curve of a PNG")
             .value_name("FACTOR")
             .range(Range::Above(0.0))
-            .otherwise("by the brightest percent, and by four times the median at most"),
+            .otherwise("by the brightest percent, and by four times the median at most; log: by the brightest pixel"),
+        setting("tone", TONE)
+            .help("Curve from exposed radiance to PNG brightness")
+            .default("reinhard"),
+        setting("scale_bar", Kind::Switch).help("Scale of radiance below the picture of a PNG"),
+        setting("denoise", Kind::Switch)
+            .help("Denoise by non-local means, within the errors of pixels"),
+        setting("error_image", Kind::Path)
+            .help("Figure of the relative error of each pixel: .png or .svg")
+            .value_name("FILE")
+            .otherwise("none"),
         basic("output", Kind::Path)
             .help("File to write: .exr or .png; may be repeated")
             .short('o')
