@@ -71,10 +71,11 @@ FEW = {
 
 SURFACE = "generate --smoothness 3 --tau 4 --size 64 --spacing 1 --seed 1 --quiet -o {folder}/map.npy"
 RENDER = "render {folder}/map.npy --spacing 1 --border periodic --size 48x32 --samples 16 --threads 1 --quiet -o {folder}/picture.exr"
-PASSES = 16
+SEQUENCES = 4
 PICTURES = {
     "glass under the sky": f"{RENDER} --sun 0 --sky 1",
     "a mirror under the sun": f"{RENDER} --material mirror",
+    "a matt surface under a small sun": f"{RENDER} --material lambertian --reflectance 0.5 --sun-radius 0.27",
     "a medium below glass": f"{RENDER} --mean-free-path 4 --albedo 0.9 --thickness 12",
 }
 BLOCK = 8
@@ -257,7 +258,7 @@ PARTS = ("pixels", "blocks", "picture")
 
 
 def student(freedom):
-    """What errors of `freedom + 1` surfaces or passes should show, by integration of Student's density."""
+    """What errors of `freedom + 1` surfaces or sequences should show, by integration of Student's density."""
     log = math.lgamma((freedom + 1) / 2) - math.lgamma(freedom / 2) - math.log(freedom * math.pi) / 2
     density = lambda t: math.exp(log - (freedom + 1) / 2 * math.log1p(t * t / freedom))
     step = 1e-3
@@ -301,7 +302,7 @@ def few_table(runs):
 
 def pictures_table(runs):
     yield ["picture", "mean over", *SPREAD]
-    yield ["Student", "a pixel", *student(PASSES - 1)]
+    yield ["Student", "a pixel", *student(SEQUENCES - 1)]
     for picture in PICTURES:
         found = runs(of_picture, picture)
         for part in PARTS:

@@ -84,9 +84,9 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         -o p.png --sun-radius 0 => 0.01 to 60
         -o p.png --patch 0,0,1 => X0,Y0,X1,Y1
         -o p.png --patch 0,0,0,1 => below the other two
-        -o p.png --exposure 0 => above 0
+        -o p.png --exposure 0 => --exposure 0: must be
         -o p.png --tone gamma => reinhard, linear or log
-        -o p.png --scale-bar => a scale bar below 24 columns: needs 160 or more
+        -o p.png --scale-bar => a scale bar for a picture of 24 columns: needs 160 columns or more
         -o p.png --error-image e.exr => .png and .svg
         -o p.png --error-image p.png => given as two outputs
         -o p.png --error-image h.exr => .png and .svg
@@ -160,7 +160,7 @@ fn exposure_and_the_radius_of_the_sun_reach_the_picture() {
         (text, fs::read(folder.join("e.png")).unwrap())
     };
     let (text, bright) = png("--exposure 2");
-    text.must_contain("exposure 2.0000");
+    text.must_contain("exposure 2,");
     let (_, dim) = png("--exposure 0.5");
     assert!(bright != dim);
     let (_, wide) = png("--exposure 2 --sun-radius 20");
@@ -182,13 +182,13 @@ fn tones_differ_and_the_png_says_which_it_has() {
     for tone in ["reinhard", "linear", "log"] {
         let text = folder.succeed(format!("{SMALL} --tone {tone} -o t.png"));
         text.must_contain(format!("tone {tone}, exposure"));
-        assert!(tone == "linear" || !text.contains("clipped"), "{text}");
+        assert!(tone != "reinhard" || !text.contains("clipped"), "{text}");
         let png = fs::read(folder.join("t.png")).unwrap();
         let comment = comment(&png);
         for part in [
             tone,
             "exposure ",
-            "white: radiance ",
+            "white: ",
             "in the unit in which the lights were given",
         ] {
             comment.as_str().must_contain(part);
@@ -202,7 +202,7 @@ fn tones_differ_and_the_png_says_which_it_has() {
         "the default"
     );
     let text = folder.succeed(format!("{SMALL} --tone linear --exposure 99 -o t.png"));
-    text.must_contain("of the pixels is clipped");
+    text.must_contain("100 % of the");
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn several_wavelengths_give_a_picture_in_colour() {
     let header = String::from_utf8_lossy(&exr[..2000.min(exr.len())]).into_owned();
     for part in [
         "R, G, B: linear sRGB",
-        "error: standard error of Y, that before denoising",
+        "error: standard error of Y before denoising",
     ] {
         header.as_str().must_contain(part);
     }

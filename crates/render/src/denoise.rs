@@ -6,7 +6,7 @@
 //! # Source
 //! F. Rousselle, C. Knaus, M. Zwicker, Adaptive rendering with non-local means filtering, ACM Trans. Graph. 31 (6), 195 (2012),
 //! doi:10.1145/2366145.2366213, Eqs. 2 to 5, without their second buffer: the variance of a pixel, which few samples know badly, is
-//! averaged over its patch instead.
+//! averaged over its patch instead, and limited by that of the other pixel.
 
 use std::ops::Range;
 
@@ -19,16 +19,18 @@ const PATCH: isize = 1;
 /// Pixels from the centre of the search window to its sides.
 const WINDOW: isize = 7;
 
-/// Damping: the standard deviations of the difference that patches may have beyond noise, about.
+/// Variance of a pixel over its own estimate, at most: what its patch says beyond that is due to a bright pixel beside it.
+const MOST_OVER_OWN: f64 = 4.0;
+
+/// `k` of the source, which has 0.45: larger values smooth more.
 const DAMPING: f64 = 0.7;
 
-/// Denoises a picture by its errors, which stay those before. Pixels of unknown error count as exact, and exact pixels that differ are not mixed.
+/// Denoises a picture by its errors, which are not changed. Exact pixels that differ are not mixed.
 ///
 /// The radiance decides the weights, which hold for colours too. Equal pictures give equal results for any number of threads.
 pub fn denoise(picture: &mut Picture) {
     let [columns, rows] = picture.size;
-    // NaN, an unknown error, becomes zero.
-    let squares: Vec<f64> = picture.error.iter().map(|e| (e * e).max(0.0)).collect();
+    let squares: Vec<f64> = picture.error.iter().map(|e| e * e).collect();
     let none = vec![[0.0; 3]; 0];
     let colour = picture.colour.as_ref().unwrap_or(&none);
     let value = |(i, y): (usize, &f64)| {
@@ -38,7 +40,11 @@ pub fn denoise(picture: &mut Picture) {
     let noisy = Noisy {
         size: [columns, rows].map(usize::cast_signed),
         values: picture.radiance.iter().enumerate().map(value).collect(),
-        variances: patch_means(&squares, [columns, rows]),
+        variances: patch_means(&squares, [columns, rows])
+            .into_iter()
+            .zip(&squares)
+            .map(|(mean, own)| mean.min(MOST_OVER_OWN * own))
+            .collect(),
     };
     let rows = (0..rows.cast_signed()).into_par_iter();
     let filtered: Vec<[f64; 4]> = rows.flat_map_iter(|y| noisy.row(y)).collect();
@@ -115,13 +121,14 @@ impl Noisy {
             .collect()
     }
 
-    /// Squared difference of two pixels beyond that expected of noise, over their variances.
+    /// Squared difference of two pixels beyond that expected of noise, over their variances. One variance counts as three times the other at
+    /// most: a bright pixel that few paths have met shall not spread over others that know better.
     fn distance(&self, p: usize, q: usize) -> f64 {
         let difference = self.values[p][0] - self.values[q][0];
         let (here, there) = (self.variances[p], self.variances[q]);
-        let expected = here + here.min(there);
-        let scale = f64::MIN_POSITIVE + DAMPING * DAMPING * (here + there);
-        (difference * difference - expected) / scale
+        let least = here.min(there);
+        let both = (here + there).min(4.0 * least);
+        (difference * difference - 2.0 * least) / (f64::MIN_POSITIVE + DAMPING * DAMPING * both)
     }
 
     fn index(&self, [x, y]: [isize; 2]) -> usize {
@@ -217,6 +224,17 @@ mod tests {
     }
 
     #[test]
+    fn a_bright_pixel_that_few_paths_have_met_stays_alone() {
+        let mut picture = noisy(|_| 1.0, 0.0);
+        let bright = 20 * SIZE[0] + 20;
+        (picture.radiance[bright], picture.error[bright]) = (1000.0, 900.0);
+        denoise(&mut picture);
+        assert!(picture.radiance[bright] > 900.0);
+        let sum = picture.radiance.iter().sum::<f64>() - picture.radiance[bright];
+        assert!((sum / (picture.radiance.len() - 1) as f64 - 1.0).abs() < 0.01);
+    }
+
+    #[test]
     fn exact_pixels_and_colours_are_unchanged() {
         let mut picture = noisy(|x| 0.1 * (x / 7) as f64, 0.0);
         let colours = picture.radiance.iter().map(|y| [0.3 * y, *y, 1.7 * y]);
@@ -224,9 +242,6 @@ mod tests {
         let before = picture.clone();
         denoise(&mut picture);
         assert!(picture == before);
-        picture.error.fill(f64::NAN);
-        denoise(&mut picture);
-        assert!(picture.radiance == before.radiance);
     }
 
     #[test]

@@ -10,38 +10,60 @@ const MAX_OVER_MEDIAN: f64 = 4.0;
 /// is less and not zero. One for a picture without light.
 #[must_use]
 pub fn exposure(picture: &Picture) -> f64 {
-    factor(0.9, highlights(picture))
+    let sorted = sorted(picture);
+    let (median, highlights) = (percentile(&sorted, 50), percentile(&sorted, 99));
+    let white = match median > 0.0 {
+        true => highlights.min(MAX_OVER_MEDIAN * median),
+        false => highlights,
+    };
+    factor(0.9, white)
 }
 
 /// The exposure that brings a radiance to a level; one where the radiance is zero, or so weak that the factor overflows.
 pub(crate) fn factor(level: f64, radiance: f64) -> f64 {
     Some(level / radiance)
-        .filter(|factor| factor.is_finite())
+        .filter(|factor| factor.is_finite() && *factor > 0.0)
         .unwrap_or(1.0)
 }
 
-/// Radiance of the brightest pixel, zero or more.
-pub(crate) fn brightest(picture: &Picture) -> f64 {
-    picture.radiance.iter().copied().fold(0.0, f64::max)
+/// Largest of the channels of a colour.
+pub(crate) fn largest(rgb: [f64; 3]) -> f64 {
+    rgb.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Radiance of highlights of the surface, apart from the few brightest.
-fn highlights(picture: &Picture) -> f64 {
-    let pixels = picture.radiance.iter().zip(&picture.coverage);
+/// The values that a tone curve takes: radiance, or the largest channel of a colour.
+pub(crate) fn shown_values(picture: &Picture) -> impl Iterator<Item = f64> {
+    let colour = picture.colour.as_deref();
+    let radiance = picture.radiance.iter().enumerate();
+    radiance.map(move |(i, radiance)| colour.map_or(*radiance, |colour| largest(colour[i])))
+}
+
+/// Value of the brightest pixel, zero or more.
+pub(crate) fn brightest(picture: &Picture) -> f64 {
+    shown_values(picture).fold(0.0, f64::max)
+}
+
+/// 99th percentile of the pixels that show the surface, or of all pixels if none does; zero or more.
+pub(crate) fn highlights(picture: &Picture) -> f64 {
+    percentile(&sorted(picture), 99).max(0.0)
+}
+
+/// Values of the pixels that show the surface, or of all pixels if none does, in order.
+fn sorted(picture: &Picture) -> Vec<f64> {
+    let pixels = shown_values(picture).zip(&picture.coverage);
     let mut shown: Vec<f64> = pixels
         .filter(|(_, coverage)| **coverage >= 0.5)
-        .map(|(radiance, _)| *radiance)
+        .map(|(value, _)| value)
         .collect();
     if shown.is_empty() {
-        shown.clone_from(&picture.radiance);
+        shown = shown_values(picture).collect();
     }
     shown.sort_unstable_by(f64::total_cmp);
-    let percentile = |n: usize| shown.get(shown.len() * n / 100).copied().unwrap_or(0.0);
-    let (median, highlights) = (percentile(50), percentile(99));
-    match median > 0.0 {
-        true => highlights.min(MAX_OVER_MEDIAN * median),
-        false => highlights.max(0.0),
-    }
+    shown
+}
+
+fn percentile(sorted: &[f64], n: usize) -> f64 {
+    sorted.get(sorted.len() * n / 100).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]

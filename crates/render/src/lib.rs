@@ -7,11 +7,11 @@
 //!
 //! Random paths hardly ever hit a sun. Where a path is scattered diffusely, by a Lambertian face or a medium, it is connected to
 //! the sun ([`asperity_tracer::Sunlight`]): above a surface by a ray to a point of the disc, below it by the
-//! facets that bring light from one direction of the disc per pass and sequence ([`asperity_tracer::LightBeams`]). Random paths add the rest: sunlight
+//! facets that bring light from one direction of the disc per sample ([`asperity_tracer::LightBeams`]). Random paths add the rest: sunlight
 //! that smooth facets reflect, or that interacts with several of them, and all of it below smooth cells, which have no facets.
 //!
-//! A picture is made in passes with an equal number of samples per pixel. Samples belong to four independent sequences, which fill the
-//! pixel and the first decisions of its paths evenly; errors come from the scatter between them.
+//! A picture is made in passes of four samples per pixel, one of each of four independent sequences. A sequence fills the
+//! pixel and the first decisions of its paths evenly; errors come from the scatter between sequences.
 
 mod denoise;
 mod error;
@@ -42,8 +42,8 @@ pub use denoise::denoise;
 pub use error::RenderError;
 pub use exposure::exposure;
 pub use lights::{Lights, LightsError, Patch, Sun};
-use passes::{AimedBeams, BeginBeams, Film, PassPlan, expose};
-use scene::Scene;
+use passes::{AimedBeams, BeginBeams, Film, expose};
+use scene::{SEQUENCES, Scene};
 pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
 pub use tone::{LOG_DECADES, Tone, ToneCurve};
@@ -74,7 +74,8 @@ pub struct RenderOutcome {
 ///
 /// Smooth cells have no light beams: sunlight in a layer below them is found by random paths alone.
 ///
-/// A run that is to stop ends with the passes that are complete, of which there is one at least.
+/// A run that is to stop ends with the passes that are complete. Time that is over lets the first pass be completed, unless
+/// [`Observer::gives_up_first`].
 ///
 /// # Errors
 /// [`RenderError`] if the surface or the picture is too large, a layer too thin, the eye too low, parallel
@@ -154,7 +155,7 @@ fn render_on<G: BuildAccelerator>(
     let build_seconds = building.elapsed().as_secs_f64();
 
     let tracing = Instant::now();
-    let plan = PassPlan::new(settings.samples);
+    let passes = settings.samples.div_ceil(SEQUENCES);
     let scatters = matter.layers.first().is_some_and(|layer| {
         let bottom = layer.end().map(|slab| slab.bottom.material());
         !layer.medium().is_clear() || matches!(bottom, Some(Material::Lambertian { .. }))
@@ -165,14 +166,14 @@ fn render_on<G: BuildAccelerator>(
         material: matter.material,
         beams: None,
     });
-    let film = expose(&scene, beams, plan, settings, progress);
+    let film = expose(&scene, beams, passes, settings, progress);
     if film.passes == 0 {
         return Err(RenderError::Interrupted);
     }
-    let is_stopped = film.passes < plan.passes;
+    let is_stopped = film.passes < passes;
     let stopped_by = is_stopped.then(|| progress.stop().unwrap_or(StoppedBy::Interrupt));
     let seconds = [build_seconds, tracing.elapsed().as_secs_f64()];
-    Ok(outcome(film, plan, seconds, stopped_by))
+    Ok(outcome(film, seconds, stopped_by))
 }
 
 /// The scene of a picture: camera, lights and matter.
@@ -202,13 +203,8 @@ fn scene<'a, G: Geometry>(
     })
 }
 
-fn outcome(
-    film: Film,
-    plan: PassPlan,
-    seconds: [f64; 2],
-    stopped_by: Option<StoppedBy>,
-) -> RenderOutcome {
-    let samples = film.passes * plan.samples();
+fn outcome(film: Film, seconds: [f64; 2], stopped_by: Option<StoppedBy>) -> RenderOutcome {
+    let samples = film.passes * SEQUENCES;
     let losses = film.losses;
     let picture = film.develop();
     let rays = samples as f64 * (picture.size[0] * picture.size[1]) as f64;

@@ -1,4 +1,4 @@
-//! Passes: makes a picture in passes over all rows, and collects their mean and error.
+//! Passes: a picture is made in passes over all rows; its means and errors.
 
 use asperity_io::Picture;
 use asperity_optics::Material;
@@ -8,41 +8,9 @@ use asperity_tracer::{Geometry, LightBeams};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::scene::{Losses, PassSamples, Row, SEQUENCES, Scene};
+use crate::scene::{Losses, Row, SEQUENCES, Sample, Scene};
 use crate::sequence::shared_numbers;
 use crate::settings::RenderSettings;
-
-/// Passes, if there are as many samples.
-const PASSES: u64 = 4;
-
-/// Most samples per pixel of a pass in each sequence: more samples take more passes, so that each is soon complete.
-const MAX_SAMPLES_PER_PASS: u64 = 4;
-
-/// Division of the samples into passes.
-#[derive(Clone, Copy)]
-pub(crate) struct PassPlan {
-    pub(crate) passes: u64,
-    /// Samples per pixel of each pass in each sequence.
-    count: u64,
-}
-
-impl PassPlan {
-    /// The plan for at least `samples` per pixel.
-    pub(crate) fn new(samples: u64) -> Self {
-        let samples = samples.div_ceil(SEQUENCES);
-        let passes = samples.clamp(1, PASSES);
-        let passes = passes.max(samples.div_ceil(MAX_SAMPLES_PER_PASS));
-        Self {
-            passes,
-            count: samples.div_ceil(passes),
-        }
-    }
-
-    /// Samples per pixel of each pass.
-    pub(crate) const fn samples(&self) -> u64 {
-        self.count * SEQUENCES
-    }
-}
 
 /// The passes that were completed.
 pub(crate) struct Film {
@@ -107,36 +75,36 @@ impl Film {
     }
 }
 
-/// Makes passes until the plan is complete, or the run is to stop.
+/// Makes passes, of one sample per pixel in each sequence, until the run is to stop.
 pub(crate) fn expose<G: Geometry>(
     scene: &Scene<'_, G>,
     mut beams: Option<AimedBeams<'_, G>>,
-    plan: PassPlan,
+    passes: u64,
     settings: &RenderSettings,
     progress: &dyn Observer,
 ) -> Film {
     let rows = settings.size[1];
     let mut film = Film::new(settings.size);
-    let total = plan.passes.saturating_mul(SEQUENCES * rows as u64);
+    let total = passes.saturating_mul(SEQUENCES * rows as u64);
     progress.begin("rendering", total);
-    for pass in 0..plan.passes {
+    for pass in 0..passes {
         let stops = || match progress.stop() {
             Some(StoppedBy::Interrupt) => true,
             Some(_) => pass > 0 || progress.gives_up_first(),
             None => false,
         };
         let in_sequence = |sequence| {
-            let samples = PassSamples {
+            let sample = Sample {
                 seed: settings.seed,
                 sequence,
-                first: pass * plan.count,
-                count: plan.count,
+                number: pass,
             };
             let sunlight = settings.lights.sun().map(|sun| {
                 let sunlight = sun.sunlight();
                 match &mut beams {
                     Some(beams) => {
-                        let numbers = shared_numbers(settings.seed, sequence, pass);
+                        let number = pass.wrapping_mul(SEQUENCES).wrapping_add(sequence);
+                        let numbers = shared_numbers(settings.seed, number);
                         sunlight.with_beams(beams.geometry, beams.aimed(sun.point(numbers)))
                     }
                     None => sunlight,
@@ -149,7 +117,7 @@ pub(crate) fn expose<G: Geometry>(
                     if stops() {
                         return None;
                     }
-                    let row = scene.row(row, &samples, sunlight.as_ref());
+                    let row = scene.row(row, &sample, sunlight.as_ref());
                     progress.advance(1);
                     Some(row)
                 })

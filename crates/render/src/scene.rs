@@ -14,15 +14,13 @@ use crate::view::{Camera, CameraRay};
 /// Independent sequences of samples, whose scatter gives the errors.
 pub(crate) const SEQUENCES: u64 = 4;
 
-/// Samples of a pass in one sequence.
-pub(crate) struct PassSamples {
+/// Sample of all pixels.
+pub(crate) struct Sample {
     pub(crate) seed: u64,
-    /// Number of the sequence, below [`SEQUENCES`].
+    /// Number of its sequence, below [`SEQUENCES`].
     pub(crate) sequence: u64,
-    /// Number of the first sample.
-    pub(crate) first: u64,
-    /// Samples per pixel.
-    pub(crate) count: u64,
+    /// Number in the sequence.
+    pub(crate) number: u64,
 }
 
 /// One row of one pass in one sequence.
@@ -59,11 +57,11 @@ pub(crate) struct Scene<'a, G: Geometry> {
 }
 
 impl<G: Geometry> Scene<'_, G> {
-    /// Follows camera rays through each pixel of a row: the samples of a pass in one sequence.
+    /// Follows a camera ray through each pixel of a row.
     pub(crate) fn row(
         &self,
         row: usize,
-        samples: &PassSamples,
+        sample: &Sample,
         sunlight: Option<&Sunlight<'_, G>>,
     ) -> Row {
         let columns = self.size[0];
@@ -72,38 +70,37 @@ impl<G: Geometry> Scene<'_, G> {
             coverage: Vec::with_capacity(columns),
             losses: Losses::default(),
         };
-        let &PassSamples {
+        let &Sample {
             seed,
             sequence,
-            first,
-            count,
-        } = samples;
+            number,
+        } = sample;
         let scrambles = scrambles(seed, sequence, row);
-        let mut rng = picture_stream(seed, first * SEQUENCES + sequence, row as u64);
+        let mut rng = picture_stream(
+            seed,
+            number.wrapping_mul(SEQUENCES).wrapping_add(sequence),
+            row as u64,
+        );
         for (column, scramble) in (0..columns).zip(scrambles) {
-            let (mut radiance, mut hits) = (0.0, 0_u64);
-            for sample in first..first + count {
-                let mut numbers = SampleNumbers::new(sample, scramble, &mut rng);
-                let place = [numbers.random(), numbers.random()];
-                let ray = self.camera_ray([column, row], place);
-                let mut hit = false;
-                self.integrator.trace_camera_ray(
-                    ray.origin,
-                    ray.direction,
-                    sunlight,
-                    &mut numbers,
-                    |contribution| match contribution {
-                        CameraContribution::Path(path) => {
-                            hit |= path.path.order() > 0;
-                            radiance += self.radiance(&path, &mut out.losses);
-                        }
-                        CameraContribution::Sun(lit) => radiance += self.sunlit(&lit),
-                    },
-                );
-                hits += u64::from(hit);
-            }
-            out.radiance.push(radiance / count as f64);
-            out.coverage.push(hits as f64 / count as f64);
+            let mut numbers = SampleNumbers::new(number, scramble, &mut rng);
+            let place = [numbers.random(), numbers.random()];
+            let ray = self.camera_ray([column, row], place);
+            let (mut radiance, mut is_hit) = (0.0, false);
+            self.integrator.trace_camera_ray(
+                ray.origin,
+                ray.direction,
+                sunlight,
+                &mut numbers,
+                |contribution| match contribution {
+                    CameraContribution::Path(path) => {
+                        is_hit |= path.path.order() > 0;
+                        radiance += self.radiance(&path, &mut out.losses);
+                    }
+                    CameraContribution::Sun(lit) => radiance += self.sunlit(&lit),
+                },
+            );
+            out.radiance.push(radiance);
+            out.coverage.push(f64::from(u8::from(is_hit)));
         }
         out
     }
@@ -143,7 +140,10 @@ impl<G: Geometry> Scene<'_, G> {
                 0.0
             }
             PathEnd::LeftPatch => {
-                losses.left_patch += path.flux;
+                // What misses the surface is background
+                if path.path.order() > 0 {
+                    losses.left_patch += path.flux;
+                }
                 0.0
             }
             PathEnd::Lost => {

@@ -21,11 +21,13 @@ pub(crate) fn scrambles(seed: u64, sequence: u64, row: usize) -> impl Iterator<I
     std::iter::repeat_with(move || rng.random())
 }
 
-/// Two numbers of sample `sample` in `[0, 1)`, that are shared by all pixels of a sequence.
-pub(crate) fn shared_numbers(seed: u64, sequence: u64, sample: u64) -> [f64; 2] {
-    let mut rng = picture_stream(seed, SCRAMBLES - sequence, SCRAMBLES);
+/// Two numbers in `[0, 1)` that are shared by all pixels of a pass in a sequence; `number` counts through all of them.
+///
+/// They are spread over the sequences too, by which errors are somewhat too large rather than too small: all pixels share them.
+pub(crate) fn shared_numbers(seed: u64, number: u64) -> [f64; 2] {
+    let mut rng = picture_stream(seed, SCRAMBLES, SCRAMBLES);
     let scramble = rng.random();
-    let mut numbers = SampleNumbers::new(sample, scramble, &mut rng);
+    let mut numbers = SampleNumbers::new(number, scramble, &mut rng);
     [numbers.random(), numbers.random()]
 }
 

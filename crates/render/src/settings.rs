@@ -17,7 +17,7 @@ pub struct RenderSettings {
     pub lights: Lights,
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Samples per pixel, at least; rounded up to whole passes.
+    /// Samples per pixel; rounded up to a multiple of four.
     pub samples: u64,
     /// Seed of the lines and paths.
     pub seed: u64,

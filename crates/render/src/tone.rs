@@ -3,7 +3,7 @@
 use asperity_io::{Picture, Pixels};
 use asperity_optics::srgb_encoded;
 
-use crate::exposure::{brightest, exposure, factor};
+use crate::exposure::{brightest, exposure, factor, highlights, largest, shown_values};
 
 /// Decades of radiance from black to white of [`Tone::Log`].
 pub const LOG_DECADES: i32 = 3;
@@ -36,12 +36,12 @@ pub struct ToneCurve {
 }
 
 impl ToneCurve {
-    /// The curve for a picture. Unless the exposure is given, it is that of [`exposure`], and the brightest pixel is white of [`Tone::Log`].
+    /// The curve for a picture. Unless the exposure is given, it is that of [`exposure`], and for [`Tone::Log`] white is the 99th percentile.
     #[must_use]
     pub fn new(tone: Tone, picture: &Picture, given: Option<f64>) -> Self {
         let exposure = given.unwrap_or_else(|| match tone {
             Tone::Reinhard | Tone::Linear => exposure(picture),
-            Tone::Log => factor(1.0, brightest(picture)),
+            Tone::Log => factor(1.0, highlights(picture)),
         });
         let white = match tone {
             Tone::Reinhard => (1.0 / exposure).max(brightest(picture)),
@@ -91,31 +91,24 @@ impl ToneCurve {
         value.min(1.0)
     }
 
-    /// Linear light of a colour of luminance `y`: all channels are scaled as `y` is. A colour that then leaves `[0, 1]` is mixed with the grey
-    /// of its luminance, just as far as it needs.
-    fn light(&self, rgb: [f64; 3], y: f64) -> [f64; 3] {
-        let grey = self.brightness(y);
-        if grey <= 0.0 {
-            return [0.0; 3];
+    /// Linear light of a colour: all channels are scaled as the largest is, so that hues stay. Negative channels, of colours outside of sRGB,
+    /// become zero.
+    fn light(&self, rgb: [f64; 3]) -> [f64; 3] {
+        let largest = largest(rgb);
+        match largest > 0.0 {
+            true => {
+                rgb.map(|channel| (channel * self.brightness(largest) / largest).clamp(0.0, 1.0))
+            }
+            false => [0.0; 3],
         }
-        let scaled = rgb.map(|channel| channel * grey / y);
-        let kept = scaled.iter().fold(1.0_f64, |kept, &channel| {
-            kept.min(match channel {
-                _ if channel > 1.0 => (1.0 - grey) / (channel - grey),
-                _ if channel < 0.0 => grey / (grey - channel),
-                _ => 1.0,
-            })
-        });
-        // Rounding may leave the range.
-        scaled.map(|channel| (grey + kept * (channel - grey)).clamp(0.0, 1.0))
     }
 
-    /// Fraction of the pixels whose radiance is above white, and clipped.
+    /// Fraction of the pixels whose radiance, or largest channel, is above white, and clipped.
     #[must_use]
     pub fn clipped(&self, picture: &Picture) -> f64 {
         // Rounding of the reciprocal exposure clips nothing.
         let white = self.white * (1.0 + 1e-9);
-        let clipped = picture.radiance.iter().filter(|value| **value > white);
+        let clipped = shown_values(picture).filter(|value| *value > white);
         clipped.count() as f64 / picture.radiance.len() as f64
     }
 
@@ -129,8 +122,7 @@ impl ToneCurve {
                 greys.map(|radiance| byte(self.stored(*radiance))).collect()
             }
             Some(colour) => {
-                let pixels = colour.iter().zip(&picture.radiance);
-                let light = pixels.flat_map(|(rgb, y)| self.light(*rgb, *y));
+                let light = colour.iter().flat_map(|rgb| self.light(*rgb));
                 light.map(|light| byte(srgb_encoded(light))).collect()
             }
         };
@@ -227,22 +219,18 @@ mod tests {
     }
 
     #[test]
-    fn colours_keep_their_luminance_and_their_hue() {
-        let y = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    fn colours_keep_their_hue_up_to_the_brightest() {
         for tone in TONES {
-            let curve = ToneCurve::new(tone, &picture(&[1.0]), Some(1.0));
-            for rgb in [[0.3, 0.2, 0.1], [2.0, 0.1, -0.2], [-0.1, 0.5, 0.2]] {
-                let light = curve.light(rgb, y(rgb));
+            let mut bright = picture(&[0.1, 4.0]);
+            bright.colour = Some(vec![[0.1; 3], [5.0, 4.0, 2.5]]);
+            let curve = ToneCurve::new(tone, &bright, Some(1.0));
+            for rgb in [[0.3, 0.2, 0.1], [0.8, 0.4, -0.2], [5.0, 4.0, 2.5]] {
+                let light = curve.light(rgb);
+                assert!((light[0] - curve.brightness(rgb[0])).abs() < 1e-12);
+                assert!((light[1] / light[0] - rgb[1] / rgb[0]).abs() < 1e-12);
                 assert!(light.iter().all(|channel| (0.0..=1.0).contains(channel)));
-                assert!(
-                    (y(light) - curve.brightness(y(rgb))).abs() < 1e-12,
-                    "{light:?}"
-                );
-                // Differences of channels keep their ratio.
-                let ratio = |c: [f64; 3]| (c[0] - c[1]) / (c[1] - c[2]);
-                assert!((ratio(light) / ratio(rgb) - 1.0).abs() < 1e-9);
             }
-            assert_eq!(curve.light([0.0; 3], 0.0), [0.0; 3]);
+            assert_eq!(curve.light([0.0; 3]), [0.0; 3]);
         }
     }
 }

@@ -54,7 +54,7 @@ pub enum StudyError {
     /// A picture cannot be rendered.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// An interrupt before all wavelengths of a picture were rendered.
+    /// A stop before all wavelengths of a picture were rendered.
     #[error("stopped before all wavelengths were rendered")]
     ColourInterrupted,
     /// A figure cannot be drawn.

@@ -8,13 +8,14 @@ mod wavelength_stage;
 
 use std::time::Duration;
 
-use asperity_render::{RenderOutcome, RenderSettings, ToneCurve, denoise, render};
+use asperity_render::{RenderError, RenderOutcome, RenderSettings, ToneCurve, denoise, render};
 use asperity_simulate::{Cells, Deadline, Observer, Shape, StoppedBy};
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 
 pub use self::config::{
     CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderRun, ViewConfig,
 };
+use self::files::relative_errors;
 pub use self::text::RenderedPicture;
 use self::wavelength_stage::WavelengthStage;
 use crate::config::error::ConfigError;
@@ -85,11 +86,12 @@ impl RenderPlan {
     /// Several wavelengths are rendered one after the other, by the same random numbers, each in an equal part of the time.
     ///
     /// # Errors
-    /// [`StudyError`] if an interrupt comes before the last wavelength, the layer does not fit below the surface, a ray is too grazing, a stop comes before the first pass is finished, or
-    /// a file cannot be written.
+    /// [`StudyError`] if a stop comes before the first pass of the last wavelength is finished, the layer does not fit below the surface, a ray
+    /// is too grazing, or a file cannot be written.
     pub fn render(&self, observer: &dyn Observer) -> Result<RenderedPicture, StudyError> {
         let config = &self.config;
         let mut outcome = self.outcome(observer)?;
+        let errors = relative_errors(&outcome.picture);
         if config.picture.denoise {
             denoise(&mut outcome.picture);
         }
@@ -103,7 +105,13 @@ impl RenderPlan {
         let notes = notes.chain(is_mirrored.then(|| MIRRORED_MAP.to_owned()));
         let picture = &config.picture;
         let tone = ToneCurve::new(picture.tone, &outcome.picture, picture.exposure);
-        files::write(picture, &outcome.picture, &tone, &self.surface.name)?;
+        files::write(
+            picture,
+            &outcome.picture,
+            &errors,
+            &tone,
+            &self.surface.name,
+        )?;
         Ok(RenderedPicture {
             tone,
             denoised: picture.denoise,
@@ -122,6 +130,7 @@ impl RenderPlan {
         let time = config.run.max_time.and_then(Seconds::duration);
         let wavelengths = config.wavelengths()?;
         let count = wavelengths.len();
+        let whole = Deadline::new(observer, time);
         let mut sum: Option<RenderOutcome> = None;
         for (number, wavelength) in wavelengths.into_iter().enumerate() {
             let resolved = config.material.resolved(wavelength.nm)?;
@@ -129,7 +138,7 @@ impl RenderPlan {
             // Of integers, since a fraction of the longest time may overflow
             let part = |time: Duration| time / count as u32 * (number + 1) as u32;
             let stage = WavelengthStage {
-                observer,
+                observer: &whole,
                 number,
                 count,
             };
@@ -140,7 +149,13 @@ impl RenderPlan {
                 &layers,
                 &self.settings,
                 &observer,
-            )?;
+            );
+            let one = match one {
+                Err(RenderError::Interrupted) if count > 1 => {
+                    return Err(StudyError::ColourInterrupted);
+                }
+                one => one?,
+            };
             let is_last = number + 1 == count;
             if one.stopped_by == Some(StoppedBy::Interrupt) && !is_last {
                 return Err(StudyError::ColourInterrupted);
@@ -175,6 +190,5 @@ fn in_colour(
         lost: sum.lost + one.lost,
         seconds: [0, 1].map(|i| sum.seconds[i] + one.seconds[i]),
         stopped_by: one.stopped_by.or(sum.stopped_by),
-        ..sum
     }
 }

@@ -203,8 +203,8 @@ impl RenderConfig {
         let [columns, rows] = self.picture.size;
         let least = BrightnessScale::MIN_WIDTH;
         if self.picture.scale_bar && columns < least as usize {
-            let given = format!("a scale bar below {columns} columns");
-            let reason = format!("needs {least} or more, as by --size {least}x120");
+            let given = format!("a scale bar for a picture of {columns} columns");
+            let reason = format!("needs {least} columns or more");
             return Err(ConfigError::unsuitable(given, reason).into());
         }
         // What rendering one picture takes, and the sum over wavelengths, which is kept meanwhile.

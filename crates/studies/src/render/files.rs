@@ -24,6 +24,7 @@ const DARKEST: f64 = 0.01;
 pub(super) fn write(
     config: &PictureConfig,
     picture: &Picture,
+    relative_errors: &[f64],
     tone: &ToneCurve,
     name: &str,
 ) -> Result<(), StudyError> {
@@ -40,15 +41,18 @@ pub(super) fn write(
             PictureFormat::Png => {
                 let mut pixels = tone.pixels(picture);
                 if config.scale_bar {
-                    append_scale(&mut pixels, tone)?;
+                    append_scale(&mut pixels, shown_quantity(picture), tone)?;
                 }
-                write_picture_png(path, &pixels, &format!("{}{denoised}", brightness(tone)))
+                write_picture_png(
+                    path,
+                    &pixels,
+                    &format!("{}{denoised}", brightness(picture, tone)),
+                )
             }
         }
         .map_err(GivenError::from)?;
     }
     if let Some(path) = &config.error_image {
-        let values = relative_errors(picture);
         let [columns, rows] = picture.size;
         let figure = CellMapFigure {
             title: format!("Standard error of the pixels of {name}"),
@@ -56,8 +60,11 @@ pub(super) fn write(
                 "over the radiance of the pixel, or over {} % of the mean radiance if that is more",
                 100.0 * DARKEST
             ),
-            quantity: "standard error / radiance".to_owned(),
-            values: &values,
+            quantity: match config.denoise {
+                true => "standard error / radiance, before denoising".to_owned(),
+                false => "standard error / radiance".to_owned(),
+            },
+            values: relative_errors,
             shape: [rows, columns],
             spacing: [1.0; 2],
             unit: "pixels".to_owned(),
@@ -92,7 +99,8 @@ fn channels(picture: &Picture, is_denoised: bool) -> String {
 }
 
 /// What the brightness of a PNG means.
-fn brightness(curve: &ToneCurve) -> String {
+fn brightness(picture: &Picture, curve: &ToneCurve) -> String {
+    let quantity = shown_quantity(picture);
     let shape = match curve.tone {
         Tone::Reinhard => {
             "x (1 + x/w^2) / (1 + x), w = exposure times the radiance of white".to_owned()
@@ -101,11 +109,19 @@ fn brightness(curve: &ToneCurve) -> String {
         Tone::Log => format!("stored grey 1 + log10(x) / {LOG_DECADES}, clipped to 0 to 1"),
     };
     format!(
-        "brightness: sRGB of the tone {}: {shape}, x = exposure times radiance; exposure {}; white: radiance {}; radiance, {UNIT}",
+        "brightness: sRGB of the tone {}: {shape}, x = exposure times {quantity}; exposure {}; white: {}; radiance, {UNIT}",
         tone_name(curve.tone),
         short(curve.exposure),
         short(curve.white)
     )
+}
+
+/// The quantity that the tone curve takes.
+pub(super) const fn shown_quantity(picture: &Picture) -> &'static str {
+    match picture.colour {
+        Some(_) => "the largest of R, G and B",
+        None => "radiance",
+    }
 }
 
 pub(super) const fn tone_name(tone: Tone) -> &'static str {
@@ -117,9 +133,9 @@ pub(super) const fn tone_name(tone: Tone) -> &'static str {
 }
 
 /// Appends a scale of the brightness below the pixels, which stay as they are.
-fn append_scale(pixels: &mut Pixels, tone: &ToneCurve) -> Result<(), PlotError> {
+fn append_scale(pixels: &mut Pixels, title: &str, tone: &ToneCurve) -> Result<(), PlotError> {
     let scale = BrightnessScale {
-        title: "radiance",
+        title,
         width: u32::try_from(pixels.size[0]).unwrap_or(u32::MAX),
         range: [tone.black(), tone.white],
         place: &|radiance| tone.stored(radiance),
@@ -136,7 +152,7 @@ fn append_scale(pixels: &mut Pixels, tone: &ToneCurve) -> Result<(), PlotError> 
 }
 
 /// Standard errors over the radiance of each pixel, or over [`DARKEST`] of the mean where that is more; zero for a picture without light.
-fn relative_errors(picture: &Picture) -> Vec<f64> {
+pub(super) fn relative_errors(picture: &Picture) -> Vec<f64> {
     let mean = picture.radiance.iter().sum::<f64>() / picture.radiance.len() as f64;
     let pixels = picture.error.iter().zip(&picture.radiance);
     pixels
@@ -182,7 +198,7 @@ mod tests {
                 is_rgb,
                 bytes: bytes.clone(),
             };
-            append_scale(&mut pixels, &curve).unwrap();
+            append_scale(&mut pixels, "radiance", &curve).unwrap();
             assert!(pixels.size[1] > 40 && pixels.bytes.starts_with(&bytes));
             assert_eq!(pixels.bytes.len(), bytes.len() * pixels.size[1]);
         }

@@ -6,7 +6,7 @@ use asperity_io::shown_path;
 use asperity_render::{RenderOutcome, ToneCurve};
 use asperity_simulate::{counted, short};
 
-use super::files::tone_name;
+use super::files::{shown_quantity, tone_name};
 use crate::output::{note_lines, wrapped};
 
 /// A picture, and what is said of it.
@@ -81,14 +81,15 @@ impl RenderedPicture {
     /// Tone, exposure, white and clipping of a PNG, and whether the picture is denoised.
     fn brightness(&self) -> String {
         let mut text = format!(
-            "tone {}, exposure {:.4}, white is radiance {}",
+            "tone {}, exposure {}, white is {} {}",
             tone_name(self.tone.tone),
-            self.tone.exposure,
+            short(self.tone.exposure),
+            shown_quantity(&self.outcome.picture),
             short(self.tone.white)
         );
         let clipped = self.tone.clipped(&self.outcome.picture);
         if clipped > 0.0 {
-            text += &format!(", a fraction of {clipped:.1e} of the pixels is clipped");
+            text += &format!(", {} % of the pixels are clipped", short(100.0 * clipped));
         }
         if self.denoised {
             text += "\ndenoised by non-local means; the standard error is that before";

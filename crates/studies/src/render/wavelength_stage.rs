@@ -23,8 +23,9 @@ impl Observer for WavelengthStage<'_> {
         self.observer.advance(steps);
     }
     fn end(&self) {
-        // A stop ends all: there is no further stage.
-        if self.number + 1 == self.count || self.stop() == Some(StoppedBy::Interrupt) {
+        // There is no further stage after an interrupt.
+        let is_interrupted = self.stop() == Some(StoppedBy::Interrupt) || self.gives_up_first();
+        if self.number + 1 == self.count || is_interrupted {
             self.observer.end();
         }
     }

@@ -16,9 +16,6 @@ use crate::periodic::{Heading, TraversalEnd, TraversalResult, can_traverse, trav
 use crate::ray::HalfSpace;
 use crate::visibility::light_beams::LightBeams;
 
-/// Flux of a connection below which roulette decides whether it is made, with this flux: searches for beams take most of the time.
-const LEAST_CONNECTION: f64 = 1.0;
-
 /// A disc of light, infinitely far away, to which paths are connected.
 pub struct Sunlight<'a, G: Geometry> {
     towards: DVec3,
@@ -38,9 +35,10 @@ impl<'a, G: Geometry> Sunlight<'a, G> {
         }
     }
 
-    /// This sunlight, also below `geometry`, where `beams` bring that of one direction of the disc. They are left out under a mirrored border, where a
-    /// direction has several images, and below a `material` of lower index, in which light may rise below the surface; they end after some
-    /// tiles.
+    /// This sunlight, also below `geometry`, where `beams` bring that of one direction of the disc, over some tiles.
+    ///
+    /// Beams are left out under a mirrored border, where a direction has several images, and in a medium of lower index, in which light may
+    /// rise below the surface.
     #[must_use]
     pub fn with_beams(self, geometry: &G, beams: &'a LightBeams<G>) -> Self {
         let serves = beams.is_denser_below() && geometry.border() != Border::Mirrored;
@@ -64,7 +62,7 @@ impl<'a, G: Geometry> Sunlight<'a, G> {
 }
 
 impl<G: Geometry> PathIntegrator<'_, G> {
-    /// Tells of sunlight that a Lambertian face scatters into a path; `face`: which, its normal and reflectance.
+    /// Adds sunlight that a Lambertian face scatters into a path; `face`: which, its normal and reflectance.
     pub(super) fn add_sun_at_face<R: Rng>(
         &self,
         (interface, m, reflectance): (Interface, DVec3, f64),
@@ -90,7 +88,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         }
     }
 
-    /// Tells of sunlight that the medium of a layer scatters into a path.
+    /// Adds sunlight that the medium of a layer scatters into a path.
     pub(super) fn add_sun_in_medium<R: Rng>(
         &self,
         layer: &TracedLayer<'_, G>,
@@ -104,7 +102,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         self.add_beams(layer, path, sunlight, phase, rng, contribute);
     }
 
-    /// Tells of the light of beams that is scattered into a path where it is now, by `density` per solid angle of the direction
+    /// Adds the light of beams that is scattered into a path where it is now, by `density` per solid angle of the direction
     /// towards the light inside the layer.
     fn add_beams<R: Rng>(
         &self,
@@ -119,12 +117,13 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             // Beams end at the next face
             return;
         };
-        // Let roulette decide how weak the light may be after its way through the layer, and so how far it comes
-        let least = (1.0 - rng.random::<f64>()) * LEAST_CONNECTION;
-        let extinction = layer.extinction();
+        // Connect with the probability of the flux that is left after the way through the layer, and the weight one: searches for beams
+        // take most of the time
+        let least = 1.0 - rng.random::<f64>();
         if path.flux < least {
             return;
         }
+        let extinction = layer.extinction();
         let reach = match extinction > 0.0 {
             true => (path.flux / least).ln() / extinction,
             false => f64::INFINITY,
@@ -161,9 +160,8 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             // Scatter it into the path
             let d = beam.direction;
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
-            let flux = path.flux * (-extinction * beam.t).exp();
             contribute(CameraContribution::Sun(SunContribution {
-                fraction: flux.max(LEAST_CONNECTION) * density(-d) * beam.fraction,
+                fraction: density(-d) * beam.fraction,
                 origin: (path.place - beam.t * level).extend(at.origin.z),
                 towards: beams.towards(),
             }));

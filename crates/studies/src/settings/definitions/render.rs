@@ -92,18 +92,20 @@ pub(super) const PICTURE: &[Setting] = &flags(
             .value_name("COLUMNSxROWS")
             .default("640x480"),
         basic("samples", Kind::Count)
-            .help("Samples per pixel, at least")
+            .help("Samples per pixel; rounded up to a multiple of four")
             .default("16"),
         basic("exposure", Kind::Number)
             .help("Factor on radiance before the tone curve of a PNG")
             .value_name("FACTOR")
-            .range(Range::Above(0.0))
-            .otherwise("by the brightest percent, and by four times the median at most; log: by the brightest pixel"),
-        setting("tone", TONE)
+            .range(Range::FromTo(1e-30, 1e30))
+            .otherwise(
+                "by the brightest percent, and but for log by four times the median at most",
+            ),
+        basic("tone", TONE)
             .help("Curve from exposed radiance to PNG brightness")
             .default("reinhard"),
         setting("scale_bar", Kind::Switch).help("Scale of radiance below the picture of a PNG"),
-        setting("denoise", Kind::Switch)
+        basic("denoise", Kind::Switch)
             .help("Denoise by non-local means, within the errors of pixels"),
         setting("error_image", Kind::Path)
             .help("Figure of the relative error of each pixel: .png or .svg")
