@@ -6,7 +6,7 @@
 //! # Source
 //! F. Rousselle, C. Knaus, M. Zwicker, Adaptive rendering with non-local means filtering, ACM Trans. Graph. 31 (6), 195 (2012),
 //! doi:10.1145/2366145.2366213, Eqs. 2 to 5, without their second buffer: the variance of a pixel, which few samples know badly, is
-//! averaged over its patch instead, and limited by that of the other pixel.
+//! the median over its patch instead, and limited by that of the other pixel.
 
 use std::ops::Range;
 
@@ -18,9 +18,6 @@ const PATCH: isize = 1;
 
 /// Pixels from the centre of the search window to its sides.
 const WINDOW: isize = 7;
-
-/// Variance of a pixel over its own estimate, at most: what its patch says beyond that is due to a bright pixel beside it.
-const MOST_OVER_OWN: f64 = 4.0;
 
 /// `k` of the source, which has 0.45: larger values smooth more.
 const DAMPING: f64 = 0.7;
@@ -40,11 +37,7 @@ pub fn denoise(picture: &mut Picture) {
     let noisy = Noisy {
         size: [columns, rows].map(usize::cast_signed),
         values: picture.radiance.iter().enumerate().map(value).collect(),
-        variances: patch_means(&squares, [columns, rows])
-            .into_iter()
-            .zip(&squares)
-            .map(|(mean, own)| mean.min(MOST_OVER_OWN * own))
-            .collect(),
+        variances: patch_medians(&squares, [columns, rows]),
     };
     let rows = (0..rows.cast_signed()).into_par_iter();
     let filtered: Vec<[f64; 4]> = rows.flat_map_iter(|y| noisy.row(y)).collect();
@@ -136,21 +129,21 @@ impl Noisy {
     }
 }
 
-/// Means over the patch around each pixel, as far as it is in the picture.
-fn patch_means(values: &[f64], [columns, rows]: [usize; 2]) -> Vec<f64> {
+/// Medians over the patch around each pixel, as far as it is in the picture.
+fn patch_medians(values: &[f64], [columns, rows]: [usize; 2]) -> Vec<f64> {
     let around = |i: usize, n: usize| {
         let reach = PATCH.cast_unsigned();
         i.saturating_sub(reach)..(i + reach + 1).min(n)
     };
-    let mean = |x: usize, y: usize| {
-        let (xs, ys) = (around(x, columns), around(y, rows));
-        let count = xs.len() * ys.len();
-        let sums = ys.map(|y| values[y * columns..][xs.clone()].iter().sum::<f64>());
-        sums.sum::<f64>() / count as f64
+    let median = |x: usize, y: usize| {
+        let rows = around(y, rows).flat_map(|y| &values[y * columns..][around(x, columns)]);
+        let mut patch: Vec<f64> = rows.copied().collect();
+        patch.sort_unstable_by(f64::total_cmp);
+        patch[patch.len() / 2]
     };
     (0..rows)
         .flat_map(|y| (0..columns).map(move |x| (x, y)))
-        .map(|(x, y)| mean(x, y))
+        .map(|(x, y)| median(x, y))
         .collect()
 }
 
