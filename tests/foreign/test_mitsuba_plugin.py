@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "examples/mitsuba"))
-# Compiled variants of Mitsuba need it
-LLVM = sorted(Path("/usr/lib").glob("*/libLLVM.so.1[5-9]*")) + sorted(Path("/usr/lib").glob("*/libLLVM-1[5-9].so"))
+# Compiled variants of Mitsuba need it; older versions cannot compile the minima of floating-point numbers
+LLVM = sorted(Path("/usr/lib").glob("*/libLLVM-17.so")) + sorted(Path("/usr/lib").glob("*/libLLVM.so.[12][0-9].*"))
 if LLVM:
     os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(LLVM[-1]))
-NO_LLVM = "libLLVM of version 15 or later is not installed (apt-get install libllvm19)"
+NO_LLVM = "libLLVM of version 17 or later is not installed (apt-get install libllvm19)"
 VARIANTS = ["scalar_rgb", pytest.param("llvm_ad_rgb", marks=pytest.mark.skipif(not LLVM, reason=NO_LLVM))]
 ETA = 1.4
 
