@@ -19,7 +19,7 @@ const PATCH: isize = 1;
 /// Pixels from the centre of the search window to its sides.
 const WINDOW: isize = 7;
 
-/// `k` of the source, which has 0.45: larger values smooth more.
+/// Damping factor `k` of the source; larger values smooth more.
 const DAMPING: f64 = 0.7;
 
 /// Denoises a picture by its errors, which are not changed. Exact pixels that differ are not mixed.

@@ -74,8 +74,8 @@ pub struct RenderOutcome {
 ///
 /// Smooth cells have no light beams: sunlight in a layer below them is found by random paths alone.
 ///
-/// A run that is to stop ends with the passes that are complete. Time that is over lets the first pass be completed, unless
-/// [`Observer::gives_up_first`].
+/// A run that is to stop ends with the passes that are complete. Once the time is over, only a first
+/// pass is still completed, unless [`Observer::gives_up_first`] says otherwise.
 ///
 /// # Errors
 /// [`RenderError`] if the surface or the picture is too large, a layer too thin, the eye too low, parallel

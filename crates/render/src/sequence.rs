@@ -12,7 +12,7 @@ const EVEN_SETS: u32 = 4;
 /// Samples of one scramble.
 const LENGTH: u64 = 1 << 16;
 
-/// Number of the stream of scrambles, and of the directions of the sun: streams of rows count samples from zero.
+/// Number of the streams of scrambles and of sun directions; those of samples count from zero.
 const SCRAMBLES: u64 = u64::MAX;
 
 /// Scrambles of the pixels of a row, one after the other, for a sequence.
@@ -23,7 +23,8 @@ pub(crate) fn scrambles(seed: u64, sequence: u64, row: usize) -> impl Iterator<I
 
 /// Two numbers in `[0, 1)` that are shared by all pixels of a pass in a sequence; `number` counts through all of them.
 ///
-/// They are spread over the sequences too, by which errors are somewhat too large rather than too small: all pixels share them.
+/// They fill the square evenly over all sequences together, so that the scatter between sequences overstates the error of what all pixels
+/// share.
 pub(crate) fn shared_numbers(seed: u64, number: u64) -> [f64; 2] {
     let mut rng = picture_stream(seed, SCRAMBLES, SCRAMBLES);
     let scramble = rng.random();

@@ -357,7 +357,7 @@ impl Observer for Patience {
     }
 }
 
-/// Renders on one thread, by which questions have an order.
+/// Renders on one thread, so that the observer is asked in a fixed order.
 fn render_until(
     settings: &RenderSettings,
     progress: &Patience,

@@ -54,7 +54,7 @@ pub struct CellMapFigure<'a> {
     pub unit: String,
     /// `true` if the first row is at the bottom, so that y points up, instead of on top.
     pub y_up: bool,
-    /// What the cells are called, in the plural.
+    /// Plural noun for the cells, such as `cells` or `pixels`.
     pub noun: &'a str,
     /// `true` for logarithmic colours, over three decades at most; smaller values have the colour of the lower end.
     pub decades: bool,

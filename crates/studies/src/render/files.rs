@@ -98,7 +98,7 @@ fn channels(picture: &Picture, is_denoised: bool) -> String {
     )
 }
 
-/// What the brightness of a PNG means.
+/// Meaning of the brightness of a PNG.
 fn brightness(picture: &Picture, curve: &ToneCurve) -> String {
     let quantity = shown_quantity(picture);
     let shape = match curve.tone {
@@ -132,7 +132,7 @@ pub(super) const fn tone_name(tone: Tone) -> &'static str {
     }
 }
 
-/// Appends a scale of the brightness below the pixels, which stay as they are.
+/// Appends a scale of the brightness below the pixels.
 fn append_scale(pixels: &mut Pixels, title: &str, tone: &ToneCurve) -> Result<(), PlotError> {
     let scale = BrightnessScale {
         title,
