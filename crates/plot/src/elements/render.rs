@@ -24,10 +24,11 @@ impl Figure {
         (self.scene.width, self.scene.height)
     }
 
-    /// The figure as an SVG document. Texts stay texts.
+    /// The figure as an SVG document without external references. Texts stay texts; colours are attributes `fill` and
+    /// `stroke` of the form `#1A2B3C`.
     ///
     /// # Errors
-    /// [`PlotError::Backend`] if the drawing library fails.
+    /// [`PlotError::Backend`] if a picture in it cannot be encoded.
     pub fn svg(&self) -> Result<String, PlotError> {
         svg::render(&self.scene)
     }

@@ -1,6 +1,6 @@
 //! A list of shapes in points of the figure, origin at the top left, y down.
 //!
-//! Figures are laid out once, into a [`Scene`]; the two renderers only replay it, so that SVG and PNG agree.
+//! Figures are laid out once, into a [`Scene`]; both renderers draw its items as they are, so that SVG and PNG agree.
 
 use plotters::style::RGBColor;
 
@@ -158,6 +158,11 @@ pub(crate) enum Item {
         width: f64,
     },
     Text(TextItem),
+    /// A text that an SVG shows where the pointer rests.
+    Tooltip {
+        rect: Rect,
+        text: String,
+    },
 }
 
 /// A text in its place.
@@ -356,6 +361,12 @@ impl Scene {
     pub(crate) fn text_upwards(&mut self, text: &str, at: Xy, style: TextStyle) {
         let anchor = (at.0 + baseline_shift(style), at.1);
         self.push_text(text, anchor, style, true);
+    }
+
+    /// A text that an SVG shows where the pointer rests on `rect`, and on nothing that is drawn later. A PNG has none.
+    pub(crate) fn tooltip(&mut self, rect: Rect, text: &str) {
+        let text = printable(text);
+        self.items.push(Item::Tooltip { rect, text });
     }
 
     fn push_text(&mut self, text: &str, anchor: Xy, style: TextStyle, upwards: bool) {

@@ -6,7 +6,7 @@ use plotters::style::RGBColor;
 pub(crate) const PNG_PIXELS_PER_POINT: u32 = 2;
 /// Pixels drawn per PNG pixel and axis, then averaged: smooths every edge alike.
 pub(crate) const PNG_OVERSAMPLING: u32 = 2;
-/// SVG coordinates are integers in the drawing library; a tenth of a point keeps curves smooth.
+/// SVG coordinates are integers, which are short; a tenth of a point keeps curves smooth.
 pub(crate) const SVG_UNITS_PER_POINT: u32 = 10;
 
 /// The embedded font, then fonts of equal metrics for viewers of the SVG.

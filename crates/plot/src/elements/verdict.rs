@@ -16,6 +16,16 @@ pub enum MapVerdict {
     NotResolved,
 }
 
+impl MapVerdict {
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            MapVerdict::Within => "within tolerance",
+            MapVerdict::Beyond => "beyond tolerance",
+            MapVerdict::NotResolved => "not resolved at this budget",
+        }
+    }
+}
+
 const SIGN: f64 = 4.4;
 
 /// A triangle whose tip, at `at`, points to the right.

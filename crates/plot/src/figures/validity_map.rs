@@ -5,7 +5,7 @@ use crate::elements::colour_scale::{ColourScale, draw_bar, that_fits};
 use crate::elements::geometry::Rect;
 use crate::elements::legend::{Entry, Key};
 use crate::elements::matrix::{ColumnName, draw_column_texts, draw_row_texts, stacked_at_bottom};
-use crate::elements::numbers::{decimals, fixed};
+use crate::elements::numbers::{decimals, fixed, three_digits};
 use crate::elements::page::Page;
 use crate::elements::panel::X_AXIS_DEPTH;
 use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
@@ -135,7 +135,6 @@ impl ValidityMap {
         page.y += stacked_at_bottom(&mut page.scene, page.y, &names, theme::LEGEND_SIZE) + 3.0;
 
         let (top, scale) = (page.y, self.scale());
-        let last_word = self.roughness_label.rsplit(' ').next().unwrap_or_default();
         for (row, material) in self.materials.iter().enumerate() {
             let y = page.y;
             for model in 0..self.models.len() {
@@ -149,7 +148,10 @@ impl ValidityMap {
             draw_row_texts(&mut page.scene, first, &rows_of);
             let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
             let middle = y + 0.5 * height;
-            let axis = that_fits(&[&self.roughness_label, last_word], height + ROW_GAP)?;
+            let axis = that_fits(
+                &[&self.roughness_label, self.roughness_symbol()],
+                height + ROW_GAP,
+            )?;
             let scene = &mut page.scene;
             scene.text_upwards(axis, (axis_label_x, middle), style.muted());
             let material_x = axis_label_x - theme::LABEL_SIZE - 6.0;
@@ -227,7 +229,6 @@ impl ValidityMap {
         scale: &ColourScale,
     ) {
         let (rows, columns) = (self.roughness.len(), self.theta_deg.len());
-        let panel = material * self.models.len() + model;
         let (w, h) = (frame.width() / columns as f64, frame.height() / rows as f64);
         for row in 0..rows {
             for column in 0..columns {
@@ -235,16 +236,47 @@ impl ValidityMap {
                 let x = frame.left + (column as f64 + 0.5) * w;
                 let y = frame.bottom - (row as f64 + 0.5) * h;
                 let rect = Rect::around((x, y), 0.5 * w - CELL_GAP, 0.5 * h - CELL_GAP);
-                if let Some(cell) = self.cells[(panel * rows + row) * columns + column] {
+                if let Some(cell) = self.cell([material, model, row, column]) {
                     scene.rect(rect, scale.colour(cell.distance));
                     draw_sign(scene, rect.centre(), cell.verdict);
                 } else {
                     let pen = Pen::solid(theme::FAINT, theme::GRID_WIDTH);
                     scene.line(&[(rect.left, rect.bottom), (rect.right, rect.top)], pen);
                 }
+                scene.tooltip(rect, &self.description([material, model, row, column]));
             }
         }
         scene.rect_outline(frame, Pen::solid(theme::INK, theme::FRAME_WIDTH));
+    }
+
+    fn cell(&self, [material, model, row, column]: [usize; 4]) -> Option<MappedCell> {
+        let panel = material * self.models.len() + model;
+        self.cells[(panel * self.roughness.len() + row) * self.theta_deg.len() + column]
+    }
+
+    /// A cell in words, as in "smith, n = 1.5, s = 3, 60°: total variation 0.0210, beyond tolerance".
+    fn description(&self, at: [usize; 4]) -> String {
+        let [material, model, row, column] = at;
+        let found = match self.cell(at) {
+            Some(MappedCell { distance, verdict }) => {
+                let distance = three_digits(distance);
+                format!("total variation {distance}, {}", verdict.words())
+            }
+            None => "not traced yet".to_owned(),
+        };
+        format!(
+            "{}, {}, {} = {}, {}°: {found}",
+            self.models[model],
+            self.materials[material],
+            self.roughness_symbol(),
+            number(self.roughness[row]),
+            number(self.theta_deg[column]),
+        )
+    }
+
+    /// The last word of the label: what is left of it where there is little room.
+    fn roughness_symbol(&self) -> &str {
+        self.roughness_label.rsplit(' ').next().unwrap_or_default()
     }
 
     /// The label of the angles, below all panels and not beyond the margin; returns its right end.
@@ -278,19 +310,19 @@ impl ValidityMap {
 
     /// Entries that explain the signs.
     fn entries(&self) -> Vec<Entry> {
-        let tolerance = fixed(self.tolerance, decimals(self.tolerance));
+        let tolerance = number(self.tolerance);
         let mut entries = vec![
             Entry::new(
                 Key::Sign(|scene, at| draw_swatch(scene, at, MapVerdict::Within)),
-                "within tolerance",
+                MapVerdict::Within.words(),
             ),
             Entry::new(
                 Key::Sign(|scene, at| draw_swatch(scene, at, MapVerdict::Beyond)),
-                "beyond tolerance",
+                MapVerdict::Beyond.words(),
             ),
             Entry::new(
                 Key::Sign(|scene, at| draw_swatch(scene, at, MapVerdict::NotResolved)),
-                "not resolved at this budget",
+                MapVerdict::NotResolved.words(),
             ),
             Entry::new(
                 Key::Sign(|scene, at| draw_tolerance_mark(scene, (at.0 + 4.0, at.1))),
@@ -310,8 +342,12 @@ impl Layout {
     }
 }
 
+fn number(value: f64) -> String {
+    fixed(value, decimals(value))
+}
+
 fn numbers(values: &[f64]) -> Vec<String> {
-    values.iter().map(|v| fixed(*v, decimals(*v))).collect()
+    values.iter().copied().map(number).collect()
 }
 
 /// A name in lines of at most `width`, broken after hyphens.
@@ -367,7 +403,7 @@ mod tests {
         cells[3] = None;
         let all_open = map(cells.clone()).draw().unwrap().svg().unwrap();
         // One in each cell, one in the legend.
-        assert_eq!(all_open.matches("?\n").count(), 12);
+        assert_eq!(all_open.matches(">?<").count(), 12);
         assert!(all_open.contains("not traced yet"));
         for verdict in [MapVerdict::Within, MapVerdict::Beyond] {
             let mut one = cells.clone();
@@ -376,8 +412,23 @@ mod tests {
                 verdict,
             });
             let svg = map(one).draw().unwrap().svg().unwrap();
-            assert_eq!(svg.matches("?\n").count(), 11);
+            assert_eq!(svg.matches(">?<").count(), 11);
         }
+    }
+
+    #[test]
+    fn cells_have_tooltips_in_the_svg_alone() {
+        let mut cells = vec![cell(0.021); 12];
+        cells[11] = None;
+        let figure = map(cells).draw().unwrap();
+        let svg = figure.svg().unwrap();
+        for tooltip in [
+            "<title>xu-sun, n = 1.5, s = 0.5, 0°: total variation 0.0210, not resolved at this budget</title>",
+            "<title>smith, n = 1.5, s = 1, 75°: not traced yet</title>",
+        ] {
+            assert_eq!(svg.matches(tooltip).count(), 1, "{tooltip}");
+        }
+        assert_eq!(svg.matches("<title>").count(), 13);
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use plotters::backend::BitMapBackend;
 use plotters::style::RGBColor;
 
-use super::replay::{Joins, Replay, backend_error};
+use super::replay::{Replay, backend_error};
 use crate::PlotError;
 use crate::elements::scene::{Picture, Scene};
-use crate::elements::{text, theme};
+use crate::elements::theme;
 
 /// The scene as a PNG file.
 pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
@@ -23,18 +23,11 @@ pub(super) fn rgb(scene: &Scene, pixels_per_point: u32) -> Result<Vec<u8>, PlotE
     for picture in &scene.pictures {
         paint(picture, &mut pixels, width as usize, f64::from(scale));
     }
-    {
-        let mut backend = BitMapBackend::with_buffer(&mut pixels, (width, height));
-        // The rasteriser takes the line height for the size and puts the baseline at half of it.
-        Replay {
-            backend: &mut backend,
-            scale: f64::from(scale),
-            size_per_em: text::LINE_HEIGHT_PER_EM,
-            baseline_per_em: 0.5 * text::LINE_HEIGHT_PER_EM,
-            joins: Joins::Discs,
-        }
-        .all(&scene.items)?;
+    Replay {
+        backend: BitMapBackend::with_buffer(&mut pixels, (width, height)),
+        scale: f64::from(scale),
     }
+    .all(&scene.items)?;
     let block = theme::PNG_OVERSAMPLING as usize;
     Ok(average_blocks(&pixels, width as usize * 3, block))
 }

@@ -1,37 +1,23 @@
-//! Replay: draws the items of a scene through a backend of the drawing library, so that SVG and PNG agree.
+//! Replay: draws the items of a scene through the rasteriser of the drawing library.
 
-use plotters::backend::DrawingBackend;
+use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
 
 use super::joins::{self, Pixel};
 use crate::PlotError;
-use crate::elements::geometry::Xy;
+use crate::elements::geometry::{Xy, in_units};
 use crate::elements::scene::{Align, Item, TextItem};
 use crate::elements::text;
 
-/// A backend of the drawing library with its scale and the way in which it places text anchored at its top.
-pub(super) struct Replay<'a, B> {
-    pub(super) backend: &'a mut B,
-    /// Units of the backend per point.
+/// The rasteriser with its scale.
+pub(super) struct Replay<'a> {
+    pub(super) backend: BitMapBackend<'a>,
+    /// Pixels per point.
     pub(super) scale: f64,
-    /// Font size as the backend counts it, over the em.
-    pub(super) size_per_em: f64,
-    /// Depth of the baseline below the anchor, over the em.
-    pub(super) baseline_per_em: f64,
-    pub(super) joins: Joins,
 }
 
-/// Who rounds the corners of lines.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Joins {
-    /// The viewer of the file.
-    Viewer,
-    /// Discs at sharp corners.
-    Discs,
-}
-
-impl<B: DrawingBackend> Replay<'_, B> {
+impl Replay<'_> {
     pub(super) fn all(&mut self, items: &[Item]) -> Result<(), PlotError> {
         text::ensure_font()?;
         items.iter().try_for_each(|item| self.draw(item))?;
@@ -77,14 +63,12 @@ impl<B: DrawingBackend> Replay<'_, B> {
                 self.backend.draw_circle(centre, radius, &style, false)
             }
             Item::Text(item) => return self.draw_text(item),
+            Item::Tooltip { .. } => Ok(()),
         }
         .map_err(backend_error)
     }
 
     fn draw_line(&mut self, path: Vec<Pixel>, style: ShapeStyle) -> Result<(), PlotError> {
-        if self.joins == Joins::Viewer {
-            return self.backend.draw_path(path, &style).map_err(backend_error);
-        }
         let pieces = joins::gentle_pieces(&path);
         for (i, piece) in pieces.iter().enumerate() {
             if i > 0 {
@@ -106,14 +90,16 @@ impl<B: DrawingBackend> Replay<'_, B> {
             Align::Centre => HPos::Center,
             Align::Right => HPos::Right,
         };
-        let drop = self.baseline_per_em * item.size;
+        // The rasteriser takes the line height for the size and puts the baseline at half of it.
+        let line_height = text::LINE_HEIGHT_PER_EM * item.size;
+        let drop = 0.5 * line_height;
         let (x, y) = item.anchor;
         let (top, transform) = if item.upwards {
             ((x - drop, y), FontTransform::Rotate270)
         } else {
             ((x, y - drop), FontTransform::None)
         };
-        let style = TextStyle::from(text::font(item.size * self.size_per_em * self.scale))
+        let style = TextStyle::from(text::font(line_height * self.scale))
             .color(&item.colour)
             .transform(transform)
             .pos(Pos::new(h_pos, VPos::Top));
@@ -123,10 +109,8 @@ impl<B: DrawingBackend> Replay<'_, B> {
             .map_err(backend_error)
     }
 
-    fn pixel(&self, (x, y): Xy) -> (i32, i32) {
-        // Saturates far outside the figure, where the library's integer arithmetic is still safe.
-        let whole = |v: f64| (v * self.scale).round().clamp(-1e5, 1e5) as i32;
-        (whole(x), whole(y))
+    fn pixel(&self, at: Xy) -> Pixel {
+        in_units(at, self.scale)
     }
 
     fn length(&self, length: f64) -> u32 {
