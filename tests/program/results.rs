@@ -3,6 +3,10 @@
 use std::fs;
 use std::path::Path;
 
+use asperity_io::read_height_map;
+use asperity_results::Thumbnail;
+use asperity_surface::{Border, MissingPolicy};
+
 use crate::support::{Folder, InFolder, MustContain, files, with_surface};
 
 /// A run of each command that writes a folder, without its output.
@@ -258,6 +262,52 @@ fn every_column_of_every_table_has_a_name_a_unit_and_a_description() {
         }
         fs::remove_dir_all(&out).unwrap();
     }
+}
+
+/// 64 x 64 and 32 x 32 samples are kept as they are, blocks of 2 x 2 samples of 512 as their means.
+#[test]
+fn results_have_a_thumbnail_of_the_first_surface() {
+    let folder = with_surface();
+    for run in RUNS {
+        folder.succeed(format!("{run} --quiet -o out"));
+        let found = Thumbnail::read(folder.join("out")).unwrap().unwrap();
+        let [ny, nx] = found.shape;
+        assert_eq!(found.heights.len(), nx * ny, "{run}");
+        let is_inside = |samples: usize| (32..=256).contains(&samples);
+        assert!(is_inside(nx) && is_inside(ny), "{run}");
+        fs::remove_dir_all(folder.join("out")).unwrap();
+    }
+    let drawn = "--tau 8um --size 512 --spacing 0.5um --seed 3";
+    folder.succeed(format!("generate {drawn} -o drawn.exr -q"));
+    let few = "--rays 1e3 --no-plots -q";
+    let verify = format!("verify {drawn} --models none --realisations 2 {few} --threads");
+    for (run, file, side, extent) in [
+        (format!("trace h.exr {few}"), "h.exr", 64, 64.0),
+        (format!("{verify} 1"), "drawn.exr", 256, 256.0),
+        (format!("{verify} 3"), "drawn.exr", 256, 256.0),
+    ] {
+        folder.succeed(format!("{run} -o out"));
+        let found = Thumbnail::read(folder.join("out/results.npz")).unwrap();
+        let found = found.unwrap();
+        let raw = read_height_map(folder.join(file)).unwrap();
+        let field = raw.into_height_field(MissingPolicy::Refuse, Border::Periodic);
+        let field = field.unwrap();
+        assert_eq!(found.shape, [side; 2]);
+        assert_eq!([found.extent, field.extent()], [[extent; 2]; 2]);
+        assert_eq!(found.unit, field.unit());
+        let [mean, expected] = [&found.heights[..], field.heights()]
+            .map(|heights| heights.iter().sum::<f64>() / heights.len() as f64);
+        // Half a step of the range in each, and single precision in the file.
+        let range = field
+            .heights()
+            .iter()
+            .fold(0.0_f64, |range, h| range.max(h.abs()));
+        assert!((mean - expected).abs() <= 2e-5 * range, "{mean} {expected}");
+        fs::remove_dir_all(folder.join("out")).unwrap();
+    }
+    folder.succeed("mesh h.exr -o m.ply -q");
+    folder.succeed(format!("trace m.ply --border periodic {few} -o out"));
+    assert_eq!(Thumbnail::read(folder.join("out")).unwrap(), None);
 }
 
 /// Results of other settings replace those that are there: no figure of theirs stays.

@@ -1,7 +1,7 @@
 //! Found results: the contents of the file and the journal of an earlier run.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_io::{ResultFolder, exists, names_in, read_bytes, read_journal, shown_path};
 use asperity_simulate::{SurfaceKey, SurfaceTallies};
@@ -13,6 +13,7 @@ use crate::header::{Header, other_build};
 use crate::npz::NpzReader;
 use crate::rounding::rounding;
 use crate::store::{JOURNAL, ReadRecord};
+use crate::thumbnail::Thumbnail;
 
 /// The file of results in a result folder.
 pub(crate) const FILE: &str = "results.npz";
@@ -22,6 +23,9 @@ pub(crate) const EARLIER: [&str; 3] = ["checkpoints", "cells", "directions"];
 
 /// Name of the member with finished parts.
 pub(crate) const PARTS: &str = "parts.cbor";
+
+/// Name of the member with the thumbnail of the first surface.
+pub(crate) const SURFACE: &str = "surface";
 
 /// Treatment of complete results of another run in the same folder.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,6 +38,7 @@ pub(crate) enum Complete {
 pub(crate) struct Found<C> {
     pub(crate) cases: BTreeMap<usize, C>,
     pub(crate) parts: BTreeMap<SurfaceKey, SurfaceTallies>,
+    pub(crate) thumbnail: Option<Thumbnail>,
     pub(crate) count: usize,
     pub(crate) seconds: f64,
     /// Offset in bytes at which the journal can be extended; 0 to begin a new one.
@@ -45,6 +50,7 @@ impl<C> Default for Found<C> {
         Self {
             cases: BTreeMap::new(),
             parts: BTreeMap::new(),
+            thumbnail: None,
             count: 0,
             seconds: 0.0,
             end: 0,
@@ -58,25 +64,46 @@ impl Header {
     /// # Errors
     /// [`ResultsError`] if there is no such file, it cannot be read, or it is of another format or results epoch.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ResultsError> {
-        let path = path.as_ref();
-        let file = if path.is_dir() {
-            &path.join(FILE)
-        } else {
-            path
-        };
+        let file = &file_of(path.as_ref());
         let reader = NpzReader::new(read_bytes(file)?);
         let value = reader.and_then(|mut reader| reader.value("header"));
         parsed(file, value.map_err(broken(file))?)
     }
 }
 
+impl Thumbnail {
+    /// Thumbnail in a result file, or in that of a folder; `None` if the file has none, as of triangle meshes.
+    ///
+    /// # Errors
+    /// [`ResultsError`] if there is no such file, or it cannot be read or is damaged.
+    pub fn read(path: impl AsRef<Path>) -> Result<Option<Self>, ResultsError> {
+        let file = &file_of(path.as_ref());
+        let reader = NpzReader::new(read_bytes(file)?);
+        let thumbnail = reader.and_then(|mut reader| reader.thumbnail());
+        thumbnail.map_err(broken(file))
+    }
+}
+
+impl NpzReader {
+    fn thumbnail(&mut self) -> Result<Option<Thumbnail>, String> {
+        let has_one = self.has(&format!("{SURFACE}.json"));
+        has_one.then(|| self.value(SURFACE)).transpose()
+    }
+}
+
+/// A result file, or that of a folder.
+fn file_of(path: &Path) -> PathBuf {
+    match path.is_dir() {
+        true => path.join(FILE),
+        false => path.to_owned(),
+    }
+}
+
 impl<C: Stored> Found<C> {
     /// Contents of a result file, or of that of a folder with the journal of a killed run.
     pub(crate) fn read(path: &Path) -> Result<(Header, Self), ResultsError> {
-        let (file, journal) = match path.is_dir() {
-            true => (path.join(FILE), Some(path.join(JOURNAL))),
-            false => (path.to_owned(), None),
-        };
+        let file = file_of(path);
+        let journal = path.is_dir().then(|| path.join(JOURNAL));
         let mut found = Self::default();
         let mut header = None;
         let journal = journal.filter(|journal| exists(journal));
@@ -177,6 +204,7 @@ impl<C: Stored> Found<C> {
                 self.cases.insert(number, reader.value(&name)?);
             }
         }
+        self.thumbnail = reader.thumbnail()?;
         if reader.has(PARTS) {
             let bytes = reader.bytes(PARTS)?;
             let parts: Vec<(SurfaceKey, SurfaceTallies)> =

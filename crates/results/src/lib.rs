@@ -13,6 +13,7 @@
 //! | `header.json` | format, study, build, rounding, seed, document, axes, and how many cases there are |
 //! | `cases/000000.json` | outcome and findings of a case; a member `{"$array": "NAME"}` stands for the array `NAME.npy` |
 //! | `cases/000000/.../means/values.npy` | an array of the case, at its place in the JSON |
+//! | `surface.json`, `surface/heights.npy` | a [`Thumbnail`] of the first surface |
 //! | `parts.cbor` | finished parts of cases that are not complete, for this program alone |
 //! | `machine.json` | seconds, threads, host and instructions: all that differs between two runs of the same results |
 //!
@@ -33,8 +34,10 @@ mod pack;
 mod rounding;
 mod set;
 mod store;
+mod thumbnail;
 
 pub use case_result::{CaseResult, Stored, coordinates};
 pub use error::ResultsError;
 pub use header::{Header, Machine};
 pub use set::{Container, ResultSet, Resumed};
+pub use thumbnail::Thumbnail;

@@ -10,15 +10,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asperity_io::{ResultFolder, exists, write_bytes};
-use asperity_simulate::{Observer, StoppedBy};
+use asperity_simulate::{Observer, SimulateError, StoppedBy, SurfaceSource};
+use asperity_surface::LengthUnit;
 use serde_json::{Value, json};
 
 use crate::case_result::{CaseResult, Stored};
 use crate::error::ResultsError;
-use crate::found::{Complete, FILE, Found, PARTS, name_of};
+use crate::found::{Complete, FILE, Found, PARTS, SURFACE, name_of};
 use crate::header::Header;
 use crate::npz::{Machines, NpzWriter};
 use crate::store::{JOURNAL, Pace, Part, PartStore};
+use crate::thumbnail::Thumbnail;
 
 /// Number of results that an earlier run left.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +58,7 @@ pub struct Container<'a, C> {
     /// Identity of the run.
     pub header: Header,
     cases: Vec<Option<Arc<C>>>,
+    thumbnail: Option<Thumbnail>,
     store: PartStore<'a, C>,
     folder: Option<&'a ResultFolder>,
     resumed: Resumed,
@@ -101,6 +104,7 @@ impl<C: Stored> Container<'static, C> {
             }
             header.machine.seconds += shard.header.machine.seconds;
             found.count = found.count.max(shard.cases.len());
+            found.thumbnail = found.thumbnail.or(shard.thumbnail);
             for (number, case) in shard.cases.into_iter().enumerate() {
                 let Some(case) = case else { continue };
                 let known = found.cases.get(&number);
@@ -169,6 +173,7 @@ impl<'a, C: Stored> Container<'a, C> {
             },
             header,
             cases,
+            thumbnail: found.thumbnail,
             store,
             folder,
             notes: Vec::new(),
@@ -283,6 +288,25 @@ impl<'a, C: Stored> Container<'a, C> {
         self.cases[number] = Some(case);
     }
 
+    /// Keeps a [`Thumbnail`] of the first surface of `source`, whose unit is `unit`, with the results. Nothing is drawn where the set has a
+    /// thumbnail already, has no folder, or consists of triangle meshes, nor where `observer` gives up the first result.
+    ///
+    /// # Errors
+    /// [`SimulateError`] if the surface cannot be drawn.
+    pub fn keep_thumbnail(
+        &mut self,
+        source: &SurfaceSource,
+        unit: LengthUnit,
+        observer: &dyn Observer,
+    ) -> Result<(), SimulateError> {
+        if self.folder.is_some() && self.thumbnail.is_none() {
+            let gives_up = || observer.gives_up_first();
+            self.thumbnail = Thumbnail::of(source, self.header.seed, unit, &gives_up)?;
+            self.store.state().is_changed |= self.thumbnail.is_some();
+        }
+        Ok(())
+    }
+
     fn make_room(&mut self, count: usize) {
         if self.cases.len() < count {
             self.cases.resize(count, None);
@@ -342,6 +366,9 @@ impl<'a, C: Stored> Container<'a, C> {
             let is_complete = (0..self.cases.len()).all(|case| self.is_complete(case));
             header["complete"] = (is_complete && self.stopped_by.is_none()).into();
             writer.add("header", &header)?;
+            if let Some(thumbnail) = &self.thumbnail {
+                writer.add(SURFACE, thumbnail)?;
+            }
             for (number, case) in self.cases() {
                 writer.add(&name_of(number), &state.to_write(case))?;
             }

@@ -30,7 +30,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, tracing};
+use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
 use crate::verify::plan::Plan;
 
 pub use config::{AlbedoConfig, AlbedoLight, AlbedoOutput, AlbedoRun, AlbedoSlopes, AlbedoTable};
@@ -104,6 +104,7 @@ impl Study for AlbedoStudy {
         let tracing = &tracing(observer, self.config.run.max_time, true);
         let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
+        keep_thumbnail(found, &self.plan.cases, observer)?;
         found.close()?;
         self.judge(found)
     }

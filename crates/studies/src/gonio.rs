@@ -30,7 +30,7 @@ use crate::error::StudyError;
 use crate::export::check_planned;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, tracing};
+use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, LightDirections, PatchBasis, PlotScale};
@@ -144,6 +144,7 @@ impl Study for GonioStudy {
         // Of each direction moments alone are kept.
         let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
+        keep_thumbnail(found, &self.plan.cases, observer)?;
         found.close()?;
         self.judge(found)
     }

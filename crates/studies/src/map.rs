@@ -26,7 +26,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, tracing};
+use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
 use crate::verify::judge_case;
 use crate::verify::plan::Plan;
 
@@ -127,6 +127,7 @@ impl Study for MapStudy {
             Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };
         found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
+        keep_thumbnail(found, &self.plan.cases, observer)?;
         found.close()?;
         self.judge(found)
     }

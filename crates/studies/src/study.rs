@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use asperity_io::ResultFolder;
-use asperity_results::{Container, Header, Stored};
-use asperity_simulate::{Deadline, Observer, StoppedBy, counted};
+use asperity_results::{Container, Header, ResultSet, Stored};
+use asperity_simulate::{Case, Deadline, Observer, SimulateError, StoppedBy, counted};
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
@@ -67,6 +67,18 @@ pub trait Study: Sized {
         found: &'a mut Container<'_, Self::Kept>,
         observer: &dyn Observer,
     ) -> Result<Self::Findings<'a>, StudyError>;
+}
+
+/// Keeps a thumbnail of the first surface of the first case with the results.
+pub(crate) fn keep_thumbnail(
+    found: &mut ResultSet<'_>,
+    cases: &[Case],
+    observer: &dyn Observer,
+) -> Result<(), SimulateError> {
+    let first = cases.first();
+    first.map_or(Ok(()), |case| {
+        found.keep_thumbnail(&case.surface, case.at.unit, observer)
+    })
 }
 
 /// Ends tracing before the time of a run is over, if other work `follows`: the last tenth is left for comparisons with models and for

@@ -30,7 +30,7 @@ use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, tracing};
+use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
 
 /// Light on given surfaces: every combination of the lists of its configuration.
 pub struct TraceStudy {
@@ -124,6 +124,7 @@ impl Study for TraceStudy {
                 run => run?,
             }
         }
+        keep_thumbnail(found, &self.cases, observer)?;
         found.close()?;
         let found = &*found;
         let each = self.each.iter().enumerate().filter_map(|(number, one)| {

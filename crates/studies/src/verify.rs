@@ -29,7 +29,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, tracing};
+use crate::study::{Findings, Study, keep_thumbnail, tracing};
 use crate::verify::plan::Plan;
 
 impl VerifyConfig {
@@ -134,6 +134,7 @@ impl Study for VerifyStudy {
         let follows = !self.config.compare.models.is_empty() || self.config.output.plots;
         let tracing = &tracing(observer, self.config.run.max_time, follows);
         found.run_missing(0, &self.plan.cases, &self.plan.settings, tracing)?;
+        keep_thumbnail(found, &self.plan.cases, observer)?;
         found.close()?;
         let mut judged = self.judge(found, observer)?;
         judged.seconds = began.elapsed().as_secs_f64();

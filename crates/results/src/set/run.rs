@@ -70,6 +70,8 @@ impl<'a> ResultSet<'a> {
         }
         self.cases = renumbered;
         if is_changed {
+            // That of a case that may not be the first any more.
+            self.thumbnail = None;
             let mut state = self.store.state();
             if !std::mem::take(&mut state.parts).is_empty() {
                 let note = "cases are numbered anew, so that finished surfaces of those that were cut short are computed again";

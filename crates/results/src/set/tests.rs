@@ -3,6 +3,7 @@
 mod files;
 mod merging;
 mod resuming;
+mod thumbnails;
 
 use std::fs;
 use std::path::Path;

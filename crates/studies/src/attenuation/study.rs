@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use asperity_results::{Container, Header};
-use asperity_simulate::{Observer, StoppedBy, counted};
+use asperity_simulate::{Observer, StoppedBy, SurfaceSource, counted};
 use serde::Serialize;
 
 use super::files::attenuation_summary;
@@ -51,6 +51,8 @@ impl Study for AttenuationStudy {
         })?;
         observer.end();
         let mut outcome = self.judge(found)?;
+        let first = SurfaceSource::random(self.surfaces[0].drawn.clone());
+        found.keep_thumbnail(&first, self.config.surface.unit, observer)?;
         found.close()?;
         outcome.work.seconds = began.elapsed().as_secs_f64();
         Ok(outcome)

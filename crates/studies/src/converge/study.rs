@@ -17,7 +17,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished};
+use crate::study::{Findings, Study, finished, keep_thumbnail};
 
 /// Run time against error, method by method.
 pub struct ConvergeStudy {
@@ -129,6 +129,7 @@ impl Study for ConvergeStudy {
         if found.cases().next().is_none() {
             return Err(SimulateError::Interrupted.into());
         }
+        keep_thumbnail(found, &self.plan.cases, observer)?;
         found.close()?;
         let mut judged = self.judge(found)?;
         judged.seconds = began.elapsed().as_secs_f64();
