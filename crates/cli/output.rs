@@ -54,7 +54,11 @@ pub(crate) fn result_folder(
     let inputs = document.input_files();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     let command = document.command().name();
-    let folder = ResultFolder::open(path, command, &inputs).map_err(Failure::failed)?;
+    let arguments = std::env::args_os().skip(1);
+    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    let folder = ResultFolder::open(path, command, &inputs)
+        .map_err(Failure::failed)?
+        .with_arguments(arguments.collect());
     folder.check(names).map_err(Failure::failed)?;
     Ok(folder)
 }

@@ -161,13 +161,16 @@ fn an_input_is_never_replaced_or_removed() {
 #[test]
 fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
     let folder = with_surface();
-    folder.succeed(format!("{} --quiet -o out", RUNS[1]));
+    let line = format!("{} --quiet -o out", RUNS[1]);
+    folder.succeed(&line);
     let before = files(&folder.join("out"));
     let said = folder.failed(format!("{} -o out", RUNS[0]));
     said.must_contain("holds results of `verify`");
     assert_eq!(files(&folder.join("out")), before);
     let manifest = folder.json("out/manifest.json");
     assert_eq!(manifest["command"], "verify");
+    let arguments: Vec<&str> = line.split(' ').collect();
+    assert_eq!(manifest["arguments"], serde_json::json!(arguments));
     assert_eq!(manifest["complete"], true);
     assert!(manifest["commit"].is_string() && manifest["results_epoch"].is_u64());
     let summary = folder.json("out/summary.json");

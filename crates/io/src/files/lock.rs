@@ -120,7 +120,7 @@ mod tests {
         let mut whole = FolderLock::new(at("out")).unwrap();
         let listed = |name: &str| {
             let files = [(name.to_owned(), None)].into();
-            Manifest::new("map", true, files, None)
+            Manifest::new("map", &[], true, files, None)
                 .write(&at("out"))
                 .unwrap();
         };

@@ -31,6 +31,9 @@ pub(super) struct Manifest {
     schema: u32,
     /// Command that wrote the files, as in `verify`.
     pub(super) command: String,
+    /// Arguments of the program that wrote them; none of a library.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) arguments: Vec<String>,
     #[serde(flatten)]
     pub(super) build: Build,
     /// `true` if the run came to its end. The list of a run that did not may name files that do not
@@ -49,6 +52,7 @@ pub(super) struct Manifest {
 impl Manifest {
     pub(super) fn new(
         command: &str,
+        arguments: &[String],
         complete: bool,
         files: ListedFiles,
         identity: Option<&String>,
@@ -56,6 +60,7 @@ impl Manifest {
         Self {
             schema: SCHEMA,
             command: command.to_owned(),
+            arguments: arguments.to_owned(),
             build: Build::current(),
             complete,
             files,

@@ -63,6 +63,8 @@ use unlisted::{has_unlisted_results, unlisted_results};
 pub struct ResultFolder {
     root: PathBuf,
     command: String,
+    /// Command line without the name of the program; none of a library.
+    arguments: Vec<String>,
     /// Inputs of the run that exist.
     inputs: Vec<PathBuf>,
     files: Mutex<Files>,
@@ -105,6 +107,7 @@ impl ResultFolder {
         Ok(Self {
             root,
             command: command.to_owned(),
+            arguments: Vec::new(),
             inputs: inputs.iter().map(|input| (*input).to_owned()).collect(),
             files: Mutex::new(Files {
                 earlier,
@@ -113,6 +116,13 @@ impl ResultFolder {
             }),
             _lock: lock,
         })
+    }
+
+    /// Sets the command line, without the name of the program, which the manifest lists.
+    #[must_use]
+    pub fn with_arguments(mut self, arguments: Vec<String>) -> Self {
+        self.arguments = arguments;
+        self
     }
 
     /// The folder.
@@ -204,7 +214,7 @@ impl ResultFolder {
         // Results wait elsewhere: until one is in place, a folder without any needs no list.
         if in_place != listed || !files.begun && !in_place.is_empty() {
             let identity = files.identity_in_place();
-            Manifest::new(&self.command, false, in_place, identity).write(&self.root)?;
+            self.manifest(false, in_place, identity).write(&self.root)?;
         }
         files.begun = true;
         Ok(())
@@ -285,7 +295,7 @@ impl ResultFolder {
         }
         let in_place = files.in_place();
         let identity = files.identity_in_place();
-        let mut manifest = Manifest::new(&self.command, false, in_place, identity);
+        let mut manifest = self.manifest(false, in_place, identity);
         manifest.replacing = replacing;
         manifest.write(&self.root)?;
         let mut folders = BTreeSet::new();
@@ -305,7 +315,11 @@ impl ResultFolder {
         files.earlier_identity = files.identity.clone();
         files.earlier = all.clone();
         let identity = files.identity.as_ref();
-        Manifest::new(&self.command, is_complete, all, identity).write(&self.root)
+        self.manifest(is_complete, all, identity).write(&self.root)
+    }
+
+    fn manifest(&self, complete: bool, files: ListedFiles, identity: Option<&String>) -> Manifest {
+        Manifest::new(&self.command, &self.arguments, complete, files, identity)
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {
