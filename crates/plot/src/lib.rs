@@ -64,6 +64,7 @@ pub use elements::curve_axis::CurveAxis;
 pub use elements::disc_bins::DiscBins;
 pub use elements::render::Figure;
 pub use elements::series::{Series, Side, Source};
+pub use elements::theme::model_colour;
 pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
 pub use figures::angle_grid::{AngleGrid, AnglePanel};

@@ -94,13 +94,14 @@ pub use model::{
     AttenuationFileError, Evaluation, EvaluationError, ListedModel, ModelConfig, Resolution,
     SlopeFileError, evaluate_model, model_list,
 };
-pub use output::wrapped;
+pub use output::{EstimateWithLimit, wrapped};
 pub use render::{
     CameraConfig, CameraKind, LightingConfig, PictureConfig, RenderConfig, RenderPlan, RenderRun,
     RenderedPicture, ViewConfig,
 };
 pub use report::energies::energy_table;
 pub use report::error::ReportError;
+pub use report::figures::model_colour;
 pub use report::flux_basis::FluxBasis;
 pub use report::summary::Summary;
 pub use report::views::Views;

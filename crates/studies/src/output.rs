@@ -13,7 +13,8 @@ mod table;
 pub(crate) use align::TEXT_WIDTH;
 pub use align::wrapped;
 pub(crate) use align::{aligned, folded, indented, listed, note_lines};
-pub(crate) use basis::{Basis, EstimateWithLimit};
+pub(crate) use basis::Basis;
+pub use basis::EstimateWithLimit;
 pub(crate) use by_side::BySide;
 pub(crate) use columns::{
     GridBin, bin_centre_columns, bin_columns, case_columns, grid_bin_columns, incidence_columns,

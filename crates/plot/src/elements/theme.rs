@@ -75,6 +75,12 @@ pub(crate) const MODEL_COLOURS: [RGBColor; 9] = [
     LEAF_GREEN,
     VIOLET,
 ];
+/// Colour of the model of that number, as in `#0072B2`; numbers wrap around.
+#[must_use]
+pub fn model_colour(number: usize) -> String {
+    let RGBColor(r, g, b) = MODEL_COLOURS[number % MODEL_COLOURS.len()];
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
 /// Colours of anything else that is counted.
 pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLUE,

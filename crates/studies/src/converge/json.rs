@@ -14,6 +14,8 @@ use crate::output::{CaseInFolder, Head, SummaryOfCases};
 pub(super) struct CaseSummary {
     #[serde(flatten)]
     head: Head,
+    /// Surface, material and light in words.
+    label: String,
     config: CaseConfig,
     seed: u64,
     reference: Reference,
@@ -51,6 +53,7 @@ pub(super) fn converge_summary(outcome: &ConvergeOutcome) -> Value {
 pub(super) fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> CaseSummary {
     CaseSummary {
         head: Head::of("converge"),
+        label: case.case.label(),
         config: CaseConfig {
             converge: outcome.config.clone(),
             case: case.case.summary_json(),

@@ -94,6 +94,7 @@ fn describe<'a>(outcome: &GonioOutcome<'a>, direction: &Direction<'a>) -> Value 
     let incidence = direction.case.light.incidence;
     let mut out = json!({
         "direction": direction.case.direction_name(),
+        "label": direction.case.label(),
         "setting": direction.setting,
         "theta_i_deg": incidence.theta_deg(),
         "phi_i_deg": incidence.phi_deg(),

@@ -2,7 +2,7 @@
 
 use asperity_simulate::short;
 use asperity_tally::{Estimate, is_of_few_rays, zero_variance_limit};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::number::{NO_SCATTER, two_digits, with_error};
 
@@ -10,7 +10,7 @@ use super::number::{NO_SCATTER, two_digits, with_error};
 const ROUNDING: f64 = 1e-9;
 
 /// Basis of an estimate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Basis {
     /// A proof.
     Proven,
@@ -21,12 +21,13 @@ pub(crate) enum Basis {
     /// The number of independent samples, each between zero and one.
     Samples(f64),
     /// None that gives a limit.
+    #[default]
     Unknown,
 }
 
 /// A mean with its standard error, or with its confidence limit if its variance is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct EstimateWithLimit {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EstimateWithLimit {
     #[serde(flatten)]
     estimate: Estimate,
     /// Upper confidence limit, 95 %, of a mean of zero.
@@ -36,10 +37,10 @@ pub(crate) struct EstimateWithLimit {
     #[serde(skip_serializing_if = "Option::is_none")]
     above: Option<f64>,
     /// `true` if the mean is proven.
-    #[serde(rename = "exact", skip_serializing_if = "is_false")]
+    #[serde(rename = "exact", default, skip_serializing_if = "is_false")]
     is_exact: bool,
     /// `true` if fewer than 20 surfaces or rays carry the flux: its error is a lower bound.
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(default, skip_serializing_if = "is_false")]
     few_samples: bool,
     #[serde(skip)]
     basis: Basis,
@@ -93,16 +94,17 @@ impl EstimateWithLimit {
     }
 
     /// Text: with an error, as exact, as integrated, or with a limit.
-    pub(crate) fn text(&self) -> String {
+    #[must_use]
+    pub fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
         match (se.filter(|se| *se > NO_SCATTER), self.below, self.above) {
             (None, Some(limit), _) => format!("0 (< {}, 95 %)", two_digits(limit)),
             (None, _, Some(limit)) => format!("1 (> 1 - {}, 95 %)", two_digits(1.0 - limit)),
+            (None, ..) if self.is_exact => format!("{} (exact)", short(mean)),
             (None, ..) if se.is_some() => match self.basis {
-                Basis::Proven => format!("{} (exact)", short(mean)),
                 Basis::Quadrature => format!("{} (quadrature)", short(mean)),
                 Basis::NotComputed => "not computed".to_owned(),
-                Basis::Samples(_) | Basis::Unknown => with_error(self.estimate),
+                Basis::Proven | Basis::Samples(_) | Basis::Unknown => with_error(self.estimate),
             },
             _ => with_error(self.estimate),
         }

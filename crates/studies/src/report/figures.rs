@@ -193,6 +193,12 @@ fn model_number(name: &str) -> usize {
     place.unwrap_or(LOOKS.len())
 }
 
+/// Colour of a model in all figures, as in `#0072B2`.
+#[must_use]
+pub fn model_colour(name: &str) -> String {
+    asperity_plot::model_colour(model_number(name))
+}
+
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
 /// inside a medium, and the models' lines, in 1/sr.
 fn series_of(case: &ShownCase<'_>, side: Side) -> Vec<Series> {

@@ -56,6 +56,8 @@ struct Inside {
 pub struct Summary {
     #[serde(flatten)]
     head: Head,
+    /// Surface, material and light in words.
+    label: String,
     config: serde_json::Value,
     seed: u64,
     /// Source of the standard errors: `surfaces` or `ray blocks`.
@@ -146,6 +148,7 @@ impl Summary {
         let budget = statistics.budget();
         Self {
             head: Head::of(command),
+            label: outcome.case.label(),
             config,
             seed: outcome.seed,
             errors_from: outcome.errors_from.name(),
