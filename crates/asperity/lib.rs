@@ -21,6 +21,7 @@
 pub use asperity_analysis as analysis;
 pub use asperity_io as io;
 pub use asperity_optics as optics;
+pub use asperity_page as page;
 pub use asperity_plot as plot;
 pub use asperity_render as render;
 pub use asperity_results as results;

@@ -125,7 +125,7 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
     let positional = command.positional().map(|(name, about)| {
         let argument = Arg::new(POSITIONAL).value_name(name).help(about);
         match command {
-            Command::Trace | Command::Mesh => {
+            Command::Trace | Command::Mesh | Command::Report => {
                 argument.num_args(1..).value_hint(ValueHint::FilePath)
             }
             _ => match named_by_argument(command) {
@@ -147,6 +147,7 @@ fn named_by_argument(command: Command) -> Option<&'static Setting> {
         Command::Model => "model.name",
         Command::Materials => "materials.name",
         Command::Export => "export.results",
+        Command::Report => "report.folders",
         _ => return None,
     };
     settings_of(command).find(|setting| setting.path() == path)

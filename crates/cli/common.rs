@@ -80,6 +80,8 @@ pub(crate) struct Results {
     pub(crate) output: Option<PathBuf>,
     /// A figure.
     pub(crate) plot: Option<PathBuf>,
+    /// A page of the results.
+    pub(crate) report: Option<PathBuf>,
     /// Print results as JSON.
     #[serde(default)]
     pub(crate) json: bool,

@@ -18,6 +18,7 @@ mod output;
 mod output_files;
 mod progress;
 mod render;
+mod report;
 mod study;
 mod system;
 mod tools;
@@ -77,6 +78,7 @@ fn run(document: &Document) -> Result<End, Failure> {
         Command::Model => model::run(document, common),
         Command::Materials => materials::run(document, common),
         Command::Export => export::run(document, common),
+        Command::Report => report::run(document, common),
     }
 }
 

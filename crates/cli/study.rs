@@ -11,11 +11,19 @@ use crate::end::{Again, End, EndedRun, stopped_without_results};
 use crate::failure::Failure;
 use crate::output::{result_folder, say, say_notes};
 use crate::progress::Progress;
+use crate::report::{check_page, write_page};
 
 /// Plans a study, resumes what an earlier run has finished, runs the rest, writes and prints all of it.
 pub(crate) fn run<S: Study>(document: &Document, common: &Common) -> Result<End, Failure> {
     let refused = |error| Failure::of_study(document, error);
     let results = Results::of(document).map_err(Failure::usage)?;
+    if let Some(page) = &results.report {
+        check_page(page, document)?;
+        if results.output.is_none() {
+            let reason = "--report needs -o DIR: the page is made of the files of the results";
+            return Err(Failure::usage(reason));
+        }
+    }
     let progress = Progress::new(common);
     let time = time_limit(document).map_err(Failure::usage)?;
     let observer = Deadline::new(&progress, time);
@@ -99,6 +107,9 @@ fn run_and_show<S: Study>(
             .map_err(|error| Stop::Failure(Failure::failed(error)))?;
     }
     let end = ended(&findings, shown, undrawn).map_err(Stop::Failure)?;
+    if let (Some(page), Some(folder)) = (&shown.results.report, &shown.results.output) {
+        write_page(&[folder], page, shown.common).map_err(Stop::Failure)?;
+    }
     shown.common.say_if(findings.work());
     shown
         .results

@@ -49,6 +49,7 @@ mod recipes;
 mod reference;
 mod refusals;
 mod render;
+mod report;
 mod resources;
 mod results;
 mod settings;

@@ -37,11 +37,13 @@ pub enum Command {
     Materials,
     /// Writes results as a file of another program.
     Export,
+    /// Makes a page of results.
+    Report,
 }
 
 impl Command {
     /// All commands, in the order of the help.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Generate,
         Self::Inspect,
         Self::Mesh,
@@ -56,6 +58,7 @@ impl Command {
         Self::Model,
         Self::Materials,
         Self::Export,
+        Self::Report,
     ];
 
     /// Its name on the command line.
@@ -76,6 +79,7 @@ impl Command {
             Self::Model => "model",
             Self::Materials => "materials",
             Self::Export => "export",
+            Self::Report => "report",
         }
     }
 
@@ -97,6 +101,7 @@ impl Command {
             Self::Model => "Evaluate a scattering model",
             Self::Materials => "List materials, or show n and k of one",
             Self::Export => "Write results as a file of another program",
+            Self::Report => "Show results, or compare several, on one HTML page",
         }
     }
 
@@ -129,6 +134,7 @@ impl Command {
                 "DIR",
                 "Result folder of gonio, trace or verify, or its file results.npz",
             ),
+            Self::Report => ("DIR..", "Result folder; several are compared"),
             Self::Materials => (
                 "NAME|FILE",
                 "Material: a name of the list, which is printed without one, or a file .yml or .csv",

@@ -59,11 +59,13 @@ fn every_definition_has_all_parts() {
 }
 
 /// Settings that change nothing unless they are given.
-const OPTIONAL: [&str; 15] = [
+const OPTIONAL: [&str; 17] = [
     "export.results",
     "model.name",
+    "report.folders",
     "results.output",
     "results.plot",
+    "results.report",
     "surface.sigma",
     "surface.size",
     "surface.azimuth",

@@ -43,6 +43,7 @@ pub(super) const MATERIALS: Commands = Commands::of(&[Command::Materials]);
 pub(super) const MESH: Commands = Commands::of(&[Command::Mesh]);
 pub(super) const MODEL: Commands = Commands::of(&[Command::Model]);
 pub(super) const RENDER: Commands = Commands::of(&[Command::Render]);
+pub(super) const REPORT: Commands = Commands::of(&[Command::Report]);
 pub(super) const TRACE: Commands = Commands::of(&[Command::Trace]);
 pub(super) const VERIFY: Commands = Commands::of(&[Command::Verify]);
 

@@ -3,7 +3,7 @@
 use super::choices::{COHERENT, FOR_FORMAT, SCALE};
 use super::commands::{
     ALBEDO, ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL,
-    SWEEPS, TRACE, TRACING, VERIFY,
+    REPORT, SWEEPS, TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -97,6 +97,16 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE)
             .required(EXPORT),
+        basic("output", Kind::Path)
+            .help("File to write: .html")
+            .commands(REPORT)
+            .short('o')
+            .value_name(FILE)
+            .required(REPORT),
+        setting("report", Kind::Path)
+            .help("Page of the results to write: .html")
+            .value_name(FILE)
+            .otherwise("none"),
         setting("for", FOR_FORMAT)
             .help("Directions, bins and light that a format of export needs")
             .commands(GONIO)

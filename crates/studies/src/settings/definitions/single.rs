@@ -1,7 +1,7 @@
-//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model`, `materials` and `export`.
+//! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model`, `materials`, `export` and `report`.
 
 use super::choices::{EXPORT_FORMAT, EXPORTED_SIDE, MESH_FORMAT, SURFACE_FORMAT};
-use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MESH, MODEL};
+use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MESH, MODEL, REPORT};
 use super::light::WAVELENGTH;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -88,4 +88,14 @@ pub(super) const EXPORT_SETTINGS: &[Setting] = &flags(
             .help("The side whose light a file of one side holds")
             .otherwise("reflected, where it is recorded"),
     ],
+);
+
+pub(super) const REPORT_SETTINGS: &[Setting] = &flags(
+    "report",
+    REPORT,
+    [basic("folders", Kind::Path)
+        .help("Result folders that the page shows")
+        .value_name("DIR")
+        .arity(Arity::Repeated)
+        .flag(Flag::None)],
 );
