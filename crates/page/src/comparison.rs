@@ -33,42 +33,25 @@ pub(crate) struct Differences {
     pub(crate) unmatched: usize,
 }
 
-/// Compares the cases of folders that have the same label; where none has, and all folders have as many cases, those of the same number.
+/// Differences between the cases with the same label in all folders. If there are none, and all folders have the same number of cases, cases
+/// are compared in their order.
 pub(crate) fn differences(folders: &[Vec<Case>]) -> Differences {
-    let (first, others) = folders
-        .split_first()
-        .map_or((&[][..], &[][..]), |(first, others)| {
-            (first.as_slice(), others)
-        });
-    let same_label = |case: &'_ Case| {
+    let first = folders.first().map_or(&[][..], Vec::as_slice);
+    let same_label = |case: &Case| -> Option<Vec<&Case>> {
         let find = |cases: &'_ Vec<Case>| cases.iter().position(|other| other.label == case.label);
-        others.iter().map(find).collect::<Option<Vec<usize>>>()
+        let found = folders.iter().map(|cases| Some(&cases[find(cases)?]));
+        found.collect()
     };
-    let mut matched: Vec<(usize, Vec<usize>)> = first
-        .iter()
-        .enumerate()
-        .filter_map(|(number, case)| Some((number, same_label(case)?)))
-        .collect();
-    if matched.is_empty() && others.iter().all(|cases| cases.len() == first.len()) {
-        matched = (0..first.len())
-            .map(|number| (number, vec![number; others.len()]))
-            .collect();
+    let mut matched: Vec<Vec<&Case>> = first.iter().filter_map(same_label).collect();
+    if matched.is_empty() && folders.iter().all(|cases| cases.len() == first.len()) {
+        let same_number = |number| folders.iter().map(|cases| &cases[number]).collect();
+        matched = (0..first.len()).map(same_number).collect();
     }
     let largest = folders.iter().map(Vec::len).max().unwrap_or(0);
     Differences {
         cases: matched.len(),
         unmatched: largest - matched.len(),
-        rows: matched
-            .iter()
-            .flat_map(|(number, of_others)| {
-                let others = others
-                    .iter()
-                    .zip(of_others)
-                    .map(|(cases, &number)| &cases[number]);
-                let cases: Vec<&Case> = std::iter::once(&first[*number]).chain(others).collect();
-                of_cases(&cases)
-            })
-            .collect(),
+        rows: matched.iter().flat_map(|cases| of_cases(cases)).collect(),
     }
 }
 
@@ -107,7 +90,7 @@ fn difference(first: &Value, last: &Value) -> (String, Option<f64>) {
     (estimate_or_dash(&estimate), z)
 }
 
-/// Settings that are not the same in all folders.
+/// Settings whose values differ between folders.
 pub(crate) fn settings(all: &[&[(String, String)]]) -> Vec<(String, Vec<String>)> {
     let mut keys: Vec<&String> = all
         .iter()

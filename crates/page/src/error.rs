@@ -36,7 +36,7 @@ pub enum PageError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the damage.
         reason: String,
     },
     /// Results of a command that has no page.

@@ -46,7 +46,7 @@ struct Lobe {
 #[derive(Clone, Serialize)]
 struct Array {
     name: String,
-    /// That of a model in figures.
+    /// Colour of a model in figures; `None` for rays.
     #[serde(skip_serializing_if = "Option::is_none")]
     colour: Option<String>,
     max: f64,
@@ -72,10 +72,8 @@ impl Array {
             codes: STANDARD.encode(codes.collect::<Vec<u8>>()),
         }
     }
-}
 
-impl Array {
-    /// The same with the colour of the model.
+    /// Array of a model, with its colour in figures.
     fn of_model(self) -> Self {
         let name = self.name.split(',').next().unwrap_or_default();
         Self {

@@ -14,7 +14,7 @@ use crate::figures::{Drawing, Figure, figures, surface};
 use crate::folder::Folder;
 use crate::lobes::lobes;
 use crate::story::{Story, story};
-use crate::tables::{Column, Table, tables};
+use crate::tables::Tables;
 use crate::words;
 
 /// Energies of one case.
@@ -39,14 +39,6 @@ struct VerdictRow {
     p: String,
 }
 
-/// A table that the page holds.
-struct TableBlock {
-    name: String,
-    size: String,
-    columns: Vec<Column>,
-    csv: String,
-}
-
 /// Largest length of a page, in bytes, unless what it has to show at least is longer.
 const MAX_LENGTH: usize = 490_000;
 /// Largest length of the report of the terminal on a page of one folder, in bytes.
@@ -67,9 +59,7 @@ struct Part {
     figures: Vec<Figure>,
     left_out: Vec<String>,
     surface: Option<String>,
-    tables: Vec<TableBlock>,
-    /// Names and sizes of tables that are too large for the page.
-    absent: Vec<String>,
+    tables: Tables,
     command_line: String,
     /// Sentence on what wrote the results.
     origin: String,
@@ -113,7 +103,7 @@ impl Page {
     /// `inspect`.
     ///
     /// # Errors
-    /// [`PageError`] if there is none, one is given twice, holds no such results, or those of another results epoch.
+    /// [`PageError`] if no folder is given, or one is given twice, holds no results of these commands, or has another results epoch.
     pub fn of(paths: &[impl AsRef<Path>]) -> Result<Self, PageError> {
         if paths.is_empty() {
             return Err(PageError::NoFolder);
@@ -131,10 +121,10 @@ impl Page {
         Ok(Self(folders))
     }
 
-    /// Checks that a file named `output` is none of the results.
+    /// Checks that writing the page to `output` would not replace a file of the results.
     ///
     /// # Errors
-    /// [`PageError::Input`] if it is.
+    /// [`PageError::Input`] if it would.
     pub fn check_output(&self, output: &Path) -> Result<(), PageError> {
         let of_folder = |folder: &Folder| {
             let mut names = folder
@@ -307,26 +297,6 @@ impl Part {
     ) -> Result<Self, PageError> {
         let Story { asked, found, sure } = story(folder, cases)?;
         let verdicts: Vec<VerdictRow> = cases.iter().flat_map(verdict_rows).collect();
-        let mut blocks = Vec::new();
-        let mut absent = Vec::new();
-        for Table {
-            name,
-            bytes,
-            columns,
-            csv,
-        } in tables(folder, share)?
-        {
-            let size = words::size(bytes);
-            match csv {
-                Some(csv) => blocks.push(TableBlock {
-                    name,
-                    size,
-                    columns,
-                    csv,
-                }),
-                None => absent.push(format!("{name} ({size})")),
-            }
-        }
         let report = folder.text("report.txt")?;
         Ok(Self {
             name: name.to_owned(),
@@ -341,8 +311,7 @@ impl Part {
             figures: Vec::new(),
             left_out: Vec::new(),
             surface: surface(folder)?,
-            tables: blocks,
-            absent,
+            tables: Tables::of(folder, share)?,
             command_line: command_line(folder),
             origin: origin(folder),
             settings: settings_of(folder),
@@ -462,7 +431,7 @@ fn origin(folder: &Folder) -> String {
     )
 }
 
-/// Settings of the run, and the values of its only case that are none of them.
+/// Settings of the run. Of a run with a single case, further values of that case follow.
 fn settings_of(folder: &Folder) -> Vec<(String, String)> {
     let config = &folder.summary["config"];
     let case = &config["case"];

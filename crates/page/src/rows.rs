@@ -27,13 +27,13 @@ impl Rows {
         self.names.iter().map(String::as_str)
     }
 
-    /// The fields of a column as text; `None` if there is no such column.
+    /// The fields of a column as text; `None` if the column is missing.
     pub(crate) fn texts(&self, name: &str) -> Option<Vec<&str>> {
         let place = self.names.iter().position(|column| column == name)?;
         Some(self.rows.iter().map(|row| &row[place]).collect())
     }
 
-    /// The fields of a column as numbers, NaN where there is none; `None` if there is no such column.
+    /// The fields of a column as numbers, NaN for empty fields and text; `None` if the column is missing.
     pub(crate) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
         let parsed = |text: &str| text.parse().unwrap_or(f64::NAN);
         Some(self.texts(name)?.into_iter().map(parsed).collect())

@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use crate::error::PageError;
 use crate::folder::Folder;
+use crate::words;
 
 /// Length of the largest table that a page holds, in bytes.
 const MAX_TABLE: usize = 40_000;
@@ -17,35 +18,47 @@ pub(crate) struct Column {
     pub(crate) about: String,
 }
 
-/// A table as the page shows it.
+/// A table on the page.
 pub(crate) struct Table {
     pub(crate) name: String,
-    /// Length of the file.
-    pub(crate) bytes: usize,
+    /// Length of the file in words.
+    pub(crate) size: String,
     pub(crate) columns: Vec<Column>,
-    /// The file, unless it is too large for the page.
-    pub(crate) csv: Option<String>,
+    pub(crate) csv: String,
 }
 
-/// All tables of a folder, in the order of their names. `share`: number of folders on the page.
-pub(crate) fn tables(folder: &Folder, share: usize) -> Result<Vec<Table>, PageError> {
-    let mut found = Vec::new();
-    let mut sum = 0;
-    for name in folder.files.iter().filter(|name| name.ends_with(".csv")) {
-        let Some(text) = folder.text(name)? else {
-            continue;
-        };
-        let bytes = text.len();
-        let fits = bytes <= MAX_TABLE && sum + bytes <= MAX_TABLES / share;
-        sum += if fits { bytes } else { 0 };
-        found.push(Table {
-            columns: columns(folder, name),
-            name: name.clone(),
-            bytes,
-            csv: fits.then_some(text),
-        });
+/// The tables of a folder, in the order of their names.
+#[derive(Default)]
+pub(crate) struct Tables {
+    pub(crate) shown: Vec<Table>,
+    /// Names and sizes of tables that are too large for the page.
+    pub(crate) left_out: Vec<String>,
+}
+
+impl Tables {
+    /// The tables of a folder on a page of `share` folders.
+    pub(crate) fn of(folder: &Folder, share: usize) -> Result<Self, PageError> {
+        let mut tables = Self::default();
+        let mut room = MAX_TABLES / share;
+        for name in folder.files.iter().filter(|name| name.ends_with(".csv")) {
+            let Some(csv) = folder.text(name)? else {
+                continue;
+            };
+            let size = words::size(csv.len());
+            if csv.len() > MAX_TABLE.min(room) {
+                tables.left_out.push(format!("{name} ({size})"));
+                continue;
+            }
+            room -= csv.len();
+            tables.shown.push(Table {
+                name: name.clone(),
+                size,
+                columns: columns(folder, name),
+                csv,
+            });
+        }
+        Ok(tables)
     }
-    Ok(found)
 }
 
 /// Columns of a table, as the summary of the folder, or of its case, describes them.

@@ -14,7 +14,7 @@ pub(crate) struct Story {
     pub(crate) sure: Vec<String>,
 }
 
-/// Smallest and largest of some numbers; `None` if there are none.
+/// Smallest and largest finite number; `None` without finite numbers.
 pub(super) fn range(numbers: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let finite = numbers.into_iter().filter(|number| number.is_finite());
     finite.fold(None, |range, number| match range {
@@ -23,7 +23,7 @@ pub(super) fn range(numbers: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> 
     })
 }
 
-/// The mean of an estimate of a summary; NaN if there is none.
+/// The mean of an estimate in a summary; NaN if it is missing.
 pub(super) fn mean(value: &Value) -> f64 {
     value["mean"].as_f64().unwrap_or(f64::NAN)
 }
