@@ -45,15 +45,14 @@ pub(crate) type Modules = BTreeMap<String, String>;
 /// The modules of a crate, without those that are compiled for tests alone.
 pub(crate) fn modules(name: &str) -> Modules {
     let folder = root().join("crates").join(name);
-    let sources = [folder.join("src"), folder.clone()]
-        .into_iter()
-        .find(|folder| folder.join("lib.rs").exists() || folder.join("main.rs").exists())
-        .unwrap();
+    let mut folders = [folder.join("src"), folder].into_iter();
+    let sources = folders.find(|folder| folder.join("lib.rs").exists());
+    let sources = sources.unwrap();
     let mut modules = Modules::new();
     for path in rust_files(&sources) {
         let relative = path.strip_prefix(&sources).unwrap().with_extension("");
         let mut parts: Vec<&str> = relative.iter().map(|part| part.to_str().unwrap()).collect();
-        if parts == ["lib"] || parts == ["main"] {
+        if parts == ["lib"] {
             parts.pop();
         }
         modules.insert(parts.join("::"), bare(&fs::read_to_string(&path).unwrap()));

@@ -1,7 +1,9 @@
 //! Output: result folders, and standard output, which may be a closed pipe or a full disk.
 
+use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use asperity_io::{ResultFolder, json_text, printable};
 use asperity_studies::settings::Document;
@@ -9,6 +11,16 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output_files::refuse_input;
+
+/// Arguments of the command line, without the name of the program.
+static ARGUMENTS: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Keeps the arguments of the command line for the manifests of result folders.
+pub(crate) fn keep_arguments(arguments: &[OsString]) {
+    let own = arguments.iter().skip(1);
+    let own = own.map(|argument| argument.to_string_lossy().into_owned());
+    ARGUMENTS.get_or_init(|| own.collect());
+}
 
 /// Prints `text`; a reader that has gone away is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -54,11 +66,10 @@ pub(crate) fn result_folder(
     let inputs = document.input_files();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     let command = document.command().name();
-    let arguments = std::env::args_os().skip(1);
-    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    let arguments = ARGUMENTS.get().cloned().unwrap_or_default();
     let folder = ResultFolder::open(path, command, &inputs)
         .map_err(Failure::failed)?
-        .with_arguments(arguments.collect());
+        .with_arguments(arguments);
     folder.check(names).map_err(Failure::failed)?;
     Ok(folder)
 }

@@ -1,7 +1,5 @@
 //! End: how a command that did not fail came to its end.
 
-use std::process::ExitCode;
-
 use asperity_io::ResultFolder;
 use asperity_simulate::StoppedBy;
 use asperity_studies::StudyError;
@@ -88,10 +86,10 @@ impl EndedRun<'_> {
 }
 
 impl End {
-    pub(crate) fn code(self) -> ExitCode {
+    pub(crate) const fn code(self) -> u8 {
         match self {
-            Self::Complete => ExitCode::SUCCESS,
-            Self::Interrupted => ExitCode::from(INTERRUPTED),
+            Self::Complete => 0,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 }

@@ -1,4 +1,6 @@
-//! asperity: light on explicit rough surfaces, against the statistical models.
+//! The command line of asperity: parses arguments, runs the command, prints, and ends in an exit code.
+//!
+//! A library, so that other programs can run it as a whole, such as an extension module of Python.
 
 mod command_line;
 mod common;
@@ -20,10 +22,9 @@ mod progress;
 mod render;
 mod report;
 mod study;
-mod system;
 mod tools;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
@@ -34,21 +35,25 @@ use crate::command_line::{Request, Stop, parse, program};
 use crate::common::Common;
 use crate::end::End;
 use crate::failure::Failure;
-use crate::output::say_notes;
+use crate::output::{keep_arguments, say_notes};
 
-fn main() -> ExitCode {
-    system::refuse_large_files();
-    let request = match parse(std::env::args_os().collect()) {
+/// Runs the command that `arguments` name, the name of the program first, and returns the exit code.
+///
+/// To be called once per process: it sets the number of threads and handles interrupts, the second of which ends the
+/// process. Prints on standard output and standard error.
+pub fn run(arguments: Vec<OsString>) -> u8 {
+    keep_arguments(&arguments);
+    let request = match parse(arguments) {
         Ok(request) => request,
         Err(Stop::Failure(failure)) => return failure.report(),
         // Help and version are no errors; clap knows where they go.
         Err(Stop::Shown(text)) => {
             let _ = text.print();
-            return ExitCode::from(u8::try_from(text.exit_code()).unwrap_or(2));
+            return u8::try_from(text.exit_code()).unwrap_or(2);
         }
     };
     let done = match request {
-        Request::Run(document) => run(&document),
+        Request::Run(document) => run_command(&document),
         Request::Tool(tool) => tool.run(program(true)).map(|()| End::Complete),
     };
     match done {
@@ -57,7 +62,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(document: &Document) -> Result<End, Failure> {
+fn run_command(document: &Document) -> Result<End, Failure> {
     let common = &Common::of(document).map_err(Failure::usage)?;
     document.check_required().map_err(Failure::usage)?;
     say_notes(document.notes());

@@ -2,7 +2,6 @@
 
 use std::fmt::Display;
 use std::io::Write;
-use std::process::ExitCode;
 
 use asperity_io::within;
 use asperity_simulate::SimulateError;
@@ -64,14 +63,14 @@ impl Failure {
     }
 
     /// Prints the sentence and returns the exit code.
-    pub(crate) fn report(&self) -> ExitCode {
+    pub(crate) fn report(&self) -> u8 {
         let (Self::Usage(reason) | Self::Failed(reason)) = self;
         let reason = within(reason, MAX_REASON);
         // A closed standard error is ignored.
         let _ = writeln!(std::io::stderr().lock(), "asperity: {reason}");
         match self {
-            Self::Usage(_) => ExitCode::from(2),
-            Self::Failed(_) => ExitCode::FAILURE,
+            Self::Usage(_) => 2,
+            Self::Failed(_) => 1,
         }
     }
 }
