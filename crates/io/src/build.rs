@@ -1,5 +1,8 @@
 //! Build: version, results epoch and commit of this program, which its results carry.
 
+#[cfg(test)]
+mod package_commit;
+
 use serde::{Deserialize, Serialize};
 
 /// Epoch of the numbers that this program writes.
@@ -25,8 +28,8 @@ pub struct Build {
     pub version: String,
     /// [`RESULTS_EPOCH`] of the program.
     pub results_epoch: u32,
-    /// Git commit of the sources; `unknown` if they were no git repository, `development` for
-    /// builds without the release profile.
+    /// Git commit of the sources; `unknown` if they were neither in a git repository nor in a package made of one,
+    /// `development` for builds without the release profile.
     pub commit: String,
 }
 
