@@ -1,17 +1,20 @@
-//! Documentation links: the relative links of README and docs/, and the headings that they may lead to.
+//! Documentation links: the relative links of READMEs and docs/, and the headings that they may lead to.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::sources::root;
+use crate::sources::{crates, root};
 
-/// README and the pages of docs/.
+/// The READMEs of the workspace and its crates, and the pages of docs/.
 pub(crate) fn pages() -> Vec<PathBuf> {
     let docs = fs::read_dir(root().join("docs")).unwrap();
     let docs = docs.map(|entry| entry.unwrap().path());
     let pages = docs.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
-    pages.chain([root().join("README.md")]).collect()
+    let crates = crates().into_iter().filter(|name| name != "asperity");
+    let crates = crates.map(|name| root().join("crates").join(name).join("README.md"));
+    let readmes = crates.chain([root().join("README.md")]);
+    pages.chain(readmes).collect()
 }
 
 /// Relative links of a page that lead to no file, or to no heading of one.
