@@ -8,6 +8,7 @@ mod exr;
 mod gsf;
 mod instruments;
 mod mark;
+mod memory;
 mod narrow;
 mod npy;
 mod png;
@@ -35,6 +36,7 @@ use self::instruments::{
     wyko,
 };
 
+pub use memory::MemoryHeightMap;
 pub use npy::write_array;
 
 /// Reads a height map; the ending of `path` chooses the format, with the first bytes of the file where formats share
@@ -65,6 +67,9 @@ pub use npy::write_array;
 /// of an unknown ending, or holds no surface (too small, infinite heights, spacings not positive).
 pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError> {
     let path = path.as_ref();
+    if let Some(map) = memory::found(path) {
+        return Ok(map);
+    }
     let formats: Vec<HeightMapFormat> = HeightMapFormat::of_ending(path).collect();
     let open = || {
         if formats.is_empty() {

@@ -60,7 +60,7 @@ pub use files::{
     write_bytes, write_csv, write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
-pub use height_maps::{read_height_map, write_array, write_height_map};
+pub use height_maps::{MemoryHeightMap, read_height_map, write_array, write_height_map};
 pub use image_layers::{ImageLayer, write_image_layers};
 pub use materials::{MaterialLookupError, MaterialRecord, material, materials, names_file};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};

@@ -30,7 +30,8 @@ use super::unit::LengthUnit;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
-    heights: Vec<f64>,
+    /// Shared by copies of the surface.
+    heights: Arc<Vec<f64>>,
     shape: [usize; 2],
     spacing: [f64; 2],
     unit: LengthUnit,
@@ -52,6 +53,15 @@ impl HeightField {
         shape: [usize; 2],
         spacing: [f64; 2],
     ) -> Result<Self, HeightFieldError> {
+        Self::of_shared(Arc::new(heights), shape, spacing)
+    }
+
+    /// As [`HeightField::new`], of heights that may have other owners.
+    pub(crate) fn of_shared(
+        heights: Arc<Vec<f64>>,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+    ) -> Result<Self, HeightFieldError> {
         check_grid(shape, spacing)?;
         let [ny, nx] = shape;
         if heights.len() != nx * ny {
@@ -62,14 +72,17 @@ impl HeightField {
             });
         }
         check_heights(&heights, nx)?;
-        Ok(Self::of_checked(heights, shape, spacing))
+        Ok(Self {
+            heights,
+            ..Self::of_checked(Vec::new(), shape, spacing)
+        })
     }
 
     /// A periodic surface in arbitrary units, of a grid that passes [`check_grid`] and heights that are [allowed](are_allowed).
     #[must_use]
-    pub const fn of_checked(heights: Vec<f64>, shape: [usize; 2], spacing: [f64; 2]) -> Self {
+    pub fn of_checked(heights: Vec<f64>, shape: [usize; 2], spacing: [f64; 2]) -> Self {
         Self {
-            heights,
+            heights: Arc::new(heights),
             shape,
             spacing,
             unit: LengthUnit::Arbitrary,
@@ -125,10 +138,16 @@ impl HeightField {
         &self.heights
     }
 
-    /// Consumes the field and returns its samples in row-major order.
+    /// Consumes the field and returns its samples in row-major order, copied if another field shares them.
     #[must_use]
     pub fn into_heights(self) -> Vec<f64> {
-        self.heights
+        Arc::unwrap_or_clone(self.heights)
+    }
+
+    /// Samples in row-major order, shared with the field.
+    #[must_use]
+    pub fn shared_heights(&self) -> Arc<Vec<f64>> {
+        Arc::clone(&self.heights)
     }
 
     /// Returns `true` if all heights are equal.

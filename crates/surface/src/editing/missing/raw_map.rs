@@ -40,7 +40,8 @@ impl FromStr for MissingPolicy {
 /// A height map whose points may be missing, marked by NaN.
 #[derive(Clone, Debug)]
 pub struct RawHeightMap {
-    heights: Vec<f64>,
+    /// Shared by copies of the map.
+    heights: Arc<Vec<f64>>,
     shape: [usize; 2],
     spacing: [f64; 2],
     spacing_is_known: bool,
@@ -86,7 +87,7 @@ impl RawHeightMap {
             });
         }
         Ok(Self {
-            heights,
+            heights: Arc::new(heights),
             shape,
             spacing,
             spacing_is_known: true,
@@ -142,6 +143,18 @@ impl RawHeightMap {
         self.heights.iter().filter(|h| h.is_nan()).count()
     }
 
+    /// Samples in row-major order; NaN marks a missing point.
+    #[must_use]
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// `[dx, dy]`, length units per sample.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
     /// `[ny, nx]`.
     #[must_use]
     pub const fn shape(&self) -> [usize; 2] {
@@ -161,7 +174,7 @@ impl RawHeightMap {
             from: self.unit.symbol(),
             to: unit.symbol(),
         })?;
-        let heights = self.heights.into_iter().map(convert).collect();
+        let heights: Vec<f64> = self.heights.iter().copied().map(convert).collect();
         let map = Self::new(heights, self.shape, self.spacing.map(convert))?;
         Ok(Self {
             spacing_is_known: self.spacing_is_known,
@@ -182,8 +195,9 @@ impl RawHeightMap {
     #[must_use]
     pub fn flipped(mut self) -> Self {
         let [ny, nx] = self.shape;
+        let heights = Arc::make_mut(&mut self.heights);
         for iy in 0..ny / 2 {
-            let (above, below) = self.heights.split_at_mut((ny - 1 - iy) * nx);
+            let (above, below) = heights.split_at_mut((ny - 1 - iy) * nx);
             above[iy * nx..(iy + 1) * nx].swap_with_slice(&mut below[..nx]);
         }
         self.y_is_north = !self.y_is_north;
@@ -210,7 +224,12 @@ impl RawHeightMap {
             (n, _) if n == total => return Err(MissingError::NothingLeft(total)),
             (_, MissingPolicy::Fill) => {
                 let mut heights = self.heights;
-                fill(&mut heights, self.shape, self.spacing, border)?;
+                fill(
+                    Arc::make_mut(&mut heights).as_mut_slice(),
+                    self.shape,
+                    self.spacing,
+                    border,
+                )?;
                 heights
             }
             (_, MissingPolicy::Refuse) => {
@@ -224,11 +243,29 @@ impl RawHeightMap {
                 });
             }
         };
-        Ok(HeightField::new(heights, self.shape, self.spacing)?
+        Ok(HeightField::of_shared(heights, self.shape, self.spacing)?
             .with_turned_cells(self.turned_cells.map(Arc::new))
             .with_unit(self.unit)
             .with_border(border)
             .with_provenance(self.provenance))
+    }
+}
+
+/// A map without missing points, whose heights are shared.
+impl From<HeightField> for RawHeightMap {
+    fn from(field: HeightField) -> Self {
+        Self {
+            heights: field.shared_heights(),
+            shape: field.shape(),
+            spacing: field.spacing(),
+            spacing_is_known: true,
+            unit: field.unit(),
+            y_is_north: false,
+            border: Some(field.border()),
+            provenance: field.provenance().cloned(),
+            turned_cells: field.turned_cells().map(|cells| cells.as_ref().clone()),
+            notes: Vec::new(),
+        }
     }
 }
 
@@ -316,7 +353,7 @@ mod tests {
             slopes
         };
         let mut map = map(LengthUnit::Metre);
-        map.heights = vec![1.0, 2.0, 3.5, 4.0, 7.0, 5.5];
+        map.heights = vec![1.0, 2.0, 3.5, 4.0, 7.0, 5.5].into();
         for is_turned in [|_, _| false, |ix, iy| (ix, iy) == (1, 0)] {
             map.turned_cells = Some(TurnedCells::new([3, 2], is_turned));
             let plain = slopes(map.clone().with_spacing([1.0, 2.0]).unwrap(), 1.0);
