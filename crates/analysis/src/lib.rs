@@ -83,6 +83,7 @@ pub use models::model::{BsdfModel, ModelError, ModelInfo, RandomWalk, Scattering
 pub use models::neumann::{Attenuation, CookTorranceNeumann};
 pub use models::oren_nayar::OrenNayar;
 pub use models::registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
+pub use models::sampling::{sample_direction, sampling_density};
 pub use models::smith::Smith;
 pub use models::smith_slopes::SmithSlopes;
 pub use models::v_cavity::{VCavity, v_cavity_g1};

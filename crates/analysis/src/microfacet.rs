@@ -2,7 +2,7 @@
 
 pub(crate) mod beckmann;
 pub(crate) mod bsdf;
-mod facet_normals;
+pub(crate) mod facet_normals;
 pub(crate) mod ggx;
 pub(crate) mod half_vector;
 pub(crate) mod lambda;

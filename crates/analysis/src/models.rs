@@ -7,6 +7,7 @@ pub(crate) mod model;
 pub(crate) mod neumann;
 pub(crate) mod oren_nayar;
 pub(crate) mod registry;
+pub(crate) mod sampling;
 pub(crate) mod smith;
 pub(crate) mod smith_slopes;
 pub(crate) mod v_cavity;
