@@ -1,12 +1,11 @@
 //! Settings of every command, and where its results go.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use asperity_io::shown_path;
 use asperity_simulate::Observer;
 use asperity_studies::settings::{Document, SettingError};
-use asperity_studies::{Seconds, wrapped};
+use asperity_studies::wrapped;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -46,21 +45,6 @@ impl Common {
             say(&wrapped(&what()));
         }
     }
-}
-
-/// Time after which a run is to end; `None` without a limit.
-pub(crate) fn time_limit(document: &Document) -> Result<Option<Duration>, SettingError> {
-    #[derive(Default, Deserialize)]
-    struct Run {
-        max_time: Option<Seconds>,
-    }
-    #[derive(Deserialize)]
-    struct Whole {
-        #[serde(default)]
-        run: Run,
-    }
-    let limit = document.read::<Whole>()?.run.max_time;
-    Ok(limit.and_then(Seconds::duration))
 }
 
 impl Observer for Common {

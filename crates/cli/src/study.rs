@@ -4,9 +4,9 @@ use asperity_io::ResultFolder;
 use asperity_results::Container;
 use asperity_simulate::{Deadline, Observer, counted};
 use asperity_studies::settings::Document;
-use asperity_studies::{Findings, Study, StudyError};
+use asperity_studies::{Findings, Study, StudyError, time_limit};
 
-use crate::common::{Common, Results, time_limit};
+use crate::common::{Common, Results};
 use crate::end::{Again, End, EndedRun, stopped_without_results};
 use crate::failure::Failure;
 use crate::output::{result_folder, say, say_notes};

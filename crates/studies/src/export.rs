@@ -26,7 +26,7 @@ mod zemax;
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{WriteError, check_ending, is_same_file, shown_path, write_bytes};
+use asperity_io::{NetCdf, WriteError, check_ending, is_same_file, shown_path, write_bytes};
 use asperity_simulate::Case;
 use asperity_tally::{Side, TallySpec};
 use serde::Deserialize;
@@ -146,6 +146,14 @@ pub(crate) fn check_planned<'a>(
     let cases: Vec<Planned> = cases.map(|(case, spec)| Planned { case, spec }).collect();
     let checked = format.check(&cases);
     checked.map_err(|reason| format!("{} {reason}", format.in_words()))
+}
+
+/// Results of a folder or file as labelled arrays, those of a NetCDF file, with fluxes by order of scattering and Mueller matrices.
+///
+/// # Errors
+/// [`ExportError`] if the results cannot be read.
+pub fn labelled_results(path: &Path) -> Result<NetCdf, ExportError> {
+    Ok(netcdf::labelled(&Measurement::read(path)?))
 }
 
 /// A file that is ready to be written.

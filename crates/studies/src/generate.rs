@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use asperity_io::shown_path;
 use asperity_simulate::{Observer, check_memory, short};
+use asperity_surface::HeightField;
 use asperity_synthesis::{
     DrawnRoughness, FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe,
 };
@@ -106,6 +107,28 @@ impl GeneratePlan {
         Some((first..=last).map(name).collect())
     }
 
+    /// Notes for the user on the surfaces, one sentence each.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Number of the surface that comes `after` so many others, among those of the seed.
+    fn number(&self, after: u64) -> u64 {
+        self.config.generate.realisation.saturating_add(after)
+    }
+
+    /// Draws the surface that comes `after` so many others.
+    ///
+    /// # Errors
+    /// [`StudyError`] if its heights overflow.
+    pub fn draw(&self, after: u64) -> Result<HeightField, StudyError> {
+        let field = self
+            .synthesis
+            .draw(self.config.run.seed, self.number(after))?;
+        Ok(field.with_unit(self.config.surface.unit))
+    }
+
     /// Draws the surface that comes `after` so many others, and writes it as a height map. The time that it takes is explained to
     /// `observer`.
     ///
@@ -118,10 +141,8 @@ impl GeneratePlan {
         observer: &dyn Observer,
     ) -> Result<GeneratedSurface, StudyError> {
         let clock = Instant::now();
-        let seed = self.config.run.seed;
-        let number = self.config.generate.realisation.saturating_add(after);
-        let field = self.synthesis.draw(seed, number)?;
-        let field = field.with_unit(self.config.surface.unit);
+        let (seed, number) = (self.config.run.seed, self.number(after));
+        let field = self.draw(after)?;
         observer.explain(&format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
         let note = write_surface(path, &field)?;
         Ok(GeneratedSurface {

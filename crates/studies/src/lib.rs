@@ -67,7 +67,7 @@ pub use converge::{
     Reference, RepeatedError, SecondsTo,
 };
 pub use error::StudyError;
-pub use export::{ExportConfig, ExportError, Exported};
+pub use export::{ExportConfig, ExportError, Exported, labelled_results};
 pub use generate::{GeneratePlan, GeneratedSurface};
 pub use given::{
     ComparedSurfaceError, FileProblem, GivenError, GivenShape, GivenSurface, GivenSurfaces,
@@ -92,7 +92,7 @@ pub use materials::{
 pub use mesh::{FinenessConfig, MeshConfig, MeshedSurface};
 pub use model::{
     AttenuationFileError, Evaluation, EvaluationError, ListedModel, ModelConfig, Resolution,
-    SlopeFileError, evaluate_model, model_list,
+    SlopeFileError, evaluate_model, model_list, single_model,
 };
 pub use output::{EstimateWithLimit, wrapped};
 pub use render::{
@@ -105,7 +105,7 @@ pub use report::figures::model_colour;
 pub use report::flux_basis::FluxBasis;
 pub use report::summary::Summary;
 pub use report::views::Views;
-pub use study::{Findings, Study};
+pub use study::{Findings, Study, time_limit};
 pub use surface_lengths::SurfaceLengths;
 pub use trace::{PlannedTrace, TraceComparison, TraceOutcome, TraceOutcomes, TraceStudy};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};

@@ -64,6 +64,25 @@ pub fn evaluate_model(
     Ok(Box::new(Several::of(names, evaluations)?))
 }
 
+/// The model of a rough surface that a configuration without lists names, and notes on its slopes, one sentence each.
+///
+/// # Errors
+/// [`EvaluationError`] if a value is missing, superfluous, out of range or a list.
+pub fn single_model(
+    config: &ModelConfig,
+) -> Result<(Box<dyn ScatteringModel>, Vec<String>), EvaluationError> {
+    let Combinations { singles, .. } = config.combinations()?;
+    let name = config.name()?;
+    let [(_, single)] = singles.as_slice() else {
+        return Err(EvaluationError::Excludes {
+            name: name.to_owned(),
+            reason: "is made for one value of each setting",
+            advice: "leave out the lists".to_owned(),
+        });
+    };
+    rough_model(name, single, single.material()?.material)
+}
+
 /// Evaluates the model of a configuration without lists.
 fn evaluate_single(
     config: &ModelConfig,

@@ -5,13 +5,13 @@ use std::time::Duration;
 use asperity_io::ResultFolder;
 use asperity_results::{Container, Header, ResultSet, Stored};
 use asperity_simulate::{Case, Deadline, Observer, SimulateError, StoppedBy, counted};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
 use crate::error::StudyError;
 use crate::report::views::Views;
-use crate::settings::Document;
+use crate::settings::{Document, SettingError};
 
 /// A study that is planned: everything is checked, and nothing is traced.
 pub trait Study: Sized {
@@ -79,6 +79,24 @@ pub(crate) fn keep_thumbnail(
     first.map_or(Ok(()), |case| {
         found.keep_thumbnail(&case.surface, case.at.unit, observer)
     })
+}
+
+/// Time after which the run of a document is to end; `None` without a limit.
+///
+/// # Errors
+/// [`SettingError`] if settings do not go together.
+pub fn time_limit(document: &Document) -> Result<Option<Duration>, SettingError> {
+    #[derive(Default, Deserialize)]
+    struct Run {
+        max_time: Option<Seconds>,
+    }
+    #[derive(Deserialize)]
+    struct Whole {
+        #[serde(default)]
+        run: Run,
+    }
+    let limit = document.read::<Whole>()?.run.max_time;
+    Ok(limit.and_then(Seconds::duration))
 }
 
 /// Ends tracing before the time of a run is over, if other work `follows`: the last tenth is left for comparisons with models and for

@@ -5,7 +5,9 @@
 
 use asperity_io::{NetCdf, NetCdfValues, NetCdfVariable};
 use asperity_simulate::{Case, Outcome};
-use asperity_tally::{Component, Estimate, HemisphereGrid, Side, TallyResult};
+use asperity_tally::{
+    Component, Estimate, HemisphereGrid, Measure, Polarimetry, Side, TallyResult,
+};
 use asperity_tracer::HalfSpace;
 use serde_json::Value;
 
@@ -20,59 +22,11 @@ use super::ranges::{
 const CONVENTIONS: &str = "theta_i, phi_i: direction towards the light, from the normal of the lit side, and azimuth. side: on which light leaves, reflected on that of the light. theta_o: from the normal of that side; phi_o: azimuth of the direction in which light leaves. bsdf: mean over the bin. Light is unpolarised unless the configuration says otherwise";
 
 pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
-    let cases = &measurement.cases;
-    let grid_of = |outcome: &Outcome| outcome.statistics.spec().grid();
-    let first = grid_of(&cases[0].outcome);
-    let is_common =
-        first.has_equal_angles() && cases.iter().all(|case| grid_of(&case.outcome) == first);
-    let common = if is_common {
-        first
-    } else {
-        HemisphereGrid::default()
-    };
-    let counts = [common.n_theta(), common.n_phi()];
-
     let axes = measurement.axes();
-    let outcomes: Vec<Option<&Outcome>> = axes
-        .cases
-        .iter()
-        .map(|number| Some(&cases[(*number)?].outcome))
-        .collect();
-    let mut file = File::new(&axes, &outcomes);
-    file.add_coordinates(&axes);
-    file.add_bins(counts);
-
-    let ranges: Vec<Range> = regular(counts).collect();
-    let bsdf = |outcome: &Outcome, side: Side| {
-        let light = regular_light(counts, outcome, side).into_iter();
-        let values = light.zip(&ranges);
-        let values = values.map(|(light, range)| Some(over(light?, range.projected_solid_angle())));
-        values.collect()
-    };
-    file.add_estimates(
-        "bsdf",
-        "sr-1",
-        "BSDF",
-        &["side", "theta_o", "phi_o"],
-        ranges.len(),
-        bsdf,
-    );
-    let flux = |outcome: &Outcome, side: Side| {
-        let statistics = &outcome.statistics;
-        let flux = statistics.flux(side, Component::All);
-        vec![statistics.spec().records(side).then_some(flux)]
-    };
-    file.add_estimates(
-        "flux",
-        "1",
-        "fraction of the incident flux",
-        &["side"],
-        1,
-        flux,
-    );
+    let file = File::of(measurement, &axes);
+    let counts = file.counts;
     let mut notes = Vec::new();
-    if !is_common {
-        file.add_exact_bins();
+    if !file.is_common {
         notes.push(format!(
             "bins differ between directions: bsdf is over common bins of {} by {} degrees, bsdf_exact over those of each, with edges; --bins gives all the same",
             90 / counts[0],
@@ -83,8 +37,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         "not in the file: absorbed light, orders of scattering, Mueller matrices, covariances"
             .to_owned(),
     );
-
-    let agreement = cases.iter().flat_map(|case| {
+    let agreement = measurement.cases.iter().flat_map(|case| {
         let outcome = &case.outcome;
         let sides = Side::BOTH.into_iter();
         let sides = sides.filter(|&side| outcome.statistics.spec().records(side));
@@ -105,8 +58,18 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         notes,
         bytes: file
             .finish(measurement)
+            .bytes()
             .map_err(|reason| format!("cannot be made: {reason}"))?,
     })
+}
+
+/// All that the file has, with fluxes by order of scattering and Mueller matrices, where these were recorded.
+pub(super) fn labelled(measurement: &Measurement) -> NetCdf {
+    let axes = measurement.axes();
+    let mut file = File::of(measurement, &axes);
+    file.add_orders();
+    file.add_mueller();
+    file.finish(measurement)
 }
 
 fn over(light: Estimate, divisor: f64) -> Estimate {
@@ -123,20 +86,74 @@ struct File<'a> {
     axes: Vec<String>,
     /// Names of other coordinates, with blanks between.
     coordinates: String,
-    outcomes: &'a [Option<&'a Outcome>],
+    /// Outcomes on the grid of the axes.
+    outcomes: Vec<Option<&'a Outcome>>,
+    /// `true` if all have the same bins of equal angles.
+    is_common: bool,
+    /// Rings and sectors of the common bins.
+    counts: [usize; 2],
 }
 
 impl<'a> File<'a> {
-    fn new(axes: &Axes, outcomes: &'a [Option<&'a Outcome>]) -> Self {
-        Self {
+    /// Coordinates, BSDF and fluxes of a measurement, over its `axes`.
+    fn of(measurement: &'a Measurement, axes: &Axes) -> Self {
+        let cases = &measurement.cases;
+        let grid_of = |outcome: &Outcome| outcome.statistics.spec().grid();
+        let first = grid_of(&cases[0].outcome);
+        let is_common =
+            first.has_equal_angles() && cases.iter().all(|case| grid_of(&case.outcome) == first);
+        let common = if is_common {
+            first
+        } else {
+            HemisphereGrid::default()
+        };
+        let counts = [common.n_theta(), common.n_phi()];
+        let others = axes.others.iter().chain(&axes.constants).map(name_of);
+        let outcome = |number: &Option<usize>| Some(&cases[(*number)?].outcome);
+        let mut file = Self {
             content: NetCdf::default(),
             axes: axes.axes.iter().map(name_of).collect(),
-            coordinates: {
-                let others = axes.others.iter().chain(&axes.constants).map(name_of);
-                others.collect::<Vec<String>>().join(" ")
-            },
-            outcomes,
+            coordinates: others.collect::<Vec<String>>().join(" "),
+            outcomes: axes.cases.iter().map(outcome).collect(),
+            is_common,
+            counts,
+        };
+        file.add_coordinates(axes);
+        file.add_bins(counts);
+
+        let ranges: Vec<Range> = regular(counts).collect();
+        let bsdf = |outcome: &Outcome, side: Side| {
+            let light = regular_light(counts, outcome, side).into_iter();
+            let values = light.zip(&ranges);
+            let values =
+                values.map(|(light, range)| Some(over(light?, range.projected_solid_angle())));
+            values.collect()
+        };
+        file.add_estimates(
+            "bsdf",
+            "sr-1",
+            "BSDF",
+            &["side", "theta_o", "phi_o"],
+            ranges.len(),
+            bsdf,
+        );
+        let flux = |outcome: &Outcome, side: Side| {
+            let statistics = &outcome.statistics;
+            let flux = statistics.flux(side, Component::All);
+            vec![statistics.spec().records(side).then_some(flux)]
+        };
+        file.add_estimates(
+            "flux",
+            "1",
+            "fraction of the incident flux",
+            &["side"],
+            1,
+            flux,
+        );
+        if !is_common {
+            file.add_exact_bins();
         }
+        file
     }
 
     fn add_dimension(&mut self, name: &str, length: usize) {
@@ -245,7 +262,7 @@ impl<'a> File<'a> {
         of: impl Fn(&Outcome, Side) -> Vec<Option<Estimate>>,
     ) {
         let (mut means, mut errors) = (Vec::new(), Vec::new());
-        for outcome in self.outcomes {
+        for outcome in &self.outcomes {
             for side in Side::BOTH {
                 let mut values = outcome.map_or_else(Vec::new, |outcome| of(outcome, side));
                 values.resize(per_side, None);
@@ -369,7 +386,94 @@ impl<'a> File<'a> {
         }
     }
 
-    fn finish(mut self, measurement: &Measurement) -> Result<Vec<u8>, String> {
+    /// Fluxes by order of scattering.
+    fn add_orders(&mut self) {
+        let spec_of = |outcome: &&Outcome| *outcome.statistics.spec();
+        let specs = self.outcomes.iter().flatten().map(spec_of);
+        let orders = specs.map(|spec| spec.order_entries(Side::Reflected).len());
+        let orders = orders.max().unwrap_or(0);
+        self.add_dimension("order", orders);
+        self.add(
+            "order",
+            &["order"],
+            NetCdfValues::Numbers((1..=orders).map(|order| order as f64).collect()),
+            vec![described(
+                "order of scattering; the last stands for all above too",
+            )],
+        );
+        let fluxes = |outcome: &Outcome, side: Side| {
+            let statistics = &outcome.statistics;
+            let is_recorded = statistics.spec().records(side);
+            let fluxes = statistics.orders(side);
+            fluxes.map(|flux| is_recorded.then_some(flux)).collect()
+        };
+        self.add_estimates(
+            "flux_order",
+            "1",
+            "fraction of the incident flux, by order of scattering",
+            &["side", "order"],
+            orders,
+            fluxes,
+        );
+    }
+
+    /// Mueller matrices over the bins, if all outcomes have them.
+    fn add_mueller(&mut self) {
+        let has_matrices =
+            |outcome: &&Outcome| outcome.statistics.spec().polarimetry() == Polarimetry::Mueller;
+        if !self.outcomes.iter().flatten().all(has_matrices) {
+            return;
+        }
+        let ([rings, sectors], dimensions) = match self.is_common {
+            true => (self.counts, ["theta_o", "phi_o"]),
+            false => {
+                let length = |name| {
+                    let mut dimensions = self.content.dimensions.iter();
+                    let found = dimensions.find(|(dimension, _)| dimension == name);
+                    found.map_or(0, |(_, length)| *length)
+                };
+                ([length("ring"), length("sector")], ["ring", "sector"])
+            }
+        };
+        self.add_dimension("row", 4);
+        self.add_dimension("column", 4);
+        let matrices = |outcome: &Outcome, side: Side| {
+            let statistics = &outcome.statistics;
+            let spec = statistics.spec();
+            let (grid, bins) = (spec.grid(), spec.grid_entries(Component::All));
+            let edges = edges_from_normal(&grid, side);
+            let phi = grid.phi_edges_deg(side);
+            let first = side.index() * grid.bins_per_side();
+            let element = |i: usize| {
+                let (bin, row, column) = (i / 16, i / 4 % 4, i % 4);
+                let (from_normal, sector) = (bin / sectors, bin % sectors);
+                let is_there = spec.records(side) && from_normal < edges.len();
+                if !is_there || sector + 1 >= phi.len() {
+                    return None;
+                }
+                let ring = ring_from_normal(side, edges.len(), from_normal);
+                let range = Range {
+                    theta_deg: edges[ring],
+                    phi_deg: [phi[sector], phi[sector + 1]],
+                };
+                let flux = bins.get(first + ring * grid.n_phi() + sector);
+                let element = spec.measure_entry(flux, Measure::Element { row, column })?;
+                Some(over(statistics.at(element), range.projected_solid_angle()))
+            };
+            (0..rings * sectors * 16).map(element).collect()
+        };
+        let [ring, sector] = dimensions;
+        self.add_estimates(
+            "mueller",
+            "sr-1",
+            "BSDF as a Mueller matrix, from the axes of the incident ray to those of the ray that leaves",
+            &["side", ring, sector, "row", "column"],
+            rings * sectors * 16,
+            matrices,
+        );
+    }
+
+    fn finish(mut self, measurement: &Measurement) -> NetCdf {
         let header = &measurement.header;
         self.content.attributes = vec![
             ("Conventions", "CF-1.11".to_owned()),
@@ -394,7 +498,7 @@ impl<'a> File<'a> {
             ("configuration", header.document.to_string()),
         ];
         self.content.attributes.extend(optics_of(measurement));
-        self.content.bytes()
+        self.content
     }
 }
 

@@ -44,9 +44,9 @@ pub struct InspectLight {
 pub struct Inspection {
     pub(super) file: PathBuf,
     /// The heights, eroded.
-    pub(super) field: HeightField,
+    pub field: HeightField,
     /// `true` if +y is its north, and -y otherwise.
-    pub(super) y_is_north: bool,
+    pub y_is_north: bool,
     /// Its roughness and shadows.
     pub statistics: Statistics,
 }

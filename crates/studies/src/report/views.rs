@@ -37,7 +37,8 @@ impl<'a> Csv<'a> {
     }
 
     /// The rows with a header line.
-    pub(crate) fn text(self) -> String {
+    #[must_use]
+    pub fn text(self) -> String {
         let names: Vec<&str> = self.header.iter().map(String::as_str).collect();
         csv_text(&names, self.records)
     }
