@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Error, sync_playwright
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SMALL = "--tau 8 --size 64"
@@ -67,9 +67,19 @@ def browser():
     program = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, names)), None)
     assert program, "no Chromium: apt-get install chromium, or set CHROMIUM"
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=FLAGS)
+        browser = launched(playwright.chromium, program)
         yield browser
         browser.close()
+
+
+def launched(chromium, program, attempts=3):
+    """Browser; Chromium may crash as it starts, before any page is open."""
+    try:
+        return chromium.launch(executable_path=program, args=FLAGS)
+    except Error:
+        if attempts == 1:
+            raise
+        return launched(chromium, program, attempts - 1)
 
 
 @pytest.fixture
