@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from asperity._call import Call, Progress, documented, settings
@@ -90,71 +90,42 @@ def gonio(
     return run_study(Call("gonio", options, config=config, threads=threads), output, progress)
 
 
-def verify(
-    config: _Path | None = None,
-    *,
-    output: _Path | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-    **options: Any,
-) -> Result:
+def _of_random_surfaces(name: str, about: str) -> Callable[..., Result]:
+    """Function of a study whose surfaces, random ones unless settings say otherwise, are settings too."""
+
+    def study(
+        config: _Path | None = None,
+        *,
+        output: _Path | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+        **options: Any,
+    ) -> Result:
+        return run_study(Call(name, options, config=config, threads=threads), output, progress)
+
+    study.__name__ = study.__qualname__ = name
+    study.__doc__ = about
+    return study
+
+
+verify = _of_random_surfaces(
+    "verify",
     """Compares light on random surfaces with statistical models, by tests with error bars.
 
     >>> import asperity as asp
     >>> study = asp.verify(smoothness=3, eta=1.4, theta=30, models=["smith"], rays=20_000)
     >>> study.summary["comparison"]["conclusion"].partition(":")[0]
     'Single scattering, tested at level 0.01'
-    """
-    return run_study(Call("verify", options, config=config, threads=threads), output, progress)
-
-
-def map(  # noqa: A001
-    config: _Path | None = None,
-    *,
-    output: _Path | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-    **options: Any,
-) -> Result:
-    """Maps over a grid of roughness, material and direction where each model is within tolerance."""
-    return run_study(Call("map", options, config=config, threads=threads), output, progress)
-
-
-def albedo(
-    config: _Path | None = None,
-    *,
-    output: _Path | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-    **options: Any,
-) -> Result:
-    """Tabulates directional albedos for renderers."""
-    return run_study(Call("albedo", options, config=config, threads=threads), output, progress)
-
-
-def converge(
-    config: _Path | None = None,
-    *,
-    output: _Path | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-    **options: Any,
-) -> Result:
-    """Measures run time against error of the estimators."""
-    return run_study(Call("converge", options, config=config, threads=threads), output, progress)
-
-
-def attenuation(
-    config: _Path | None = None,
-    *,
-    output: _Path | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-    **options: Any,
-) -> Result:
-    """Compares shadowing and masking, counted on surfaces, with Smith and V-cavities."""
-    return run_study(Call("attenuation", options, config=config, threads=threads), output, progress)
-
+    """,
+)
+map = _of_random_surfaces(  # noqa: A001
+    "map", "Maps over a grid of roughness, material and direction where each model is within tolerance."
+)
+albedo = _of_random_surfaces("albedo", "Tabulates directional albedos for renderers.")
+converge = _of_random_surfaces("converge", "Measures run time against error of the estimators.")
+attenuation = _of_random_surfaces(
+    "attenuation", "Compares shadowing and masking, counted on surfaces, with Smith and V-cavities."
+)
 
 for _study in (trace, gonio, verify, map, albedo, converge, attenuation):
     _study.__doc__ = f"{inspect.cleandoc(_study.__doc__)}\n{_NOTE}" if _study.__doc__ else None

@@ -25,7 +25,7 @@ class Surface:
     topography of SurfaceTopography or a surface of surfalize, with their spacing and unit.
     ``spacing``: distance between samples, or a pair along x and y; 1 unless given.
     ``unit``: of heights and spacing: "nm", "um", "mm", "m", "km", or "1" without a unit.
-    ``border``: what lies beyond: "periodic", "mirrored" or "open"; mirrored unless given.
+    ``border``: continuation beyond the border: "periodic", "mirrored" or "open"; mirrored unless given.
     ``y_is_north``: ``True`` if +y is the north of a map, for directions of the sun.
 
     >>> import asperity as asp
@@ -134,7 +134,7 @@ class Surface:
 
     @property
     def border(self) -> str | None:
-        """What lies beyond the border: "periodic", "mirrored" or "open"; ``None`` if it was not given."""
+        """Continuation beyond the border: "periodic", "mirrored" or "open"; ``None`` if it was not given."""
         return self._map.border
 
     @property

@@ -141,7 +141,7 @@ impl HeightMap {
         name_of(&self.map.unit)
     }
 
-    /// What lies beyond the border: "periodic", "mirrored" or "open"; `None` if it is not known.
+    /// Continuation beyond the border: "periodic", "mirrored" or "open"; `None` if it is not known.
     #[getter]
     fn border(&self) -> Option<String> {
         self.map.border.as_ref().map(name_of)

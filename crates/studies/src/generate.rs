@@ -113,12 +113,12 @@ impl GeneratePlan {
         &self.notes
     }
 
-    /// Number of the surface that comes `after` so many others, among those of the seed.
+    /// Number, among the surfaces of the seed, of the surface `after` places behind the first.
     fn number(&self, after: u64) -> u64 {
         self.config.generate.realisation.saturating_add(after)
     }
 
-    /// Draws the surface that comes `after` so many others.
+    /// Draws the surface `after` places behind the first.
     ///
     /// # Errors
     /// [`StudyError`] if its heights overflow.
@@ -129,7 +129,7 @@ impl GeneratePlan {
         Ok(field.with_unit(self.config.surface.unit))
     }
 
-    /// Draws the surface that comes `after` so many others, and writes it as a height map. The time that it takes is explained to
+    /// Draws the surface `after` places behind the first, and writes it as a height map. The time that it takes is explained to
     /// `observer`.
     ///
     /// # Errors
