@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use super::{ReadError, WriteError};
-use crate::shown::shown_path;
+use crate::shown::{shown_path, within};
+
+/// Most characters of what a manifest holds in a message.
+const MAX_SHOWN: usize = 1000;
 
 /// Error on using a result folder, or on writing a file in it.
 ///
@@ -42,7 +45,7 @@ pub enum ResultFolderError {
         folder: PathBuf,
     },
     /// The folder holds results that this run does not replace.
-    #[error("`{}` holds {holds}; choose another folder", shown_path(.folder))]
+    #[error("`{}` holds {}; choose another folder", shown_path(.folder), within(.holds, MAX_SHOWN))]
     OtherResults {
         /// The folder.
         folder: PathBuf,
@@ -50,7 +53,7 @@ pub enum ResultFolderError {
         holds: String,
     },
     /// The manifest is damaged, of another form, or not ours.
-    #[error("`{}` is not a manifest of results ({reason}); choose another folder", shown_path(.path))]
+    #[error("`{}` is not a manifest of results ({}); choose another folder", shown_path(.path), within(.reason, MAX_SHOWN))]
     InvalidManifest {
         /// The manifest.
         path: PathBuf,

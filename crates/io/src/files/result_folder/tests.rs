@@ -503,6 +503,7 @@ fn invalid_manifests_are_refused_and_left() {
         (valid.replace("a.csv", absolute), "not in the folder"),
         (valid.replace("a.csv", ""), "``"),
         (valid.replace("a.csv", MANIFEST), "manifest.json`"),
+        (valid.replace("a.csv", "../\u{7f}"), "`../\\u{7f}`"),
     ] {
         fs::write(path.join(MANIFEST), &manifest).unwrap();
         let error = refused(ResultFolder::open(path, "verify", &[]), words);
@@ -513,6 +514,12 @@ fn invalid_manifests_are_refused_and_left() {
         assert_eq!(text(path, MANIFEST), manifest);
     }
     assert!(outside.path().exists());
+    let other = valid.replace("verify", "\u{7f}");
+    fs::write(path.join(MANIFEST), other).unwrap();
+    refused(
+        ResultFolder::open(path, "verify", &[]),
+        "results of `\\u{7f}`",
+    );
 }
 
 #[test]
