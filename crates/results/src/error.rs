@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use asperity_io::{ReadError, ResultFolderError, WriteError, shown_path};
+use asperity_io::{ReadError, ResultFolderError, WriteError, shown_path, within};
+
+/// Most characters of what a file holds in the message of an error.
+const MAX_SHOWN: usize = 400;
 
 /// Error of storing or reading results.
 #[derive(Debug, thiserror::Error)]
@@ -13,8 +16,9 @@ pub enum ResultsError {
     Folder(#[from] ResultFolderError),
     /// Results of another run, of cases that this one does not plan, or of an earlier version of this program. They are not overwritten.
     #[error(
-        "{} holds results of another run ({difference}); choose another folder, or remove that file",
-        shown_path(path)
+        "{} holds results of another run ({}); choose another folder, or remove that file",
+        shown_path(path),
+        within(difference, MAX_SHOWN)
     )]
     OtherRun {
         /// The file.
@@ -23,7 +27,7 @@ pub enum ResultsError {
         difference: String,
     },
     /// A damaged file.
-    #[error("{} is damaged ({reason})", shown_path(path))]
+    #[error("{} is damaged ({})", shown_path(path), first_line(reason))]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -37,8 +41,13 @@ pub enum ResultsError {
     #[error("the findings of a case cannot be read ({0})")]
     Findings(#[from] serde_json::Error),
     /// Shards of different runs, or none.
-    #[error("the shards cannot be merged ({0})")]
+    #[error("the shards cannot be merged ({})", within(.0, MAX_SHOWN))]
     OtherShard(String),
+}
+
+/// The first line of a reason. Errors of parsers may have several, with content of the file.
+pub(crate) fn first_line(reason: &str) -> String {
+    within(reason.lines().next().unwrap_or_default(), MAX_SHOWN)
 }
 
 impl From<ReadError> for ResultsError {

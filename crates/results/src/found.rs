@@ -8,7 +8,7 @@ use asperity_simulate::{SurfaceKey, SurfaceTallies};
 use serde_json::{Value, json};
 
 use crate::case_result::Stored;
-use crate::error::ResultsError;
+use crate::error::{ResultsError, first_line};
 use crate::header::{Header, other_build};
 use crate::npz::NpzReader;
 use crate::rounding::rounding;
@@ -26,6 +26,9 @@ pub(crate) const PARTS: &str = "parts.cbor";
 
 /// Name of the member with the thumbnail of the first surface.
 pub(crate) const SURFACE: &str = "surface";
+
+/// Most cases of a run. No study plans so many; a damaged number would take all memory.
+const MAX_CASES: usize = 1 << 20;
 
 /// Treatment of complete results of another run in the same folder.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -196,7 +199,13 @@ impl<C: Stored> Found<C> {
 
     fn read_file(&mut self, reader: &mut NpzReader) -> Result<(), String> {
         let header = reader.value::<Value>("header")?;
-        self.count = header["cases"].as_u64().unwrap_or(0) as usize;
+        let count = header["cases"].as_u64().unwrap_or(0);
+        self.count = usize::try_from(count).unwrap_or(usize::MAX);
+        if self.count > MAX_CASES {
+            return Err(format!(
+                "it claims {count} cases; at most {MAX_CASES} are allowed"
+            ));
+        }
         self.seconds = header["machine"]["seconds"].as_f64().unwrap_or(0.0);
         for number in 0..self.count {
             let name = name_of(number);
@@ -218,13 +227,13 @@ impl<C: Stored> Found<C> {
     fn read_records(&mut self, records: impl Iterator<Item = (u64, Vec<u8>)>) {
         for (_, record) in records {
             match ciborium::from_reader(record.as_slice()) {
-                Ok(ReadRecord::<C>::Case(number, case)) => {
+                Ok(ReadRecord::<C>::Case(number, case)) if number < MAX_CASES => {
                     self.cases.insert(number, *case);
                 }
                 Ok(ReadRecord::Part(key, surface)) => {
                     self.parts.insert(key, *surface);
                 }
-                Err(_) => return,
+                _ => return,
             }
         }
     }
@@ -270,7 +279,7 @@ fn other(path: &Path, difference: String) -> ResultsError {
 }
 
 fn damaged(path: &Path, reason: &str) -> String {
-    let reason = reason.replace('\n', " ");
+    let reason = first_line(reason);
     format!(
         "{} is damaged and is computed again ({reason})",
         shown_path(path)

@@ -146,13 +146,26 @@ fn npy(array: &Array) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
+/// Reads an array as [`npy`] writes them: version 1, whose header is short, and no more numbers than the bytes hold.
 fn from_npy(bytes: &[u8]) -> Result<Array, String> {
-    let read = || -> std::io::Result<Array> {
+    const VERSION: usize = 6;
+    if bytes.get(VERSION) != Some(&1) {
+        return Err("an array is of another version of NPY".to_owned());
+    }
+    let read = || -> std::io::Result<Option<Array>> {
         let file = NpyFile::new(bytes)?;
-        Ok(Array {
-            shape: file.shape().to_vec(),
-            numbers: file.into_vec()?,
-        })
+        let shape = file.shape().to_vec();
+        let most = (bytes.len() / size_of::<f64>()) as u64;
+        let claims = shape.iter().scan(1_u64, |count, side| {
+            *count = count.saturating_mul(*side);
+            Some((*count).max(*side))
+        });
+        if claims.max().is_some_and(|claim| claim > most) {
+            return Ok(None);
+        }
+        let numbers = file.into_vec()?;
+        Ok(Some(Array { shape, numbers }))
     };
-    read().map_err(|error| error.to_string())
+    let array = read().map_err(|error| error.to_string())?;
+    array.ok_or_else(|| "an array claims more numbers than there are".to_owned())
 }

@@ -1,7 +1,9 @@
 //! Files: every field read back, damaged and foreign ones, and a foreign reader.
 
+use std::io::{Cursor, Read, Write};
 use std::process::Command;
 
+use asperity_io::Journal;
 use asperity_simulate::{Quantity, Regions, Target};
 use asperity_surface::HeightField;
 use asperity_tally::{Polarimetry, TallyResult};
@@ -230,6 +232,107 @@ fn damaged_files_and_those_of_other_rounding_are_computed_again_and_old_ones_ref
             .to_string();
         assert!(refused.contains("earlier version"), "{refused}");
     }
+}
+
+/// The results of a run, whose member `name` is as `change` makes it; its checksum is right.
+fn changed(name: &str, change: impl Fn(&mut Vec<u8>)) -> Vec<u8> {
+    let mut archive = zip::ZipArchive::new(Cursor::new(whole())).unwrap();
+    let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for number in 0..archive.len() {
+        let mut member = archive.by_index(number).unwrap();
+        let (member_name, mut bytes) = (member.name().unwrap().into_owned(), Vec::new());
+        member.read_to_end(&mut bytes).unwrap();
+        if member_name == name {
+            change(&mut bytes);
+        }
+        let options = zip::write::SimpleFileOptions::default();
+        writer.start_file(member_name, options).unwrap();
+        writer.write_all(&bytes).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+fn replace(bytes: &mut Vec<u8>, [old, new]: [&str; 2]) {
+    let text = String::from_utf8_lossy(bytes);
+    assert!(text.contains(old), "{text}");
+    *bytes = text.replacen(old, new, 1).into_bytes();
+}
+
+#[test]
+fn members_that_are_damaged_are_refused_in_one_line_and_claim_no_memory() {
+    const ARRAY: &str = "cases/000000/outcome/surfaces/values.npy";
+    let header = |parts| changed("header.json", |bytes| replace(bytes, parts));
+    let array = |parts| {
+        changed(ARRAY, |bytes| {
+            let numbers = bytes.split_off(128);
+            let mut text = bytes.split_off(10);
+            replace(&mut text, parts);
+            text.truncate(118);
+            bytes.extend([text, numbers].concat());
+        })
+    };
+    let huge = "\"cases\":18446744073709551615";
+    let cases = [
+        (
+            header(["\"cases\":4", huge]),
+            "it claims 18446744073709551615 cases",
+        ),
+        (
+            changed("header.json", |bytes| {
+                replace(bytes, ["\"complete\":true", "\"complete\":false"]);
+                replace(bytes, ["\"test\"", "\"\u{7f}\u{202e}\""]);
+            }),
+            "study \\u{7f}",
+        ),
+        (array(["'shape': (", "'shape': (("]), "syntax error"),
+        (
+            array(["'shape': (6, ", "'shape': (9, "]),
+            "claims more numbers",
+        ),
+        (
+            array(["'shape': (6, ", "'shape': (0, 99999999999, "]),
+            "claims more numbers",
+        ),
+        (
+            changed(ARRAY, |bytes| bytes[6] = 2),
+            "another version of NPY",
+        ),
+    ];
+    let place = tempfile::tempdir().unwrap();
+    for (bytes, words) in cases {
+        let path = place.path().join(FILE);
+        fs::write(&path, bytes).unwrap();
+        let error = ResultSet::read(&path)
+            .map(drop)
+            .map_err(|error| error.to_string());
+        let folder = folder(place.path());
+        let opened = ResultSet::open(&folder, self::header());
+        let said = match opened {
+            Ok(set) => set.notes().concat(),
+            Err(error) => error.to_string(),
+        };
+        let read = error.err().unwrap_or_default();
+        assert!(
+            read.contains(words) || said.contains(words),
+            "{words}: {read} {said}"
+        );
+        assert!(![read, said].concat().contains(char::is_control), "{words}");
+    }
+}
+
+#[test]
+fn a_case_of_a_number_beyond_all_ends_the_journal() {
+    let place = tempfile::tempdir().unwrap();
+    let begins = killed(place.path());
+    let path = place.path().join(JOURNAL);
+    // {"Case": [number, ..]} in CBOR
+    let is_case = |record: &Vec<u8>| record.starts_with(b"\xa1\x64Case\x82");
+    let records = read_journal(&path).unwrap().records.into_iter();
+    let mut record = records.map(|(_, record)| record).find(is_case).unwrap();
+    record.splice(7..8, [&[0x1b][..], &u64::MAX.to_be_bytes()].concat());
+    let mut journal = Journal::open(&path, begins[1]).unwrap();
+    journal.append(&[record]).unwrap();
+    assert!(ResultSet::read(place.path()).unwrap().is_empty());
 }
 
 #[test]
