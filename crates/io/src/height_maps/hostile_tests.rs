@@ -126,6 +126,25 @@ fn survive(format: HeightMapFormat, bytes: &[u8]) -> Result<RawHeightMap, ReadEr
         .unwrap_or_else(|_| panic!("panic on {format}: {:?}", String::from_utf8_lossy(bytes)))
 }
 
+/// The ending chooses the reader. `SMALL_FILES=FOLDER` keeps the files there, for other programs to read and as seeds of `crates/fuzz`.
+#[test]
+fn small_files_are_read_by_their_names() {
+    let temporary = tempfile::tempdir().unwrap();
+    let kept = std::env::var_os("SMALL_FILES").map(PathBuf::from);
+    let folder = kept.as_deref().unwrap_or(temporary.path());
+    std::fs::create_dir_all(folder).unwrap();
+    for format in formats() {
+        for (k, bytes) in victims(format).iter().enumerate() {
+            let path = folder.join(format!("small-{k}.{}", format.endings()[0]));
+            std::fs::write(&path, bytes).unwrap();
+            let read = crate::read_height_map(&path);
+            let is_small = read.is_ok_and(|map| map.shape() == [3, 4]);
+            let is_other = matches!(format, HeightMapFormat::Tiff) || format.can_write();
+            assert!(is_small || is_other, "{format}");
+        }
+    }
+}
+
 #[test]
 fn every_cut_is_an_error() {
     for format in formats() {

@@ -164,21 +164,3 @@ fn pictures_under_the_name_of_an_instrument_are_told() {
         assert!(error.contains("begins like a PNG image"), "{error}");
     }
 }
-
-/// The ending chooses the reader. `SMALL_FILES=FOLDER` keeps the files there, for other programs to read.
-#[test]
-fn small_files_are_read_by_their_names() {
-    let temporary = tempfile::tempdir().unwrap();
-    let kept = std::env::var_os("SMALL_FILES").map(std::path::PathBuf::from);
-    let folder = kept.as_deref().unwrap_or(temporary.path());
-    std::fs::create_dir_all(folder).unwrap();
-    for format in instruments() {
-        let files = [vec![valid(format)], variants(format)].concat();
-        for (k, bytes) in files.iter().enumerate() {
-            let path = folder.join(format!("small-{k}.{}", format.endings()[0]));
-            std::fs::write(&path, bytes).unwrap();
-            let map = crate::read_height_map(&path).unwrap();
-            assert_eq!(map.shape(), [3, 4], "{format}");
-        }
-    }
-}
