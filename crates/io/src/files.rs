@@ -9,6 +9,7 @@ mod lock;
 mod made_folders;
 mod manifest;
 mod memory;
+mod mounts;
 mod open;
 mod parts;
 mod result_folder;

@@ -2,18 +2,23 @@
 //!
 //! The folder itself is locked, so that no file is left: for writing. Where results in it belong to those of a folder above, as
 //! its manifest tells, that one is locked for reading, so that no run replaces them in the meantime. The system releases the locks
-//! when the process ends, however it ends. Where folders cannot be locked (on Windows, and on some network file systems), runs are not
-//! kept apart.
+//! when the process ends, however it ends. On network file systems the lock of a folder holds on one machine alone; there a hidden file in
+//! it is locked as well, which NFS and cluster file systems pass on to the others, and which is removed with the lock. Where neither can be
+//! locked (on Windows, and on Lustre without `flock`), runs are not kept apart.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::folder::{check_output_folder, create_output_folder};
 use super::made_folders::MadeFolders;
 use super::manifest::Manifest;
+use super::mounts::is_on_network;
 use super::same_file::same_inode;
 use crate::error::{ResultFolderError, WriteProblem};
+
+/// Hidden file that is locked on network file systems.
+const LOCK_FILE: &str = ".asperity.lock";
 
 /// Times that a folder is locked again which was replaced in the meantime.
 const MAX_TRIES: u32 = 8;
@@ -21,7 +26,9 @@ const MAX_TRIES: u32 = 8;
 /// Lock of a folder, held until it is dropped. A folder that it has made and that stayed empty is removed again.
 #[derive(Debug)]
 pub struct FolderLock {
-    /// Open folders, whose locks end with them.
+    /// The hidden file that is locked for writing, which is removed before its lock ends.
+    file: Option<PathBuf>,
+    /// Open folders and files, whose locks end with them.
     locked: Vec<File>,
     // Dropped last
     _made: MadeFolders,
@@ -47,6 +54,7 @@ impl FolderLock {
     /// The lock before anything is locked: the folder is made.
     fn of_made(path: &Path) -> Result<Self, ResultFolderError> {
         let lock = Self {
+            file: None,
             locked: Vec::new(),
             _made: MadeFolders::missing_of(path),
         };
@@ -78,8 +86,45 @@ impl FolderLock {
                 return Ok(false);
             }
             self.locked.push(open);
+            if is_on_network(folder) && !self.lock_file(folder, is_own)? {
+                return Ok(false);
+            }
         }
         Ok(true)
+    }
+
+    /// Locks the hidden file of a folder, for writing if it is that of this run. Returns `false` if another run removed it before it was locked.
+    fn lock_file(&mut self, folder: &Path, is_own: bool) -> Result<bool, ResultFolderError> {
+        let path = folder.join(LOCK_FILE);
+        let mut options = OpenOptions::new();
+        let options = options.read(true).write(true).create(true).truncate(false);
+        // A folder that lets no one write is locked by itself alone.
+        let Ok(open) = options.open(&path) else {
+            return Ok(true);
+        };
+        let locked = match is_own {
+            true => open.try_lock(),
+            false => open.try_lock_shared(),
+        };
+        if matches!(locked, Err(TryLockError::WouldBlock)) {
+            return Err(in_use(folder));
+        }
+        if !same_inode(open.metadata().ok(), fs::metadata(&path).ok()) {
+            return Ok(false);
+        }
+        if is_own {
+            self.file = Some(path);
+        }
+        self.locked.push(open);
+        Ok(true)
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        if let Some(file) = &self.file {
+            let _ = fs::remove_file(file);
+        }
     }
 }
 
@@ -136,6 +181,31 @@ mod tests {
         assert!(FolderLock::new(at("out")).is_err());
         drop(part);
         FolderLock::new(at("out")).unwrap();
+    }
+
+    /// As on a network file system, where the lock of a folder does not reach other machines.
+    #[test]
+    fn a_hidden_file_is_locked_and_removed_with_the_lock() {
+        let place = tempfile::tempdir().unwrap();
+        let out = place.path().join("out");
+        fs::create_dir(&out).unwrap();
+        let lock = || {
+            let mut lock = FolderLock::of_made(&out)?;
+            lock.lock_file(&out, true)
+                .map(|is_locked| (lock, is_locked))
+        };
+        let (first, is_locked) = lock().unwrap();
+        assert!(is_locked && exists(out.join(LOCK_FILE)));
+        assert!(lock().unwrap_err().to_string().contains("another run"));
+        let mut reader = FolderLock::of_made(&out).unwrap();
+        assert!(reader.lock_file(&out, false).is_err());
+        drop(first);
+        assert!(!exists(out.join(LOCK_FILE)));
+        // What a killed process has left is no lock, and those who read share it.
+        fs::write(out.join(LOCK_FILE), "").unwrap();
+        assert!(reader.lock_file(&out, false).unwrap());
+        let mut other = FolderLock::of_made(&out).unwrap();
+        assert!(other.lock_file(&out, false).unwrap() && lock().is_err());
     }
 
     #[test]
