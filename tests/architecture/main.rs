@@ -287,7 +287,7 @@ const SIMULATE: [(&str, &[&str]); 14] = [
 ];
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 24] = [
+const STUDIES: [(&str, &[&str]); 26] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
@@ -298,6 +298,11 @@ const STUDIES: [(&str, &[&str]); 24] = [
     ("comparison", &["config", "error", "output"]),
     ("report", &["comparison", "config", "output", "validity"]),
     ("study", &["config", "error", "report", "settings"]),
+    ("shards", &["config", "error", "settings", "study"]),
+    (
+        "work_plan",
+        &["error", "output", "report", "settings", "shards", "study"],
+    ),
     (
         "generate",
         &["config", "error", "given", "output", "report", "settings"],

@@ -29,7 +29,7 @@ struct Disturbed {
     line: &'static str,
 }
 
-const COMMANDS: [Disturbed; 4] = [
+const COMMANDS: [Disturbed; 5] = [
     Disturbed {
         name: "verify",
         prepare: &[],
@@ -49,6 +49,14 @@ const COMMANDS: [Disturbed; 4] = [
         name: "gonio",
         prepare: &[],
         line: "gonio --tau 4 --size 32 --insist --smoothness 2 --theta 0,40 --rays 1e5 --realisations 4 --bins 6x12 --no-plots",
+    },
+    Disturbed {
+        name: "merge",
+        prepare: &[
+            "verify --tau 4 --size 32 --insist --smoothness 2 --theta 30 --models smith,heitz --rays 4e4 --realisations 8 --bins 6x12 --shard 1/2 -o shards/1",
+            "verify --tau 4 --size 32 --insist --smoothness 2 --theta 30 --models smith,heitz --rays 4e4 --realisations 8 --bins 6x12 --shard 2/2 -o shards/2",
+        ],
+        line: "merge shards/1 shards/2",
     },
 ];
 

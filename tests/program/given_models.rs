@@ -98,7 +98,7 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     assert!(folder.join("out/results.npz").exists());
     let resumed = folder.run(&line);
     assert!(resumed.status.success());
-    errors_of(&resumed).must_contain("resumed from the rays");
+    errors_of(&resumed).must_contain("resumed from surfaces");
     trace(&folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {
         let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();

@@ -53,6 +53,7 @@ mod report;
 mod resources;
 mod results;
 mod settings;
+mod shards;
 mod slabs;
 mod smooth_meshes;
 mod spectra;

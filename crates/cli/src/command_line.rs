@@ -125,7 +125,7 @@ fn subcommand(command: Command, help: Help) -> clap::Command {
     let positional = command.positional().map(|(name, about)| {
         let argument = Arg::new(POSITIONAL).value_name(name).help(about);
         match command {
-            Command::Trace | Command::Mesh | Command::Report => {
+            Command::Trace | Command::Mesh | Command::Report | Command::Merge => {
                 argument.num_args(1..).value_hint(ValueHint::FilePath)
             }
             _ => match named_by_argument(command) {
@@ -148,6 +148,7 @@ fn named_by_argument(command: Command) -> Option<&'static Setting> {
         Command::Materials => "materials.name",
         Command::Export => "export.results",
         Command::Report => "report.folders",
+        Command::Merge => "merge.folders",
         _ => return None,
     };
     settings_of(command).find(|setting| setting.path() == path)

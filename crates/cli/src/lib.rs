@@ -14,6 +14,7 @@ mod inspect;
 mod interrupt;
 mod man_sections;
 mod materials;
+mod merge;
 mod mesh;
 mod model;
 mod output;
@@ -84,6 +85,7 @@ fn run_command(document: &Document) -> Result<End, Failure> {
         Command::Materials => materials::run(document, common),
         Command::Export => export::run(document, common),
         Command::Report => report::run(document, common),
+        Command::Merge => merge::run(document, common),
     }
 }
 

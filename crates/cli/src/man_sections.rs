@@ -48,6 +48,7 @@ pub(crate) const fn examples(command: Command) -> &'static [&'static str] {
             "asperity export film --format klems -o film.xml",
             "asperity export gold --format rgl -o gold.bsdf",
         ],
+        Command::Merge => &["asperity merge shards/1 shards/2 shards/3 -o out"],
         Command::Report => &[
             "asperity report out -o report.html",
             "asperity report first second -o comparison.html",

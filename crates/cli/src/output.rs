@@ -4,9 +4,11 @@ use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::time::Duration;
 
-use asperity_io::{ResultFolder, json_text, printable};
+use asperity_io::{ResultFolder, ResultFolderError, json_text, printable};
 use asperity_studies::settings::Document;
+use asperity_studies::share_of;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -55,6 +57,10 @@ pub(crate) fn say_notes(notes: &[String]) {
     }
 }
 
+/// Times that a shard tries again to open a folder which another run uses, and the time between them.
+const TRIES: u32 = 20;
+const BETWEEN_TRIES: Duration = Duration::from_millis(500);
+
 /// Opens the folder `path` for the results of the command of `document`, which writes files of these `names`.
 /// Refuses a folder in which one of them would replace an input, or a file that is not a result of that command.
 pub(crate) fn result_folder(
@@ -67,9 +73,19 @@ pub(crate) fn result_folder(
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     let command = document.command().name();
     let arguments = ARGUMENTS.get().cloned().unwrap_or_default();
-    let folder = ResultFolder::open(path, command, &inputs)
-        .map_err(Failure::failed)?
-        .with_arguments(arguments);
+    let mut tries = 0;
+    let folder = loop {
+        match ResultFolder::open(path, command, &inputs) {
+            // A queue may start a lost shard again before the system has ended it elsewhere.
+            Err(ResultFolderError::InUse { .. })
+                if tries < TRIES && share_of(document).is_some() =>
+            {
+                tries += 1;
+                std::thread::sleep(BETWEEN_TRIES);
+            }
+            opened => break opened.map_err(Failure::failed)?.with_arguments(arguments),
+        }
+    };
     folder.check(names).map_err(Failure::failed)?;
     Ok(folder)
 }

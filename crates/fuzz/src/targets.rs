@@ -7,7 +7,8 @@ use asperity_io::{
     HeightMapFormat, MeshFormat, ResultFolder, material, read_height_map, read_journal, read_mesh,
     read_number_table, read_text,
 };
-use asperity_results::{Header, ResultSet, Stored, Thumbnail};
+use asperity_results::{Header, ResultSet, Shards, Stored, Thumbnail};
+use asperity_simulate::Share;
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
     AlbedoConfig, AttenuationConfig, ConvergeConfig, GonioConfig, MapConfig, TraceConfig,
@@ -84,6 +85,7 @@ pub fn targets() -> Vec<Target> {
         target("journal", "results.journal", journal, &[], &["journal"]),
         target("resumed", "results.journal", resumed, &[], &["journal"]),
         target("replaced", "results.npz", resumed, &[], &["npz"]),
+        target("merged", "results.npz", merged, &[], &["npz"]),
     ];
     maps.chain(meshes).chain(others).collect()
 }
@@ -197,4 +199,28 @@ fn resumed(path: &Path) -> Read {
         [] => set.comparable_bytes().map(drop).map_err(words),
         [note, ..] => Err(note.clone()),
     }
+}
+
+/// Results taken as the only shard of a run, and as both of two, which have surfaces in common, as `merge` puts them together.
+fn merged(path: &Path) -> Read {
+    let merge = |of: u64| {
+        let shard = |number| {
+            let mut set = ResultSet::read(path).map_err(words)?;
+            let share = Share::new(number, of).ok_or("no such share")?;
+            set.header.shards = Some(Shards {
+                finished: true,
+                ..Shards::one(share, set.header.document.clone(), Default::default())
+            });
+            Ok::<_, String>((path, set))
+        };
+        let shards = (1..=of).map(shard).collect::<Result<Vec<_>, _>>()?;
+        let mut all = ResultSet::in_memory(Header {
+            shards: None,
+            ..shards[0].1.header.clone()
+        });
+        all.merge(shards).map_err(words)?;
+        all.comparable_bytes().map(drop).map_err(words)
+    };
+    let _ = merge(2);
+    merge(1)
 }

@@ -25,7 +25,7 @@ _LIKE = ("psd", "heights")
 
 
 #: Names of positional arguments; those of other commands are surfaces.
-_POSITIONAL = {"model": "name", "materials": "name", "export": "folder", "report": "folder"}
+_POSITIONAL = {"model": "name", "materials": "name", "export": "folder", "report": "folder", "merge": "folder"}
 
 
 class Call:
@@ -89,6 +89,8 @@ class Call:
             return repr(float(value))
         if isinstance(value, np.ndarray):
             value = value.ravel().tolist()
+        if name == "shard" and isinstance(value, tuple):
+            return "/".join(self._text(name, one) for one in value)
         if _is_list(value):
             if not value:
                 return "none"

@@ -19,6 +19,7 @@ __all__ = [
     "gonio",
     "map",
     "materials",
+    "merge",
     "report",
     "settings",
     "trace",
@@ -34,6 +35,7 @@ _NOTE = """
 one with others replaces complete results.
 ``threads``: number of threads, all cores unless given; results do not depend on it.
 ``progress``: a function of stage, steps done and steps in all; ``True`` for a bar, ``False`` for none.
+``shard``: part of the run to trace, as ``(k, n)`` with k from 1 to n; :func:`merge` joins the folders of all.
 
 Raises ``ValueError`` for what other settings would help, ``TypeError`` for settings that the study does not
 have, ``OSError`` for files, and :class:`asperity.Interrupted` with the results so far after Ctrl-C.
@@ -156,3 +158,30 @@ def report(results: Result | _Path | Iterable[Result | _Path], path: _Path) -> N
         else:
             folders.append(result)  # type: ignore[arg-type]
     Call("report", {"output": path}, positional=folders).run()
+
+
+def merge(
+    shards: Result | _Path | Iterable[Result | _Path],
+    output: _Path | None = None,
+    *,
+    partial: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Result:
+    """Merges the shards of a run into its results, byte for byte those of the run without ``shard``.
+
+    ``shards``: the folder of each, in any order. ``output``: folder for the results, a temporary one unless given.
+    ``partial``: whether shards may be missing or not finished. Raises ``RuntimeError`` if they
+    may not, or are not of one run.
+
+    >>> import asperity as asp, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     settings = {"smoothness": 3, "theta": 30, "models": "none", "rays": 2000}
+    ...     shards = [asp.verify(shard=(k, 2), output=f"{folder}/{k}", **settings) for k in (1, 2)]
+    ...     round(float(asp.merge(shards).transmitted), 2)
+    0.96
+    """
+    listed = [shards] if isinstance(shards, (Result, str, os.PathLike)) else shards
+    folders = [shard.folder if isinstance(shard, Result) else shard for shard in listed]
+    call = Call("merge", {"partial": partial}, positional=folders, threads=threads)
+    return run_study(call, output, progress)

@@ -93,6 +93,7 @@ pub(crate) fn document_of(command: Command, call: &Call) -> Result<Document, Fai
         Command::Materials => "materials.name",
         Command::Export => "export.results",
         Command::Report => "report.folders",
+        Command::Merge => "merge.folders",
         _ => "measured.file",
     };
     let positional = (!call.positional.is_empty()).then_some((path, call.positional.as_slice()));

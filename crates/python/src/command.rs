@@ -13,8 +13,9 @@ use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
     AlbedoStudy, AttenuationStudy, ConvergeStudy, ExportConfig, Findings, GeneratePlan, GonioStudy,
     InspectConfig, MapStudy, MaterialsConfig, MeshConfig, ModelConfig, OneOrMany, RenderConfig,
-    RenderPlan, Resolution, Study, TraceStudy, VerifyStudy, evaluate_model, material_list,
-    material_list_text, model_list, time_limit,
+    RenderPlan, Resolution, ShardFolders, Study, TraceStudy, VerifyStudy, Views, WorkPlan,
+    evaluate_model, is_plan_only, material_list, material_list_text, model_list, open_results,
+    share_of, time_limit, trace_shard,
 };
 use asperity_surface::RawHeightMap;
 use pyo3::prelude::*;
@@ -111,14 +112,28 @@ pub(crate) fn run(
 }
 
 fn dispatch(document: &Document, call: &Call, observer: &dyn Observer) -> Result<Found, Failure> {
-    match document.command() {
-        Command::Trace => study::<TraceStudy>(document, call, observer),
-        Command::Verify => study::<VerifyStudy>(document, call, observer),
-        Command::Map => study::<MapStudy>(document, call, observer),
-        Command::Gonio => study::<GonioStudy>(document, call, observer),
-        Command::Albedo => study::<AlbedoStudy>(document, call, observer),
-        Command::Converge => study::<ConvergeStudy>(document, call, observer),
-        Command::Attenuation => study::<AttenuationStudy>(document, call, observer),
+    let shards = match document.command() {
+        Command::Merge => {
+            let shards = ShardFolders::of(document);
+            Some(shards.map_err(|error| Failure::of_study(document, error))?)
+        }
+        _ => None,
+    };
+    let run = StudyRun {
+        document: shards.as_ref().map_or(document, |shards| &shards.document),
+        output: document,
+        shards: shards.as_ref(),
+        call,
+        observer,
+    };
+    match run.document.command() {
+        Command::Trace => run.study::<TraceStudy>(),
+        Command::Verify => run.study::<VerifyStudy>(),
+        Command::Map => run.study::<MapStudy>(),
+        Command::Gonio => run.study::<GonioStudy>(),
+        Command::Albedo => run.study::<AlbedoStudy>(),
+        Command::Converge => run.study::<ConvergeStudy>(),
+        Command::Attenuation => run.study::<AttenuationStudy>(),
         Command::Generate => generate(document),
         Command::Inspect => inspect(document, observer),
         Command::Mesh => mesh(document, observer),
@@ -127,6 +142,7 @@ fn dispatch(document: &Document, call: &Call, observer: &dyn Observer) -> Result
         Command::Materials => materials(document),
         Command::Export => export(document),
         Command::Report => report(document),
+        Command::Merge => Err(Failure::value("shards of a merge have no shards")),
     }
 }
 
@@ -147,32 +163,72 @@ fn output(document: &Document) -> Result<PathBuf, Failure> {
         .ok_or_else(|| Failure::value("--output is missing"))
 }
 
-/// Runs a study in its folder: resumes what an earlier run has finished, runs the rest and writes all files.
-fn study<S: Study>(
-    document: &Document,
-    call: &Call,
-    observer: &dyn Observer,
-) -> Result<Found, Failure> {
-    let refused = |error| Failure::of_study(document, error);
-    let observer = &Deadline::new(observer, time_limit(document)?);
-    let study = S::plan(document, observer).map_err(refused)?;
-    let names = study
-        .views()
-        .map_err(|error| refused(error.into()))?
-        .names();
-    let inputs = document.input_files();
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    let command = document.command();
-    let folder = ResultFolder::open(output(document)?, command.name(), &inputs)?
-        .with_arguments(call.command_line(command));
-    folder.check(names)?;
-    let mut results = study.open(&folder).map_err(refused)?;
-    let notes = [study.notes(), results.notes()].concat();
-    let found = judged(&study, &mut results, &folder, document, observer);
-    if matches!(found, Err(Failure::Stopped(_))) && results.close_early().map_err(Failure::file)? {
-        folder.finish(false)?;
+/// The run of a study, or the merge of its shards.
+struct StudyRun<'a> {
+    /// Settings of the study.
+    document: &'a Document,
+    /// Settings that name the folder.
+    output: &'a Document,
+    shards: Option<&'a ShardFolders>,
+    call: &'a Call,
+    observer: &'a dyn Observer,
+}
+
+impl StudyRun<'_> {
+    /// Runs a study in its folder: resumes what an earlier run has finished, runs the rest and writes all files.
+    fn study<S: Study>(&self) -> Result<Found, Failure> {
+        let document = self.document;
+        let refused = |error| Failure::of_study(document, error);
+        let observer = &Deadline::new(self.observer, time_limit(document)?);
+        let study = S::plan(document, observer).map_err(refused)?;
+        let is_plan_only = is_plan_only(document);
+        let share = share_of(document).filter(|_| !is_plan_only);
+        let names = match share {
+            _ if is_plan_only => WorkPlan::views().names(),
+            Some(_) => Vec::new(),
+            None => {
+                let views = study.views().map_err(|error| refused(error.into()))?;
+                views.names()
+            }
+        };
+        let inputs = [document.input_files(), self.output.input_files()].concat();
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        let arguments = self.call.command_line(self.output.command());
+        let command = document.command().name();
+        let folder =
+            ResultFolder::open(output(self.output)?, command, &inputs)?.with_arguments(arguments);
+        folder.check(names)?;
+        let mut results = open_results(&study, document, &folder).map_err(refused)?;
+        let mut notes = [study.notes(), results.notes()].concat();
+        if let Some(shards) = self.shards {
+            notes.extend(shards.merge_into::<S>(&mut results).map_err(refused)?);
+        }
+        let found = match share {
+            _ if is_plan_only => {
+                let plan = WorkPlan::of(&study, document, &mut results, observer);
+                plan.map_err(refused)
+                    .and_then(|plan| shown(&plan, &WorkPlan::views(), &folder, observer))
+            }
+            Some(share) => {
+                let traced = trace_shard(&study, share, &mut results, observer);
+                traced.map_err(refused).and_then(|traced| {
+                    folder.finish(false)?;
+                    Ok(Found {
+                        text: traced.text(),
+                        json: json(&traced)?,
+                        ..Found::default()
+                    })
+                })
+            }
+            None => judged(&study, &mut results, &folder, document, observer),
+        };
+        if matches!(found, Err(Failure::Stopped(_)))
+            && results.close_early().map_err(Failure::file)?
+        {
+            folder.finish(false)?;
+        }
+        Ok(Found { notes, ..found? })
     }
-    Ok(Found { notes, ..found? })
 }
 
 /// Runs what results lack, and writes all files.
@@ -186,7 +242,17 @@ fn judged<S: Study>(
     let refused = |error| Failure::of_study(document, error);
     let findings = study.run(results, observer).map_err(refused)?;
     let views = study.views().map_err(|error| refused(error.into()))?;
-    views.write(folder, &findings, observer)?;
+    shown(&findings, &views, folder, observer)
+}
+
+/// Writes the files of findings.
+fn shown<F: Findings + Sync>(
+    findings: &F,
+    views: &Views<'_, F>,
+    folder: &ResultFolder,
+    observer: &dyn Observer,
+) -> Result<Found, Failure> {
+    views.write(folder, findings, observer)?;
     folder.finish(findings.stopped_by().is_none())?;
     Ok(Found {
         text: findings.text(),

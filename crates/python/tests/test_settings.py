@@ -10,7 +10,7 @@ from asperity import _core
 from asperity._call import Call, settings
 
 COMMANDS = ["generate", "inspect", "mesh", "trace", "render", "verify", "map", "gonio", "albedo", "converge",
-            "attenuation", "model", "materials", "export", "report"]
+            "attenuation", "model", "materials", "export", "report", "merge"]
 FUNCTIONS = {name: getattr(asp, name) for name in
              ["trace", "verify", "map", "gonio", "albedo", "converge", "attenuation"]}
 

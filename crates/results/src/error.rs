@@ -40,9 +40,18 @@ pub enum ResultsError {
     /// Findings of a case that are not of the form that the study stores.
     #[error("the findings of a case cannot be read ({0})")]
     Findings(#[from] serde_json::Error),
-    /// Shards of different runs, or none.
-    #[error("the shards cannot be merged ({})", within(.0, MAX_SHOWN))]
-    OtherShard(String),
+    /// A shard that cannot be merged with others.
+    #[error(
+        "{} cannot be merged with the others: {}",
+        shown_path(path),
+        within(reason, MAX_SHOWN)
+    )]
+    OtherShard {
+        /// The folder.
+        path: PathBuf,
+        /// Reason.
+        reason: String,
+    },
 }
 
 /// The first line of a reason. Errors of parsers may have several, with content of the file.

@@ -12,6 +12,7 @@ use crate::error::{ResultsError, first_line};
 use crate::header::{Header, other_build};
 use crate::npz::NpzReader;
 use crate::rounding::rounding;
+use crate::shards::Shards;
 use crate::store::{JOURNAL, ReadRecord};
 use crate::thumbnail::Thumbnail;
 
@@ -94,6 +95,12 @@ impl NpzReader {
     }
 }
 
+/// Returns `true` if a folder has a file of results, or the journal of a killed run.
+#[must_use]
+pub fn has_results(folder: &Path) -> bool {
+    [FILE, JOURNAL].iter().any(|name| exists(folder.join(name)))
+}
+
 /// A result file, or that of a folder.
 fn file_of(path: &Path) -> PathBuf {
     match path.is_dir() {
@@ -151,6 +158,20 @@ impl<C: Stored> Found<C> {
             });
             let whole = match read {
                 Err(reason) => Err(reason),
+                Ok((mut reader, of)) if header.completes(&of) && of["rounding"] == rounding() => {
+                    found.read_file(&mut reader)
+                }
+                Ok((mut reader, of))
+                    if header.difference(&of).is_some()
+                        && header.extends(&of)
+                        && of["complete"] == true
+                        && of["rounding"] == rounding()
+                        && reader.has(PARTS) =>
+                {
+                    let read = found.read_file(&mut reader);
+                    found.cases.clear();
+                    read
+                }
                 Ok((_, of)) if header.difference(&of).is_some() => {
                     if complete == Complete::Refused || of["complete"] != true {
                         return Err(other(&file, header.difference(&of).unwrap_or_default()));
@@ -263,7 +284,12 @@ fn parsed(path: &Path, value: Value) -> Result<Header, ResultsError> {
     if let Some(difference) = other_build(&value, study) {
         return Err(other(path, difference));
     }
-    serde_json::from_value(value).map_err(|error| broken(path)(error.to_string()))
+    let header: Header =
+        serde_json::from_value(value).map_err(|error| broken(path)(error.to_string()))?;
+    match header.shards.as_ref().is_none_or(Shards::are_valid) {
+        true => Ok(header),
+        false => Err(broken(path)("it has no such shards".to_owned())),
+    }
 }
 
 fn broken(path: &Path) -> impl Fn(String) -> ResultsError {

@@ -6,9 +6,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use crate::rounding::rounding;
+use crate::shards::Shards;
 
 /// Version of the file format.
 const FORMAT: u64 = 1;
+
+/// Settings of the section `run` that decide how many surfaces and rays there are.
+const EFFORT: [&str; 4] = ["realisations", "rays", "target_error", "of"];
 
 /// Identity of a run: study, build, seed and settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,6 +29,9 @@ pub struct Header {
     pub seed: u64,
     /// All settings that the results depend on.
     pub document: Value,
+    /// The shards that the results are of; `None` if they are of the whole run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shards: Option<Shards>,
     /// Machine and run time, which comparisons ignore.
     #[serde(default)]
     pub machine: Machine,
@@ -68,6 +75,7 @@ impl Header {
             rounding: rounding().to_owned(),
             seed,
             document,
+            shards: None,
             machine: Machine::current(),
         }
     }
@@ -75,6 +83,12 @@ impl Header {
     /// First key in which the header `found`, which may be of any format, differs from this one. Commit, version, rounding and machine
     /// are not compared.
     pub(crate) fn difference(&self, found: &Value) -> Option<String> {
+        let of_run = self.difference_of_run(found);
+        of_run.or_else(|| self.other_shards(found))
+    }
+
+    /// The same, whatever shards of the run both are of.
+    pub(crate) fn difference_of_run(&self, found: &Value) -> Option<String> {
         other_build(found, &self.study).or_else(|| {
             let own = json!(self);
             let part = |header: &Value| {
@@ -84,6 +98,41 @@ impl Header {
             };
             first_difference(&part(found), &part(&own), "")
         })
+    }
+
+    /// Returns `true` if the header `found` is of a partial merge of the run, which this one, of the whole, completes.
+    pub(crate) fn completes(&self, found: &Value) -> bool {
+        let is_partial = found["shards"]["merged"] == true;
+        self.shards.is_none() && is_partial && self.difference_of_run(found).is_none()
+    }
+
+    /// Returns `true` if the header `found` is of a run that differs in its number of surfaces and rays alone.
+    pub(crate) fn extends(&self, found: &Value) -> bool {
+        let without_effort = |mut header: Value| {
+            if let Some(run) = header
+                .pointer_mut("/document/run")
+                .and_then(Value::as_object_mut)
+            {
+                run.retain(|key, _| !EFFORT.contains(&key.as_str()));
+            }
+            header
+        };
+        let own = serde_json::from_value::<Self>(without_effort(json!(self)));
+        own.is_ok_and(|own| own.difference(&without_effort(found.clone())).is_none())
+    }
+
+    fn other_shards(&self, found: &Value) -> Option<String> {
+        let found: Option<Shards> = Deserialize::deserialize(&found["shards"]).ok()?;
+        let text = |shards: &Option<Shards>| {
+            let text = shards.as_ref().map(Shards::to_string);
+            text.unwrap_or_else(|| "the whole run".to_owned())
+        };
+        let are_same = match (&found, &self.shards) {
+            (Some(found), Some(own)) => found.are_those_of(own),
+            (None, None) => true,
+            _ => false,
+        };
+        (!are_same).then(|| format!("{} in place of {}", text(&found), text(&self.shards)))
     }
 }
 

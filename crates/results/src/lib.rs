@@ -14,7 +14,7 @@
 //! | `cases/000000.json` | outcome and findings of a case; a member `{"$array": "NAME"}` stands for the array `NAME.npy` |
 //! | `cases/000000/.../means/values.npy` | an array of the case, at its place in the JSON |
 //! | `surface.json`, `surface/heights.npy` | a [`Thumbnail`] of the first surface |
-//! | `parts.cbor` | finished parts of cases that are not complete, for this program alone |
+//! | `parts.cbor` | finished parts of cases that are not complete, or of all, if more surfaces are to join them; for this program alone |
 //! | `machine.json` | seconds, threads, host and instructions: all that differs between two runs of the same results |
 //!
 //! A number that is not finite is `{"$float": "NaN"}`, `"inf"` or `"-inf"`. In an array with `"missing": "NaN"` a NaN stands for a value
@@ -23,7 +23,11 @@
 //! # What is kept per surface
 //! `verify` and `trace` keep the tally of each surface: their tests flip the signs of whole surfaces, and more surfaces can join them.
 //! `map`, `gonio` and the runs of `converge` keep moments alone, [without details](asperity_simulate::Outcome::without_details): means, squares of deviations and least
-//! errors. A shard of them is never less than a case.
+//! errors.
+//!
+//! # Shards
+//! A set of a shard has the cases that it has finished, and finished parts of those that it shares with others. [`Container::merge`] puts the
+//! sets of all shards together; running what is missing then finds every part, and so the bytes of the whole run.
 
 mod case_result;
 mod error;
@@ -33,11 +37,14 @@ mod npz;
 mod pack;
 mod rounding;
 mod set;
+mod shards;
 mod store;
 mod thumbnail;
 
 pub use case_result::{CaseResult, Stored, coordinates};
 pub use error::ResultsError;
+pub use found::has_results;
 pub use header::{Header, Machine};
 pub use set::{Container, ResultSet, Resumed};
+pub use shards::Shards;
 pub use thumbnail::Thumbnail;

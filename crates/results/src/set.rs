@@ -1,16 +1,18 @@
 //! Container: the results of a study, by number of the case.
 
+mod merge;
 mod run;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asperity_io::{ResultFolder, exists, write_bytes};
-use asperity_simulate::{Observer, SimulateError, StoppedBy, SurfaceSource};
+use asperity_simulate::{Division, Observer, Share, SimulateError, StoppedBy, SurfaceSource};
 use asperity_surface::LengthUnit;
 use serde_json::{Value, json};
 
@@ -19,6 +21,7 @@ use crate::error::ResultsError;
 use crate::found::{Complete, FILE, Found, PARTS, SURFACE, name_of};
 use crate::header::Header;
 use crate::npz::{Machines, NpzWriter};
+use crate::shards::Shards;
 use crate::store::{JOURNAL, Pace, Part, PartStore};
 use crate::thumbnail::Thumbnail;
 
@@ -63,7 +66,9 @@ pub struct Container<'a, C> {
     folder: Option<&'a ResultFolder>,
     resumed: Resumed,
     notes: Vec<String>,
+    division: Division,
     stopped_by: Option<StoppedBy>,
+    opened: Instant,
     began: Instant,
 }
 
@@ -80,46 +85,6 @@ impl<C: Stored> Container<'static, C> {
     /// [`ResultsError`] if there are none, they cannot be read, are damaged, or of another format or results epoch.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, ResultsError> {
         let (header, found) = Found::read(path.as_ref())?;
-        Ok(Self::of(header, found, None, Pace::DEFAULT))
-    }
-
-    /// Union of the shards of one run. Of a case that several shards have, the first complete one counts.
-    ///
-    /// # Errors
-    /// [`ResultsError::OtherShard`] if there are none, or they are of different runs.
-    pub fn merge(shards: Vec<Container<'_, C>>) -> Result<Self, ResultsError> {
-        let mut shards = shards.into_iter();
-        let none = || ResultsError::OtherShard("there are none".to_owned());
-        let first = shards.next().ok_or_else(none)?;
-        let mut header = first.header.clone();
-        header.machine.seconds = 0.0;
-        let mut found = Found::default();
-        for shard in std::iter::once(first).chain(shards) {
-            if let Some(difference) = header.difference(&json!(shard.header)) {
-                return Err(ResultsError::OtherShard(difference));
-            }
-            if header.rounding != shard.header.rounding {
-                let difference = "machines that round differently".to_owned();
-                return Err(ResultsError::OtherShard(difference));
-            }
-            header.machine.seconds += shard.header.machine.seconds;
-            found.count = found.count.max(shard.cases.len());
-            found.thumbnail = found.thumbnail.or(shard.thumbnail);
-            for (number, case) in shard.cases.into_iter().enumerate() {
-                let Some(case) = case else { continue };
-                let known = found.cases.get(&number);
-                if known.is_none_or(C::is_cut_short) {
-                    found.cases.insert(number, Arc::unwrap_or_clone(case));
-                }
-            }
-            let mut state = shard.store.state();
-            state.hold_parts();
-            for (key, part) in std::mem::take(&mut state.parts) {
-                if let Part::Held(surface) = part {
-                    found.parts.insert(key, *surface);
-                }
-            }
-        }
         Ok(Self::of(header, found, None, Pace::DEFAULT))
     }
 }
@@ -162,24 +127,67 @@ impl<'a, C: Stored> Container<'a, C> {
             case.is_some_and(|case| !case.is_cut_short())
         };
         let parts = found.parts.into_iter();
-        let parts = parts.filter(|(key, _)| !is_complete(key.case));
         let parts = parts.map(|(key, surface)| (key, Part::Held(Box::new(surface))));
-        store.state().parts = parts.collect();
-        let parts = store.state().parts.len();
+        let parts: BTreeMap<_, _> = parts.collect();
+        let of_incomplete = parts.keys().filter(|key| !is_complete(key.case)).count();
+        store.state().parts = parts;
         Self {
             resumed: Resumed {
                 cases: (0..cases.len()).filter(|&i| is_complete(i)).count(),
-                parts,
+                parts: of_incomplete,
             },
-            header,
             cases,
             thumbnail: found.thumbnail,
             store,
             folder,
             notes: Vec::new(),
+            division: Division {
+                share: header.shards.as_ref().map_or(Share::WHOLE, Shards::share),
+                seconds: Vec::new(),
+            },
             stopped_by: None,
+            opened: Instant::now(),
             began: Instant::now(),
+            header,
         }
+    }
+
+    /// The share of what is missing that is traced.
+    #[must_use]
+    pub const fn share(&self) -> Share {
+        self.division.share
+    }
+
+    /// Balances shards by these times of all cases in seconds, and takes the pilot runs that `planned` has.
+    ///
+    /// # Errors
+    /// The first difference, if it is of another run.
+    pub fn follow_plan(
+        &mut self,
+        planned: Container<'_, C>,
+        seconds: Vec<f64>,
+    ) -> Result<(), String> {
+        if let Some(difference) = self.header.difference_of_run(&json!(planned.header)) {
+            return Err(difference);
+        }
+        self.division.seconds = seconds;
+        let mut of_plan = planned.store.state();
+        of_plan.hold_parts();
+        let pilots = std::mem::take(&mut of_plan.parts);
+        let mut state = self.store.state();
+        for (key, part) in pilots {
+            if key.is_of_pilot() {
+                state.parts.entry(key).or_insert(part);
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps the finished surfaces of complete cases in the file, so that a run with more surfaces or a smaller target error goes on from them.
+    pub fn keep_parts(&mut self) {
+        let mut state = self.store.state();
+        state.is_changed |= !state.keeps_parts && self.folder.is_some();
+        state.keeps_parts = true;
     }
 
     /// Number of results that an earlier run left.
@@ -248,36 +256,61 @@ impl<'a, C: Stored> Container<'a, C> {
         self.cases().filter(|(_, case)| case.is_cut_short()).count()
     }
 
+    /// Seconds since the set was opened.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.opened.elapsed().as_secs_f64()
+    }
+
     /// Time spent on the journal so far.
     #[must_use]
     pub fn journal_time(&self) -> Duration {
         self.store.state().journal_time
     }
 
-    /// Computes the results that are missing among the first `count`, one after the other, until `compute` returns `None` at an interrupt.
+    /// Numbers of the results that are missing and to be computed, those of the share, among as many as there are `costs`: the times that they
+    /// are expected to take, in any unit.
+    #[must_use]
+    pub fn to_compute(&self, costs: &[f64]) -> Vec<usize> {
+        let slices = self.share().slices(costs).into_iter().enumerate();
+        let missing = slices.filter(|(number, _)| !self.is_complete(*number));
+        let own = missing.filter(|(_, slice)| slice.units(1) == (0..1));
+        own.map(|(number, _)| number).collect()
+    }
+
+    /// Computes the results that are missing and [to be computed](Self::to_compute), one after the other, until `compute` returns `None` at an interrupt.
     /// Without an interrupt a `None` leaves the result to another shard.
     ///
     /// # Errors
     /// The first error of `compute`.
     pub fn compute_missing<E>(
         &mut self,
-        count: usize,
+        costs: &[f64],
         observer: &dyn Observer,
         mut compute: impl FnMut(usize) -> Result<Option<C>, E>,
     ) -> Result<(), E> {
-        self.make_room(count);
+        self.make_room(costs.len());
         self.stopped_by = None;
-        for number in 0..count {
-            if !self.is_complete(number) {
-                if let Some(case) = compute(number)? {
-                    self.add(number, case);
-                } else if let Some(stopped_by) = observer.stop() {
-                    self.stopped_by = Some(stopped_by);
-                    break;
-                }
+        for number in self.to_compute(costs) {
+            if let Some(case) = compute(number)? {
+                self.add(number, case);
+            } else if let Some(stopped_by) = observer.stop() {
+                self.stopped_by = Some(stopped_by);
+                break;
             }
         }
+        if self.share().is_nothing() && (0..costs.len()).any(|number| !self.is_complete(number)) {
+            self.stopped_by = Some(StoppedBy::Shards);
+        }
         Ok(())
+    }
+
+    /// Removes the results after the first `count`.
+    pub fn truncate(&mut self, count: usize) {
+        if self.cases.len() > count {
+            self.cases.truncate(count);
+            self.store.state().is_changed = true;
+        }
     }
 
     /// Adds the result of a case, in place of the one that is there.
@@ -335,6 +368,14 @@ impl<'a, C: Stored> Container<'a, C> {
         };
         self.header.machine.seconds += self.began.elapsed().as_secs_f64();
         self.began = Instant::now();
+        let is_ended = matches!(
+            self.stopped_by,
+            Some(StoppedBy::Time | StoppedBy::Interrupt)
+        );
+        if let Some(shards) = &mut self.header.shards {
+            self.store.state().is_changed |= shards.finished == is_ended;
+            shards.finished = !is_ended;
+        }
         let is_changed = {
             let mut state = self.store.state();
             state.hold_parts();
@@ -364,7 +405,8 @@ impl<'a, C: Stored> Container<'a, C> {
             header["cases"] = self.cases.len().into();
             header["axes"] = json!(axes(self.cases()));
             let is_complete = (0..self.cases.len()).all(|case| self.is_complete(case));
-            header["complete"] = (is_complete && self.stopped_by.is_none()).into();
+            let is_whole = self.stopped_by.is_none() && self.header.shards.is_none();
+            header["complete"] = (is_complete && is_whole).into();
             writer.add("header", &header)?;
             if let Some(thumbnail) = &self.thumbnail {
                 writer.add(SURFACE, thumbnail)?;
@@ -374,8 +416,15 @@ impl<'a, C: Stored> Container<'a, C> {
             }
             let mut parts = Vec::new();
             for (key, part) in &state.parts {
-                if let Part::Held(surface) = part {
-                    parts.push((key, surface));
+                let is_complete = self.is_complete(key.case);
+                match part {
+                    Part::Held(_) if is_complete && !state.keeps_parts => {}
+                    // Equal results have equal bytes.
+                    Part::Held(surface) if is_complete => {
+                        parts.push((key, Cow::Owned(surface.without_machine())));
+                    }
+                    Part::Held(surface) => parts.push((key, Cow::Borrowed(&**surface))),
+                    Part::Journal(_) => {}
                 }
             }
             if !parts.is_empty() {

@@ -77,6 +77,8 @@ pub(crate) struct State<C> {
     journal: Option<Journal>,
     /// End of the journal of an earlier run; 0 to begin a new one.
     end: u64,
+    /// `true` if parts of complete cases are kept, so that a run with more surfaces goes on from them.
+    pub(crate) keeps_parts: bool,
     /// `true` if anything came that is not in the file of results.
     pub(crate) is_changed: bool,
     /// When the journal is to be written next, if there is a clock that goes so far.
@@ -102,6 +104,7 @@ impl<'a, C: Stored> PartStore<'a, C> {
                 header,
                 journal: None,
                 end,
+                keeps_parts: false,
                 is_changed: end > 0,
                 due: Instant::now().checked_add(pace.interval),
                 began: Instant::now(),
@@ -122,7 +125,7 @@ impl<'a, C: Stored> PartStore<'a, C> {
     pub(crate) fn add_case(&self, number: usize, case: &Arc<C>) {
         let mut state = self.state();
         state.is_changed = true;
-        if !case.is_cut_short() {
+        if !case.is_cut_short() && !state.keeps_parts {
             state.parts.retain(|key, _| key.case != number);
             state.new_parts.retain(|key| key.case != number);
         }

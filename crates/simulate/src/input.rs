@@ -12,5 +12,6 @@ pub(crate) mod path_choice;
 pub(crate) mod random_surfaces;
 pub(crate) mod regions;
 pub(crate) mod settings;
+pub(crate) mod share;
 pub(crate) mod surface_source;
 pub(crate) mod target;

@@ -35,6 +35,14 @@ pub struct SurfaceKey {
     pub number: u64,
 }
 
+impl SurfaceKey {
+    /// Returns `true` if it is of a pilot run.
+    #[must_use]
+    pub const fn is_of_pilot(self) -> bool {
+        !matches!(self.stage, Stage::Result | Stage::Regions)
+    }
+}
+
 /// Stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -18,7 +18,8 @@ mod text;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Observer, Outcome, StoppedBy};
+use asperity_simulate::{Observer, Outcome, StoppedBy, SurfaceSource};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -30,7 +31,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
+use crate::study::{Findings, PlannedRow, Study, finished, first_of, tracing};
 use crate::verify::plan::Plan;
 
 pub use config::{AlbedoConfig, AlbedoLight, AlbedoOutput, AlbedoRun, AlbedoSlopes, AlbedoTable};
@@ -62,14 +63,6 @@ impl AlbedoStudy {
             config,
         })
     }
-
-    /// The tables of the plan from its results, possibly incomplete.
-    ///
-    /// # Errors
-    /// [`StudyError`] if Smith's model does not describe a material.
-    pub fn judge<'a>(&'a self, found: &'a ResultSet<'_>) -> Result<AlbedoOutcome<'a>, StudyError> {
-        AlbedoOutcome::new(&self.config, &self.axes, &self.plan, found)
-    }
 }
 
 impl Study for AlbedoStudy {
@@ -88,25 +81,47 @@ impl Study for AlbedoStudy {
         self.config.header()
     }
 
-    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<ResultSet<'f>, StudyError> {
-        Ok(ResultSet::open_cases(
-            folder,
-            self.header()?,
-            &self.plan.cases,
-        )?)
+    fn open<'f>(
+        &self,
+        folder: &'f ResultFolder,
+        header: Header,
+    ) -> Result<ResultSet<'f>, StudyError> {
+        Ok(ResultSet::open_cases(folder, header, &self.plan.cases)?)
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.plan.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<AlbedoOutcome<'a>, StudyError> {
+    ) -> Result<(), StudyError> {
         let tracing = &tracing(observer, self.config.run.max_time, true);
         let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
-        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
-        keep_thumbnail(found, &self.plan.cases, observer)?;
-        found.close()?;
-        self.judge(found)
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)
+    }
+
+    fn plan_work(
+        &self,
+        found: &mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let Plan {
+            cases, settings, ..
+        } = &self.plan;
+        let work = found.plan_missing(cases, settings, observer)?;
+        Ok(PlannedRow::of_cases(cases, work))
+    }
+
+    /// The tables of the plan from its results, possibly incomplete.
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        _observer: &dyn Observer,
+    ) -> Result<AlbedoOutcome<'a>, StudyError> {
+        AlbedoOutcome::new(&self.config, &self.axes, &self.plan, found)
     }
 }
 

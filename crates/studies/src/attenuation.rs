@@ -204,7 +204,7 @@ impl AttenuationStudy {
     ///
     /// # Errors
     /// [`SimulateError::Interrupted`] if there are none.
-    pub fn judge(
+    pub(crate) fn outcome(
         &self,
         found: &Container<'_, SurveyedSurface>,
     ) -> Result<AttenuationOutcome<'_>, StudyError> {
@@ -242,7 +242,7 @@ impl AttenuationStudy {
                 samples: first.samples,
                 method: self.method(),
                 lost: lost.map(|counts| counts.lost).sum(),
-                seconds: 0.0,
+                seconds: found.seconds(),
                 threads: rayon::current_num_threads(),
             },
             stopped_by: found.stopped_by(),

@@ -42,6 +42,9 @@ pub enum StudyError {
     /// Results cannot be kept.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// Shards that do not make up a run.
+    #[error("{0}")]
+    Shards(String),
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
@@ -138,6 +141,7 @@ impl StudyError {
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
             Self::Results(_)
+            | Self::Shards(_)
             | Self::Comparison(_)
             | Self::HeightField(_)
             | Self::Mesh(_)

@@ -17,7 +17,8 @@ mod tables;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Observer, Outcome, StoppedBy};
+use asperity_simulate::{Observer, Outcome, StoppedBy, SurfaceSource};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -30,7 +31,7 @@ use crate::error::StudyError;
 use crate::export::check_planned;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
+use crate::study::{Findings, PlannedRow, Study, finished, first_of, tracing};
 use crate::verify::plan::Plan;
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, LightDirections, PatchBasis, PlotScale};
@@ -60,23 +61,6 @@ impl GonioStudy {
             sample,
             config,
             notes: Vec::new(),
-        })
-    }
-
-    /// The measurement by the results of the plan, as far as they are there.
-    ///
-    /// # Errors
-    /// [`StudyError`] if the angles make no sense.
-    pub fn judge<'a>(&'a self, found: &'a ResultSet<'_>) -> Result<GonioOutcome<'a>, StudyError> {
-        let [thetas, phis] = self.config.angles()?;
-        Ok(GonioOutcome {
-            config: &self.config,
-            sample: self.sample.as_ref(),
-            plan: &self.plan,
-            found,
-            thetas,
-            phis,
-            pairs: self.config.pairs()?,
         })
     }
 }
@@ -126,27 +110,58 @@ impl Study for GonioStudy {
         Ok(self.header.clone())
     }
 
-    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<ResultSet<'f>, StudyError> {
-        Ok(ResultSet::open_cases(
-            folder,
-            self.header()?,
-            &self.plan.cases,
-        )?)
+    fn open<'f>(
+        &self,
+        folder: &'f ResultFolder,
+        header: Header,
+    ) -> Result<ResultSet<'f>, StudyError> {
+        Ok(ResultSet::open_cases(folder, header, &self.plan.cases)?)
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.plan.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<GonioOutcome<'a>, StudyError> {
+    ) -> Result<(), StudyError> {
         let draws = self.config.output.plots;
         let tracing = &tracing(observer, self.config.run.max_time, draws);
         // Of each direction moments alone are kept.
         let derive = |_: &Outcome| Ok::<_, StudyError>(Some(Value::Null));
-        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
-        keep_thumbnail(found, &self.plan.cases, observer)?;
-        found.close()?;
-        self.judge(found)
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)
+    }
+
+    fn plan_work(
+        &self,
+        found: &mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let Plan {
+            cases, settings, ..
+        } = &self.plan;
+        let work = found.plan_missing(cases, settings, observer)?;
+        Ok(PlannedRow::of_cases(cases, work))
+    }
+
+    /// The measurement by the results of the plan, as far as they are there.
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        _observer: &dyn Observer,
+    ) -> Result<GonioOutcome<'a>, StudyError> {
+        let [thetas, phis] = self.config.angles()?;
+        Ok(GonioOutcome {
+            config: &self.config,
+            sample: self.sample.as_ref(),
+            plan: &self.plan,
+            found,
+            thetas,
+            phis,
+            pairs: self.config.pairs()?,
+        })
     }
 }
 

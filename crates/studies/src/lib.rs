@@ -24,11 +24,13 @@ mod output;
 mod render;
 mod report;
 pub mod settings;
+mod shards;
 mod study;
 mod surface_lengths;
 mod trace;
 mod validity;
 mod verify;
+mod work_plan;
 
 pub use albedo::{
     AlbedoConfig, AlbedoLight, AlbedoOutcome, AlbedoOutput, AlbedoPoint, AlbedoRun, AlbedoSlopes,
@@ -105,9 +107,11 @@ pub use report::figures::model_colour;
 pub use report::flux_basis::FluxBasis;
 pub use report::summary::Summary;
 pub use report::views::Views;
-pub use study::{Findings, Study, time_limit};
+pub use shards::{ShardFolders, TracedShard, is_plan_only, open_results, share_of, trace_shard};
+pub use study::{Findings, PlannedRow, Study, time_limit};
 pub use surface_lengths::SurfaceLengths;
 pub use trace::{PlannedTrace, TraceComparison, TraceOutcome, TraceOutcomes, TraceStudy};
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::plan::Plan;
 pub use verify::{VerifyOutcome, VerifyStudy};
+pub use work_plan::WorkPlan;

@@ -14,7 +14,8 @@ mod tables;
 
 use asperity_io::ResultFolder;
 use asperity_results::{CaseResult, Header, ResultSet, ResultsError};
-use asperity_simulate::{Observer, Outcome, StoppedBy};
+use asperity_simulate::{Observer, Outcome, StoppedBy, SurfaceSource};
+use asperity_surface::LengthUnit;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -26,7 +27,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
+use crate::study::{Findings, PlannedRow, Study, finished, first_of, tracing};
 use crate::verify::judge_case;
 use crate::verify::plan::Plan;
 
@@ -58,26 +59,6 @@ impl MapStudy {
             notes: Vec::new(),
         })
     }
-
-    /// Makes a map of the results of the plan, as far as they are there.
-    ///
-    /// # Errors
-    /// [`StudyError::Results`] if the findings of a cell are of another form.
-    pub fn judge<'a>(&'a self, found: &ResultSet<'_>) -> Result<MapOutcome<'a>, StudyError> {
-        let read = |cell| {
-            let findings = found.case(cell).map(|case| &case.findings);
-            findings.map(CellResults::deserialize).transpose()
-        };
-        let results = (0..self.plan.cases.len()).map(read);
-        let results = results.collect::<Result<_, _>>();
-        Ok(MapOutcome {
-            config: &self.config,
-            plan: &self.plan,
-            results: results.map_err(ResultsError::from)?,
-            cut_short: found.cut_short(),
-            stopped_by: found.stopped_by(),
-        })
-    }
 }
 
 impl Study for MapStudy {
@@ -106,19 +87,23 @@ impl Study for MapStudy {
         self.config.header()
     }
 
-    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<ResultSet<'f>, StudyError> {
-        Ok(ResultSet::open_cases(
-            folder,
-            self.header()?,
-            &self.plan.cases,
-        )?)
+    fn open<'f>(
+        &self,
+        folder: &'f ResultFolder,
+        header: Header,
+    ) -> Result<ResultSet<'f>, StudyError> {
+        Ok(ResultSet::open_cases(folder, header, &self.plan.cases)?)
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.plan.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<MapOutcome<'a>, StudyError> {
+    ) -> Result<(), StudyError> {
         let tracing = &tracing(observer, self.config.run.max_time, true);
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
@@ -126,10 +111,42 @@ impl Study for MapStudy {
             let is_judged = !judged.models.is_empty();
             Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };
-        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)?;
-        keep_thumbnail(found, &self.plan.cases, observer)?;
-        found.close()?;
-        self.judge(found)
+        found.run_missing_moments(&self.plan.cases, &self.plan.settings, tracing, derive)
+    }
+
+    fn plan_work(
+        &self,
+        found: &mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let Plan {
+            cases, settings, ..
+        } = &self.plan;
+        let mut work = found.plan_missing(cases, settings, observer)?;
+        let of_models = self.config.compare.expected_seconds();
+        work.iter_mut().for_each(|one| one.seconds += of_models);
+        Ok(PlannedRow::of_cases(cases, work))
+    }
+
+    /// Makes a map of the results of the plan, as far as they are there.
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        _observer: &dyn Observer,
+    ) -> Result<MapOutcome<'a>, StudyError> {
+        let read = |cell| {
+            let findings = found.case(cell).map(|case| &case.findings);
+            findings.map(CellResults::deserialize).transpose()
+        };
+        let results = (0..self.plan.cases.len()).map(read);
+        let results = results.collect::<Result<_, _>>();
+        Ok(MapOutcome {
+            config: &self.config,
+            plan: &self.plan,
+            results: results.map_err(ResultsError::from)?,
+            cut_short: found.cut_short(),
+            stopped_by: found.stopped_by(),
+        })
     }
 }
 

@@ -30,6 +30,8 @@ mod presets;
 mod range;
 mod reference;
 mod refusals;
+mod repeat;
+mod request;
 mod setting;
 pub(crate) mod spread_text;
 mod suggestion;

@@ -3,9 +3,13 @@
 use std::time::Duration;
 
 use asperity_io::ResultFolder;
-use asperity_results::{Container, Header, ResultSet, Stored};
-use asperity_simulate::{Case, Deadline, Observer, SimulateError, StoppedBy, counted};
+use asperity_results::{Container, Header, Stored, coordinates};
+use asperity_simulate::{
+    Case, CaseColumn, CaseGroup, Deadline, Observer, PlannedWork, StoppedBy, SurfaceSource, counted,
+};
+use asperity_surface::LengthUnit;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 use crate::config::error::ConfigError;
 use crate::config::values::Seconds;
@@ -48,37 +52,108 @@ pub trait Study: Sized {
     /// [`ConfigError`] if a value is invalid.
     fn header(&self) -> Result<Header, ConfigError>;
 
-    /// Opens the results of an earlier run of this study in a folder. Complete results of other settings are replaced, unless the study
+    /// Opens the results of an earlier run of this study and `header` in a folder. Complete results of other settings are replaced, unless the study
     /// extends them by further cases.
     ///
     /// # Errors
     /// [`StudyError`] if they are of another study or results epoch, or cannot be read.
-    fn open<'f>(&self, folder: &'f ResultFolder) -> Result<Container<'f, Self::Kept>, StudyError> {
-        Ok(Container::open(folder, self.header()?)?)
+    fn open<'f>(
+        &self,
+        folder: &'f ResultFolder,
+        header: Header,
+    ) -> Result<Container<'f, Self::Kept>, StudyError> {
+        Ok(Container::open(folder, header)?)
     }
 
-    /// Computes what `found` lacks, until `observer` stops it, and judges all of it. A time limit of the settings is the observer's to keep;
-    /// the study shares it out.
+    /// The surfaces of the first case, and the unit of their lengths.
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)>;
+
+    /// Computes what `found` lacks, as far as it is in its share, until `observer` stops it. A time limit of the settings is the observer's to
+    /// keep; the study shares it out.
     ///
     /// # Errors
-    /// [`StudyError`] if a case cannot be computed or judged, or a stop comes before there is any result.
+    /// [`StudyError`] if a case cannot be computed, or a stop comes before there is any result.
+    fn compute(
+        &self,
+        found: &mut Container<'_, Self::Kept>,
+        observer: &dyn Observer,
+    ) -> Result<(), StudyError>;
+
+    /// Plans the work that `found` lacks.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a case cannot be planned, or `observer` stops a pilot run.
+    fn plan_work(
+        &self,
+        found: &mut Container<'_, Self::Kept>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError>;
+
+    /// Judges results, which may be incomplete.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a case cannot be judged.
+    fn judge<'a>(
+        &'a self,
+        found: &'a Container<'_, Self::Kept>,
+        observer: &dyn Observer,
+    ) -> Result<Self::Findings<'a>, StudyError>;
+
+    /// Computes what `found` lacks, writes its file, and judges all of it.
+    ///
+    /// # Errors
+    /// Those of [`Self::compute`] and [`Self::judge`], and [`StudyError`] if the file cannot be written.
     fn run<'a>(
         &'a self,
         found: &'a mut Container<'_, Self::Kept>,
         observer: &dyn Observer,
-    ) -> Result<Self::Findings<'a>, StudyError>;
+    ) -> Result<Self::Findings<'a>, StudyError> {
+        self.compute(found, observer)?;
+        if let Some((surfaces, unit)) = self.first_surfaces() {
+            found.keep_thumbnail(&surfaces, unit, observer)?;
+        }
+        found.close()?;
+        self.judge(found, observer)
+    }
 }
 
-/// Keeps a thumbnail of the first surface of the first case with the results.
-pub(crate) fn keep_thumbnail(
-    found: &mut ResultSet<'_>,
-    cases: &[Case],
-    observer: &dyn Observer,
-) -> Result<(), SimulateError> {
-    let first = cases.first();
-    first.map_or(Ok(()), |case| {
-        found.keep_thumbnail(&case.surface, case.at.unit, observer)
-    })
+/// Work that is planned for a case.
+#[derive(Clone, Debug)]
+pub struct PlannedRow {
+    pub(crate) columns: Vec<CaseColumn>,
+    pub(crate) work: PlannedWork,
+}
+
+impl PlannedRow {
+    /// Rows of cases.
+    pub(crate) fn of_cases(cases: &[Case], work: Vec<PlannedWork>) -> Vec<Self> {
+        let row = |work: PlannedWork| Self {
+            columns: coordinates(&cases[work.case]),
+            work,
+        };
+        work.into_iter().map(row).collect()
+    }
+
+    /// Row that its number tells from others: a surface, or a run.
+    pub(crate) fn numbered(name: &str, work: PlannedWork) -> Self {
+        let column = CaseColumn {
+            group: CaseGroup::Light,
+            name: name.to_owned(),
+            unit: String::new(),
+            about: format!("number of the {name}"),
+            value: json!(work.case),
+        };
+        Self {
+            columns: vec![column],
+            work,
+        }
+    }
+}
+
+/// The surfaces of the first of `cases`, and the unit of their lengths.
+pub(crate) fn first_of(cases: &[Case]) -> Option<(SurfaceSource, LengthUnit)> {
+    let first = cases.first()?;
+    Some((first.surface.clone(), first.at.unit))
 }
 
 /// Time after which the run of a document is to end; `None` without a limit.

@@ -11,10 +11,11 @@ mod plan;
 mod region_plan;
 mod text;
 
-use std::time::Instant;
-
 use asperity_results::{CaseResult, Header, ResultSet, Stored};
-use asperity_simulate::{Case, Observer, SimulateError, StoppedBy, counted};
+use asperity_simulate::{
+    Case, Observer, SimulateError, StoppedBy, SurfaceSource, counted, planned_rays,
+};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 use serde_json::json;
 
@@ -30,7 +31,7 @@ use crate::error::StudyError;
 use crate::given::{GivenSurface, GivenSurfaces};
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, keep_thumbnail, tracing};
+use crate::study::{Findings, PlannedRow, Study, finished, first_of, tracing};
 
 /// Light on given surfaces: every combination of the lists of its configuration.
 pub struct TraceStudy {
@@ -97,12 +98,15 @@ impl Study for TraceStudy {
         Ok(Header::new("trace", self.config.run.seed, settings))
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<TraceOutcomes<'a>, StudyError> {
-        let began = Instant::now();
+    ) -> Result<(), StudyError> {
         let compares = |one: &PlannedTrace| one.comparison.is_some();
         let output = &self.config.output;
         let follows = output.plots || output.absorbed_map || self.each.iter().any(compares);
@@ -110,23 +114,48 @@ impl Study for TraceStudy {
         let settings = &self.each[0].settings;
         found.run_missing(0, &self.cases, settings, tracing)?;
         for (number, one) in self.each.iter().enumerate() {
-            let (Some(planned), Some(whole)) = (&one.comparison, found.case(number)) else {
+            let Some(planned) = &one.comparison else {
                 continue;
             };
-            if whole.is_cut_short() {
-                continue;
-            }
-            // All regions together have as many rays.
-            let settings = planned.settings(whole.outcome.work.rays);
+            // All regions together have as many rays as the whole surface, which a shard may not have.
+            let rays = match found.case(number) {
+                Some(whole) if whole.is_cut_short() => None,
+                Some(whole) => Some(whole.outcome.work.rays),
+                None if found.share().is_whole() => None,
+                None => planned_rays(&one.case, &one.settings),
+            };
+            let Some(rays) = rays else { continue };
+            let settings = planned.settings(rays);
             let case = std::slice::from_ref(&one.case);
             match found.run_missing(self.each.len() + number, case, &settings, tracing) {
                 Err(SimulateError::Interrupted) => break,
                 run => run?,
             }
         }
-        keep_thumbnail(found, &self.cases, observer)?;
-        found.close()?;
-        let found = &*found;
+        Ok(())
+    }
+
+    fn plan_work(
+        &self,
+        found: &mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let settings = &self.each[0].settings;
+        let mut work = found.plan_missing(&self.cases, settings, observer)?;
+        for one in &mut work {
+            // Regions have as many rays as the whole.
+            if self.each[one.case].comparison.is_some() {
+                one.seconds *= 2.0;
+            }
+        }
+        Ok(PlannedRow::of_cases(&self.cases, work))
+    }
+
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<TraceOutcomes<'a>, StudyError> {
         let each = self.each.iter().enumerate().filter_map(|(number, one)| {
             let regions = found.case(self.each.len() + number);
             Some(one.judge(found.case(number)?, regions, observer))
@@ -138,7 +167,7 @@ impl Study for TraceStudy {
         Ok(TraceOutcomes {
             each,
             planned: &self.cases,
-            seconds: began.elapsed().as_secs_f64(),
+            seconds: found.seconds(),
         })
     }
 }

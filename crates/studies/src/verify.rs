@@ -7,11 +7,10 @@ pub(crate) mod plan;
 #[cfg(test)]
 mod tests;
 
-use std::time::Instant;
-
 use asperity_analysis::SmithSlopes;
 use asperity_results::{CaseResult, Header, ResultSet};
 use asperity_simulate::{Observer, Outcome, StoppedBy, SurfaceSource, counted};
+use asperity_surface::LengthUnit;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -29,7 +28,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, keep_thumbnail, tracing};
+use crate::study::{Findings, PlannedRow, Study, first_of, tracing};
 use crate::verify::plan::Plan;
 
 impl VerifyConfig {
@@ -61,42 +60,6 @@ impl VerifyStudy {
             notes: Vec::new(),
         })
     }
-
-    /// Compares the results of the plan with the models.
-    ///
-    /// # Errors
-    /// [`StudyError`] if a model cannot be made, or fits no result.
-    pub fn judge<'a>(
-        &'a self,
-        found: &'a ResultSet<'_>,
-        observer: &dyn Observer,
-    ) -> Result<VerifyOutcome<'a>, StudyError> {
-        let began = Instant::now();
-        let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
-        observer.begin("comparing", cases.len() as u64);
-        let cases = cases
-            .into_par_iter()
-            .map(|one| {
-                let judged = judge_case(&self.config, &one.outcome, observer);
-                observer.advance(1);
-                judged
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        observer.end();
-        let lacks_models = cases.iter().any(|case| self.config.lacks_models(case));
-        let stopped = || observer.stop().or(Some(StoppedBy::Interrupt));
-        Ok(VerifyOutcome {
-            config: &self.config,
-            plan: &self.plan,
-            found,
-            stopped_by: match lacks_models {
-                true => found.stopped_by().or_else(stopped),
-                false => found.stopped_by(),
-            },
-            cases,
-            seconds: began.elapsed().as_secs_f64(),
-        })
-    }
 }
 
 impl Study for VerifyStudy {
@@ -125,20 +88,64 @@ impl Study for VerifyStudy {
         Ok(self.config.header())
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.plan.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<VerifyOutcome<'a>, StudyError> {
-        let began = Instant::now();
+    ) -> Result<(), StudyError> {
         let follows = !self.config.compare.models.is_empty() || self.config.output.plots;
         let tracing = &tracing(observer, self.config.run.max_time, follows);
-        found.run_missing(0, &self.plan.cases, &self.plan.settings, tracing)?;
-        keep_thumbnail(found, &self.plan.cases, observer)?;
-        found.close()?;
-        let mut judged = self.judge(found, observer)?;
-        judged.seconds = began.elapsed().as_secs_f64();
-        Ok(judged)
+        Ok(found.run_missing(0, &self.plan.cases, &self.plan.settings, tracing)?)
+    }
+
+    fn plan_work(
+        &self,
+        found: &mut ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let Plan {
+            cases, settings, ..
+        } = &self.plan;
+        let mut work = found.plan_missing(cases, settings, observer)?;
+        let of_models = self.config.compare.expected_seconds();
+        work.iter_mut().for_each(|one| one.seconds += of_models);
+        Ok(PlannedRow::of_cases(cases, work))
+    }
+
+    /// Compares the results of the plan with the models.
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        observer: &dyn Observer,
+    ) -> Result<VerifyOutcome<'a>, StudyError> {
+        let cases: Vec<&CaseResult> = found.cases().map(|(_, case)| case).collect();
+        observer.begin("comparing", cases.len() as u64);
+        let cases = cases
+            .into_par_iter()
+            .map(|one| {
+                let judged = judge_case(&self.config, &one.outcome, observer);
+                observer.advance(1);
+                judged
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        observer.end();
+        let lacks_models = cases.iter().any(|case| self.config.lacks_models(case));
+        let stopped = || observer.stop().or(Some(StoppedBy::Interrupt));
+        Ok(VerifyOutcome {
+            config: &self.config,
+            plan: &self.plan,
+            found,
+            stopped_by: match lacks_models {
+                true => found.stopped_by().or_else(stopped),
+                false => found.stopped_by(),
+            },
+            cases,
+            seconds: found.seconds(),
+        })
     }
 }
 

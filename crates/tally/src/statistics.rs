@@ -55,7 +55,17 @@ impl TallyStatistics {
     pub fn new(spec: TallySpec) -> Self {
         Self {
             batches: 0,
-            means: TallyValues::zeros(spec),
+            ..Self::of_one(TallyValues::zeros(spec))
+        }
+    }
+
+    /// Statistics of one batch.
+    #[must_use]
+    pub fn of_one(batch: TallyValues) -> Self {
+        let spec = *batch.spec();
+        Self {
+            batches: 1,
+            means: batch,
             squares: TallyValues::zeros(spec),
             products: vec![0.0; spec.offsets().apertures_start() - spec.offsets().measures_start()],
             aperture_products: vec![0.0; correlated(&spec).count().pow(2)],
@@ -106,12 +116,46 @@ impl TallyStatistics {
         add_batch(self.batches, means, self.squares.as_mut_slice(), batch);
     }
 
+    /// Adds the batches of `other`, as if they had been pushed: Chan's formula for two sets of batches.
+    ///
+    /// # Panics
+    /// If they are of another spec.
+    pub fn append(&mut self, other: &Self) {
+        assert_eq!(self.spec(), other.spec(), "batches of another spec");
+        if other.batches == 0 {
+            return;
+        }
+        let [before, added] = [self.batches, other.batches].map(|count| count as f64);
+        self.batches += other.batches;
+        let all = before + added;
+        self.add_deviations(other.means.as_slice(), before * added / all);
+        let sums = [
+            (self.squares.as_mut_slice(), other.squares.as_slice()),
+            (&mut self.products, &other.products),
+            (&mut self.aperture_products, &other.aperture_products),
+        ];
+        for (sums, others) in sums {
+            sums.iter_mut().zip(others).for_each(|(sum, x)| *sum += x);
+        }
+        let means = self.means.as_mut_slice().iter_mut();
+        let squares = self.squares.as_mut_slice().iter_mut();
+        for ((mean, squares), other) in means.zip(squares).zip(other.means.iter()) {
+            let off = other - *mean;
+            *mean += off * (added / all);
+            *squares += off * off * (before * added / all);
+        }
+    }
+
     /// Adds a batch to the co-moments of measures and fluxes, before it is added to the means.
     fn add_products(&mut self, batch: &[f64]) {
+        self.add_deviations(batch, 1.0 - 1.0 / self.batches as f64);
+    }
+
+    /// Adds the products of the deviations of `batch` from the means, times `weight`, to the co-moments of measures and fluxes.
+    fn add_deviations(&mut self, batch: &[f64], weight: f64) {
         let means = self.means.as_slice();
         let start = self.spec().offsets().measures_start();
         let measures = self.spec().polarimetry().len().max(1);
-        let weight = 1.0 - 1.0 / self.batches as f64;
         for (position, &flux) in self.measured_fluxes.iter().enumerate() {
             let flux = match self.spec().polarimetry() {
                 Polarimetry::Mueller => start + position * measures,
@@ -331,6 +375,46 @@ mod tests {
         assert_eq!(restored.covariance(a, b), statistics.covariance(a, b));
         let empty = TallyStatistics::new(TallySpec::default());
         assert_eq!(empty.covariance(all, all), None);
+    }
+
+    #[test]
+    fn appended_statistics_are_those_of_all_batches_pushed() {
+        let cone = Aperture::cone(Side::Reflected, 0.3, 0.1);
+        let spec = TallySpec::default()
+            .with_polarimetry(Polarimetry::Mueller)
+            .with_apertures([cone].into_iter().collect());
+        let flux = spec.flux_entry(Side::Reflected, Component::All);
+        let element = |row| Measure::Element { row, column: 0 };
+        let measure = |row| spec.measure_entry(flux, element(row)).unwrap();
+        let aperture = spec.aperture_entries().get(0);
+        let of = |numbers: std::ops::Range<u32>| {
+            let mut statistics = TallyStatistics::new(spec);
+            for i in numbers.map(f64::from) {
+                let mut batch = TallyValues::zeros(spec);
+                batch[flux] = 0.3 + 0.01 * i;
+                batch[measure(0)] = batch[flux];
+                batch[measure(1)] = 0.1 * (1.7 * i).sin();
+                batch[aperture] = 0.02 * (0.9 * i).cos();
+                statistics.push(&batch);
+            }
+            statistics
+        };
+        let whole = of(0..11);
+        for first in [0, 1, 4, 11] {
+            let mut joined = of(0..first);
+            joined.append(&of(first..11));
+            assert_eq!(joined.batches(), 11);
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{first}: {a} {b}");
+            for entry in [flux, measure(1), aperture] {
+                let [a, b] = [&joined, &whole].map(|one| one.at(entry));
+                close(a.mean, b.mean);
+                close(a.se.unwrap(), b.se.unwrap());
+            }
+            let [a, b] = [&joined, &whole].map(|one| one.over_flux(flux, element(1)).unwrap());
+            close(a.se.unwrap(), b.se.unwrap());
+            let [a, b] = [&joined, &whole].map(|one| one.covariance(flux, aperture).unwrap());
+            close(a, b);
+        }
     }
 
     const LOST: Entry = TallySpec::BUDGET.lost;

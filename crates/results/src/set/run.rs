@@ -6,7 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Case, Observer, Outcome, Settings, SimulateError, Simulation, StoppedBy};
+use asperity_simulate::{
+    Case, Observer, Outcome, PlannedWork, Settings, SimulateError, Simulation, StoppedBy,
+};
 use serde_json::Value;
 
 use super::ResultSet;
@@ -123,6 +125,21 @@ impl<'a> ResultSet<'a> {
         })
     }
 
+    /// Plans those of `cases` that are missing. With a target error pilot runs are traced for that, and kept.
+    ///
+    /// # Errors
+    /// Same as [`simulate`](asperity_simulate::simulate).
+    pub fn plan_missing(
+        &mut self,
+        cases: &[Case],
+        settings: &Settings,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedWork>, SimulateError> {
+        let simulation = self.prepare(0, cases, settings)?;
+        self.store.begin(0);
+        simulation.plan_work(Some(&self.store), observer)
+    }
+
     /// The simulation of those of `cases` that are missing, the first of which has the number `first`.
     pub(super) fn prepare(
         &mut self,
@@ -136,7 +153,8 @@ impl<'a> ResultSet<'a> {
         for (number, case) in (first..).zip(cases) {
             self.attach(number, case);
         }
-        Simulation::of_missing(cases, settings, |case| self.is_complete(first + case))
+        let is_complete = |case| self.is_complete(first + case);
+        Simulation::of_missing(cases, settings, &self.division, is_complete)
     }
 
     /// Runs a simulation of the cases with these `numbers`. `held`: number of cases whose surfaces are in memory at the end.
@@ -149,6 +167,8 @@ impl<'a> ResultSet<'a> {
         mut keep: impl FnMut(Outcome) -> Result<Option<CaseResult>, E>,
     ) -> Result<(), E> {
         self.store.begin(numbers.start);
+        // A shard holds its own cases alone.
+        let held = if self.share().is_whole() { held } else { 0 };
         let Self { cases, store, .. } = self;
         let store = &*store;
         let run = simulation.resume(Some(store), observer, held, |mut outcome| {
@@ -163,7 +183,9 @@ impl<'a> ResultSet<'a> {
         let is_complete = numbers.into_iter().all(|case| self.is_complete(case));
         self.stopped_by = match is_complete {
             true => None,
-            false => observer.stop().or(Some(StoppedBy::Interrupt)),
+            false if self.share().is_nothing() => Some(StoppedBy::Shards),
+            false if self.share().is_whole() => observer.stop().or(Some(StoppedBy::Interrupt)),
+            false => observer.stop(),
         };
         run
     }

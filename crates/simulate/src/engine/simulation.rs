@@ -7,11 +7,14 @@ use asperity_tracer::{CpuEngine, Engine};
 use rayon::prelude::*;
 
 use super::context::Context;
+use super::plan::planned_work::PlannedWork;
 use super::prepare::group::{CASES_AT_ONCE, Group};
+use super::trace::stage::rays_in_blocks;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::limits::check_results;
 use crate::input::settings::{Effort, Settings};
+use crate::input::share::{Division, Share};
 use crate::observer::{Observer, Silent};
 use crate::output::outcome::Outcome;
 use crate::store::SurfaceStore;
@@ -56,6 +59,14 @@ pub fn simulate(
     Simulation::new(cases, settings)?.run(observer)
 }
 
+/// Rays that `simulate` traces on given surfaces for a case without a target error: as many as the effort demands, in whole blocks.
+#[must_use]
+pub fn planned_rays(case: &Case, settings: &Settings) -> Option<u64> {
+    let surfaces = case.surface.shapes().len() as u64;
+    let is_known = surfaces > 0 && settings.target().is_none() && settings.regions.is_none();
+    is_known.then(|| rays_in_blocks(settings, surfaces))
+}
+
 /// Groups of cases that are prepared, planned and traced together, so that their progress is shown as one. More are prepared one such
 /// part after the other: the control variates of thousands of cases would fill the memory, and take long before any is traced.
 const GROUPS_AT_ONCE: usize = 32;
@@ -75,6 +86,7 @@ fn at_once(cases: impl Iterator<Item = usize>) -> usize {
 #[derive(Clone)]
 pub struct Simulation {
     groups: Vec<Group>,
+    share: Share,
     cases: usize,
     settings: Settings,
     /// The largest of what is recorded of a case.
@@ -88,7 +100,7 @@ impl Simulation {
     /// # Errors
     /// Same as [`simulate`].
     pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
-        let simulation = Self::of_missing(cases, settings, |_| false)?;
+        let simulation = Self::of_missing(cases, settings, &Division::WHOLE, |_| false)?;
         let first = at_once(simulation.groups.iter().map(Group::len));
         let groups = simulation.groups.into_iter().enumerate();
         let prepared = groups.map(|(i, group)| match i < first {
@@ -102,17 +114,20 @@ impl Simulation {
     }
 
     /// Checks the cases without those whose numbers are complete, and prepares none before they run. The others keep their numbers, and are
-    /// estimated as if all were there.
+    /// estimated as if all were there. Of these the share of the `division` is traced; of a case that has a part in it alone, the surfaces or blocks of that
+    /// part go to the store, and there is no outcome.
     ///
     /// # Errors
     /// Same as [`simulate`].
     pub fn of_missing(
         cases: &[Case],
         settings: &Settings,
+        division: &Division,
         is_complete: impl Fn(usize) -> bool,
     ) -> Result<Self, SimulateError> {
         Ok(Self {
-            groups: Group::of_cases(cases, settings, is_complete)?,
+            groups: Group::of_cases(cases, settings, division, is_complete)?,
+            share: division.share,
             cases: match settings.plan_alone {
                 true => 1,
                 false => cases.len(),
@@ -153,6 +168,41 @@ impl Simulation {
         groups.map(Group::rays).sum()
     }
 
+    /// Plans the cases, in the order of their numbers. With a target error pilot runs are traced for that, and handed to `store`.
+    ///
+    /// # Errors
+    /// Same as [`simulate`].
+    pub fn plan_work(
+        self,
+        store: Option<&dyn SurfaceStore>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<PlannedWork>, SimulateError> {
+        let (settings, engine) = (self.settings, self.engine.clone());
+        let context = Context {
+            engine: &*engine,
+            observer,
+            store,
+        };
+        let mut planned: Vec<PlannedWork> = Vec::new();
+        let mut groups = self.groups.into_iter();
+        while groups.len() > 0 {
+            let count = at_once(groups.as_slice().iter().map(Group::len));
+            let part: Vec<Group> = groups.by_ref().take(count).collect();
+            let ready = match settings.target() {
+                Some(_) => Self::plan(part, &settings, self.cases, context)?,
+                None => part,
+            };
+            for group in &ready {
+                planned.extend(group.planned_work());
+            }
+            if observer.stop().is_some() {
+                return Err(SimulateError::Interrupted);
+            }
+        }
+        planned.sort_by_key(|work| work.case);
+        Ok(planned)
+    }
+
     /// Runs the cases, and holds the outcomes of all.
     ///
     /// # Errors
@@ -190,7 +240,8 @@ impl Simulation {
             observer,
             store,
         };
-        let mut has_outcome = self.groups.is_empty();
+        // A share may have no outcome.
+        let mut has_outcome = self.groups.is_empty() || !self.share.is_whole();
         let mut groups = self.groups.into_iter();
         while groups.len() > 0 {
             let count = at_once(groups.as_slice().iter().map(Group::len));

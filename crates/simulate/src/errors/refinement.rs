@@ -31,15 +31,26 @@ impl MeshShifts {
         }
     }
 
-    /// Adds one batch: a tally of each mesh, the finest first.
-    pub(crate) fn push(&mut self, tallies: &[TallyValues]) {
+    /// Shifts of one block of rays: a tally of each mesh, the finest first.
+    pub(crate) fn of_block(tallies: &[TallyValues]) -> Self {
         let (finer, given) = (&tallies[0], &tallies[1]);
         let shift = given.zip_map(finer, |g, f| g - f);
-        self.given_less_finer.push(&shift);
-        self.extrapolated
-            .push(&finer.zip_map(&shift, |f, s| f - s / 3.0));
-        if let (Some(statistics), Some(coarser)) = (&mut self.coarser_less_given, tallies.get(2)) {
-            statistics.push(&coarser.zip_map(given, |c, g| c - g));
+        let coarser = tallies.get(2);
+        let coarser = coarser.map(|coarser| coarser.zip_map(given, |c, g| c - g));
+        Self {
+            extrapolated: TallyStatistics::of_one(finer.zip_map(&shift, |f, s| f - s / 3.0)),
+            given_less_finer: TallyStatistics::of_one(shift),
+            coarser_less_given: coarser.map(TallyStatistics::of_one),
+        }
+    }
+
+    /// Adds the blocks of `other`.
+    pub(crate) fn append(&mut self, other: &Self) {
+        self.given_less_finer.append(&other.given_less_finer);
+        self.extrapolated.append(&other.extrapolated);
+        if let (Some(own), Some(others)) = (&mut self.coarser_less_given, &other.coarser_less_given)
+        {
+            own.append(others);
         }
     }
 

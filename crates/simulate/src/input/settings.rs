@@ -1,7 +1,4 @@
 //! Settings: how cases are simulated, and how much is traced.
-//!
-//! A division of one run into shards will join here as one more setting: which surfaces (or blocks of rays) this
-//! shard traces. Since surfaces are reduced in the order of their number, shards merge to the bytes of the whole.
 
 use asperity_tally::TallySpec;
 use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, Sampling};

@@ -16,6 +16,8 @@ pub enum StoppedBy {
     Time,
     /// An interrupt.
     Interrupt,
+    /// Shards of the run are missing.
+    Shards,
     /// A bound on all that tracing could find lies below the target: nothing was traced.
     Bound,
 }

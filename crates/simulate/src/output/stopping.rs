@@ -66,7 +66,10 @@ impl Stopping {
     /// Returns `true` if the run was ended before all that was planned.
     #[must_use]
     pub const fn is_cut_short(&self) -> bool {
-        matches!(self.stopped_by, StoppedBy::Time | StoppedBy::Interrupt)
+        matches!(
+            self.stopped_by,
+            StoppedBy::Time | StoppedBy::Interrupt | StoppedBy::Shards
+        )
     }
 
     /// With the sentence that says what ended the run, where a reader should not miss that.
@@ -78,6 +81,9 @@ impl Stopping {
             ),
             StoppedBy::Interrupt => {
                 Some("interrupted: these are the results so far, so they depend on when the interrupt came".to_owned())
+            }
+            StoppedBy::Shards => {
+                Some("shards of the run are missing: these are the results of the others".to_owned())
             }
             StoppedBy::Plan => match (self.error, self.target_error) {
                 (Some(error), Some(target)) if error > target => Some(format!(

@@ -1,13 +1,13 @@
 //! Tallies of one surface for the cases that share it.
 
 use asperity_surface::SlopeMoments;
-use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
+use asperity_tally::{TallySpec, TallyValues};
 use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
 use super::chosen_paths::PathStrategy;
+use super::numbered_blocks::NumberedBlocks;
 use super::work::Used;
-use crate::errors::refinement::MeshShifts;
 
 /// Tallies of one surface for every case that shares it, perhaps of the first blocks of rays alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,44 +24,57 @@ pub struct SurfaceTallies {
 impl SurfaceTallies {
     /// Returns `true` if the tallies are by the spec of each case.
     pub(crate) fn are_by(&self, specs: &[TallySpec]) -> bool {
-        let is_by = |(case, spec): (&CaseOnSurface, &TallySpec)| {
-            let of_shifts = case.shifts.as_ref().map_or(spec, MeshShifts::spec);
-            [case.tally.spec(), of_shifts] == [spec; 2]
-        };
-        self.cases.len() == specs.len() && self.cases.iter().zip(specs).all(is_by)
+        let mut pairs = self.cases.iter().zip(specs);
+        self.cases.len() == specs.len() && pairs.all(|(case, spec)| case.blocks.are_by(spec))
+    }
+
+    /// The tallies without times and instructions, which depend on the machine and the moment.
+    #[must_use]
+    pub fn without_machine(&self) -> Self {
+        Self {
+            seconds: Seconds::default(),
+            used: self.used.clone().without_machine(),
+            ..self.clone()
+        }
+    }
+
+    /// Adds what another machine has traced of the same surface, other blocks of the same cases. Returns `false` if it is no such part.
+    pub fn merge(&mut self, other: Self) -> bool {
+        let pairs = || self.cases.iter().zip(&other.cases);
+        if self.cases.len() != other.cases.len() || pairs().any(|(a, b)| a.strategy != b.strategy) {
+            return false;
+        }
+        self.seconds.add(1.0, &other.seconds);
+        let mut pairs = self.cases.iter_mut().zip(other.cases);
+        pairs.all(|(case, other)| {
+            case.work += other.work;
+            case.blocks.merge(other.blocks)
+        })
     }
 }
 
 /// Tallies of one surface for one case, block of rays by block of rays.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct CaseOnSurface {
-    #[serde(rename = "way")]
     pub(crate) strategy: PathStrategy,
-    /// Flux fractions; a batch is a block of rays.
-    pub(crate) tally: TallyStatistics,
-    /// Differences between its meshes, where it has several.
-    pub(crate) shifts: Option<MeshShifts>,
+    pub(crate) blocks: NumberedBlocks,
     pub(crate) work: Work,
 }
 
 impl CaseOnSurface {
-    /// No blocks yet, for a surface that is traced on `meshes` meshes.
-    pub(crate) fn new(strategy: PathStrategy, spec: TallySpec, meshes: usize) -> Self {
+    /// No blocks yet.
+    pub(crate) fn new(strategy: PathStrategy) -> Self {
         Self {
             strategy,
-            tally: TallyStatistics::new(spec),
-            shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
+            blocks: NumberedBlocks::default(),
             work: Work::default(),
         }
     }
 
-    /// Adds blocks: of each a tally of each mesh, and the work done for all.
-    pub(crate) fn push(&mut self, blocks: &[Vec<TallyValues>], work: Work) {
-        for tallies in blocks {
-            self.tally.push(&tallies[0]);
-            if let Some(shifts) = &mut self.shifts {
-                shifts.push(tallies);
-            }
+    /// Adds blocks from number `first` on: of each a tally of each mesh, and the work done for all.
+    pub(crate) fn push(&mut self, first: u64, blocks: Vec<Vec<TallyValues>>, work: Work) {
+        for (number, tallies) in (first..).zip(blocks) {
+            self.blocks.push(number, tallies);
         }
         self.work += work;
     }

@@ -91,6 +91,14 @@ impl Used {
         self.accelerator
     }
 
+    /// The same without instructions, which depend on the machine.
+    pub(crate) fn without_machine(self) -> Self {
+        Self {
+            instructions: None,
+            ..self
+        }
+    }
+
     /// None, since no rays were traced.
     pub(crate) const fn nothing() -> Self {
         Self {

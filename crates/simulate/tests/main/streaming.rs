@@ -1,8 +1,8 @@
 //! Outcomes that are handed over group by group, and cases that are left out.
 
 use asperity_simulate::{
-    Case, Observer, Outcome, Quantity, Settings, Silent, SimulateError, Simulation, StoppedBy,
-    SurfaceSource, simulate,
+    Case, Division, Observer, Outcome, Quantity, Settings, Silent, SimulateError, Simulation,
+    StoppedBy, SurfaceSource, simulate,
 };
 use asperity_tracer::Sampling;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,7 +15,8 @@ use crate::support::{Rough, effort, glass, target};
 #[test]
 fn cases_that_are_left_out_change_neither_numbers_nor_results_of_others() {
     let all = simulate(&cases(), &settings(), &Silent).unwrap();
-    let simulation = Simulation::of_missing(&cases(), &settings(), |case| case < 2).unwrap();
+    let simulation =
+        Simulation::of_missing(&cases(), &settings(), &Division::WHOLE, |case| case < 2).unwrap();
     let drawings = Drawings::default();
     let others = simulation.run(&drawings).unwrap();
     assert_eq!(others[0].number, 2);

@@ -48,11 +48,16 @@ impl AttenuationStudy {
     #[must_use]
     pub(super) fn identity(&self) -> Header {
         let config = &self.config;
+        let mut run = json!(config.run);
+        // Surfaces are results of their own: a run with more of them goes on from one with fewer.
+        if let Some(run) = run.as_object_mut() {
+            run.remove("realisations");
+        }
         let document = json!({
             "surface": config.surface,
             "light": config.light,
             "view": config.view,
-            "run": config.run,
+            "run": run,
         });
         Header::new("attenuation", config.run.seed, document)
     }

@@ -1,9 +1,8 @@
 //! Shadowing and masking as a study.
 
-use std::time::Instant;
-
 use asperity_results::{Container, Header};
-use asperity_simulate::{Observer, StoppedBy, SurfaceSource, counted};
+use asperity_simulate::{Observer, PlannedWork, SimulateError, StoppedBy, SurfaceSource, counted};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 
 use super::files::attenuation_summary;
@@ -13,7 +12,10 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study};
+use crate::study::{Findings, PlannedRow, Study};
+
+/// Expected time in which a point is found to be lit or seen.
+const SECONDS_PER_MARK: f64 = 1e-7;
 
 impl Study for AttenuationStudy {
     type Kept = SurveyedSurface;
@@ -37,25 +39,57 @@ impl Study for AttenuationStudy {
         Ok(self.identity())
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut Container<'_, SurveyedSurface>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        let first = SurfaceSource::random(self.surfaces[0].drawn.clone());
+        Some((first, self.config.surface.unit))
+    }
+
+    fn compute(
+        &self,
+        found: &mut Container<'_, SurveyedSurface>,
         observer: &dyn Observer,
-    ) -> Result<AttenuationOutcome<'a>, StudyError> {
-        let began = Instant::now();
-        let count = self.config.run.realisations.0 as usize;
-        let missing = count.saturating_sub(found.resumed().cases);
+    ) -> Result<(), StudyError> {
+        let costs = vec![1.0; self.config.run.realisations.0 as usize];
+        found.truncate(costs.len());
+        let missing = found.to_compute(&costs).len();
         observer.begin("measuring", (missing * self.surfaces.len()) as u64);
-        found.compute_missing(count, observer, |number| {
+        found.compute_missing(&costs, observer, |number| {
             SurveyedSurface::of(self, number as u64, observer)
         })?;
         observer.end();
-        let mut outcome = self.judge(found)?;
-        let first = SurfaceSource::random(self.surfaces[0].drawn.clone());
-        found.keep_thumbnail(&first, self.config.surface.unit, observer)?;
-        found.close()?;
-        outcome.work.seconds = began.elapsed().as_secs_f64();
-        Ok(outcome)
+        if found.share().is_whole() && found.cases().next().is_none() {
+            return Err(SimulateError::Interrupted.into());
+        }
+        Ok(())
+    }
+
+    fn plan_work(
+        &self,
+        _found: &mut Container<'_, SurveyedSurface>,
+        _observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let points: usize = self.surfaces[0].drawn.shape().iter().product();
+        let directions = self.lights.len() + self.views.len();
+        let marks = points * directions * self.surfaces.len();
+        let row = |number| {
+            let work = PlannedWork {
+                case: number,
+                surfaces: self.surfaces.len() as u64,
+                rays: 0,
+                seconds: SECONDS_PER_MARK * marks as f64,
+            };
+            PlannedRow::numbered("surface", work)
+        };
+        let count = self.config.run.realisations.0 as usize;
+        Ok((0..count).map(row).collect())
+    }
+
+    fn judge<'a>(
+        &'a self,
+        found: &'a Container<'_, SurveyedSurface>,
+        _observer: &dyn Observer,
+    ) -> Result<AttenuationOutcome<'a>, StudyError> {
+        self.outcome(found)
     }
 }
 

@@ -3,8 +3,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Observer, Silent, point_stream};
+use asperity_results::Shards;
+use asperity_simulate::{Observer, Share, Silent, point_stream};
 use rand::RngExt;
+use serde_json::Value;
 
 use super::files::attenuation_summary;
 use super::survey::Survey;
@@ -119,6 +121,15 @@ fn an_interrupted_run_resumes_to_the_numbers_of_a_whole_one() {
     ));
 }
 
+/// A finished shard.
+fn finished_shard(number: u64, of: u64) -> Option<Shards> {
+    let shards = Shards::one(Share::new(number, of)?, Value::Null, Value::Null);
+    Some(Shards {
+        finished: true,
+        ..shards
+    })
+}
+
 #[test]
 fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
     let study = plan();
@@ -133,11 +144,14 @@ fn surfaces_divided_at_random_and_merged_are_judged_as_one_run() {
                 true => SurveyedSurface::of(&study, index as u64, &Silent),
                 false => Ok(None),
             };
-            found.compute_missing(5, &Silent, own).unwrap();
+            found.compute_missing(&[1.0; 5], &Silent, own).unwrap();
+            found.header.shards = finished_shard(u64::from(number) + 1, 3);
             found
         };
-        let merged = Container::merge((0..3).map(shard).collect()).unwrap();
-        let judged = study.judge(&merged).unwrap();
+        let mut merged = Container::in_memory(study.identity());
+        let shards = (0..3).map(|number| (number.to_string(), shard(number)));
+        merged.merge(shards.collect()).unwrap();
+        let judged = study.judge(&merged, &Silent).unwrap();
         assert_eq!(said(&judged), expected, "{owners:?}");
     }
 }

@@ -3,7 +3,10 @@
 use std::time::Instant;
 
 use asperity_results::{CaseResult, Header, ResultSet};
-use asperity_simulate::{Observer, Outcome, SimulateError, Simulation, StoppedBy, counted};
+use asperity_simulate::{
+    Observer, Outcome, PlannedWork, SimulateError, Simulation, StoppedBy, SurfaceSource, counted,
+};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 use serde_json::json;
 
@@ -17,7 +20,7 @@ use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
 use crate::settings::Document;
-use crate::study::{Findings, Study, finished, keep_thumbnail};
+use crate::study::{Findings, PlannedRow, Study, finished, first_of};
 
 /// Run time against error, method by method.
 pub struct ConvergeStudy {
@@ -27,6 +30,9 @@ pub struct ConvergeStudy {
     pub plan: ConvergePlan,
     notes: Vec<String>,
 }
+
+/// Expected time of a ray.
+const SECONDS_PER_RAY: f64 = 1e-6;
 
 impl ConvergeStudy {
     /// Plans a configuration.
@@ -41,37 +47,10 @@ impl ConvergeStudy {
         })
     }
 
-    /// Outcome by the results of the plan. Cases that lack a run are left out.
-    ///
-    /// # Errors
-    /// [`StudyError`] if no light reaches the bins that are compared.
-    pub fn judge<'a>(
-        &'a self,
-        found: &'a ResultSet<'_>,
-    ) -> Result<ConvergeOutcome<'a>, StudyError> {
-        let began = Instant::now();
-        let plan = &self.plan;
-        let mut cases = Vec::new();
-        for (case_number, case) in plan.cases.iter().enumerate() {
-            let runs = plan.runs.iter().enumerate();
-            let runs = runs.filter(|(_, run)| run.case_number == case_number);
-            let stored = runs.map(|(number, run)| {
-                Some(StoredRun {
-                    run,
-                    result: found.case(number)?,
-                })
-            });
-            if let Some(runs) = stored.collect::<Option<Vec<_>>>() {
-                cases.push(ConvergedCase::of(plan, case, &runs)?);
-            }
-        }
-        Ok(ConvergeOutcome {
-            config: &self.config,
-            plan,
-            found,
-            cases,
-            seconds: began.elapsed().as_secs_f64(),
-        })
+    /// Times that runs are expected to take, in rays.
+    fn costs(&self) -> Vec<f64> {
+        let runs = self.plan.runs.iter();
+        runs.map(|run| run.effort.total_rays() as f64).collect()
     }
 }
 
@@ -100,18 +79,20 @@ impl Study for ConvergeStudy {
         Ok(self.config.header())
     }
 
-    fn run<'a>(
-        &'a self,
-        found: &'a mut ResultSet<'_>,
+    fn first_surfaces(&self) -> Option<(SurfaceSource, LengthUnit)> {
+        first_of(&self.plan.cases)
+    }
+
+    fn compute(
+        &self,
+        found: &mut ResultSet<'_>,
         observer: &dyn Observer,
-    ) -> Result<ConvergeOutcome<'a>, StudyError> {
-        let began = Instant::now();
+    ) -> Result<(), StudyError> {
         let mut prepared: Vec<Prepared<'_>> = Vec::new();
         let mut rays = 0;
-        for (number, run) in self.plan.runs.iter().enumerate() {
-            if found.is_complete(number) {
-                continue;
-            }
+        let costs = self.costs();
+        for number in found.to_compute(&costs) {
+            let run = &self.plan.runs[number];
             let known = prepared.iter().position(|one| one.serves(run));
             let place = known.unwrap_or(prepared.len());
             if known.is_none() {
@@ -120,20 +101,65 @@ impl Study for ConvergeStudy {
             rays += prepared[place].simulation(run).rays();
         }
         observer.begin("tracing", rays);
-        found.compute_missing(self.plan.runs.len(), observer, |number| {
+        found.compute_missing(&costs, observer, |number| {
             let run = &self.plan.runs[number];
             let prepared = prepared.iter().find(|one| one.serves(run));
             prepared.map_or(Ok(None), |one| one.result(number, run, observer))
         })?;
         observer.end();
-        if found.cases().next().is_none() {
+        if found.share().is_whole() && found.cases().next().is_none() {
             return Err(SimulateError::Interrupted.into());
         }
-        keep_thumbnail(found, &self.plan.cases, observer)?;
-        found.close()?;
-        let mut judged = self.judge(found)?;
-        judged.seconds = began.elapsed().as_secs_f64();
-        Ok(judged)
+        Ok(())
+    }
+
+    fn plan_work(
+        &self,
+        _found: &mut ResultSet<'_>,
+        _observer: &dyn Observer,
+    ) -> Result<Vec<PlannedRow>, StudyError> {
+        let runs = self.plan.runs.iter().enumerate();
+        let row = |(number, run): (usize, &ConvergeRun)| {
+            let rays = run.effort.total_rays();
+            let work = PlannedWork {
+                case: number,
+                surfaces: run.effort.surfaces(),
+                rays,
+                seconds: SECONDS_PER_RAY * rays as f64,
+            };
+            PlannedRow::numbered("run", work)
+        };
+        Ok(runs.map(row).collect())
+    }
+
+    /// Outcome by the results of the plan. Cases that lack a run are left out.
+    fn judge<'a>(
+        &'a self,
+        found: &'a ResultSet<'_>,
+        _observer: &dyn Observer,
+    ) -> Result<ConvergeOutcome<'a>, StudyError> {
+        let plan = &self.plan;
+        let mut cases = Vec::new();
+        for (case_number, case) in plan.cases.iter().enumerate() {
+            let runs = plan.runs.iter().enumerate();
+            let runs = runs.filter(|(_, run)| run.case_number == case_number);
+            let stored = runs.map(|(number, run)| {
+                Some(StoredRun {
+                    run,
+                    result: found.case(number)?,
+                })
+            });
+            if let Some(runs) = stored.collect::<Option<Vec<_>>>() {
+                cases.push(ConvergedCase::of(plan, case, &runs)?);
+            }
+        }
+        Ok(ConvergeOutcome {
+            config: &self.config,
+            plan,
+            found,
+            cases,
+            seconds: found.seconds(),
+        })
     }
 }
 

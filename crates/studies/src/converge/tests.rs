@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_simulate::{Observer, Silent, StoppedBy, convergence_stream};
+use asperity_results::Shards;
+use asperity_simulate::{Observer, Share, Silent, StoppedBy, convergence_stream};
 use rand::RngExt;
 use serde_json::{Value, json};
 
@@ -45,12 +46,12 @@ impl Measured {
     }
 
     fn judge(&self) -> ConvergeOutcome<'_> {
-        self.study.judge(&self.found).unwrap()
+        self.study.judge(&self.found, &Silent).unwrap()
     }
 
     /// The summaries of the cases that are complete in `found`.
     fn summaries(&self, found: &ResultSet<'_>) -> Vec<Value> {
-        let outcome = self.study.judge(found).unwrap();
+        let outcome = self.study.judge(found, &Silent).unwrap();
         let cases = outcome.cases.iter();
         cases
             .map(|case| json!(case_summary(&outcome, case)))
@@ -98,6 +99,15 @@ fn seconds_are_medians_and_errors_at_the_reference_are_marked() {
     assert!(marks.contains(&true) && marks.contains(&false), "{marks:?}");
 }
 
+/// A finished shard.
+fn finished_shard(number: u64, of: u64) -> Option<Shards> {
+    let shards = Shards::one(Share::new(number, of)?, Value::Null, Value::Null);
+    Some(Shards {
+        finished: true,
+        ..shards
+    })
+}
+
 #[test]
 fn merged_shards_say_what_the_whole_says_and_incomplete_cases_are_left_out() {
     let measured = Measured::of(SMALL);
@@ -114,10 +124,13 @@ fn merged_shards_say_what_the_whole_says_and_incomplete_cases_are_left_out() {
                 shards[shard].add(number, result.clone());
             }
         }
-        assert_eq!(
-            measured.summaries(&ResultSet::merge(shards).unwrap()),
-            whole
-        );
+        let mut merged = ResultSet::in_memory(measured.study.config.header());
+        let finished = (1..).zip(shards).map(|(number, mut shard)| {
+            shard.header.shards = finished_shard(number, 3);
+            (number.to_string(), shard)
+        });
+        merged.merge(finished.collect()).unwrap();
+        assert_eq!(measured.summaries(&merged), whole);
     }
     // All but the last run
     let mut short = ResultSet::in_memory(measured.study.config.header());

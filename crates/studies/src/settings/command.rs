@@ -39,11 +39,13 @@ pub enum Command {
     Export,
     /// Makes a page of results.
     Report,
+    /// Merges the shards of a run.
+    Merge,
 }
 
 impl Command {
     /// All commands, in the order of the help.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Generate,
         Self::Inspect,
         Self::Mesh,
@@ -59,6 +61,7 @@ impl Command {
         Self::Materials,
         Self::Export,
         Self::Report,
+        Self::Merge,
     ];
 
     /// Its name on the command line.
@@ -80,6 +83,7 @@ impl Command {
             Self::Materials => "materials",
             Self::Export => "export",
             Self::Report => "report",
+            Self::Merge => "merge",
         }
     }
 
@@ -102,6 +106,7 @@ impl Command {
             Self::Materials => "List materials, or show n and k of one",
             Self::Export => "Write results as a file of another program",
             Self::Report => "Show results, or compare several, on one HTML page",
+            Self::Merge => "Merge the shards of a run into its results",
         }
     }
 
@@ -135,6 +140,7 @@ impl Command {
                 "Result folder of gonio, trace or verify, or its file results.npz",
             ),
             Self::Report => ("DIR..", "Result folder; several are compared"),
+            Self::Merge => ("DIR..", "Result folder of each shard, in any order"),
             Self::Materials => (
                 "NAME|FILE",
                 "Material: a name of the list, which is printed without one, or a file .yml or .csv",

@@ -65,6 +65,7 @@ pub static SECTIONS: &[Section] = &[
     section("materials", "Optical constants", single::MATERIALS_SETTINGS),
     section("export", "Export", single::EXPORT_SETTINGS),
     section("report", "Report", single::REPORT_SETTINGS),
+    section("merge", "Merge", single::MERGE_SETTINGS),
     section("camera", "Camera", render::CAMERA),
     section("lights", "Lights", render::LIGHTS),
     section("picture", "Picture", render::PICTURE),

@@ -20,6 +20,7 @@ use super::kind::Kind;
 use super::length::{Length, first_unit, in_unit};
 use super::presets::flags_for;
 use super::refusals::{explained, of_other_variant};
+use super::request::Request;
 use super::setting::Setting;
 use super::value_text::read_text;
 
@@ -46,6 +47,8 @@ pub struct Document {
     entries: BTreeMap<(&'static str, &'static str), Entry>,
     /// Choices of the file that flags replace, one sentence each.
     notes: Vec<String>,
+    /// The texts that it was made of.
+    pub(super) request: Request,
 }
 
 impl Document {
@@ -58,6 +61,11 @@ impl Document {
             sections: Vec::new(),
             entries: BTreeMap::new(),
             notes: Vec::new(),
+            request: Request {
+                file: None,
+                flags: Vec::new(),
+                positional: None,
+            },
         }
     }
 
@@ -89,6 +97,7 @@ impl Document {
         };
         let (sections, entries) = file.entries()?;
         self.file = name.map(str::to_owned);
+        self.request.file = Some(text.to_owned());
         self.sections = sections;
         self.add_layer(entries)
     }
@@ -103,6 +112,9 @@ impl Document {
         flags: &[(String, Vec<String>)],
         positional: Option<(&str, &[String])>,
     ) -> Result<(), SettingError> {
+        self.request.flags = flags.to_vec();
+        self.request.positional =
+            positional.map(|(path, values)| (path.to_owned(), values.to_vec()));
         let surface = self.variant(&RANDOM_OR_GIVEN);
         let flags = Flags {
             command: self.command,

@@ -2,6 +2,7 @@
 
 use asperity_analysis::{FlatLayers, MODEL_NAMES};
 use asperity_io::{MaterialRecord, material, materials, names_file};
+use asperity_simulate::Share;
 use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
@@ -60,6 +61,8 @@ pub enum Kind {
     GridOrChoice(&'static [Choice]),
     /// Numbers of pixels, `COLUMNSxROWS`.
     Pixels,
+    /// A share of a run, `K/N`.
+    Share,
 }
 
 /// A count that settings allow unless they are for small ones alone.
@@ -201,6 +204,7 @@ impl Kind {
             }
             Self::Spread => SpreadText::parse(text).map(|_| Value::from(text)),
             Self::Path => (!text.is_empty()).then(|| Value::from(text)),
+            Self::Share => text.parse::<Share>().is_ok().then(|| Value::from(text)),
         }
     }
 
@@ -243,6 +247,7 @@ impl Kind {
                 "two whole numbers as THETAxPHI, with a product of at most 4000000".to_owned()
             }
             Self::Pixels => "two whole numbers of pixels as COLUMNSxROWS".to_owned(),
+            Self::Share => format!("K/N, with K from 1 to N and N up to {}", Share::MAX),
         }
     }
 
@@ -259,6 +264,7 @@ impl Kind {
             Self::Models => &["smith"],
             Self::Grid | Self::GridOrChoice(_) => &["18x36"],
             Self::Pixels => &["640x480"],
+            Self::Share => &["2/7"],
             Self::Spread => &["klems", "2.5", "10x15"],
             Self::Layer => &["1.33:50um", "1.33:50um:scattering=0.1:g=0.8"],
             Self::Film => &["MgF2:100nm", "1.38:100nm", "2.1+0.05i:20nm"],

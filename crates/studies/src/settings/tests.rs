@@ -59,13 +59,16 @@ fn every_definition_has_all_parts() {
 }
 
 /// Settings that change nothing unless they are given.
-const OPTIONAL: [&str; 17] = [
+const OPTIONAL: [&str; 20] = [
     "export.results",
     "model.name",
     "report.folders",
     "results.output",
     "results.plot",
     "results.report",
+    "results.shard",
+    "results.plan",
+    "merge.folders",
     "surface.sigma",
     "surface.size",
     "surface.azimuth",

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use asperity_analysis::SlopeDistribution;
-use asperity_simulate::{Cells, counted, short};
+use asperity_simulate::{Cells, StoppedBy, counted, short};
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
@@ -67,9 +67,12 @@ pub(super) fn warnings(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Vec<Str
     let left_out = outcome.left_out();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
-        warnings.push(format!(
-            "interrupted before {left_out} of {of} cases were begun"
-        ));
+        warnings.push(match outcome.stopped_by {
+            Some(StoppedBy::Shards) => {
+                format!("{left_out} of {of} cases are left out: shards of the run are missing")
+            }
+            _ => format!("interrupted before {left_out} of {of} cases were begun"),
+        });
     }
     warnings
 }

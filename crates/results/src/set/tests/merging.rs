@@ -1,6 +1,6 @@
 //! Shards of one run, merged.
 
-use asperity_simulate::SurfaceKey;
+use asperity_simulate::{Division, Share, SurfaceKey};
 
 use super::*;
 
@@ -15,6 +15,26 @@ impl Shuffle {
             .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) % count
     }
+}
+
+/// A finished shard.
+pub(super) fn shard_of(number: u64, of: u64) -> Shards {
+    Shards {
+        finished: true,
+        ..Shards::one(Share::new(number, of).unwrap(), json!(null), json!(null))
+    }
+}
+
+/// The shards of a run, merged.
+fn merged<'a>(shards: Vec<ResultSet<'a>>) -> Result<ResultSet<'a>, ResultsError> {
+    let mut merged = ResultSet::in_memory(header());
+    let of = shards.len();
+    let finished = (1..).zip(shards).map(|(number, mut shard)| {
+        shard.header.shards = Some(shard_of(number, of as u64));
+        (format!("shard {number}"), shard)
+    });
+    merged.merge(finished.collect())?;
+    Ok(merged)
 }
 
 /// Finished surfaces of one run, dealt to shards at random, and cases likewise.
@@ -44,12 +64,12 @@ fn merged_shards_have_the_bytes_of_the_undivided_run() {
             let shard = shuffle.below(count) as usize;
             shards[shard].store.save(*key, (**surface).clone());
         }
-        let mut merged = ResultSet::merge(shards).unwrap();
+        let mut all = merged(shards).unwrap();
         let after = After::rays(u64::MAX);
-        run(&mut merged, &after).unwrap();
+        run(&mut all, &after).unwrap();
         assert_eq!(after.drawn.into_inner(), 0);
         assert!(
-            merged.comparable_bytes().unwrap() == whole,
+            all.comparable_bytes().unwrap() == whole,
             "surfaces, division {division}"
         );
 
@@ -63,15 +83,15 @@ fn merged_shards_have_the_bytes_of_the_undivided_run() {
                 shard.cases[number] = Some(Arc::new(case.clone()));
             }
         }
-        let merged = ResultSet::merge(shards).unwrap();
+        let all = merged(shards).unwrap();
         assert!(
-            merged.comparable_bytes().unwrap() == whole,
+            all.comparable_bytes().unwrap() == whole,
             "cases, division {division}"
         );
     }
     let other = Header::new("test", 2, header().document);
     let shards = vec![ResultSet::in_memory(header()), ResultSet::in_memory(other)];
-    let refused = ResultSet::merge(shards).err().unwrap().to_string();
+    let refused = merged(shards).err().unwrap().to_string();
     assert!(refused.contains("seed 2 in place of 1"), "{refused}");
 }
 
@@ -81,7 +101,9 @@ fn shards_that_simulate_some_cases_merge_to_the_whole() {
     let of = |is_mine: &dyn Fn(usize) -> bool| {
         let mut set = ResultSet::in_memory(header());
         set.cases.resize(4, None);
-        let mine = Simulation::of_missing(&cases(), &settings(), |case| !is_mine(case)).unwrap();
+        let is_other = |case| !is_mine(case);
+        let mine =
+            Simulation::of_missing(&cases(), &settings(), &Division::WHOLE, is_other).unwrap();
         let sink = |outcome: Outcome| {
             let number = outcome.number;
             set.cases[number] = Some(Arc::new(outcome.without_details().into()));
@@ -94,7 +116,7 @@ fn shards_that_simulate_some_cases_merge_to_the_whole() {
     for mask in [0b0001, 0b0101, 0b1110, 0b1001] {
         let is_first = |case: usize| mask >> case & 1 == 1;
         let shards = vec![of(&is_first), of(&|case| !is_first(case))];
-        let merged = ResultSet::merge(shards).unwrap();
-        assert!(merged.comparable_bytes().unwrap() == whole, "{mask:b}");
+        let all = merged(shards).unwrap();
+        assert!(all.comparable_bytes().unwrap() == whole, "{mask:b}");
     }
 }

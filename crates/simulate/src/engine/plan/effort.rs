@@ -77,6 +77,7 @@ impl Group {
             ..self.run_of(stage)
         };
         let found = run.run(pilot::FIRST..pilot::FIRST + run.plan.surfaces, context)?;
+        // Of a share of nothing the pilot run may be missing.
         let is_whole = |tallies: &CaseTallies| tallies.work.rays == run.rays();
         let is_complete = found.len() == cases.len() && found.iter().all(is_whole);
         Ok(is_complete.then_some(found))

@@ -48,13 +48,13 @@ const SMOOTH_CELL_NS: f64 = 40.0;
 const SURFACE_NS: f64 = 50_000.0;
 
 /// Nanoseconds that a segment takes to be searched, with what happens at its end.
-const SEGMENT_NS: f64 = 200.0;
+pub(super) const SEGMENT_NS: f64 = 200.0;
 
 /// Nanoseconds that a segment takes of which slopes tell that it meets nothing.
 const SKIPPED_NS: f64 = 20.0;
 
 /// Nanoseconds of overhead per ray, without its segments.
-const RAY_NS: f64 = 60.0;
+pub(super) const RAY_NS: f64 = 60.0;
 
 /// Fewest and most rays of a surface: two blocks of eight by eight; beyond the most they cost so much
 /// more than the surface that there is nothing to save.

@@ -6,6 +6,7 @@ use asperity_optics::{BottomSurface, Layer};
 use asperity_tracer::PathSettings;
 
 use crate::input::case::Case;
+use crate::input::share::Slice;
 use crate::methods::method::Method;
 use crate::output::chosen_paths::{PathStrategy, TriedPaths};
 use crate::output::stopping::PilotFigures;
@@ -23,6 +24,8 @@ pub(crate) struct CaseRun {
     pub(crate) pilot: Option<PilotFigures>,
     /// Error added by the mesh, as estimated by the pilot run.
     pub(crate) mesh_error: Option<f64>,
+    /// Surfaces, or blocks of rays, that are traced.
+    pub(crate) slice: Slice,
 }
 
 impl CaseRun {
@@ -34,6 +37,7 @@ impl CaseRun {
             tried: Vec::new(),
             pilot: None,
             mesh_error: None,
+            slice: Slice::WHOLE,
         }
     }
 

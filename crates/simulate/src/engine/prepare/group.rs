@@ -18,6 +18,7 @@ use super::case_run::CaseRun;
 use super::given;
 use crate::engine::context::Context;
 use crate::engine::draw::built_surface::{BuiltSurface, Meshes};
+use crate::engine::plan::cost::divide;
 use crate::engine::plan::pilot;
 use crate::engine::plan::spacings::PilotSurfaces;
 use crate::engine::trace::joint::joint_sets;
@@ -28,6 +29,7 @@ use crate::input::case::Case;
 use crate::input::limits::{check_results, check_shape, most_cases};
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
+use crate::input::share::{Division, Slice};
 use crate::input::surface_source::SurfaceSource;
 use crate::input::target::Target;
 use crate::methods::analytic::AnalyticResult;
@@ -82,10 +84,11 @@ pub(crate) struct AnalyticCase {
 impl Group {
     /// Groups of cases with equal surface sources, in the order of their first cases. A group is divided
     /// if its results would not fit into memory and its cases do not share an effort, or if its rays take so long that drawing its surfaces again
-    /// costs little. Complete cases are removed afterwards, so that the division does not depend on them.
+    /// costs little. Complete cases, and those that have no part in the share, are removed afterwards, so that the division does not depend on them.
     pub(crate) fn of_cases(
         cases: &[Case],
         settings: &Settings,
+        division: &Division,
         is_complete: impl Fn(usize) -> bool,
     ) -> Result<Vec<Self>, SimulateError> {
         let has_target = settings.target().is_some();
@@ -112,14 +115,25 @@ impl Group {
             };
             while !cases.is_empty() {
                 let others = cases.split_off(most.min(cases.len()));
-                cases.retain(|one| !is_complete(one.number));
-                if !cases.is_empty() {
-                    divided.push(Self::new(source.clone(), cases, settings)?);
-                }
+                divided.push((source.clone(), cases));
                 cases = others;
             }
         }
-        Ok(divided)
+        divide(
+            &mut divided,
+            |source| planned(source, settings),
+            settings,
+            division,
+        );
+        let mut groups = Vec::new();
+        for (source, mut cases) in divided {
+            let has_part = |one: &CaseRun| division.share.is_nothing() || !one.slice.is_empty();
+            cases.retain(|one| !is_complete(one.number) && has_part(one));
+            if !cases.is_empty() {
+                groups.push(Self::new(source, cases, settings)?);
+            }
+        }
+        Ok(groups)
     }
 
     fn new(
@@ -252,7 +266,10 @@ impl Group {
                 let cases = self.cases.iter().map(on_meshes);
                 let cases = cases.collect::<Result<Vec<CaseRun>, SimulateError>>()?;
                 // With a target error each case takes rays of its own.
-                let sets = joint_sets(&cases, |_, _| settings.target().is_none());
+                let can_join = |a: usize, b: usize| {
+                    settings.target().is_none() && cases[a].slice == cases[b].slice
+                };
+                let sets = joint_sets(&cases, can_join);
                 let set = |set: Vec<usize>| set.into_iter().map(|i| cases[i].clone()).collect();
                 sets.into_iter().map(set).collect()
             }
@@ -273,18 +290,31 @@ impl Group {
         Ok(groups.into_iter().enumerate().map(group).collect())
     }
 
+    /// Slice of its surfaces or blocks that is traced.
+    pub(in crate::engine) fn slice(&self) -> Slice {
+        let analytic = self.analytic.iter().map(|one| &one.run);
+        let first = self.cases.iter().chain(analytic).next();
+        first.map_or(Slice::WHOLE, |run| run.slice)
+    }
+
     /// Number of cases.
     pub(crate) const fn len(&self) -> usize {
         self.analytic.len() + self.cases.len()
     }
 
+    /// Rays of a case, as far as they are planned.
+    pub(in crate::engine) fn rays_of_case(&self, stage: Stage) -> u64 {
+        match self.is_prepared {
+            true => self.run_of(stage).rays(),
+            false => self.plan.rays,
+        }
+    }
+
     /// Rays of all cases, as far as they are planned.
     pub(crate) fn rays(&self) -> u64 {
-        let of_case = match self.is_prepared {
-            true => self.run_of(Stage::Result).rays(),
-            false => self.plan.rays,
-        };
-        of_case.saturating_mul(self.cases.len() as u64)
+        let of_case = self.rays_of_case(Stage::Result);
+        let of_all = of_case.saturating_mul(self.cases.len() as u64);
+        (self.slice().part() * of_all as f64) as u64
     }
 
     /// `true` if a batch is a block of rays on the one surface, `false` if it is a surface or a region.
@@ -338,6 +368,7 @@ impl Group {
             },
             surfaces,
             cases: &self.cases,
+            traces: !self.slice().is_empty(),
             settings: Settings {
                 refine: self.settings.refine && !is_pilot,
                 ..self.settings
@@ -409,7 +440,7 @@ mod tests {
             plan_alone,
             ..Settings::default()
         };
-        let groups = Group::of_cases(&cases, &settings, is_complete).unwrap();
+        let groups = Group::of_cases(&cases, &settings, &Division::WHOLE, is_complete).unwrap();
         let numbers = |group: Group| group.cases.iter().map(|one| one.number).collect();
         groups.into_iter().map(numbers).collect()
     }

@@ -24,7 +24,7 @@ pub const MESH_ALLOWANCE: f64 = 1.055;
 
 impl Group {
     /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before a stop, or given up
-    /// after it, are left out.
+    /// after it, are left out, and so are all of a group that is traced in part.
     pub(in crate::engine) fn run(
         self,
         all_cases: usize,
@@ -32,6 +32,9 @@ impl Group {
     ) -> Result<Vec<Draft>, SimulateError> {
         let clock = Instant::now();
         let (tallies, rounds) = self.trace(all_cases, context)?;
+        if self.slice().is_part() {
+            return Ok(Vec::new());
+        }
         let built_seconds = self.built.as_ref().map_or(0.0, |built| built.seconds);
         let seconds = clock.elapsed().as_secs_f64() / self.cases.len().max(1) as f64;
         let common = self.stopping(rounds);
@@ -170,6 +173,7 @@ mod tests {
     use crate::input::case::{Case, Light};
     use crate::input::estimator::Estimator;
     use crate::input::settings::{Effort, Settings};
+    use crate::input::share::Division;
     use crate::input::surface_source::SurfaceSource;
     use crate::input::target::Target;
     use crate::observer::Silent;
@@ -197,7 +201,8 @@ mod tests {
                 effort: Effort::TargetError(target),
                 ..Settings::default()
             };
-            let mut groups = Group::of_cases(&[case], &settings, |_| false).unwrap();
+            let mut groups =
+                Group::of_cases(&[case], &settings, &Division::WHOLE, |_| false).unwrap();
             let mut group = groups.remove(0).prepared(&Silent).unwrap();
             group.plan = SurfacePlan {
                 surfaces: 3,

@@ -9,6 +9,7 @@ use crate::errors::budget::LeastErrors;
 use crate::errors::refinement::MeshShifts;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::control_variates::slopes::SlopeControlVariate;
+use crate::output::numbered_blocks::BlockStatistics;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -66,7 +67,7 @@ impl CaseTallies {
             }
             let fraction = 1.0 / surface.cases.len() as f64;
             for (tallies, case) in all.iter_mut().zip(surface.cases) {
-                tallies.add(case, is_only);
+                tallies.add(&case, is_only);
                 tallies.slopes.extend(surface.slopes);
                 tallies.seconds.add(fraction, &surface.seconds);
             }
@@ -74,19 +75,15 @@ impl CaseTallies {
         all
     }
 
-    fn add(&mut self, case: CaseOnSurface, is_only: bool) {
-        let CaseOnSurface {
-            tally,
-            shifts,
-            work,
-            ..
-        } = case;
+    fn add(&mut self, case: &CaseOnSurface, is_only: bool) {
+        let empty = || BlockStatistics::empty(*self.ray_squares.spec());
+        let BlockStatistics { tally, shifts } = case.blocks.total().unwrap_or_else(empty);
         self.lit.push(tally.means());
         self.surfaces.push(tally.means().clone());
         self.ray_squares += &tally.error_squares();
         self.blocks_of_one = is_only.then_some(tally);
         self.shifts.extend(shifts);
-        self.work += work;
+        self.work += case.work;
     }
 
     /// Puts the surfaces of `more` behind those that are there.

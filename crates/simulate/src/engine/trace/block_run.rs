@@ -258,15 +258,28 @@ mod tests {
             advanced: AtomicU64::new(0),
         };
         let strategy = PathStrategy::of(&Method::plain(&settings));
-        let mut found = CaseOnSurface::new(strategy, settings.tally, 1);
+        let mut found = CaseOnSurface::new(strategy);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
-            found.push(&group.blocks[0], group.work[0]);
+            let [first_case] = <[_; 1]>::try_from(group.blocks).unwrap();
+            found.push(group.first, first_case, group.work[0]);
         });
-        let traced = found.tally.batches();
+        let traced = found.blocks.count();
         assert_eq!(found.work.rays, 9 * traced);
         assert_eq!(progress.advanced.into_inner(), 9 * traced);
-        assert!((found.tally.means().budget().reflected - 1.0).abs() < 1e-15);
+        assert!(
+            (found
+                .blocks
+                .total()
+                .unwrap()
+                .tally
+                .means()
+                .budget()
+                .reflected
+                - 1.0)
+                .abs()
+                < 1e-15
+        );
         traced
     }
 

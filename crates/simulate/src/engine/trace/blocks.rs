@@ -1,6 +1,7 @@
 //! Blocks: divide the rays of a surface; groups of them are traced together.
 
 use std::iter::successors;
+use std::ops::Range;
 
 use asperity_tracer::{BatchedRays, Sampling};
 
@@ -58,11 +59,11 @@ impl Blocks {
         }
     }
 
-    /// Blocks after the first `done`.
-    pub(crate) const fn after(self, done: u64) -> Self {
+    /// Blocks of these numbers.
+    pub(crate) const fn of(self, numbers: &Range<u64>) -> Self {
         Self {
-            first: self.first + done,
-            count: self.count - done,
+            first: numbers.start,
+            count: numbers.end - numbers.start,
             ..self
         }
     }

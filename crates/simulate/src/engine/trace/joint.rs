@@ -29,13 +29,16 @@ pub(crate) fn joint_sets(
     sets
 }
 
+/// Returns `true` if two cases on the same given surface may come to be traced together, whatever their methods are.
+pub(crate) fn may_join(a: &Case, b: &Case) -> bool {
+    let is_conductor =
+        |case: &Case| matches!(case.material, Material::Conductor { .. }) && case.layers.is_empty();
+    (a.light, a.bins) == (b.light, b.bins) && is_conductor(a) && is_conductor(b)
+}
+
 impl CaseRun {
     /// Returns `true` if both have the same paths on the same surface: they differ in the index of a conductor alone, and are estimated alike.
     fn has_paths_of(&self, other: &Self) -> bool {
-        let of = |case: &Case| (case.light, case.bins);
-        let are_conductors = [self, other].iter().all(|run| {
-            matches!(run.case.material, Material::Conductor { .. }) && run.case.layers.is_empty()
-        });
         let meshes = self.methods.len().max(other.methods.len());
         let method = |run: &Self, mesh| {
             let method = run.method_on(mesh);
@@ -43,8 +46,7 @@ impl CaseRun {
             let shadows = control.map(ControlVariate::shadow_probability);
             (method.starts, method.paths, shadows)
         };
-        are_conductors
-            && of(&self.case) == of(&other.case)
+        may_join(&self.case, &other.case)
             && (0..meshes).all(|mesh| method(self, mesh) == method(other, mesh))
     }
 }

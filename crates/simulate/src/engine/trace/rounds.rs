@@ -1,5 +1,7 @@
 //! Rounds: traces batches, and adds further ones until an error is reached.
 
+use std::ops::Range;
+
 use crate::engine::context::Context;
 use crate::engine::prepare::group::Group;
 use crate::engine::reduce::tallies::CaseTallies;
@@ -58,7 +60,7 @@ impl Rounds {
 
 impl Group {
     /// Traces the batches planned, fewer if the first of them show that fewer do, and further ones while the error is above its target.
-    /// Returns the tallies of every traced case.
+    /// Returns the tallies of every traced case; none where the group is traced in part, by the plan alone.
     pub(in crate::engine) fn trace(
         &self,
         all_cases: usize,
@@ -67,6 +69,17 @@ impl Group {
         let mut batches = Batches::new(self, all_cases);
         // Half of the surfaces first, if that is enough to tell an error and leaves something to decide.
         let all = batches.all;
+        if self.slice().is_part() {
+            batches.trace(all, self.slice().units(all), context)?;
+            let stopped_by = StoppedBy::Plan;
+            return Ok((
+                Vec::new(),
+                Rounds {
+                    added: 0,
+                    stopped_by,
+                },
+            ));
+        }
         let half = all.div_ceil(2).max(FEWEST_FIRST);
         let decides = self.target().is_some() && !self.has_ray_blocks() && half < all - all / 8;
         let (mut count, mut added) = (if decides { half } else { all }, 0);
@@ -75,7 +88,10 @@ impl Group {
                 break StoppedBy::Plan;
             }
             if !batches.trace_until(count, context)? {
-                break context.observer.stop().unwrap_or(StoppedBy::Interrupt);
+                break match self.slice().is_empty() {
+                    true => StoppedBy::Shards,
+                    false => context.observer.stop().unwrap_or(StoppedBy::Interrupt),
+                };
             }
             let Some(error_over_target) = batches.error_over_target() else {
                 break StoppedBy::Plan;
@@ -144,27 +160,44 @@ impl<'a> Batches<'a> {
             let more = (count - self.done) * self.rays * self.group.cases.len() as u64;
             context.observer.begin("adding", more);
         }
+        let more = match self.group.has_ray_blocks() {
+            true => 0..count,
+            false => self.done..count,
+        };
+        self.trace(count, more, context)?;
+        self.round += 1;
+        self.done = count;
+        // A stop may come between two cases of the only surface.
+        let is_traced = |tallies: &CaseTallies| tallies.work.rays >= count * self.rays;
+        Ok(self.tallies.iter().all(is_traced))
+    }
+
+    /// Traces those of the first `count` batches that are `wanted`, and adds their tallies.
+    fn trace(
+        &mut self,
+        count: u64,
+        wanted: Range<u64>,
+        context: Context<'_>,
+    ) -> Result<(), SimulateError> {
         let run = self.group.run_of(Stage::Result);
         if self.group.has_ray_blocks() {
-            let surface = run.run_round(count, self.round, self.surface.take(), context)?;
+            let wanted = if run.traces { wanted } else { 0..0 };
+            let before = self.surface.take();
+            let surface = run.run_round(count, wanted, self.round, before, context)?;
             self.tallies = CaseTallies::of_surfaces(&run.specs(), vec![surface.clone()]);
             self.surface = Some(surface);
         } else {
-            let more = run.run(self.done..count, context)?;
-            match self.done {
-                0 => self.tallies = more,
-                _ => {
+            let more = run.run(wanted, context)?;
+            match self.tallies.is_empty() {
+                true => self.tallies = more,
+                false => {
                     for (tallies, more) in self.tallies.iter_mut().zip(more) {
                         tallies.append(more);
                     }
                 }
             }
         }
-        self.round += 1;
-        self.done = count;
-        // A stop may come between two cases of the only surface.
-        let is_traced = |tallies: &CaseTallies| tallies.work.rays >= count * self.rays;
-        Ok(self.tallies.iter().all(is_traced))
+        Ok(())
     }
 
     /// The largest error of a case over its target; `None` without a target, or where nothing scatters yet.

@@ -1,5 +1,7 @@
 //! Stage: cases that share their surfaces, the rays that each gets, and saved tallies that are of it.
 
+use std::ops::Range;
+
 use asperity_tally::TallySpec;
 
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
@@ -34,18 +36,37 @@ pub(crate) struct StageRun<'a> {
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
     pub(crate) stage: Stage,
+    /// `false` if nothing is traced, and what is saved makes the result.
+    pub(crate) traces: bool,
 }
 
 /// Part of a run that is saved under one key: blocks of rays on a surface.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Part {
     /// Number of the surface.
     pub(super) surface: u64,
     /// Blocks of each case in each window of the surface.
     pub(super) blocks: Blocks,
+    /// Those of them that are traced.
+    pub(super) wanted: Range<u64>,
     pub(super) key: SurfaceKey,
     /// Rays per case that were traced and counted as progress in earlier rounds.
     pub(super) rays_before: u64,
+}
+
+/// Fewest blocks of each of so many surfaces of a result.
+fn fewest_blocks(surfaces: u64) -> u64 {
+    match surfaces {
+        1 => MIN_BLOCKS_OF_ONE,
+        _ => MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH),
+    }
+}
+
+/// Rays that a case gets from so many surfaces by settings without a target error, in whole blocks.
+pub(crate) fn rays_in_blocks(settings: &Settings, surfaces: u64) -> u64 {
+    let of_one = settings.effort.total_rays().div_ceil(surfaces);
+    let blocks = Blocks::plan(of_one, fewest_blocks(surfaces), settings.sampling);
+    blocks.rays() * surfaces
 }
 
 impl StageRun<'_> {
@@ -55,8 +76,7 @@ impl StageRun<'_> {
         let fewest = match self.surfaces {
             Surfaces::Built(_, Some(_)) => MIN_BLOCKS_OF_EACH,
             Surfaces::Built(_, None) if self.stage != Stage::Result => PILOT_BLOCKS,
-            _ if surfaces == 1 => MIN_BLOCKS_OF_ONE,
-            _ => MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH),
+            _ => fewest_blocks(surfaces),
         };
         let rays = rays.div_ceil(surfaces * self.windows_of_one());
         Blocks::plan(rays, fewest, self.settings.sampling)
@@ -103,12 +123,11 @@ impl StageRun<'_> {
         cases.all(|(found, run)| found.work.rays == rays && found.strategy == run.strategy())
     }
 
-    /// `true` if `found` is of the first blocks of a part: a run that was stopped while it was planned may have divided its rays in
+    /// `true` if `found` is of blocks of a part: a run that was stopped while it was planned may have divided its rays in
     /// another way, on other paths.
-    pub(super) fn is_part(&self, part: Part, found: &CaseOnSurface, run: &CaseRun) -> bool {
-        let done = found.tally.batches();
+    pub(super) fn is_part(&self, part: &Part, found: &CaseOnSurface, run: &CaseRun) -> bool {
         found.strategy == run.strategy()
-            && done <= part.blocks.count * self.windows_of_one()
-            && found.work.rays == done * part.blocks.rays_of_one()
+            && found.blocks.end() <= part.blocks.count * self.windows_of_one()
+            && found.work.rays == found.blocks.count() * part.blocks.rays_of_one()
     }
 }

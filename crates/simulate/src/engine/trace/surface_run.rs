@@ -1,5 +1,6 @@
 //! Surface run: draws one surface, or takes a given one, and traces all cases of a stage on it.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -31,19 +32,18 @@ struct DrawnSurface {
 }
 
 impl StageRun<'_> {
-    /// Traces the first `count` blocks of rays on the one surface, which go on from those of the rounds `before`. If the run is to stop,
-    /// some of the last are missing. Each round is saved under its own number, since the tallies of a round decide how many blocks the
-    /// next one has.
+    /// Traces blocks of rays on the one surface: those that are `wanted` of the first `count`, as far as none of the rounds `before` has
+    /// them. If the run is to stop, some are missing. Each round is saved under its own number, since the tallies of a round decide how many
+    /// blocks the next one has.
     pub(crate) fn run_round(
         &self,
         count: u64,
+        wanted: Range<u64>,
         round: u64,
         before: Option<SurfaceTallies>,
         context: Context<'_>,
     ) -> Result<SurfaceTallies, SimulateError> {
-        let blocks_before = before
-            .as_ref()
-            .map_or(0, |one| one.cases[0].tally.batches());
+        let blocks_before = before.as_ref().map_or(0, |one| one.cases[0].blocks.count());
         let blocks = Blocks {
             count,
             ..self.blocks()
@@ -51,6 +51,7 @@ impl StageRun<'_> {
         let part = Part {
             surface: 0,
             blocks,
+            wanted,
             key: SurfaceKey {
                 number: round,
                 ..self.key(0)
@@ -59,7 +60,7 @@ impl StageRun<'_> {
         };
         let is_further = |saved: &SurfaceTallies| {
             let case = &saved.cases[0];
-            case.tally.batches() >= blocks_before && self.is_part(part, case, &self.cases[0])
+            case.blocks.count() >= blocks_before && self.is_part(&part, case, &self.cases[0])
         };
         let saved = self.load(part.key, context).filter(is_further);
         let drawer = self.drawer()?;
@@ -145,11 +146,9 @@ impl StageRun<'_> {
         let clock = Instant::now();
         let seconds_before = left.as_ref().map_or(0.0, |left| left.seconds.trace);
         let mut left = left.into_iter().flat_map(|left| left.cases);
-        let meshes = built.shapes().count();
         let first_blocks = |run: &CaseRun| {
-            let spec = self.settings.spec_of(&run.case);
-            let left = left.next().filter(|left| self.is_part(part, left, run));
-            left.unwrap_or_else(|| CaseOnSurface::new(run.strategy(), spec, meshes))
+            let left = left.next().filter(|left| self.is_part(&part, left, run));
+            left.unwrap_or_else(|| CaseOnSurface::new(run.strategy()))
         };
         let mut found = SurfaceTallies {
             cases: self.cases.iter().map(first_blocks).collect(),
@@ -157,8 +156,11 @@ impl StageRun<'_> {
             seconds,
             used: built.used(),
         };
-        let done = |i: usize| (found.cases[i].tally.batches(), found.cases[i].work.rays);
-        let sets = joint_sets(self.cases, |a, b| done(a) == done(b));
+        let windows = self.surfaces.windows(part.surface);
+        let all = 0..windows.len() as u64 * part.blocks.count;
+        let missing = |i: usize| found.cases[i].blocks.missing(all.clone());
+        let sets = joint_sets(self.cases, |a, b| missing(a) == missing(b));
+        let mut has_traced = false;
         for (number, set) in sets.iter().enumerate() {
             if number > 0 && context.observer.gives_up_first() {
                 break;
@@ -168,41 +170,35 @@ impl StageRun<'_> {
             let first_case = set[0];
             let resumed = found.cases[first_case].work.rays - part.rays_before;
             context.observer.advance(resumed * set.len() as u64);
-            for (window, place) in (0..).zip(self.surfaces.windows(part.surface)) {
+            for (window, &place) in (0..).zip(&windows) {
                 lit.iter_mut().for_each(|mesh| mesh.light.window = place);
                 let first = window * part.blocks.count;
-                let done = found.cases[first_case]
-                    .tally
-                    .batches()
-                    .saturating_sub(first);
-                let blocks = Blocks {
-                    first,
-                    ..part.blocks
-                };
-                run_blocks(
-                    &lit,
-                    &self.settings,
-                    self.surfaces.stream(part.surface),
-                    blocks.after(done.min(blocks.count)),
-                    context.observer,
-                    |group| {
-                        // Blocks behind one that a stop left out are of no use to a later run.
-                        if group.first != found.cases[first_case].tally.batches() {
-                            return;
-                        }
-                        for ((&i, blocks), work) in set.iter().zip(&group.blocks).zip(group.work) {
-                            found.cases[i].push(blocks, work);
-                        }
-                        if context.store.is_some_and(|store| store.is_due()) {
-                            found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
-                            save(part.key, &found, context);
-                        }
-                    },
-                );
+                let wanted = first + part.wanted.start..first + part.wanted.end;
+                for numbers in found.cases[first_case].blocks.missing(wanted) {
+                    run_blocks(
+                        &lit,
+                        &self.settings,
+                        self.surfaces.stream(part.surface),
+                        part.blocks.of(&numbers),
+                        context.observer,
+                        |group| {
+                            let blocks = group.blocks.into_iter().zip(group.work);
+                            for (&i, (blocks, work)) in set.iter().zip(blocks) {
+                                found.cases[i].push(group.first, blocks, work);
+                            }
+                            has_traced = true;
+                            if context.store.is_some_and(|store| store.is_due()) {
+                                found.seconds.trace =
+                                    seconds_before + clock.elapsed().as_secs_f64();
+                                save(part.key, &found, context);
+                            }
+                        },
+                    );
+                }
             }
         }
         found.seconds.trace = seconds_before + clock.elapsed().as_secs_f64();
-        if found.cases.iter().any(|case| case.work.rays > 0) {
+        if has_traced {
             save(part.key, &found, context);
         }
         *memory = Arc::into_inner(built).map_or_else(Vec::new, BuiltSurface::into_memory);

@@ -127,9 +127,11 @@ impl StageRun<'_> {
         let mut all = Vec::new();
         let mut memory = Vec::new();
         while let Some(surface) = turns.take() {
+            let blocks = self.blocks();
             let part = Part {
                 surface,
-                blocks: self.blocks(),
+                blocks,
+                wanted: 0..blocks.count,
                 key: self.key(surface),
                 rays_before: 0,
             };
@@ -143,7 +145,7 @@ impl StageRun<'_> {
                         complete: true,
                     }
                 }
-                _ if turns.are_over(observer) => continue,
+                _ if !self.traces || turns.are_over(observer) => continue,
                 saved => {
                     let found = self.trace(drawer, part, &mut memory, saved, context);
                     if matches!(found, Err(SimulateError::Interrupted)) {
@@ -221,6 +223,7 @@ mod tests {
                 rays: 4000,
             },
             stage: Stage::Result,
+            traces: true,
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
         let tallies = pool

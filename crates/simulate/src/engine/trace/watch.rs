@@ -71,7 +71,10 @@ impl Seen {
             .resize_with(surface.cases.len(), BatchStatistics::default);
         let mut worst = 0.0_f64;
         for (seen, case) in self.cases.iter_mut().zip(&surface.cases) {
-            let means = case.tally.means();
+            let Some(total) = case.blocks.total() else {
+                continue;
+            };
+            let means = total.tally.means();
             let entries = target.of().entries(means.spec());
             let values: Vec<f64> = entries.iter().map(|&i| means[i]).collect();
             if seen.batches() == 0 {

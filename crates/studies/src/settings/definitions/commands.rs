@@ -31,6 +31,13 @@ pub(super) const TRACING: Commands = Commands::of(&[
     Command::Gonio,
 ]);
 
+/// Commands that run a study, whose results one file keeps.
+pub(super) const STUDIES: Commands = TRACING.and(Commands::of(&[
+    Command::Albedo,
+    Command::Converge,
+    Command::Attenuation,
+]));
+
 pub(super) const ALBEDO: Commands = Commands::of(&[Command::Albedo]);
 pub(super) const ATTENUATION: Commands = Commands::of(&[Command::Attenuation]);
 pub(super) const CONVERGE: Commands = Commands::of(&[Command::Converge]);
@@ -41,6 +48,7 @@ pub(super) const INSPECT: Commands = Commands::of(&[Command::Inspect]);
 pub(super) const MAP: Commands = Commands::of(&[Command::Map]);
 pub(super) const MATERIALS: Commands = Commands::of(&[Command::Materials]);
 pub(super) const MESH: Commands = Commands::of(&[Command::Mesh]);
+pub(super) const MERGE: Commands = Commands::of(&[Command::Merge]);
 pub(super) const MODEL: Commands = Commands::of(&[Command::Model]);
 pub(super) const RENDER: Commands = Commands::of(&[Command::Render]);
 pub(super) const REPORT: Commands = Commands::of(&[Command::Report]);

@@ -2,19 +2,17 @@
 
 use super::choices::{COHERENT, FOR_FORMAT, SCALE};
 use super::commands::{
-    ALBEDO, ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MESH, MODEL,
-    REPORT, SWEEPS, TRACE, TRACING, VERIFY,
+    ALBEDO, ATTENUATION, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MERGE, MESH, MODEL,
+    REPORT, STUDIES, SWEEPS, TRACE, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, basic, flags, setting, table};
 
-const FIGURES_IN: Commands = TRACING.and(ALBEDO).and(CONVERGE).and(ATTENUATION);
-
 pub(super) const FIGURES: &[Setting] = &table(
     "output",
-    FIGURES_IN,
+    STUDIES,
     [
         setting("plots", Kind::Switch)
             .help("Draw figures")
@@ -57,7 +55,7 @@ const FILE: &str = "FILE";
 
 pub(super) const RESULTS: &[Setting] = &flags(
     "results",
-    FIGURES_IN,
+    STUDIES,
     [
         basic("output", Kind::Path)
             .help("Folder for the results")
@@ -103,10 +101,29 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .short('o')
             .value_name(FILE)
             .required(REPORT),
+        basic("output", Kind::Path)
+            .help("Folder for the results of all shards")
+            .commands(MERGE)
+            .short('o')
+            .value_name("DIR")
+            .required(MERGE),
         setting("report", Kind::Path)
             .help("Page of the results to write: .html")
+            .commands(STUDIES.and(MERGE))
             .value_name(FILE)
             .otherwise("none"),
+        setting("shard", Kind::Share)
+            .help("Part of the run to trace, for merge, such as 2/7")
+            .value_name("K/N")
+            .otherwise("all of it"),
+        setting("extendable", Kind::Switch)
+            .help("Keep what a run with more surfaces or rays needs"),
+        setting("plan_only", Kind::Switch)
+            .help("Plan surfaces, rays and time of cases and shards, and end"),
+        setting("plan", Kind::Path)
+            .help("Folder of --plan-only by whose times shards are balanced")
+            .value_name("DIR")
+            .otherwise("expected ones"),
         setting("for", FOR_FORMAT)
             .help("Directions, bins and light that a format of export needs")
             .commands(GONIO)
@@ -131,7 +148,8 @@ pub(super) const RESULTS: &[Setting] = &flags(
                     .and(INSPECT)
                     .and(MODEL)
                     .and(MATERIALS)
-                    .and(EXPORT),
+                    .and(EXPORT)
+                    .and(MERGE),
             ),
     ],
 );

@@ -1,7 +1,7 @@
 //! Settings of single commands: the height map of `generate`, the mesh of `mesh`, `model`, `materials`, `export` and `report`.
 
 use super::choices::{EXPORT_FORMAT, EXPORTED_SIDE, MESH_FORMAT, SURFACE_FORMAT};
-use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MESH, MODEL, REPORT};
+use super::commands::{DEGREES, EXPORT, GENERATE, MATERIALS, MERGE, MESH, MODEL, REPORT};
 use super::light::WAVELENGTH;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -98,4 +98,17 @@ pub(super) const REPORT_SETTINGS: &[Setting] = &flags(
         .value_name("DIR")
         .arity(Arity::Repeated)
         .flag(Flag::None)],
+);
+
+pub(super) const MERGE_SETTINGS: &[Setting] = &flags(
+    "merge",
+    MERGE,
+    [
+        basic("folders", Kind::Path)
+            .help("Result folders of the shards")
+            .value_name("DIR")
+            .arity(Arity::Repeated)
+            .flag(Flag::None),
+        basic("partial", Kind::Switch).help("Merge although shards are missing or not finished"),
+    ],
 );
