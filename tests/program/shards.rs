@@ -122,7 +122,7 @@ fn merged_shards_of_every_command_have_the_bytes_of_the_whole_run() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn merged_shards_of_other_divisions_have_the_bytes_of_the_whole_run() {
     merged_shards_have_the_bytes_of_the_whole(&[2, 64]);
 }

@@ -24,7 +24,7 @@ const MAX_FAILURES: usize = 10;
 /// The end of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum Limit {
-    /// So many inputs: the same ones for the same seed.
+    /// Number of inputs; equal seeds give equal inputs.
     Inputs(u64),
     /// So much time.
     Time(Duration),

@@ -28,7 +28,7 @@ pub(crate) const PARTS: &str = "parts.cbor";
 /// Name of the member with the thumbnail of the first surface.
 pub(crate) const SURFACE: &str = "surface";
 
-/// Most cases of a run. No study plans so many; a damaged number would take all memory.
+/// Upper limit of the number of cases, beyond that of any study: a damaged number would take all memory.
 const MAX_CASES: usize = 1 << 20;
 
 /// Treatment of complete results of another run in the same folder.

@@ -15,11 +15,10 @@ use crate::shards::Shards;
 use crate::store::Part;
 
 impl<C: Stored> Container<'_, C> {
-    /// Puts the results of shards of the same run in the place of what is there, each with the folder that it was read from. Of a case that several have, the first
+    /// Replaces all results by those of shards of the same run, each with the folder that it was read from. Of a case that several have, the first
     /// complete one counts.
     ///
-    /// These results are then of all shards together: of the whole run, or of [some of them](crate::Header::shards), whose results are made of
-    /// what is there.
+    /// The results are then those of the whole run, or of [some shards](crate::Header::shards) if others are missing.
     ///
     /// # Errors
     /// [`ResultsError::OtherShard`] if two are of different runs or divisions, are not finished, or have surfaces or rays in common.

@@ -91,7 +91,7 @@ impl Used {
         self.accelerator
     }
 
-    /// The same without instructions, which depend on the machine.
+    /// Accelerator without its instructions, which depend on the machine.
     pub(crate) fn without_machine(self) -> Self {
         Self {
             instructions: None,

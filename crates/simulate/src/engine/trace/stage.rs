@@ -47,14 +47,14 @@ pub(super) struct Part {
     pub(super) surface: u64,
     /// Blocks of each case in each window of the surface.
     pub(super) blocks: Blocks,
-    /// Those of them that are traced.
+    /// Numbers of the blocks that are traced.
     pub(super) wanted: Range<u64>,
     pub(super) key: SurfaceKey,
     /// Rays per case that were traced and counted as progress in earlier rounds.
     pub(super) rays_before: u64,
 }
 
-/// Fewest blocks of each of so many surfaces of a result.
+/// Fewest blocks per surface of a result on `surfaces` surfaces.
 fn fewest_blocks(surfaces: u64) -> u64 {
     match surfaces {
         1 => MIN_BLOCKS_OF_ONE,
@@ -62,7 +62,7 @@ fn fewest_blocks(surfaces: u64) -> u64 {
     }
 }
 
-/// Rays that a case gets from so many surfaces by settings without a target error, in whole blocks.
+/// Rays per case on `surfaces` surfaces, in whole blocks, without a target error.
 pub(crate) fn rays_in_blocks(settings: &Settings, surfaces: u64) -> u64 {
     let of_one = settings.effort.total_rays().div_ceil(surfaces);
     let blocks = Blocks::plan(of_one, fewest_blocks(surfaces), settings.sampling);
