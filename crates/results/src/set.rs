@@ -417,10 +417,11 @@ impl<'a, C: Stored> Container<'a, C> {
             let mut parts = Vec::new();
             for (key, part) in &state.parts {
                 let is_complete = self.is_complete(key.case);
+                // Equal results have equal bytes; times of an incomplete case are kept until it is complete.
+                let has_no_times = is_complete || matches!(machines, Machines::LeftOut);
                 match part {
                     Part::Held(_) if is_complete && !state.keeps_parts => {}
-                    // Equal results have equal bytes.
-                    Part::Held(surface) if is_complete => {
+                    Part::Held(surface) if has_no_times => {
                         parts.push((key, Cow::Owned(surface.without_machine())));
                     }
                     Part::Held(surface) => parts.push((key, Cow::Borrowed(&**surface))),
