@@ -1,6 +1,7 @@
 //! Numerics: quadrature, roots, special functions, Fourier transforms of grids, and hashing. It knows nothing of optics or surfaces.
 
 mod columns;
+pub mod elementary;
 mod fourier;
 mod hash;
 pub mod quadrature;
