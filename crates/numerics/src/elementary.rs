@@ -14,9 +14,10 @@ mod trigonometric;
 pub use error_function::{erf, erfc};
 pub use exponential::{exp, exp_m1, ln, ln_1p};
 pub use libm::{
-    acos, asin, asinh, atan, atanh, cbrt, cosh, hypot, lgamma, log2, log10, pow, sinh, tan, tanh,
+    acos, asin, asinh, atan, atanh, cbrt, cosh, hypot, j0, lgamma, log2, log10, pow, sinh, tan,
+    tanh,
 };
-pub use trigonometric::{atan2, cos, sin, sin_cos};
+pub use trigonometric::{atan2, cos, sin, sin_cos, sin_cos_of_turn};
 
 /// 1.5 * 2^52: sums with it are rounded to integers.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;

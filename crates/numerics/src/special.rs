@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
+use crate::elementary::{erfc, exp, lgamma, ln, ln_1p};
+
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
 
@@ -17,21 +19,21 @@ pub fn exponential_integral(x: f64) -> f64 {
         term *= -x / n;
         sum -= term / n;
     }
-    sum - EULER - x.ln()
+    sum - EULER - ln(x)
 }
 
 /// The logarithm of the probability that a standard normal number is below `z`.
 pub fn ln_normal_cdf(z: f64) -> f64 {
     if z > -30.0 {
         // Without cancellation near a probability of one
-        let above = 0.5 * libm::erfc(z / SQRT_2);
+        let above = 0.5 * erfc(z / SQRT_2);
         match z > 0.0 {
-            true => (-above).ln_1p(),
-            false => (0.5 * libm::erfc(-z / SQRT_2)).ln(),
+            true => ln_1p(-above),
+            false => ln(0.5 * erfc(-z / SQRT_2)),
         }
     } else {
         // Abramowitz and Stegun, Eq. 26.2.12
-        -0.5 * z * z - (-z).ln() - 0.5 * (2.0 * PI).ln() - 1.0 / (z * z)
+        -0.5 * z * z - ln(-z) - 0.5 * ln(2.0 * PI) - 1.0 / (z * z)
     }
 }
 
@@ -39,7 +41,7 @@ pub fn ln_normal_cdf(z: f64) -> f64 {
 pub fn beta_of_one_plus(x: f64, y: f64) -> f64 {
     let (small, large) = if x < y { (x, y) } else { (y, x) };
     if large < 20.0 {
-        return (libm::lgamma(1.0 + x) + libm::lgamma(1.0 + y) - libm::lgamma(2.0 + x + y)).exp();
+        return exp(lgamma(1.0 + x) + lgamma(1.0 + y) - lgamma(2.0 + x + y));
     }
     if large == f64::INFINITY {
         return 0.0;
@@ -52,8 +54,8 @@ pub fn beta_of_one_plus(x: f64, y: f64) -> f64 {
         let w = 1.0 / (z * z);
         (1.0 / 12.0 - w * (1.0 / 360.0 - w * (1.0 / 1260.0 - w / 1680.0))) / z
     };
-    let ratio = d - (z - 0.5) * (d / z).ln_1p() - d * (z + d).ln() + tail(z) - tail(z + d);
-    (libm::lgamma(1.0 + small) + ratio).exp()
+    let ratio = d - (z - 0.5) * ln_1p(d / z) - d * ln(z + d) + tail(z) - tail(z + d);
+    exp(lgamma(1.0 + small) + ratio)
 }
 
 #[cfg(test)]

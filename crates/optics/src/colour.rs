@@ -12,6 +12,7 @@
 
 mod table;
 
+use asperity_numerics::elementary::pow;
 use table::TABLE;
 
 /// Standard observer, by the angle of the field of view.
@@ -133,7 +134,7 @@ pub fn srgb_encoded(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {
-        1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055
+        1.055 * pow(linear, 1.0 / 2.4) - 0.055
     }
 }
 

@@ -2,23 +2,22 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use asperity_numerics::elementary::{atan2, hypot, sin, sin_cos, sin_cos_of_turn};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-
-use crate::elementary::sin_cos_of_turn;
 
 /// The unit vector of polar angle `theta` from +z and azimuth `phi` from +x, both in radians.
 #[must_use]
 pub fn from_spherical(theta: f64, phi: f64) -> DVec3 {
-    let (sin_theta, cos_theta) = theta.sin_cos();
-    let (sin_phi, cos_phi) = phi.sin_cos();
+    let (sin_theta, cos_theta) = sin_cos(theta);
+    let (sin_phi, cos_phi) = sin_cos(phi);
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
 /// Polar angle from +z in `[0, pi]`; accurate near the poles and near grazing alike.
 #[must_use]
 pub fn polar_angle(w: DVec3) -> f64 {
-    w.x.hypot(w.y).atan2(w.z)
+    atan2(hypot(w.x, w.y), w.z)
 }
 
 /// Azimuth from +x towards +y in `[0, 2 pi)`; zero for a vertical direction.
@@ -27,7 +26,7 @@ pub fn azimuth(w: DVec3) -> f64 {
     if w.x == 0.0 && w.y == 0.0 {
         return 0.0;
     }
-    let phi = w.y.atan2(w.x);
+    let phi = atan2(w.y, w.x);
     if phi < 0.0 {
         // A tiny negative angle rounds up to the full turn, which is zero.
         let wrapped = phi + TAU;
@@ -142,7 +141,7 @@ impl Incidence {
     /// Returns `true` if the light comes from straight above, so that its azimuth has no meaning.
     #[must_use]
     pub fn is_vertical(self) -> bool {
-        self.theta.sin() == 0.0
+        sin(self.theta) == 0.0
     }
 
     /// `wi`, the unit vector towards the light, `z > 0`.

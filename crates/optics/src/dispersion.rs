@@ -6,6 +6,8 @@
 //! Source of the formulas: M. N. Polyanskiy, "Refractiveindex.info database of optical constants", Scientific Data 11, 94 (2024),
 //! <https://doi.org/10.1038/s41597-023-02898-2>.
 
+use asperity_numerics::elementary::pow;
+
 /// Relative distance from an end of a range that counts as on the end: rounding in the conversion of units.
 const RANGE_TOLERANCE: f64 = 1e-9;
 
@@ -400,19 +402,19 @@ fn formula(number: u8, coefficients: &[f64], w: f64) -> f64 {
         // Sellmeier with squared resonances
         2 => add(1.0 + c(0), &|a, b| a * w2 / (w2 - b)).sqrt(),
         // Polynomial
-        3 => add(c(0), &|a, b| a * w.powf(b)).sqrt(),
+        3 => add(c(0), &|a, b| a * pow(w, b)).sqrt(),
         // refractiveindex.info
         4 => {
             let quads = coefficients.get(1..).unwrap_or_default().chunks_exact(4);
             let resonances = quads.take(2).fold(c(0), |n2, q| {
-                n2 + q[0] * w.powf(q[1]) / (w2 - q[2].powf(q[3]))
+                n2 + q[0] * pow(w, q[1]) / (w2 - pow(q[2], q[3]))
             });
             pairs(9)
-                .fold(resonances, |n2, (a, b)| n2 + a * w.powf(b))
+                .fold(resonances, |n2, (a, b)| n2 + a * pow(w, b))
                 .sqrt()
         }
         // Cauchy
-        5 => add(c(0), &|a, b| a * w.powf(b)),
+        5 => add(c(0), &|a, b| a * pow(w, b)),
         // Gases
         6 => add(1.0 + c(0), &|a, b| a / (b - 1.0 / w2)),
         // Herzberger

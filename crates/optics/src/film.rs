@@ -22,6 +22,7 @@
 //! # Source
 //! Born and Wolf, Principles of Optics, Sec. 1.6; signs of `r_p` and of phases as on the crate page.
 
+use asperity_numerics::elementary::{exp, exp_m1, sin, sin_cos};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -143,7 +144,7 @@ impl Films {
             let phase = Complex64::I * medium.q * film.phase;
             let turn = exp_minus_one(2.0 * phase);
             let cos = 1.0 + 0.5 * turn;
-            passed *= exp(phase);
+            passed *= complex_exp(phase);
             let [x, weight] = [medium.x(), [Complex64::ONE, medium.m2]];
             for (i, (u, v)) in fields.iter_mut().enumerate() {
                 let sin = if x[i] == Complex64::ZERO {
@@ -263,19 +264,16 @@ fn first_quadrant_root(re: f64, im: f64) -> Complex64 {
     }
 }
 
-fn exp(z: Complex64) -> Complex64 {
-    let (sin, cos) = libm::sincos(z.im);
-    libm::exp(z.re) * Complex64::new(cos, sin)
+fn complex_exp(z: Complex64) -> Complex64 {
+    let (sin, cos) = sin_cos(z.im);
+    exp(z.re) * Complex64::new(cos, sin)
 }
 
 /// `exp(z) - 1` without cancellation for small `z`.
 fn exp_minus_one(z: Complex64) -> Complex64 {
-    let half = libm::sin(0.5 * z.im);
-    let (sin, cos) = libm::sincos(z.im);
-    Complex64::new(
-        libm::expm1(z.re) * cos - 2.0 * half * half,
-        libm::exp(z.re) * sin,
-    )
+    let half = sin(0.5 * z.im);
+    let (sin, cos) = sin_cos(z.im);
+    Complex64::new(exp_m1(z.re) * cos - 2.0 * half * half, exp(z.re) * sin)
 }
 
 impl TryFrom<Vec<Film>> for Films {

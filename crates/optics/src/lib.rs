@@ -23,7 +23,6 @@
 mod colour;
 mod direction;
 mod dispersion;
-mod elementary;
 mod film;
 mod fresnel;
 mod interface;
@@ -39,7 +38,6 @@ mod sunlight;
 pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb, srgb_encoded};
 pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
-pub use elementary::{ln_of_normal, sin_cos_of_turn};
 pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};

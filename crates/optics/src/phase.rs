@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{asinh, sinh};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -113,7 +114,7 @@ fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
 /// Cosine of the Rayleigh scattering angle: the real root of `mu^3 + 3 mu = 4 s`. See [`henyey_greenstein_cosine`].
 #[inline(always)]
 fn rayleigh_cosine(s: f64) -> f64 {
-    (2.0 * ((2.0 * s).asinh() / 3.0).sinh()).clamp(-1.0, 1.0)
+    (2.0 * sinh(asinh(2.0 * s) / 3.0)).clamp(-1.0, 1.0)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use asperity_numerics::elementary::{cos, sin};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -182,9 +183,9 @@ impl Spread {
     #[must_use]
     pub fn projected_solid_angle(&self, incidence: Incidence) -> f64 {
         match *self {
-            Self::Cone { half_angle } => PI * half_angle.sin().powi(2) * incidence.wi().z,
+            Self::Cone { half_angle } => PI * sin(half_angle).powi(2) * incidence.wi().z,
             Self::Patch { theta, phi } => {
-                let [a, b] = theta.map(|theta| theta.sin().powi(2));
+                let [a, b] = theta.map(|theta| sin(theta).powi(2));
                 0.5 * (phi[1] - phi[0]) * (b - a)
             }
         }
@@ -195,9 +196,9 @@ impl Spread {
         match *self {
             Self::Cone { half_angle } => {
                 let axis = incidence.wi();
-                let highest = (incidence.theta() - half_angle).max(0.0).cos();
+                let highest = cos((incidence.theta() - half_angle).max(0.0));
                 // 1 - cos without loss of digits
-                let depth = 2.0 * (0.5 * half_angle).sin().powi(2);
+                let depth = 2.0 * sin(0.5 * half_angle).powi(2);
                 loop {
                     let w = around(axis, 1.0 - depth * uniform(), uniform());
                     if uniform() * highest < w.z {
@@ -206,7 +207,7 @@ impl Spread {
                 }
             }
             Self::Patch { theta, phi } => {
-                let [a, b] = theta.map(|theta| theta.sin().powi(2));
+                let [a, b] = theta.map(|theta| sin(theta).powi(2));
                 let sin = (a + (b - a) * uniform()).sqrt();
                 let azimuth = phi[0] + (phi[1] - phi[0]) * uniform();
                 let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();

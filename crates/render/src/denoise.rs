@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use asperity_io::Picture;
+use asperity_numerics::elementary::exp;
 use rayon::prelude::*;
 
 /// Pixels from the centre of a patch to its sides.
@@ -79,7 +80,7 @@ impl Noisy {
                     let sides = i.saturating_sub(1)..(i + 2).min(distances.len());
                     let patch = &distances[sides];
                     let distance = patch.iter().sum::<f64>() / patch.len() as f64;
-                    let weight = (-distance.max(0.0)).exp();
+                    let weight = exp(-distance.max(0.0));
                     let x = x.cast_unsigned();
                     let there = self.values[self.index([x.cast_signed() + dx, y + dy])];
                     weights[x] += weight;

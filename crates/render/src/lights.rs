@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{acos, cos, sin};
 use asperity_optics::{Incidence, around};
 use asperity_tracer::{Geometry, Sunlight};
 use glam::{DVec2, DVec3};
@@ -136,15 +137,15 @@ impl Sun {
         Ok(Self {
             towards: towards.wi(),
             strength,
-            sin_radius: radius.sin(),
-            cos_radius: radius.cos(),
+            sin_radius: sin(radius),
+            cos_radius: cos(radius),
             patch,
         })
     }
 
     /// Polar angle of the middle of the disc, radians.
     pub(crate) fn theta(&self) -> f64 {
-        self.towards.z.clamp(-1.0, 1.0).acos()
+        acos(self.towards.z.clamp(-1.0, 1.0))
     }
 
     /// Radiance of the disc: its irradiance `pi strength` over its projected solid angle `pi sin^2`.

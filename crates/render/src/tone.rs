@@ -1,6 +1,7 @@
 //! Tone: the curve from radiance to the brightness of a picture, and its pixels for viewing.
 
 use asperity_io::{Picture, Pixels};
+use asperity_numerics::elementary::{log10, pow};
 use asperity_optics::srgb_encoded;
 
 use crate::exposure::{brightest, exposure, factor, highlights, largest, shown_values};
@@ -73,7 +74,7 @@ impl ToneCurve {
     }
 
     fn log(&self, radiance: f64) -> f64 {
-        let decades = (self.exposure * radiance).max(f64::MIN_POSITIVE).log10();
+        let decades = log10((self.exposure * radiance).max(f64::MIN_POSITIVE));
         (1.0 + decades / f64::from(LOG_DECADES)).clamp(0.0, 1.0)
     }
 
@@ -139,7 +140,7 @@ fn srgb_decoded(stored: f64) -> f64 {
     if stored <= 0.040_45 {
         stored / 12.92
     } else {
-        ((stored + 0.055) / 1.055).powf(2.4)
+        pow((stored + 0.055) / 1.055, 2.4)
     }
 }
 

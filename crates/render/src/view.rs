@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{sin_cos, tan};
 use asperity_optics::Incidence;
 use asperity_surface::{Length, LengthUnit};
 use glam::{DVec2, DVec3};
@@ -108,7 +109,7 @@ impl View {
     ) -> Result<Camera, ViewError> {
         let back = self.towards.wi();
         // The derivative of the direction by theta, turned about, which has a limit at the pole.
-        let (sin, cos) = self.towards.theta().sin_cos();
+        let (sin, cos) = sin_cos(self.towards.theta());
         let level = DVec2::from_angle(self.towards.phi());
         let up = (-cos * level).extend(sin);
         let right = up.cross(back);
@@ -117,7 +118,7 @@ impl View {
         let eye = match self.projection {
             Projection::Orthographic => None,
             Projection::Pinhole { field_of_view } => {
-                let distance = half_height / (0.5 * field_of_view).tan();
+                let distance = half_height / tan(0.5 * field_of_view);
                 let eye = self.target.extend(0.0) + distance * back;
                 if eye.z.partial_cmp(&highest) != Some(std::cmp::Ordering::Greater) {
                     let [height, highest] = [eye.z, highest].map(|value| Length {

@@ -6,6 +6,9 @@
 use std::hint::black_box;
 use std::sync::OnceLock;
 
+use asperity_numerics::elementary::{
+    acos, asin, atan, atan2, cbrt, cos, exp, exp_m1, hypot, ln, ln_1p, pow, sin, tan, tanh,
+};
 use asperity_numerics::fnv1a;
 use asperity_synthesis::{Psd, Synthesis, SynthesisError};
 
@@ -14,24 +17,24 @@ const ARGUMENTS: u32 = 256;
 
 /// Functions of one argument, which is above 0 and below 1.
 const FUNCTIONS: [fn(f64) -> f64; 14] = [
-    f64::sin,
-    f64::cos,
-    f64::tan,
-    f64::asin,
-    f64::acos,
-    f64::atan,
-    f64::exp,
-    f64::exp_m1,
-    f64::ln,
-    f64::ln_1p,
-    f64::cbrt,
-    f64::tanh,
-    |x| (20.0 * x).cos(),
-    |x| (-20.0 * x).exp(),
+    sin,
+    cos,
+    tan,
+    asin,
+    acos,
+    atan,
+    exp,
+    exp_m1,
+    ln,
+    ln_1p,
+    cbrt,
+    tanh,
+    |x| cos(20.0 * x),
+    |x| exp(-20.0 * x),
 ];
 
 /// A function of two arguments.
-const OF_TWO: [fn(f64, f64) -> f64; 3] = [f64::atan2, f64::powf, f64::hypot];
+const OF_TWO: [fn(f64, f64) -> f64; 3] = [atan2, pow, hypot];
 
 /// Samples of the surface that is drawn along y and x: of several prime factors, small.
 const SHAPE: [usize; 2] = [32, 60];

@@ -6,6 +6,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use asperity_numerics::elementary::{cos, sin};
 use asperity_optics::{BottomSurface, Material};
 use asperity_tally::EventPath;
 use asperity_tracer::{
@@ -181,7 +182,7 @@ struct Frame {
 impl Frame {
     fn of<G: Geometry>(top: &G, case: &Case, length: f64) -> Self {
         let phi = case.light.incidence.phi() + PI;
-        let along = DVec2::new(phi.cos(), phi.sin());
+        let along = DVec2::new(cos(phi), sin(phi));
         let [x, y] = top.extent();
         let middle = 0.5 * DVec2::new(x, y);
         // The part of the line through the middle that lies in the tile

@@ -69,6 +69,7 @@ mod tables;
 mod tests;
 
 use asperity_analysis::SlopeCovariance;
+use asperity_numerics::elementary::exp_m1;
 use asperity_optics::Incidence;
 use asperity_results::Container;
 use asperity_simulate::{Cells, SimulateError, StoppedBy, counted};
@@ -287,6 +288,6 @@ impl AttenuationStudy {
         }
         let [dx, dy] = drawn.spacing();
         let square = (dx.max(dy) / self.config.surface.tau.0).powi(2);
-        1.0 + (-square).exp_m1() / square
+        1.0 + exp_m1(-square) / square
     }
 }

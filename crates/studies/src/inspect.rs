@@ -10,6 +10,7 @@ mod tests;
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{exp, sin_cos};
 use asperity_surface::{
     AxisAutocorrelation, HeightField, Histogram, LengthUnit, PowerSpectrum, SpectralRing,
 };
@@ -92,7 +93,7 @@ fn mean_over_azimuths(psd: &Psd, k: f64) -> f64 {
         return psd.density(k, 0.0);
     }
     let at = |i: usize| {
-        let (sin, cos) = (PI * i as f64 / AZIMUTHS as f64).sin_cos();
+        let (sin, cos) = sin_cos(PI * i as f64 / AZIMUTHS as f64);
         psd.density(k * cos, k * sin)
     };
     (0..AZIMUTHS).map(at).sum::<f64>() / AZIMUTHS as f64
@@ -100,7 +101,7 @@ fn mean_over_azimuths(psd: &Psd, k: f64) -> f64 {
 
 /// The normal density of mean zero.
 fn normal(value: f64, mean_square: f64) -> f64 {
-    (-value * value / (2.0 * mean_square)).exp() / (2.0 * PI * mean_square).sqrt()
+    exp(-value * value / (2.0 * mean_square)) / (2.0 * PI * mean_square).sqrt()
 }
 
 /// The density of the slope along one axis of GGX: that of Walter et al. (2007), Eq. 33, integrated over the other axis.

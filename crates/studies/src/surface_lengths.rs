@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use asperity_numerics::elementary::exp;
 use asperity_simulate::RandomSurfaces;
 use asperity_surface::{Border, HeightBlocks, HeightField, LengthUnit, Roughness};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
@@ -43,7 +44,7 @@ impl SurfaceLengths {
     #[must_use]
     pub fn coherent_fraction(&self, wave_number: f64) -> f64 {
         if self.heights.is_empty() {
-            return (-(wave_number * self.sigma).powi(2)).exp();
+            return exp(-(wave_number * self.sigma).powi(2));
         }
         let of_each = self.heights.iter();
         let sum: f64 = of_each.map(|one| one.coherent_fraction(wave_number)).sum();

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use asperity_numerics::elementary::log10;
+
 /// At least six significant digits, without trailing zeros; with an exponent, as in `1.5e-150`, where zeros would
 /// make it long.
 #[must_use]
@@ -16,7 +18,7 @@ pub fn short(value: f64) -> String {
             None => text,
         };
     }
-    let digits = (5 - value.abs().log10().floor() as i32).max(0) as usize;
+    let digits = (5 - log10(value.abs()).floor() as i32).max(0) as usize;
     without_zeros(&format!("{value:.digits$}")).to_owned()
 }
 
@@ -38,7 +40,7 @@ pub fn short_below(value: f64) -> String {
     let text = short(value);
     match text.parse::<f64>() {
         Ok(shown) if shown > value => {
-            let scale = 10_f64.powi(5 - value.abs().log10().floor() as i32);
+            let scale = 10_f64.powi(5 - log10(value.abs()).floor() as i32);
             short((value * scale).floor() / scale)
         }
         _ => text,

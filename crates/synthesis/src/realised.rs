@@ -5,6 +5,7 @@ mod structure;
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::exp_m1;
 use asperity_surface::{HeightField, Roughness};
 use serde::Serialize;
 
@@ -116,7 +117,7 @@ impl Realised {
         let is_closed = matches!(recipe.gaussian(), Some(Psd::Gaussian(_)));
         let slopes = |axis: usize, lag: f64, length: f64| {
             let requested = match is_closed {
-                true => -2.0 * sigma * sigma * (-(lag / length).powi(2)).exp_m1() / (lag * lag),
+                true => -2.0 * sigma * sigma * exp_m1(-(lag / length).powi(2)) / (lag * lag),
                 false => recipe.mesh_slope_variance(axis, lag),
             };
             let relative = deviation.filter(|_| is_closed);

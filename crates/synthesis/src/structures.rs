@@ -52,6 +52,7 @@ use self::pyramids::PlannedPyramids;
 use self::random::Streams;
 use self::scratches::PlannedScratches;
 use self::segments::PlannedSegments;
+use asperity_numerics::elementary::{cos, sin};
 use asperity_surface::{HeightField, Length, TurnedCells, check_grid};
 
 /// Rounding of heights, in units of the depth. Places of features are rounded by 2^-52 of the tile, so that heights are by the slope
@@ -130,7 +131,7 @@ impl Structure {
             Self::Pits(one) | Self::Caps(one) => (one.randomness, x * y / (width * width)),
             Self::Pyramids(one) | Self::Inverted(one) => (one.randomness, x * y / (width * width)),
             Self::Grooves(one) => {
-                let [across_x, across_y] = [one.azimuth.sin().abs(), one.azimuth.cos().abs()];
+                let [across_x, across_y] = [sin(one.azimuth).abs(), cos(one.azimuth).abs()];
                 (one.randomness, (x * across_x + y * across_y) / width)
             }
             Self::Scratches(one) => (one.randomness, x.max(y) / width),
@@ -154,7 +155,7 @@ impl Structure {
     /// Returns `true` if its statistics are the same on either side of the x axis, and so of the y axis.
     #[must_use]
     pub fn is_mirror_symmetric(&self) -> bool {
-        let along_an_axis = |azimuth: f64| (2.0 * azimuth).sin().abs() < 1e-9;
+        let along_an_axis = |azimuth: f64| sin(2.0 * azimuth).abs() < 1e-9;
         match self {
             Self::Pits(_) | Self::Caps(_) | Self::Cracks(_) => true,
             Self::Pyramids(_) | Self::Inverted(_) => true,

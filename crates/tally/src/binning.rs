@@ -7,6 +7,7 @@ pub(crate) mod keys;
 
 use std::ops::Range;
 
+use asperity_numerics::elementary::{cos, sin_cos};
 use glam::DVec3;
 
 use crate::{HemisphereGrid, Side};
@@ -39,12 +40,12 @@ impl BinFinder {
         let n_phi = grid.n_phi();
         // The pole and the horizon are no edges.
         let rings = Side::BOTH.into_iter().flat_map(|side| {
-            (1..grid.n_theta()).map(move |k| ring_key(side, grid.theta_edge(side, k).cos()))
+            (1..grid.n_theta()).map(move |k| ring_key(side, cos(grid.theta_edge(side, k))))
         });
         let mut sectors = Vec::with_capacity(2 * n_phi);
         let first_sector = Side::BOTH.map(|side| {
             let edges = (0..n_phi).map(|k| {
-                let (sin, cos) = grid.phi_edge(side, k).sin_cos();
+                let (sin, cos) = sin_cos(grid.phi_edge(side, k));
                 sector_key(side, cos, sin)
             });
             let mut keys: Vec<f64> = edges.collect();

@@ -6,6 +6,8 @@ pub(crate) mod joint;
 
 use std::ops::AddAssign;
 
+use asperity_numerics::elementary::{log2, sin};
+
 use crate::binning::BinFinder;
 use crate::binning::aperture_windows::ApertureWindows;
 use crate::binning::exit_columns::ExitColumns;
@@ -102,7 +104,7 @@ impl<'c> Tally<'c> {
             Azimuth::From(forward) => forward,
             Azimuth::Free => 0.0,
         };
-        let is_vertical = |one: Aperture| one.theta.sin().abs() < 1e-9;
+        let is_vertical = |one: Aperture| sin(one.theta).abs() < 1e-9;
         assert!(
             azimuth != Azimuth::Free || spec.apertures().iter().all(is_vertical),
             "apertures off the vertical need an azimuth"
@@ -146,7 +148,7 @@ impl<'c> Tally<'c> {
             weight > 0.0 && weight.is_finite(),
             "a largest weight of {weight}"
         );
-        let scale = HIGH / weight.log2().ceil().exp2();
+        let scale = HIGH / log2(weight).ceil().exp2();
         Self {
             scale,
             hit: units(1.0, scale),

@@ -10,6 +10,7 @@ mod heading;
 mod tests;
 mod traversal;
 
+use asperity_numerics::elementary::tan;
 use asperity_surface::Border;
 
 use crate::geometry::Geometry;
@@ -31,7 +32,7 @@ pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
         return 0.0;
     }
     let [low, high] = surface.z_range();
-    let columns = (high - low) * theta.tan();
+    let columns = (high - low) * tan(theta);
     let [cx, cy] = surface.extent();
     columns / cx + columns * surface.aspect() / cy
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use asperity_numerics::elementary::pow;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 
@@ -199,7 +200,7 @@ impl Shuffle {
         }
         self.next += 1;
         let rng = &mut stream.draws(ray, Step::START, Use::Start);
-        self.above *= rng.random::<f64>().powf(1.0 / left as f64);
+        self.above *= pow(rng.random::<f64>(), 1.0 / left as f64);
         let squares = (1_u64 << (2 * Self::LEVELS)) as f64;
         let square = ((1.0 - self.above) * squares).min(squares - 1.0);
         let width = 1.0 / f64::from(1 << Self::LEVELS);

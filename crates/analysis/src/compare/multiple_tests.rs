@@ -24,7 +24,7 @@ pub fn sidak_z_threshold(level: f64, n: usize) -> f64 {
     let (mut lo, mut hi) = (0.0, 39.0);
     while hi - lo > 1e-13 * hi {
         let middle = 0.5 * (lo + hi);
-        if libm::erfc(middle / SQRT_2) > p {
+        if asperity_numerics::elementary::erfc(middle / SQRT_2) > p {
             lo = middle;
         } else {
             hi = middle;
@@ -56,7 +56,7 @@ pub fn chi_squared_survival(chi_squared: f64, degrees: usize) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
-    let front = (a * x.ln() - x - libm::lgamma(a)).exp();
+    let front = (a * x.ln() - x - asperity_numerics::elementary::lgamma(a)).exp();
     if x < a + 1.0 {
         let (mut term, mut sum, mut k) = (1.0 / a, 1.0 / a, a);
         while term > sum * 1e-17 {

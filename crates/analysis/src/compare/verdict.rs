@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use asperity_numerics::elementary::log2;
+
 use crate::compare::comparison::Comparison;
 use crate::compare::multiple_tests::sidak_level;
 use crate::compare::sign_flip::{MIN_P, Untested};
@@ -74,7 +76,7 @@ pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
                 min_p: test.min_p,
                 level,
                 // R surfaces have 2^(R - 1) distinct flips, and the number tried is limited.
-                needed: (level > MIN_P).then(|| 2 + (-level.log2()).floor() as u32),
+                needed: (level > MIN_P).then(|| 2 + (-log2(level)).floor() as u32),
             }),
             Ok(test) if test.p < level => Verdict::Rejected,
             Ok(_) => Verdict::NotRejected,

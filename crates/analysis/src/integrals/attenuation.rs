@@ -12,6 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::microfacet::beckmann::{Beckmann, Masking, facing_fraction_at};
 use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
+use asperity_numerics::elementary::{erfc, exp, hypot};
 use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Fraction of all points that face the light and, by Smith, are not shadowed: `(1 - erfc(a) / 2) / (1 + Lambda)`.
@@ -53,7 +54,7 @@ pub fn smith_correlated_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f6
 /// Smith 1967; Heitz 2014, Eq. 77.
 #[must_use]
 pub fn smith_visibility(slopes: &SlopeCovariance, w: DVec3, h: f64) -> f64 {
-    let below = 0.5 * libm::erfc(-h / SQRT_2);
+    let below = 0.5 * erfc(-h / SQRT_2);
     Beckmann::new(*slopes).visibility(w, below)
 }
 
@@ -142,7 +143,7 @@ const MAX_CORRELATION: f64 = 1.0 - 1e-12;
 
 /// `cot(theta)`; infinite for a vertical direction.
 fn cotangent(w: DVec3) -> f64 {
-    w.z / w.x.hypot(w.y)
+    w.z / hypot(w.x, w.y)
 }
 
 /// The facets that face two directions, by their slopes along both, in deviations.
@@ -185,7 +186,7 @@ impl Facings {
             relative,
             max_pieces: 400,
         };
-        let density = |t: f64| (-0.5 * t * t).exp() / (2.0 * PI).sqrt();
+        let density = |t: f64| exp(-0.5 * t * t) / (2.0 * PI).sqrt();
         let rho = self.correlation;
         // Facets that rise by p and q have slopes -p and -q, of the same distribution.
         if rho.abs() >= MAX_CORRELATION {

@@ -22,6 +22,7 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
+use asperity_numerics::elementary::{erfc, exp};
 use asperity_optics::{Incidence, Material, reflect, refract};
 use glam::{DVec2, DVec3};
 
@@ -76,7 +77,7 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
                 continue;
             }
             let weight = cos_theta_i / (m.z * wi.z);
-            let probability = step * step * (-0.5 * (a * a + b * b)).exp() / TAU;
+            let probability = step * step * exp(-0.5 * (a * a + b * b)) / TAU;
             let fresnel = material.fresnel(cos_theta_i.min(1.0));
             let mut flux = fresnel.reflected * max_masked_fraction(slopes, slope, reflect(wi, m));
             if let Some(eta) = material.transmitting_index()
@@ -108,8 +109,8 @@ fn max_masked_fraction(slopes: &SlopeCovariance, slope: DVec2, wo: DVec3) -> f64
     // In deviations of the slope towards wo
     let mu = wo.z / (horizontal * deviation);
     let q = slope.dot(direction) / deviation;
-    let below = |x: f64| 0.5 * libm::erfc(-x / SQRT_2);
-    let density = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
+    let below = |x: f64| 0.5 * erfc(-x / SQRT_2);
+    let density = |x: f64| exp(-0.5 * x * x) / TAU.sqrt();
     let steeper = below(mu) - below(q) - (density(q) - density(mu)) / mu;
     if steeper > lambda {
         lambda / steeper

@@ -6,6 +6,7 @@
 //! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see
 //! [`Kinks`].
 
+use asperity_numerics::elementary::hypot;
 use asperity_tally::{HemisphereGrid, Side};
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -123,7 +124,7 @@ pub(crate) fn over_facing_normals(
     if wi.z <= 0.0 {
         return 0.0;
     }
-    let sin_i = wi.x.hypot(wi.y);
+    let sin_i = hypot(wi.x, wi.y);
     let along = if sin_i > 0.0 {
         wi.truncate() / sin_i
     } else {
@@ -148,7 +149,7 @@ pub(crate) fn over_facing_normals(
 fn breaks_along(frame: &SlopeFrame, wi: DVec3, edges: &Edges) -> Breaks {
     let unit = (2.0 * frame.variance).sqrt();
     let largest = MAX_SLOPE * unit;
-    let sin_i = wi.x.hypot(wi.y);
+    let sin_i = hypot(wi.x, wi.y);
     let facing = if sin_i > 0.0 { -wi.z / sin_i } else { -largest };
     let mut breaks = Breaks::new(facing.max(-largest), largest);
     breaks.add_root(facing);
@@ -240,7 +241,7 @@ impl Edges {
     /// No edges but the line where facets turn away.
     pub(crate) fn none(wi: DVec3) -> Self {
         Self {
-            sin_i: wi.x.hypot(wi.y),
+            sin_i: hypot(wi.x, wi.y),
             cos_i: wi.z,
             delta: None,
             horizontal: None,
@@ -267,7 +268,7 @@ impl Edges {
             Some(_) => delta,
         };
         Self {
-            sin_i: wi.x.hypot(wi.y),
+            sin_i: hypot(wi.x, wi.y),
             cos_i: wi.z,
             delta,
             horizontal,

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use asperity_numerics::elementary::atan2;
 use asperity_optics::Incidence;
 use asperity_tally::{HemisphereGrid, Mirror, Side, Sides, TallySpec};
 use glam::DVec3;
@@ -65,7 +66,7 @@ pub(crate) fn fluxes_into_bins(
     let n_phi = grid.n_phi();
     let isotropic = scattering.slopes.is_isotropic();
     let vertical = wi.x == 0.0 && wi.y == 0.0;
-    let mirror = Mirror::about(f64::atan2(wi.y, wi.x), grid);
+    let mirror = Mirror::about(atan2(wi.y, wi.x), grid);
     let mut fluxes = vec![0.0; grid.len()];
     for side in Side::BOTH.into_iter().filter(|&side| sides.includes(side)) {
         let first_of_side = side.index() * grid.bins_per_side();

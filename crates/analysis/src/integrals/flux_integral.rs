@@ -16,6 +16,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use asperity_numerics::elementary::{acos, asin, atan2, cos, hypot, sin_cos};
 use asperity_optics::{Material, from_spherical, polar_angle};
 use asperity_tally::Side;
 use glam::{DVec2, DVec3};
@@ -102,7 +103,7 @@ impl<'a> FluxIntegral<'a> {
         if wi.z <= 0.0 || (side == Side::Transmitted && index.is_none()) {
             return None;
         }
-        let sin_i = wi.x.hypot(wi.y);
+        let sin_i = hypot(wi.x, wi.y);
         let eta = match side {
             Side::Reflected => 1.0,
             Side::Transmitted => index?,
@@ -128,7 +129,7 @@ impl<'a> FluxIntegral<'a> {
                 outgoing_direction(&material, wi, m, refracted).map(polar_angle)
             })
             .collect();
-        let forward = f64::atan2(-wi.y, -wi.x);
+        let forward = atan2(-wi.y, -wi.x);
         Some(Self {
             scattering: *scattering,
             shape: Lobe::new(&slopes, wi, forward, refracted),
@@ -166,7 +167,7 @@ impl<'a> FluxIntegral<'a> {
                 }
             }
         }
-        let theta_i = self.sin_i.atan2(self.cos_i);
+        let theta_i = atan2(self.sin_i, self.cos_i);
         if let Some(t) = self.scattering.kinks.polar_angle(theta_i, self.refracted) {
             breaks.add_smooth(t);
         }
@@ -185,7 +186,7 @@ impl<'a> FluxIntegral<'a> {
 
     /// Flux fraction per radian of polar angle at `theta`, over the azimuths `psi` from forward.
     fn ring(&mut self, theta: f64, psi: [f64; 2]) -> f64 {
-        let (sin_theta, cos_theta) = theta.sin_cos();
+        let (sin_theta, cos_theta) = sin_cos(theta);
         // Subdivide at the lobe, or return if it is elsewhere
         self.inner_breaks.reset(psi[0], psi[1]);
         let isotropic = self.scattering.slopes.is_isotropic();
@@ -231,7 +232,7 @@ impl<'a> FluxIntegral<'a> {
                 // exp(-kappa sin^2(psi / 2)) has fallen to exp(-t^2).
                 let sin_half = t / kappa.sqrt();
                 if sin_half < 1.0 {
-                    let width = 2.0 * sin_half.asin();
+                    let width = 2.0 * asin(sin_half);
                     self.inner_breaks.add_smooth(turn - width);
                     self.inner_breaks.add_smooth(turn + width);
                 }
@@ -267,18 +268,18 @@ impl<'a> FluxIntegral<'a> {
     /// The azimuth from forward at which `wi . wo` has the value `x`, if there is one.
     fn azimuth_at(&self, x: f64, sin_theta: f64, cos_theta: f64) -> Option<f64> {
         let cos_psi = (self.cos_i * cos_theta - x) / (self.sin_i * sin_theta);
-        (cos_psi.abs() <= 1.0).then(|| cos_psi.acos())
+        (cos_psi.abs() <= 1.0).then(|| acos(cos_psi))
     }
 
     /// Polar angles at which the circle `wi . wo = edge` crosses the azimuth `psi` from forward:
     /// `cos theta_i cos theta - sin theta_i sin theta cos psi = edge`.
     fn edge_at_azimuth(&self, edge: f64, psi: f64) -> [Option<f64>; 3] {
-        let (a, b) = (self.cos_i, -self.sin_i * psi.cos());
-        let ratio = edge / a.hypot(b);
+        let (a, b) = (self.cos_i, -self.sin_i * cos(psi));
+        let ratio = edge / hypot(a, b);
         if ratio.abs() > 1.0 {
             return [None; 3];
         }
-        let (centre, radius) = (b.atan2(a), ratio.acos());
+        let (centre, radius) = (atan2(b, a), acos(ratio));
         [
             Some(centre + radius),
             Some(centre - radius),

@@ -12,6 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 
 use crate::microfacet::slopes::SlopeCovariance;
+use asperity_numerics::elementary::{acos, atan, cos, hypot, sin, sin_cos, tan};
 use asperity_numerics::quadrature::Breaks;
 
 /// `E` above which there is no light: `exp(-80) = 2e-35` outweighs the product of the largest density of slopes
@@ -46,7 +47,7 @@ impl Lobe {
         let f = DVec2::from_angle(forward);
         let g = f.perp();
         Self {
-            sin_i: wi.x.hypot(wi.y),
+            sin_i: hypot(wi.x, wi.y),
             cos_i: wi.z,
             eta: refracted.unwrap_or(1.0),
             upward: if refracted.is_some_and(|eta| eta > 1.0) {
@@ -62,19 +63,19 @@ impl Lobe {
 
     /// `E`; infinite where no facet scatters the light.
     pub(crate) fn exponent(&self, theta: f64, psi: f64) -> f64 {
-        let h_z = self.upward * (self.cos_i + self.eta * theta.cos());
+        let h_z = self.upward * (self.cos_i + self.eta * cos(theta));
         if h_z <= 0.0 {
             return f64::INFINITY;
         }
-        let (sin_psi, cos_psi) = psi.sin_cos();
-        let radius = self.eta * theta.sin();
+        let (sin_psi, cos_psi) = sin_cos(psi);
+        let radius = self.eta * sin(theta);
         let q = DVec2::new(radius * cos_psi - self.sin_i, radius * sin_psi);
         0.5 * self.form(q, q) / (h_z * h_z)
     }
 
     /// Marks the minima of `E` along `psi` at `theta`. Returns the least `E` there.
     pub(crate) fn mark_azimuths(&self, breaks: &mut Breaks, theta: f64, psi: [f64; 2]) -> f64 {
-        let radius = self.eta * theta.sin();
+        let radius = self.eta * sin(theta);
         let slope = TrigonometricPolynomial {
             mean: 0.0,
             cos: -self.mixed * self.sin_i,
@@ -101,7 +102,7 @@ impl Lobe {
             sin_2: 0.5 * eta * self.cos_i * uu,
         };
         // Facets face upward on one side of the angle where h_z vanishes.
-        let horizontal = (-self.cos_i / eta).max(-1.0).acos();
+        let horizontal = acos((-self.cos_i / eta).max(-1.0));
         let theta = if self.upward > 0.0 {
             [theta[0], theta[1].min(horizontal)]
         } else {
@@ -200,17 +201,17 @@ impl TrigonometricPolynomial {
     /// Calls `found` with the zeros within a range of at most a quarter turn, ascending.
     fn zeros_within_quarter(&self, [lo, hi]: [f64; 2], mut found: impl FnMut(f64)) {
         let centre = 0.5 * (lo + hi);
-        let reach = (0.25 * (hi - lo)).tan();
+        let reach = tan(0.25 * (hi - lo));
         let mut zeros = Zeros::default();
         zeros.find(&self.about(centre), -reach, reach);
         for t in zeros.iter() {
-            found(centre + 2.0 * t.atan());
+            found(centre + 2.0 * atan(t));
         }
     }
 
     /// Coefficients of `(1 + t^2)^2` times this in powers of `t = tan((x - centre) / 2)`.
     fn about(&self, centre: f64) -> [f64; 5] {
-        let (s, c) = centre.sin_cos();
+        let (s, c) = sin_cos(centre);
         let (s_2, c_2) = (2.0 * s * c, (c - s) * (c + s));
         let (cos, sin) = (self.cos * c + self.sin * s, self.sin * c - self.cos * s);
         let cos_2 = self.cos_2 * c_2 + self.sin_2 * s_2;

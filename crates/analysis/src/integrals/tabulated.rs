@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use asperity_numerics::elementary::acos;
 use asperity_optics::{Incidence, Material, azimuth, polar_angle};
 use asperity_tally::{
     BinFilter, HemisphereGrid, InPlaneFilter, Side, SideFluxes, Sides, TallySpec, TallyValues,
@@ -100,7 +101,7 @@ impl InPlane {
     fn bin_of(&self, wo: DVec3) -> Option<usize> {
         let turn = (azimuth(wo) - self.forward) / PI;
         let off = PI * (turn - 2.0 * (0.5 * turn).round()).abs();
-        let angle = wo.z.abs().min(1.0).acos().to_degrees();
+        let angle = acos(wo.z.abs().min(1.0)).to_degrees();
         let signed = if off <= self.half_width {
             angle
         } else if PI - off <= self.half_width {

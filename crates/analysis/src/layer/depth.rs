@@ -1,17 +1,19 @@
 //! Integrals over the depth at which light is scattered.
 
+use asperity_numerics::elementary::{exp, exp_m1};
+
 /// `int exp(-t / x) exp(-t / y) dt / (x y)` over `0 < t < tau`: light that reverses its vertical direction.
 ///
 /// `x`, `y` above zero, `tau` from zero to infinity. Equals `(1 - exp(-tau (1/x + 1/y))) / (x + y)`.
 pub(super) fn against(tau: f64, x: f64, y: f64) -> f64 {
-    -(-(tau / x + tau / y)).exp_m1() / (x + y)
+    -exp_m1(-(tau / x + tau / y)) / (x + y)
 }
 
 /// `int exp(-t / x) exp(-(tau - t) / y) dt / (x y)` over the same: light that keeps its vertical direction.
 ///
 /// Equals `(exp(-tau / x) - exp(-tau / y)) / (x - y)`, and `tau exp(-tau / x) / x^2` where both are equal.
 pub(super) fn along(tau: f64, x: f64, y: f64) -> f64 {
-    let least = (-tau / x.max(y)).exp();
+    let least = exp(-tau / x.max(y));
     if least == 0.0 {
         return 0.0;
     }
@@ -22,7 +24,7 @@ pub(super) fn along(tau: f64, x: f64, y: f64) -> f64 {
         // The next term is u^2 / 6.
         least * (tau / x / y) * (1.0 - 0.5 * u)
     } else {
-        -least * (-u).exp_m1() / difference
+        -least * exp_m1(-u) / difference
     }
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use asperity_numerics::elementary::{asin, cos, sin_cos};
 use asperity_numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 use asperity_optics::Incidence;
 use asperity_tally::{Side, SideFluxes, TallySpec};
@@ -60,7 +61,7 @@ impl<'a> Directions<'a> {
         let index = stack.indices.get(outside).copied().unwrap_or(f64::NAN);
         let across = incidence.wi().truncate().length();
         let polar = |sin: f64| {
-            let angle = sin.asin();
+            let angle = asin(sin);
             let angle = match side {
                 Side::Reflected => angle,
                 Side::Transmitted => PI - angle,
@@ -148,22 +149,22 @@ impl<'a> Directions<'a> {
         azimuths.finish();
         let (mut outer, mut inner) = (Pieces::default(), Pieces::default());
         integrate(&breaks, OUTER, &mut outer, |theta| {
-            let (sin, cos) = theta.sin_cos();
+            let (sin_theta, cos_theta) = sin_cos(theta);
             let numbers = self.numbers.clone();
             let leaving = self
                 .stack
-                .leave(&self.incident, numbers, self.side, cos.abs());
+                .leave(&self.incident, numbers, self.side, cos_theta.abs());
             if leaving.is_dark() {
                 return 0.0;
             }
-            let h = sin * self.across;
-            let of_azimuth = |phi: f64| leaving.bsdf(h * (phi - self.forward).cos());
+            let h = sin_theta * self.across;
+            let of_azimuth = |phi: f64| leaving.bsdf(h * cos(phi - self.forward));
             let turn = if h == 0.0 || leaving.is_isotropic() {
                 (phi[1] - phi[0]) * of_azimuth(phi[0])
             } else {
                 integrate(&azimuths, INNER, &mut inner, of_azimuth)
             };
-            turn * sin * cos.abs()
+            turn * sin_theta * cos_theta.abs()
         })
     }
 }

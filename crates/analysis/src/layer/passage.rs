@@ -13,6 +13,7 @@
 
 use std::ops::Range;
 
+use asperity_numerics::elementary::{exp, exp_m1};
 use asperity_optics::{Material, PhaseFunction};
 use asperity_tally::Side;
 use glam::DVec3;
@@ -50,7 +51,7 @@ pub(super) struct Inside {
 impl Inside {
     /// Transmittance of a layer of optical thickness `tau`.
     pub(super) fn attenuation(&self, tau: f64) -> f64 {
-        (-tau / self.mu).exp()
+        exp(-tau / self.mu)
     }
 }
 
@@ -137,12 +138,12 @@ impl Passage {
                 continue;
             }
             let path = stack.media[number(i)].tau / layers[number(i)].mu;
-            let returned = reflected * (-2.0 * path).exp();
+            let returned = reflected * exp(-2.0 * path);
             // One less it, without cancellation where little is lost
-            let kept = lost - reflected * (-2.0 * path).exp_m1();
+            let kept = lost - reflected * exp_m1(-2.0 * path);
             let series = far.transmitted + far.absorbed + far.reflected * kept;
             let passes = near.transmitted / series;
-            *entering = (passes, reflected * (-path).exp());
+            *entering = (passes, reflected * exp(-path));
             reflected = near.reflected + near.transmitted * passes * returned;
             lost = near.absorbed + passes * (kept + far.absorbed * returned);
         }

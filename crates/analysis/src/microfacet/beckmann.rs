@@ -17,6 +17,7 @@ use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::{normals, visible_normals};
 use asperity_numerics::beta_of_one_plus;
+use asperity_numerics::elementary::{erfc, exp, pow};
 
 /// The distribution of facet normals of a surface with Gaussian slopes.
 ///
@@ -92,7 +93,7 @@ impl Beckmann {
         if exponent > 745.0 {
             return 0.0;
         }
-        self.slopes.peak() * (-exponent).exp() / (cos2 * cos2)
+        self.slopes.peak() * exp(-exponent) / (cos2 * cos2)
     }
 
     /// Smith's Lambda of direction `w`, up or down: `(exp(-a^2) / (a sqrt pi) - erfc(a)) / 2`, see
@@ -132,7 +133,7 @@ impl Beckmann {
     /// Smith 1967; Heitz 2014, Eq. 77.
     #[must_use]
     pub fn visibility(&self, w: DVec3, below: f64) -> f64 {
-        below.powf(self.lambda(w))
+        pow(below, self.lambda(w))
     }
 
     /// Fraction of the facets that face `w`: `1 - erfc(a) / 2`, see [`Beckmann::a`].
@@ -181,7 +182,7 @@ impl FacetNormals for Beckmann {
 
 /// Fraction of the facets that face a direction, by [`Beckmann::a`]: `1 - erfc(a) / 2`.
 pub(crate) fn facing_fraction_at(a: f64) -> f64 {
-    0.5 * libm::erfc(-a)
+    0.5 * erfc(-a)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! # Source
 //! Trowbridge and Reitz 1975; Walter et al. 2007, Eqs. 33 and 34; Heitz 2014, Sec. 5.4, for two axes.
 
+use asperity_numerics::elementary::{hypot, sin_cos};
 use glam::DVec3;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -79,10 +80,10 @@ impl Ggx {
     pub fn lambda(&self, w: DVec3) -> f64 {
         let t = (2.0 * self.beckmann.variance_along(w.truncate())).sqrt() / w.z.abs();
         if t > 1.0 {
-            return 0.5 * (t.hypot(1.0) - 1.0);
+            return 0.5 * (hypot(t, 1.0) - 1.0);
         }
         // The same without the difference
-        0.5 * t * t / (1.0 + t.hypot(1.0))
+        0.5 * t * t / (1.0 + hypot(t, 1.0))
     }
 
     /// Samples a visible facet normal, with the density `max(0, w . m) D(m)` up to a factor.
@@ -96,8 +97,8 @@ impl Ggx {
         let frame = SlopeFrame::of_direction(&self.beckmann, w);
         let alpha = std::f64::consts::SQRT_2 * frame.deviation;
         // Scale to alpha one
-        let along = alpha * w.x.hypot(w.y);
-        let length = along.hypot(w.z);
+        let along = alpha * hypot(w.x, w.y);
+        let length = hypot(along, w.z);
         let (sin, cos) = (along / length, w.z / length);
         let above = match cos < 0.0 {
             true => sin * sin / (1.0 - cos),
@@ -108,7 +109,7 @@ impl Ggx {
         let rise = (u * above).max(MIN_RISE);
         let o_z = rise - cos;
         let o_sin = ((1.0 - u) * above * (1.0 + o_z)).max(0.0).sqrt();
-        let (o_y, o_x) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
+        let (o_y, o_x) = sin_cos(std::f64::consts::TAU * rng.random::<f64>());
         // Slopes of the facet, in units of Beckmann's deviation
         let scale = -std::f64::consts::SQRT_2 / rise;
         frame.normal(scale * (sin + o_sin * o_x), scale * o_sin * o_y)

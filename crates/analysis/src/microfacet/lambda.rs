@@ -1,5 +1,7 @@
 //! Smith's function Lambda of Gaussian slopes.
 
+use asperity_numerics::elementary::{erfc, exp};
+
 const SQRT_PI: f64 = 1.772_453_850_905_516;
 
 /// Smith's Lambda of Gaussian slopes at `a = cot(theta) / (sqrt 2 deviation) >= 0`, which is
@@ -15,10 +17,10 @@ pub(crate) fn smith_lambda(a: f64) -> f64 {
     if a2 > 745.0 {
         return 0.0;
     }
-    let leading = (-a2).exp() / (a * SQRT_PI);
+    let leading = exp(-a2) / (a * SQRT_PI);
     if a < 3.0 {
         // The difference magnifies the rounding error at most 2 a^2 = 18 times.
-        return 0.5 * (leading - libm::erfc(a));
+        return 0.5 * (leading - erfc(a));
     }
     // erfc(a) = leading * a / (a + k) with the tail k of its continued fraction,
     // k = (1/2) / (a + (2/2) / (a + (3/2) / (a + ...))), so the difference is leading * k / (a + k).

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use libm::erfc;
+use asperity_numerics::elementary::erfc;
+use asperity_numerics::elementary::{asinh, cosh, exp, sinh};
 
 /// Steps of the table: cubic pieces err by the fourth power of a step over 384, 1e-10.
 const STEPS: usize = 1024;
@@ -27,10 +28,10 @@ impl LambdaCurve {
         let (least, most) = deviations.fold((f64::INFINITY, 0.0_f64), |(least, most), d| {
             (least.min(d), most.max(d))
         });
-        let step = (REACH * most / least).asinh() / STEPS as f64;
+        let step = asinh(REACH * most / least) / STEPS as f64;
         let node = |i: usize| {
             let u = step * i as f64;
-            let nu = least * u.sinh();
+            let nu = least * sinh(u);
             let sum = |term: &dyn Fn(f64) -> f64| {
                 let terms = factors.iter();
                 terms
@@ -40,10 +41,10 @@ impl LambdaCurve {
             let excess = |deviation: f64| {
                 let a = nu / deviation;
                 deviation
-                    * ((-0.5 * a * a).exp() / (2.0 * PI).sqrt() - 0.5 * a * erfc(a * FRAC_1_SQRT_2))
+                    * (exp(-0.5 * a * a) / (2.0 * PI).sqrt() - 0.5 * a * erfc(a * FRAC_1_SQRT_2))
             };
             let steeper = |deviation: f64| 0.5 * erfc(nu / deviation * FRAC_1_SQRT_2);
-            let rise = -sum(&steeper) * least * u.cosh() * step;
+            let rise = -sum(&steeper) * least * cosh(u) * step;
             [sum(&excess), rise]
         };
         Self {
@@ -55,7 +56,7 @@ impl LambdaCurve {
 
     /// Lambda where the cotangent is `nu` deviations.
     pub(crate) fn at(&self, nu: f64) -> f64 {
-        let place = (nu / self.least).asinh() / self.step;
+        let place = asinh(nu / self.least) / self.step;
         let i = place as usize;
         if i >= STEPS {
             return 0.0;

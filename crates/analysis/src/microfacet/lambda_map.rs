@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{asinh, atan2, hypot, sinh};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -50,13 +51,13 @@ impl LambdaMap {
             .edges()
             .each_ref()
             .map(|edges| edges.iter().fold(0.0, |most: f64, s| most.max(s.abs())));
-        let largest = x.hypot(y);
-        let step = (largest / scale).asinh() / (size.thresholds - 1) as f64;
+        let largest = hypot(x, y);
+        let step = asinh(largest / scale) / (size.thresholds - 1) as f64;
         let excess = (0..size.azimuths)
             .into_par_iter()
             .flat_map_iter(|i| {
                 let along = DVec2::from_angle(TAU * i as f64 / size.azimuths as f64);
-                let threshold = move |k: usize| scale * (step * k as f64).sinh();
+                let threshold = move |k: usize| scale * sinh(step * k as f64);
                 (0..size.thresholds).map(move |k| table.mean_excess(along, threshold(k)))
             })
             .collect();
@@ -74,22 +75,22 @@ impl LambdaMap {
             azimuths,
             thresholds,
         } = self.size;
-        let sin = w.x.hypot(w.y);
+        let sin = hypot(w.x, w.y);
         if sin == 0.0 {
             return 0.0;
         }
         let mu = w.z.abs() / sin;
-        let place = (mu / self.scale).asinh() / self.step;
+        let place = asinh(mu / self.scale) / self.step;
         let k = place as usize;
         if k + 1 >= thresholds {
             return 0.0;
         }
         let sign = w.z.signum();
-        let turn = f64::atan2(sign * w.y, sign * w.x) / TAU;
+        let turn = atan2(sign * w.y, sign * w.x) / TAU;
         let turn = (turn - turn.floor()) * azimuths as f64;
         let i = (turn as usize) % azimuths;
         // By the threshold itself, in which the excess is nearly straight
-        let knot = |k: usize| self.scale * (self.step * k as f64).sinh();
+        let knot = |k: usize| self.scale * sinh(self.step * k as f64);
         let along = (mu - knot(k)) / (knot(k + 1) - knot(k));
         let at = |i: usize| {
             let row = &self.excess[i * thresholds..];

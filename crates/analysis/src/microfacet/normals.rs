@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{exp, hypot, ln_1p, sin_cos};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
@@ -21,7 +22,7 @@ pub(crate) fn sample(slopes: &SlopeCovariance, rng: &mut impl Rng) -> DVec3 {
 pub(crate) fn sample_facing(slopes: &SlopeCovariance, v: DVec3, rng: &mut impl Rng) -> DVec3 {
     let frame = SlopeFrame::of_direction(slopes, v);
     // The facet of slopes (p, q) in the frame faces v where v.z > sin(theta_v) p.
-    let along = -normal_above(-v.z / (v.x.hypot(v.y) * frame.deviation), rng);
+    let along = -normal_above(-v.z / (hypot(v.x, v.y) * frame.deviation), rng);
     let (across, _) = normal_pair(rng);
     frame.normal(along, across)
 }
@@ -31,8 +32,8 @@ pub(crate) fn sample_facing(slopes: &SlopeCovariance, v: DVec3, rng: &mut impl R
 /// # Source
 /// Box and Muller 1958.
 pub(crate) fn normal_pair(rng: &mut impl Rng) -> (f64, f64) {
-    let radius = (-2.0 * (-rng.random::<f64>()).ln_1p()).sqrt();
-    let (sin, cos) = (TAU * rng.random::<f64>()).sin_cos();
+    let radius = (-2.0 * ln_1p(-rng.random::<f64>())).sqrt();
+    let (sin, cos) = sin_cos(TAU * rng.random::<f64>());
     (radius * cos, radius * sin)
 }
 
@@ -56,8 +57,8 @@ fn normal_above(least: f64, rng: &mut impl Rng) -> f64 {
     let least = least.min(MAX_THRESHOLD);
     let rate = 0.5 * (least + (least * least + 4.0).sqrt());
     loop {
-        let x = least - (-rng.random::<f64>()).ln_1p() / rate;
-        if rng.random::<f64>() < (-0.5 * (x - rate) * (x - rate)).exp() {
+        let x = least - ln_1p(-rng.random::<f64>()) / rate;
+        if rng.random::<f64>() < exp(-0.5 * (x - rate) * (x - rate)) {
             return x;
         }
     }
@@ -78,7 +79,7 @@ mod tests {
 
     /// The standard normal distribution below `x`.
     fn phi(x: f64) -> f64 {
-        0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
+        0.5 * asperity_numerics::elementary::erfc(-x / std::f64::consts::SQRT_2)
     }
 
     /// Chi-squared of counts in `n x n` cells that are equally likely for (`u`, `v`) uniform in the square.

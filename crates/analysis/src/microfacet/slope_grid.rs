@@ -1,5 +1,6 @@
 //! Slope grid: the cells that a table of slopes is divided into.
 
+use asperity_numerics::elementary::{asinh, sinh};
 use glam::DVec2;
 
 /// Cells along an axis, at most.
@@ -241,10 +242,10 @@ fn is_cell(from: f64, to: f64) -> bool {
 fn graded_edges(spread: f64, largest: f64) -> Vec<f64> {
     let a = CENTRE * spread;
     let step = 1.0 / (CENTRE * CELLS_PER_DEVIATION);
-    let reach = ((largest / a).asinh() / step).floor() as i64 + 1;
+    let reach = (asinh(largest / a) / step).floor() as i64 + 1;
     // Two more cells where one of level slopes divides the middle one
     let half = reach.min(MAX_CELLS as i64 / 2 - 2);
-    let edge = |k: i64| a * ((k as f64 - 0.5) * step).sinh();
+    let edge = |k: i64| a * sinh((k as f64 - 0.5) * step);
     let mut edges: Vec<f64> = (-half..=half + 1).map(edge).collect();
     if let Some(last) = edges.last_mut() {
         *last = last.max(largest * (1.0 + f64::EPSILON));

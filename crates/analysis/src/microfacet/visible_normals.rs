@@ -17,6 +17,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
+use asperity_numerics::elementary::{exp, hypot, ln};
 use glam::DVec3;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -36,7 +37,7 @@ const GAMMA_BELOW: f64 = -FRAC_1_SQRT_2;
 /// See [`crate::Beckmann::sample_visible`].
 pub(crate) fn sample_visible<R: Rng>(slopes: &SlopeCovariance, w: DVec3, rng: &mut R) -> DVec3 {
     let frame = SlopeFrame::of_direction(slopes, w);
-    let (x, y) = visible_slope(w.z / (w.x.hypot(w.y) * SQRT_2 * frame.deviation), rng);
+    let (x, y) = visible_slope(w.z / (hypot(w.x, w.y) * SQRT_2 * frame.deviation), rng);
     frame.normal(SQRT_2 * x, SQRT_2 * y)
 }
 
@@ -67,12 +68,12 @@ fn slope_from_below<R: Rng>(a: f64, rng: &mut R) -> f64 {
     loop {
         if a > GAMMA_BELOW {
             let y = log_uniform(rng).sqrt();
-            if rng.random::<f64>() < (2.0 * a * y).exp() {
+            if rng.random::<f64>() < exp(2.0 * a * y) {
                 return a - y;
             }
         } else {
             let y = (log_uniform(rng) + log_uniform(rng)) / (-2.0 * a);
-            if rng.random::<f64>() < (-y * y).exp() {
+            if rng.random::<f64>() < exp(-y * y) {
                 return a - y;
             }
         }
@@ -87,7 +88,7 @@ fn half_normals<R: Rng>(rng: &mut R) -> (f64, f64) {
 
 /// An exponential value of mean one.
 fn log_uniform<R: Rng>(rng: &mut R) -> f64 {
-    -rng.sample::<f64, _>(Open01).ln()
+    -ln(rng.sample::<f64, _>(Open01))
 }
 
 #[cfg(test)]
@@ -275,7 +276,7 @@ mod tests {
     fn visible_slopes_have_their_exact_mean() {
         let mut rng = ChaCha8Rng::seed_from_u64(17);
         for a in [-2.0_f64, -0.3, 0.2, 0.5, 1.0, 3.0] {
-            let below = 1.0 + libm::erf(a);
+            let below = 1.0 + asperity_numerics::elementary::erf(a);
             let norm = 0.5 * (a * SQRT_PI * below + (-a * a).exp());
             let expected = -0.25 * SQRT_PI * below / norm;
             let n = 200_000;

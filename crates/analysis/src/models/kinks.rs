@@ -7,6 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
+use asperity_numerics::elementary::{atan2, tan};
 use asperity_numerics::quadratic_roots;
 
 /// Curves on which a BSDF has a kink, besides those where refraction ends and total reflection sets in.
@@ -68,7 +69,7 @@ impl Kinks {
         refracted: Option<f64>,
     ) -> impl Iterator<Item = f64> {
         let none = f64::NAN;
-        let theta_i = sin_i.atan2(cos_i);
+        let theta_i = atan2(sin_i, cos_i);
         let mut slopes = [none; 5];
         if sin_i > 0.0 && self == Self::Grooves {
             slopes[0] = cos_i / sin_i;
@@ -79,8 +80,8 @@ impl Kinks {
         }
         if refracted.is_none() && self == Self::Grooves {
             // In the plane of incidence a side tilted by t begins to be masked at 3 t = theta_i +- 90 deg.
-            slopes[3] = ((theta_i - FRAC_PI_2) / 3.0).tan();
-            slopes[4] = (theta_i / 3.0 + 0.5 * FRAC_PI_3).tan();
+            slopes[3] = tan((theta_i - FRAC_PI_2) / 3.0);
+            slopes[4] = tan(theta_i / 3.0 + 0.5 * FRAC_PI_3);
         }
         slopes.into_iter().filter(|p| !p.is_nan())
     }

@@ -25,6 +25,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
+use asperity_numerics::elementary::{atan, atan2, exp, hypot, sin, sin_cos, tan};
 use asperity_optics::Material;
 use asperity_tally::{EventPath, Exit, Loss, Side, Sides, Tally};
 use glam::DVec3;
@@ -113,9 +114,9 @@ impl OrenNayar {
             return [0.0; 2];
         }
         let (s2, rho) = (self.sigma * self.sigma, self.reflectance);
-        let theta = |w: DVec3| w.x.hypot(w.y).atan2(w.z);
+        let theta = |w: DVec3| atan2(hypot(w.x, w.y), w.z);
         let (alpha, beta) = (theta(wi).max(theta(wo)), theta(wi).min(theta(wo)));
-        let horizontal = wi.x.hypot(wi.y) * wo.x.hypot(wo.y);
+        let horizontal = hypot(wi.x, wi.y) * hypot(wo.x, wo.y);
         let cos_phi = match horizontal > 0.0 {
             true => (wi.truncate().dot(wo.truncate()) / horizontal).clamp(-1.0, 1.0),
             false => 0.0,
@@ -123,11 +124,10 @@ impl OrenNayar {
         let b = 2.0 * beta / PI;
         let c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
         let away = if cos_phi < 0.0 { b.powi(3) } else { 0.0 };
-        let c2 = 0.45 * s2 / (s2 + 0.09) * (alpha.sin() - away);
+        let c2 = 0.45 * s2 / (s2 + 0.09) * (sin(alpha) - away);
         let c3 = 0.125 * s2 / (s2 + 0.09) * (4.0 * alpha * beta / (PI * PI)).powi(2);
-        let once = c1
-            + cos_phi * c2 * beta.tan()
-            + (1.0 - cos_phi.abs()) * c3 * (0.5 * (alpha + beta)).tan();
+        let once =
+            c1 + cos_phi * c2 * tan(beta) + (1.0 - cos_phi.abs()) * c3 * tan(0.5 * (alpha + beta));
         let twice = 0.17 * rho * s2 / (s2 + 0.13) * (1.0 - cos_phi * b * b);
         [once, twice].map(|f| rho * FRAC_1_PI * f)
     }
@@ -147,8 +147,8 @@ fn mean_square_angle(variance: f64) -> f64 {
             _ if i % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        let area = weight * t * (-0.5 * t * t).exp() * gradient.hypot(1.0);
-        sums[0] += area * gradient.atan().powi(2);
+        let area = weight * t * exp(-0.5 * t * t) * hypot(gradient, 1.0);
+        sums[0] += area * atan(gradient).powi(2);
         sums[1] += area;
     }
     sums[0] / sums[1]
@@ -179,8 +179,9 @@ impl RandomWalk for OrenNayar {
     /// One direction in the cosine distribution about the normal of the mean plane, with the light of both orders.
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         let (u, azimuth): (f64, f64) = (rng.random(), TAU * rng.random::<f64>());
-        let (sin, cos) = (u.sqrt(), (1.0 - u).sqrt());
-        let wo = DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+        let (sin_theta, cos_theta) = (u.sqrt(), (1.0 - u).sqrt());
+        let (sin_phi, cos_phi) = sin_cos(azimuth);
+        let wo = DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta);
         let fluxes = self.bsdf(wi, wo).map(|f| PI * f);
         let once = EventPath::default().then(asperity_tally::Event::Reflection);
         let twice = once.then(asperity_tally::Event::Reflection);

@@ -11,6 +11,7 @@
 //! counts facets that face away from the light a second time. The model is kept as published, since this is
 //! what users compare with.
 
+use asperity_numerics::elementary::{exp, hypot};
 use asperity_optics::Material;
 use asperity_tally::Sides;
 use glam::DVec3;
@@ -75,13 +76,13 @@ impl XuSun {
 /// one at grazing.
 #[must_use]
 pub fn xu_sun_visibility(w: DVec3, smoothness: f64) -> f64 {
-    (-negative_log_visibility(w, smoothness)).exp()
+    exp(-negative_log_visibility(w, smoothness))
 }
 
 /// `K = -ln V(0, theta)` of Eq. 24.
 pub(crate) fn negative_log_visibility(w: DVec3, smoothness: f64) -> f64 {
-    let x = w.x.hypot(w.y) / (w.z.abs() * smoothness);
-    K0 * x * (-0.25 / (x * x)).exp()
+    let x = hypot(w.x, w.y) / (w.z.abs() * smoothness);
+    K0 * x * exp(-0.25 / (x * x))
 }
 
 impl ScatteringModel for XuSun {

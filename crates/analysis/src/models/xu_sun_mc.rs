@@ -47,6 +47,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::LN_2;
 
+use asperity_numerics::elementary::pow;
 use asperity_optics::{Material, reflect, refract};
 use asperity_tally::{Event, EventPath, Exit, Loss, Side, Sides, Tally};
 use glam::DVec3;
@@ -161,7 +162,7 @@ impl XuSunMonteCarlo {
     fn visibility(&self, w: DVec3, clear: f64) -> f64 {
         match self.visibility {
             Visibility::XuSun { smoothness } => {
-                clear.powf(negative_log_visibility(w, smoothness) / LN_2)
+                pow(clear, negative_log_visibility(w, smoothness) / LN_2)
             }
             Visibility::Smith => self.interface.distribution.visibility(w, clear),
         }

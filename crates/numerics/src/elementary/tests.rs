@@ -229,3 +229,25 @@ fn limits_of_ranges_have_their_values() {
         assert!(x.is_nan());
     }
 }
+
+#[test]
+fn sines_and_cosines_of_turns_are_the_functions() {
+    use std::f64::consts::FRAC_PI_2;
+    for i in -40_000..=40_000 {
+        let turn = f64::from(i) / 10_007.0;
+        let [sin, cos] = sin_cos_of_turn(turn);
+        // The angle from the nearest quarter: 2 pi turn would be rounded.
+        let quarter = (4.0 * turn).round();
+        let x = FRAC_PI_2 * (4.0 * turn - quarter);
+        let (expected_sin, expected_cos) = match (quarter as i64).rem_euclid(4) {
+            0 => (x.sin(), x.cos()),
+            1 => (x.cos(), -x.sin()),
+            2 => (-x.sin(), -x.cos()),
+            _ => (-x.cos(), x.sin()),
+        };
+        assert!((sin - expected_sin).abs() < 3e-16, "{turn}: {sin}");
+        assert!((cos - expected_cos).abs() < 3e-16, "{turn}: {cos}");
+    }
+    assert_eq!(sin_cos_of_turn(0.25), [1.0, 0.0]);
+    assert_eq!(sin_cos_of_turn(0.5), [0.0, -1.0]);
+}

@@ -1,5 +1,7 @@
 //! Adaptive Gauss-Kronrod quadrature on pieces between known special points.
 
+use crate::elementary::pow;
+
 /// Nodes of the 15-point Kronrod rule on `[0, 1]` of the half interval; odd ones are Gauss's.
 const NODES: [f64; 8] = [
     0.991_455_371_120_812_6,
@@ -171,7 +173,7 @@ impl Piece {
         // The error estimate of QUADPACK; the difference of both rules is the error of the poorer one.
         let difference = (kronrod - gauss).abs();
         let mut error = if spread > 0.0 {
-            spread * (200.0 * difference / spread).powf(1.5).min(1.0)
+            spread * pow(200.0 * difference / spread, 1.5).min(1.0)
         } else {
             difference
         };

@@ -1,12 +1,14 @@
 //! Trapezium rule for functions of a normal number.
 
+use crate::elementary::{exp, pow};
+
 /// Nodes from `-range` to `range`, `per_unit` of them per unit, and weights of the trapezium rule for a standard normal number. Weights are not
 /// normalised.
 pub fn normal_nodes(per_unit: u32, range: u32) -> impl Iterator<Item = [f64; 2]> {
     let last = (range * per_unit) as i32;
     (-last..=last).map(move |i| {
         let z = f64::from(i) / f64::from(per_unit);
-        [z, (-0.5 * z * z).exp()]
+        [z, exp(-0.5 * z * z)]
     })
 }
 
@@ -27,7 +29,7 @@ pub fn normal_moments(function: impl Fn(f64) -> f64, per_unit: u32, range: u32) 
     [
         mean,
         variance,
-        central(3) / variance.powf(1.5),
+        central(3) / pow(variance, 1.5),
         central(4) / (variance * variance),
     ]
 }

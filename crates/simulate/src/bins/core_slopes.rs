@@ -3,6 +3,7 @@
 //! The root mean square of slopes says little of the peak where a few facets are much steeper than all others, as on most measured
 //! surfaces. The core of a distribution is the Gaussian that has as many facets near the mean plane.
 
+use asperity_numerics::elementary::{ln, sin_cos};
 use asperity_surface::Border;
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{Geometry, Shape};
@@ -70,7 +71,7 @@ impl CoreSlopes {
     /// Deviation of the slope along an azimuth, radians, of facets that have none across it.
     #[must_use]
     pub fn deviation(self, azimuth: f64) -> f64 {
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let (along, across) = ([cos, sin], [-sin, cos]);
         let [xx, xy, yy] = self.0;
         let form = |a: [f64; 2], b: [f64; 2]| {
@@ -147,7 +148,7 @@ fn core_factor(slopes: &[WeightedSlope], [xx, xy, yy]: [f64; 3], all: f64) -> f6
         .iter()
         .map(|one| [square(one.slope), one.weight])
         .collect();
-    let of_gaussian = -2.0 * (1.0 - CORE).ln();
+    let of_gaussian = -2.0 * ln(1.0 - CORE);
     match first_to_reach(&mut squares, CORE * all) {
         Some(square) if square > 0.0 => (square / of_gaussian).sqrt().min(1.0),
         // Most of the surface is level: what is not says how wide the lobe is.

@@ -7,6 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use asperity_numerics::elementary::{asin, cos, sin};
 use asperity_optics::{Incidence, Material, from_spherical};
 use asperity_tally::{HemisphereGrid, Side};
 use serde::Serialize;
@@ -78,21 +79,21 @@ impl Lobe {
     ) -> Option<Self> {
         let forward = incidence.phi() + PI;
         let deviations = [forward, forward + FRAC_PI_2].map(|azimuth| slopes.deviation(azimuth));
-        let cos_i = incidence.theta().cos();
+        let cos_i = cos(incidence.theta());
         let (theta, turns) = match side {
             // Equal indices reflect nothing.
             Side::Reflected if *material == Material::Dielectric { eta: 1.0 } => return None,
             Side::Reflected => (incidence.theta(), [2.0, 2.0 * cos_i]),
             Side::Transmitted => {
                 let eta = material.transmitting_index()?;
-                let sin_t = incidence.theta().sin() / eta;
+                let sin_t = sin(incidence.theta()) / eta;
                 if sin_t >= 1.0 {
                     return None;
                 }
                 let cos_t = (1.0 - sin_t * sin_t).sqrt();
                 // The difference of the cosines, without cancellation: zero of equal indices
                 let across = (1.0 - eta.powi(-2)).abs() / (cos_t + cos_i / eta);
-                (PI - sin_t.asin(), [across / cos_t, across])
+                (PI - asin(sin_t), [across / cos_t, across])
             }
         };
         let half_width = |i: usize| (HALF_MAXIMUM * deviations[i] * turns[i]).to_degrees();
@@ -119,7 +120,7 @@ impl Lobe {
 
     /// Sine of the polar angle of its middle.
     pub(crate) fn sin_theta(&self) -> f64 {
-        self.theta_deg.to_radians().sin()
+        sin(self.theta_deg.to_radians())
     }
 
     /// Widths of the bin that holds its middle, degrees of arc: along the polar angle, and across.
@@ -128,7 +129,7 @@ impl Lobe {
         let middle = from_spherical(self.theta_deg.to_radians(), self.phi_deg.to_radians());
         let bin = grid.bin(grid.index_of(self.side, middle));
         let [theta, phi] = [bin.theta, bin.phi].map(|[from, to]| (to - from).to_degrees());
-        let sin_theta = (0.5 * (bin.theta[0] + bin.theta[1])).sin();
+        let sin_theta = sin(0.5 * (bin.theta[0] + bin.theta[1]));
         [theta, phi * sin_theta]
     }
 

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use asperity_numerics::elementary::hypot;
 use asperity_tally::{
     Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
@@ -222,12 +223,7 @@ impl ErrorBudget {
                 .bounds
                 .as_ref()
                 .map(|bounds| bounds[i])
-                .or(rays.map(|rays| {
-                    [surfaces, mesh]
-                        .into_iter()
-                        .flatten()
-                        .fold(rays, f64::hypot)
-                })),
+                .or(rays.map(|rays| [surfaces, mesh].into_iter().flatten().fold(rays, hypot))),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Refinement: what meshes of several spacings show of one another.
 
+use asperity_numerics::elementary::log2;
 use asperity_tally::{Entry, Estimate, TallyResult, TallySpec, TallyStatistics, TallyValues};
 use serde::{Deserialize, Serialize};
 
@@ -173,7 +174,7 @@ impl Refinement {
         if ratio <= 0.0 {
             return Err("the differences between meshes have opposite signs".into());
         }
-        Ok(ratio.log2())
+        Ok(log2(ratio))
     }
 
     /// Richardson's value for a spacing of zero.

@@ -6,6 +6,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{asin, sin};
 use asperity_tally::{Aperture, ApertureShape, Apertures, Side};
 
 use crate::input::case::Case;
@@ -147,7 +148,7 @@ impl Case {
 
 /// Polar angle from +z of light that passes a flat sample, radians; `None` where it is totally reflected or stays inside.
 fn straight_theta(case: &Case) -> Option<f64> {
-    let sin_i = case.light.incidence.theta().sin();
+    let sin_i = sin(case.light.incidence.theta());
     let indices = case.indices_behind()?;
     let index = *indices.last()?;
     let passes = indices.iter().all(|index| sin_i < *index);
@@ -155,7 +156,7 @@ fn straight_theta(case: &Case) -> Option<f64> {
         // The incident direction itself where the media are equal
         PI - match case.passes_on() {
             true => case.light.incidence.theta(),
-            false => (sin_i / index).asin(),
+            false => asin(sin_i / index),
         }
     })
 }

@@ -1,5 +1,6 @@
 //! The configuration of a table of albedos: what `asperity albedo` reads from a file.
 
+use asperity_numerics::elementary::acos;
 use asperity_results::Header;
 use asperity_simulate::{Quantity, check_results};
 use asperity_tally::HemisphereGrid;
@@ -202,7 +203,7 @@ impl AlbedoConfig {
         Ok(VerifyConfig {
             material: self.material.clone(),
             light: LightConfig {
-                theta: list(cosines.iter().map(|cos| cos.acos().to_degrees()).collect()),
+                theta: list(cosines.iter().map(|&cos| acos(cos).to_degrees()).collect()),
                 wavelength: self.light.wavelength.clone(),
                 ..base.light
             },

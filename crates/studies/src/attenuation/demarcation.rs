@@ -1,6 +1,7 @@
 //! The angle at which shadow begins, by four definitions.
 
 use asperity_analysis::smith_demarcation;
+use asperity_numerics::elementary::atan;
 use asperity_tally::Estimate;
 use asperity_tracer::Horizon;
 use serde::{Deserialize, Serialize};
@@ -92,7 +93,7 @@ impl Demarcation {
     /// Demarcation of surfaces `factor` times as high as those with these `rises`.
     pub(super) fn new(surfaces: &RoughSurfaces, tau: f64, rises: &[Rises], factor: f64) -> Self {
         let RoughSurfaces { sigma, slopes, .. } = surfaces;
-        let angle = |rise: f64| rise.recip().atan().to_degrees();
+        let angle = |rise: f64| atan(rise.recip()).to_degrees();
         // An angle that one of the surfaces does not have is none of the ensemble.
         let angles = |of: fn(&Rises) -> Option<f64>| {
             let found: Option<Vec<f64>> = rises.iter().map(of).collect();

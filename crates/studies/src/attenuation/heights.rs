@@ -1,6 +1,7 @@
 //! The visibility of points by their height, against Smith and Xu and Sun.
 
 use asperity_analysis::{smith_visibility, xu_sun_visibility};
+use asperity_numerics::elementary::{exp, tan};
 use asperity_optics::Incidence;
 use asperity_tally::Estimate;
 
@@ -69,14 +70,14 @@ pub(super) fn rows(
         let middle = 0.5 * (low + high);
         // Simpson's rule with the density of heights.
         let weighted = [(low, 1.0), (middle, 4.0), (high, 1.0)].map(|(h, weight)| {
-            let weight = weight * (-0.5 * h * h).exp();
+            let weight = weight * exp(-0.5 * h * h);
             [weight * smith_visibility(&surfaces.slopes, wi, h), weight]
         });
         let sum = |i: usize| weighted.iter().map(|pair| pair[i]).sum::<f64>();
         VisibilityRow {
             sigma: surfaces.sigma,
             theta: incidence.theta_deg(),
-            x: incidence.theta().tan() / smoothness,
+            x: tan(incidence.theta()) / smoothness,
             height_min: low,
             height_max: high,
             points: points / counts.len() as f64,

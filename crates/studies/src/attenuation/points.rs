@@ -1,5 +1,6 @@
 //! The points of a surface, two in each cell, and the samples of its grid.
 
+use asperity_numerics::elementary::sin_cos;
 use asperity_simulate::point_stream;
 use asperity_surface::Border;
 use rand::{Rng, RngExt};
@@ -42,7 +43,7 @@ pub(super) fn samples<G: Ground>(
     chunk: usize,
 ) -> impl Iterator<Item = Point<G::Facet>> + '_ {
     let [cx, cy] = ground.cells();
-    let (sin_phi, cos_phi) = azimuth.sin_cos();
+    let (sin_phi, cos_phi) = sin_cos(azimuth);
     let along = [cos_phi, sin_phi * ground.aspect()];
     let first = usize::from(ground.border() == Border::Open);
     let cells = CHUNK / 2;

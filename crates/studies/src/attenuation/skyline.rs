@@ -1,5 +1,6 @@
 //! Skyline: the horizons of all points of a surface, and of its samples.
 
+use asperity_numerics::elementary::tan;
 use asperity_optics::Incidence;
 use asperity_simulate::{Observer, SimulateError};
 use asperity_tracer::{Facet, Horizon, Horizons, Surface};
@@ -68,5 +69,5 @@ pub(super) fn least_rise(study: &AttenuationStudy) -> f64 {
 
 /// `cot(theta)`.
 pub(super) fn cotangent(direction: &Incidence) -> f64 {
-    direction.theta().tan().recip()
+    tan(direction.theta()).recip()
 }

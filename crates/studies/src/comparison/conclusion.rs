@@ -1,5 +1,6 @@
 //! The verdicts on a case in words.
 
+use asperity_numerics::elementary::log10;
 use asperity_simulate::short;
 use std::fmt::Write;
 
@@ -45,7 +46,7 @@ pub(crate) fn strongest_deviation(comparison: &Comparison, spec: &TallySpec) -> 
 
 /// A positive number to so many significant digits.
 fn round_to(value: f64, digits: i32) -> f64 {
-    let unit = 10_f64.powi(value.log10().floor() as i32 + 1 - digits);
+    let unit = 10_f64.powi(log10(value).floor() as i32 + 1 - digits);
     (value / unit).round() * unit
 }
 

@@ -1,5 +1,6 @@
 //! Peak: the direction in the plane of incidence in which a lobe is brightest, against a model.
 
+use asperity_numerics::elementary::ln;
 use serde::{Deserialize, Serialize};
 
 /// Part of the highest bin below which a neighbour counts as this part: logarithms of less say nothing.
@@ -162,7 +163,7 @@ impl Peak {
             i => profile[i - 1],
         };
         let right = profile.get(highest + 1).copied().unwrap_or(0.0);
-        let [l, r] = [left, right].map(|y| (y / top).max(FLOOR).ln());
+        let [l, r] = [left, right].map(|y| ln((y / top).max(FLOOR)));
         let bend = l + r;
         let shift = if bend < 0.0 {
             0.5 * (l - r) / bend

@@ -12,6 +12,7 @@ use asperity_analysis::{
     ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError,
     region_influence,
 };
+use asperity_numerics::elementary::{hypot, sin_cos};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Mirror, TallySpec, TallyValues};
 use asperity_tracer::HalfSpace;
@@ -165,7 +166,7 @@ fn cells(
     let ends = |k: usize| found.iter().flat_map(move |one| one.range[k]);
     let largest = [0, 1].map(|k| ends(k).fold(0.0, |most: f64, s| most.max((s - mean[k]).abs())));
     let largest = match symmetry {
-        SlopeSymmetry::Turned => [largest[0].hypot(largest[1]); 2],
+        SlopeSymmetry::Turned => [hypot(largest[0], largest[1]); 2],
         SlopeSymmetry::None | SlopeSymmetry::Mirrored => largest,
     };
     Ok((mean, SlopeGrid::covering(&some, largest)?))
@@ -189,7 +190,7 @@ fn images(
             }
             SlopeSymmetry::Turned => {
                 let turn = (i as f64 * GOLDEN).fract() + k as f64 / TURNS as f64;
-                let (sin, cos) = (TAU * turn).sin_cos();
+                let (sin, cos) = sin_cos(TAU * turn);
                 [cos * x - sin * y, sin * x + cos * y]
             }
         })

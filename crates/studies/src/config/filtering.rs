@@ -1,5 +1,6 @@
 //! Filters and form removal of a given surface, in the order of ISO 25178-3, then its erosion.
 
+use asperity_numerics::elementary::tan;
 use asperity_simulate::short;
 use asperity_surface::{FilterError, GaussianFilter, HeightField, HeightFieldError, LengthUnit};
 
@@ -153,7 +154,7 @@ impl ErosionConfig {
     pub(crate) fn processes(self, unit: LengthUnit) -> Option<Vec<Erosion>> {
         let slip = self.repose.map(|repose| {
             Erosion::Slip(Slip {
-                slope: repose.0.to_radians().tan(),
+                slope: tan(repose.0.to_radians()),
                 steps: self.slip_steps.unwrap_or(SLIP_STEPS),
             })
         });

@@ -5,6 +5,7 @@
 //! errors explain in 95 % of all cases: the sum of their squares over those of the errors is at most 5.99, the quantile of chi-squared with
 //! two degrees of freedom.
 
+use asperity_numerics::elementary::hypot;
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 
@@ -26,13 +27,13 @@ impl Isotropy {
     pub(crate) fn of([xx, xy, yy]: [Estimate; 3]) -> Self {
         let mean = 0.5 * (xx.mean + yy.mean);
         let (along, across) = (0.5 * (xx.mean - yy.mean), xy.mean);
-        let half = along.hypot(across);
+        let half = hypot(along, across);
         let error = |estimate: Estimate| estimate.se.unwrap_or(0.0);
         let squared = |value: f64, error: f64| match value == 0.0 {
             true => 0.0,
             false => (value / error).powi(2),
         };
-        let sum = squared(along, 0.5 * error(xx).hypot(error(yy))) + squared(across, error(xy));
+        let sum = squared(along, 0.5 * hypot(error(xx), error(yy))) + squared(across, error(xy));
         Self {
             variances: [mean + half, mean - half],
             is_near: half <= NO_ANISOTROPY * mean || sum <= CHI_SQUARED,

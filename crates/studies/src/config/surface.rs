@@ -1,5 +1,6 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
+use asperity_numerics::elementary::exp_m1;
 use asperity_simulate::Cells;
 use asperity_surface::LengthUnit;
 use asperity_synthesis::{
@@ -249,7 +250,7 @@ impl SurfaceConfig {
             return deficit(dx, 0.0, along_x).max(deficit(0.0, dy, along_y));
         }
         let x2 = (dx.max(dy) / shorter).powi(2);
-        1.0 + (-x2).exp_m1() / x2
+        1.0 + exp_m1(-x2) / x2
     }
 
     /// The shorter and the longer of the two correlation lengths; 1 where they make no sense, which is refused elsewhere.

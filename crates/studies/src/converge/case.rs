@@ -1,5 +1,6 @@
 //! Converged case: errors and seconds of each method, by the runs of one case.
 
+use asperity_numerics::elementary::{exp, ln};
 use asperity_optics::Material;
 use asperity_results::CaseResult;
 use asperity_simulate::{Case, MachineWork, Outcome, SummaryWork};
@@ -292,11 +293,11 @@ impl MethodOutcome {
         for (plain, own) in plain.measurements.iter().zip(&self.measurements) {
             if plain.usable && own.usable {
                 efforts += 1.0;
-                logs += (cost(plain) / cost(own)).ln();
+                logs += ln(cost(plain) / cost(own));
                 variances = (|| Some(variances? + variance(plain)? + variance(own)?))();
             }
         }
-        let ratio = f64::exp(logs / efforts);
+        let ratio = exp(logs / efforts);
         let variances = variances.filter(|_| !is_itself);
         (efforts > 0.0).then(|| Efficiency {
             ratio,

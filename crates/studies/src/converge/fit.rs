@@ -1,5 +1,6 @@
 //! Straight lines through seconds and errors on logarithmic axes.
 
+use asperity_numerics::elementary::{exp, ln, pow};
 use serde::Serialize;
 
 /// `error = error_at_one_second * seconds^slope`, by least squares of the logarithms; of too few points there is none.
@@ -24,7 +25,7 @@ impl Fit {
     #[must_use]
     pub fn over(points: &[(f64, f64)]) -> Self {
         let n = points.len() as f64;
-        let logs: Vec<(f64, f64)> = points.iter().map(|(t, e)| (t.ln(), e.ln())).collect();
+        let logs: Vec<(f64, f64)> = points.iter().map(|&(t, e)| (ln(t), ln(e))).collect();
         let mean_x = logs.iter().map(|(x, _)| x).sum::<f64>() / n;
         let mean_y = logs.iter().map(|(_, y)| y).sum::<f64>() / n;
         let xx: f64 = logs.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
@@ -39,7 +40,7 @@ impl Fit {
         Self {
             slope: Some(slope),
             slope_se: (points.len() > 2).then(|| (squares / (n - 2.0) / xx).sqrt()),
-            error_at_one_second: Some((mean_y - slope * mean_x).exp()),
+            error_at_one_second: Some(exp(mean_y - slope * mean_x)),
             points: points.len(),
             errors: [
                 errors.clone().fold(f64::INFINITY, f64::min),
@@ -52,7 +53,7 @@ impl Fit {
     #[must_use]
     pub fn seconds_to(&self, error: f64) -> Option<f64> {
         let slope = self.slope.filter(|slope| *slope < 0.0)?;
-        let seconds = (error / self.error_at_one_second?).powf(1.0 / slope);
+        let seconds = pow(error / self.error_at_one_second?, 1.0 / slope);
         seconds.is_normal().then_some(seconds)
     }
 

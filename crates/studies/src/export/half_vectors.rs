@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use asperity_numerics::elementary::sin;
 use asperity_optics::from_spherical;
 use glam::DVec3;
 
@@ -121,7 +122,7 @@ pub(super) fn mirrored(light: DVec3, half: DVec3) -> Option<DVec3> {
 
 /// Solid angle of half-vectors, per area of the square; light that leaves has `4 cos` of the angle between it and them of that.
 fn solid_angle([x, _]: [f64; 2]) -> f64 {
-    2.0 * PI * PI * x * (x * x * FRAC_PI_2).sin()
+    2.0 * PI * PI * x * sin(x * x * FRAC_PI_2)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul, Sub};
 
+use asperity_numerics::elementary::sin;
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, HemisphereGrid, Side, TallyResult};
 use glam::DMat4;
@@ -138,5 +139,5 @@ fn bin_of(bounds: &[f64], at: f64) -> usize {
 }
 
 fn sin_squared(theta: f64) -> f64 {
-    theta.sin().powi(2)
+    sin(theta).powi(2)
 }

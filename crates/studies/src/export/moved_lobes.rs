@@ -7,6 +7,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use asperity_numerics::elementary::{asin, cos, sin};
 use asperity_simulate::Outcome;
 use asperity_tally::Side;
 use glam::DVec2;
@@ -64,7 +65,7 @@ impl MovedLobes {
                         false => (phi, 0.0),
                     };
                     Lobe::of(
-                        DVec2::from_angle(phi) * incidence.theta().sin(),
+                        DVec2::from_angle(phi) * sin(incidence.theta()),
                         turn,
                         band,
                         side,
@@ -84,15 +85,15 @@ impl MovedLobes {
 
     /// Light from a direction, projected onto the mean plane; of the azimuth pi where lobes are turned.
     pub(super) fn of_light(&self, light: DVec2) -> Mixed<'_> {
-        let theta = light.length().min(1.0).asin();
+        let theta = asin(light.length().min(1.0));
         let last = self.theta.len() - 1;
         let upper = self
             .theta
             .partition_point(|one| *one < theta)
             .clamp(1.min(last), last);
-        let [below, above] = [upper.saturating_sub(1), upper].map(|i| self.theta[i].cos());
+        let [below, above] = [upper.saturating_sub(1), upper].map(|i| cos(self.theta[i]));
         let part = match below > above {
-            true => ((below - theta.cos()) / (below - above)).clamp(0.0, 1.0),
+            true => ((below - cos(theta)) / (below - above)).clamp(0.0, 1.0),
             false => 1.0,
         };
         let azimuths = self.lobes.len() / self.theta.len();
@@ -143,7 +144,7 @@ impl Lobe {
                     [i % nodes, i / nodes].map(|k| 2.0 * k as f64 / (nodes - 1) as f64 - 1.0);
                 let at = DVec2::new(x, y);
                 let theta = match at.length() < 1.0 {
-                    true => at.length().asin(),
+                    true => asin(at.length()),
                     false => FRAC_PI_2,
                 };
                 *value += (weight * bsdf.at(theta, at.to_angle() + turn)) as f32;

@@ -12,6 +12,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use asperity_io::{Tensor, tensor_file};
+use asperity_numerics::elementary::{acos, atan2, cos, pow, sin, sin_cos};
 use asperity_optics::{Turn, azimuth, from_spherical, incidence_axis, polar_angle};
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, Measure, Polarimetry, Side, TallyResult};
@@ -242,12 +243,12 @@ impl Table {
     /// Light and half-vector of a node, the half-vector of azimuth zero.
     fn node(&self, number: usize) -> [DVec3; 2] {
         let [polar, half] = [&self.theta_d, &self.theta_h].map(Vec::len);
-        let (sine, cosine) = self.theta_d[number / half % polar].sin_cos();
+        let (sine, cosine) = sin_cos(self.theta_d[number / half % polar]);
         let phi = self.phi_d[number / half / polar];
         let theta_h = self.theta_h[number % half];
         let half = from_spherical(theta_h, 0.0);
         let along = from_spherical(theta_h + FRAC_PI_2, 0.0);
-        let light = cosine * half + sine * (phi.cos() * along + phi.sin() * DVec3::Y);
+        let light = cosine * half + sine * (cos(phi) * along + sin(phi) * DVec3::Y);
         [light, half]
     }
 
@@ -271,7 +272,7 @@ impl Table {
             slices[number].matrix(leaving) * (weight * cosines)
         };
         let sum = weighted(lower, 1.0 - part) + weighted(lower + 1, part);
-        let last = self.angles[self.angles.len() - 1].cos();
+        let last = cos(self.angles[self.angles.len() - 1]);
         match sum.x_axis.x > 0.0 {
             true => sum * (light.z.max(last) * leaving.z.max(LEAST_COSINE)).recip(),
             // A control variate may give negative values within its error
@@ -307,8 +308,8 @@ impl Table {
         let half = (light + leaving).normalize();
         let across = DVec3::Z.cross(half).normalize_or(DVec3::Y);
         let along = across.cross(half);
-        let phi = light.dot(across).atan2(light.dot(along));
-        let theta = light.dot(half).min(1.0).acos();
+        let phi = atan2(light.dot(across), light.dot(along));
+        let theta = acos(light.dot(half).min(1.0));
         let places = [
             place(&self.phi_d, phi),
             place(&self.theta_d, theta),
@@ -338,7 +339,7 @@ fn nodes() -> [Vec<f64>; 3] {
     };
     let mut theta_d = even(21, &|part| part * PI / 3.0);
     let last = 0.01_f64;
-    let grazing = even(31, &|part| (0.5 * (2.0 * last).powf(part)).acos());
+    let grazing = even(31, &|part| acos(0.5 * pow(2.0 * last, part)));
     theta_d.extend(&grazing[1..]);
     theta_d.push(FRAC_PI_2);
     [

@@ -1,5 +1,6 @@
 //! Ranges of directions, and the light in them: fluxes of bins, divided where a range cuts through one.
 
+use asperity_numerics::elementary::sin;
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, HemisphereGrid, Side, TallyResult};
 
@@ -158,6 +159,6 @@ fn sin_squared(angle_deg: f64) -> f64 {
     // Exact at the horizon
     match angle_deg >= 90.0 {
         true => 1.0,
-        false => angle_deg.to_radians().sin().powi(2),
+        false => sin(angle_deg.to_radians()).powi(2),
     }
 }

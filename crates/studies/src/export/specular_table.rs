@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{sin, sin_cos};
 use asperity_optics::{azimuth, from_spherical, polar_angle};
 use asperity_simulate::{Case, CaseApertures, Outcome};
 use asperity_tally::Side;
@@ -144,7 +145,7 @@ fn integral(values: &[f64], radial: &[f64], about: &[f64], frame: &Frame) -> f64
                     let along = |k: usize| corners[k] + u * (corners[k + 1] - corners[k]);
                     let value = along(0) + v * (along(2) - along(0));
                     let cosine = frame.direction(r, a).z.max(0.0);
-                    sum += value * cosine * r.sin() * height * width / (PARTS * PARTS) as f64;
+                    sum += value * cosine * sin(r) * height * width / (PARTS * PARTS) as f64;
                 }
             }
         }
@@ -172,8 +173,9 @@ impl Frame {
 
     /// Direction at these angles, radians.
     fn direction(&self, radial: f64, about: f64) -> DVec3 {
-        let (sin, cos) = radial.sin_cos();
-        cos * self.z + sin * (about.cos() * self.x + about.sin() * self.y)
+        let (sin_radial, cos_radial) = sin_cos(radial);
+        let (sin_about, cos_about) = sin_cos(about);
+        cos_radial * self.z + sin_radial * (cos_about * self.x + sin_about * self.y)
     }
 }
 

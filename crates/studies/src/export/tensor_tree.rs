@@ -11,6 +11,7 @@ mod resolution;
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::asin;
 use asperity_simulate::Outcome;
 use asperity_tracer::HalfSpace;
 use glam::DVec2;
@@ -62,7 +63,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
         factors[1]
     ));
     notes.extend(functions[0].directions.sparse_note("tensor-tree"));
-    let last = (1.0 - 2.0 / cells as f64).asin().to_degrees();
+    let last = asin(1.0 - 2.0 / cells as f64).to_degrees();
     notes.push(format!(
         "light within a cell has the mean of the cell: at grazing incidence, of all light from {last:.0} to 90 degrees"
     ));
@@ -143,7 +144,7 @@ impl<'a> Function<'a> {
                 true => outcome.case.light.incidence.phi() - PI,
                 false => 0.0,
             };
-            move |at: DVec2| bsdf.at(at.length().min(1.0).asin(), at.to_angle() + turn)
+            move |at: DVec2| bsdf.at(asin(at.length().min(1.0)), at.to_angle() + turn)
         })
     }
 

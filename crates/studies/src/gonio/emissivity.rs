@@ -3,6 +3,7 @@
 //! The hemispherical emissivity is the mean of the directional one over `sin^2 theta`. Each polar angle counts for the part of the hemisphere that
 //! is nearest to it, and azimuths count alike: the midpoint rule, exact to second order in the distance between angles.
 
+use asperity_numerics::elementary::{hypot, sin};
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Figure, PlotError, Point, Style};
 use asperity_tally::Estimate;
 
@@ -58,13 +59,13 @@ impl SettingEmissivity {
         let (nearest, other) = (by(between_angles), by(between_parts));
         reaches.then(|| Estimate {
             mean: nearest.mean,
-            se: nearest.se.map(|se| se.hypot(nearest.mean - other.mean)),
+            se: nearest.se.map(|se| hypot(se, nearest.mean - other.mean)),
         })
     }
 }
 
 fn square_of_sine(theta_deg: f64) -> f64 {
-    theta_deg.to_radians().sin().powi(2)
+    sin(theta_deg.to_radians()).powi(2)
 }
 
 /// Part of the hemisphere, by `sin^2 theta`, within the angle in the middle between two, degrees.

@@ -1,5 +1,6 @@
 //! Peak of the BRDF or BTDF of one direction: the brightest bin of a side.
 
+use asperity_numerics::elementary::log10;
 use asperity_tally::{BinFilter, Estimate, Side};
 use serde::Serialize;
 
@@ -50,7 +51,7 @@ impl Peak {
     /// The middle of the bin, "29.8, 180"; "2.5, any" if light is spread evenly over azimuth.
     fn place(&self) -> String {
         let middle = |[from, to]: [f64; 2]| {
-            let digit = 10_f64.powi((to - from).log10().floor() as i32 - 1);
+            let digit = 10_f64.powi(log10(to - from).floor() as i32 - 1);
             in_steps(0.5 * (from + to), digit)
         };
         let phi = self.phi_deg.map_or_else(|| "any".to_owned(), middle);

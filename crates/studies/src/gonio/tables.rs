@@ -1,5 +1,6 @@
 //! The tables of a measurement: gonio.csv, in_plane.csv, bsdf.csv, and those of single directions.
 
+use asperity_numerics::elementary::cos;
 use asperity_simulate::CaseGroup;
 use asperity_tally::{Component, Estimate, Polarimetry, Side, TallySpec};
 
@@ -22,7 +23,7 @@ pub(super) fn measured<'a>(outcome: &'a GonioOutcome<'_>) -> impl Iterator<Item 
 pub(super) fn projected_in_plane(spec: &TallySpec, side: Side, i: usize) -> f64 {
     let filter = spec.in_plane_filter(side);
     let [a, b] = filter.theta_deg(i).map(f64::to_radians);
-    filter.solid_angle(i) * 0.5 * (a.cos() + b.cos())
+    filter.solid_angle(i) * 0.5 * (cos(a) + cos(b))
 }
 
 /// A column of each component of the light, all of it aside.

@@ -1,5 +1,6 @@
 //! The test of the map: an interval that contains the true distance, against a tolerance.
 
+use asperity_numerics::elementary::tan;
 use serde::Serialize;
 
 /// Verdict on a measure, or on a cell.
@@ -88,7 +89,7 @@ pub(super) fn student_95(count: u64) -> Option<f64> {
     let degrees = count.checked_sub(1)? as f64;
     Some(match count {
         0 | 1 => return None,
-        2 => (0.475 * std::f64::consts::PI).tan(),
+        2 => tan(0.475 * std::f64::consts::PI),
         // 2 p - 1 = 0.95 and 4 p (1 - p) = 0.0975.
         3 => 0.95 * (2.0_f64 / 0.0975).sqrt(),
         _ => {

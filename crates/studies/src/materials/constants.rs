@@ -1,6 +1,7 @@
 //! Constants of a material at wavelengths: requested ones, or those of its data.
 
 use asperity_io::MaterialRecord;
+use asperity_numerics::elementary::pow;
 use asperity_optics::{DispersionCurve, OpticalConstants};
 
 use super::error::MaterialsError;
@@ -82,7 +83,7 @@ fn tabulated(constants: &OpticalConstants) -> Vec<f64> {
     let at = |i: u32| match i {
         0 => first,
         STEPS => last,
-        i => first * (last / first).powf(f64::from(i) / f64::from(STEPS)),
+        i => first * pow(last / first, f64::from(i) / f64::from(STEPS)),
     };
     let mut points: Vec<f64> = match n.formula_number() {
         Some(_) => (0..=STEPS).map(at).collect(),

@@ -1,5 +1,6 @@
 //! Numbers with errors as text.
 
+use asperity_numerics::elementary::log10;
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 
@@ -10,7 +11,7 @@ pub(crate) const NO_SCATTER: f64 = 1e-12;
 pub(crate) fn with_error(estimate: Estimate) -> String {
     match estimate.se {
         Some(se) if se > NO_SCATTER => {
-            let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
+            let digits = (1 - log10(se).floor() as i32).clamp(0, 12) as usize;
             let mean = format!("{:.digits$}", estimate.mean);
             // What rounds to zero has no sign.
             let is_zero = mean.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
@@ -25,7 +26,7 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
 /// A number to the sixth digit of `scale`, below which it is noise: 0 where all of it is.
 pub(crate) fn beside(value: f64, scale: f64) -> String {
     match scale > 0.0 {
-        true => in_steps(value, 10_f64.powi(scale.log10().floor() as i32 - 5)),
+        true => in_steps(value, 10_f64.powi(log10(scale).floor() as i32 - 5)),
         false => short(value),
     }
 }
@@ -49,7 +50,7 @@ pub(crate) fn significant(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
-    let exponent = value.abs().log10().floor() as i32;
+    let exponent = log10(value.abs()).floor() as i32;
     if (-4..6).contains(&exponent) {
         let places = (2 - exponent).max(0) as usize;
         format!("{value:.places$}")

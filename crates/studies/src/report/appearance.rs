@@ -2,6 +2,7 @@
 //!
 //! Coherent light, which rays do not have, is in every aperture about the specular directions. What is left of the light is scattered as rays are.
 
+use asperity_numerics::elementary::cos;
 use asperity_optics::dielectric;
 use asperity_simulate::{Case, CaseApertures, CaseGroup, Outcome, short};
 use asperity_surface::LengthUnit;
@@ -113,7 +114,7 @@ impl Quantity {
         let parts = Parts::of(outcome, &apertures, aperture?)?;
         Some(match self {
             Self::Gloss => {
-                let black = dielectric(case.light.incidence.theta().cos(), GLOSS_INDEX);
+                let black = dielectric(cos(case.light.incidence.theta()), GLOSS_INDEX);
                 flux(parts.flux()).times(100.0 / black.reflected)
             }
             Self::Scatter | Self::Haze => Reading {

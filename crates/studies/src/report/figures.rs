@@ -4,6 +4,7 @@ use std::path::Path;
 
 use asperity_analysis::{BsdfModel, in_plane_flux};
 use asperity_io::{check_ending, write_bytes};
+use asperity_numerics::elementary::{cos, sin};
 use asperity_optics::Incidence;
 use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
@@ -327,14 +328,14 @@ pub(crate) fn least_seen(outcome: &Outcome, side: Side) -> Option<f64> {
 
 /// Solid angle per azimuth between the normal and a signed angle, radians; negative of negative angles.
 fn cap(angle: f64) -> f64 {
-    2.0 * (0.5 * angle).sin().powi(2) * angle.signum()
+    2.0 * sin(0.5 * angle).powi(2) * angle.signum()
 }
 
 /// Mean angle to the normal, signed degrees, over the solid angle of a bin of the in-plane slice: the angle to which its mean
 /// belongs. Next to the normal it lies well away from the middle of the bin.
 pub(crate) fn mean_angle_deg(ends: [f64; 2]) -> f64 {
     let [from, to] = ends.map(f64::to_radians);
-    let moment = |angle: f64| angle.abs().sin() - angle.abs() * angle.cos();
+    let moment = |angle: f64| sin(angle.abs()) - angle.abs() * cos(angle);
     ((moment(to) - moment(from)) / (cap(to) - cap(from))).to_degrees()
 }
 

@@ -1,5 +1,6 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
+use asperity_numerics::elementary::hypot;
 use asperity_simulate::Outcome;
 use asperity_tally::{
     Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics, is_of_few_rays,
@@ -218,7 +219,7 @@ pub(crate) fn comparison<'a>(case: &'a Judgement<'_>) -> Csv<'a> {
             let z = move |bin: &usize| {
                 let (found, of_model) = (flux(bin)?, of_model(bin));
                 let noise = if is_exact { 0.0 } else { of_model.se? };
-                z_score(found.mean - of_model.mean, found.se?.hypot(noise))
+                z_score(found.mean - of_model.mean, hypot(found.se?, noise))
             };
             let about = "flux that the model expects";
             let expected = match is_exact {

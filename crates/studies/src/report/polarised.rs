@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use asperity_numerics::elementary::atan2;
 use asperity_tally::{
     Component, Entry, Estimate, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
 };
@@ -156,7 +157,7 @@ impl Polarised {
         let across = all([u.se.map(|se| q.mean * se), q.se.map(|se| u.mean * se)]);
         let square = q.mean * q.mean + u.mean * u.mean;
         Some(Estimate {
-            mean: 0.5 * u.mean.atan2(q.mean).to_degrees(),
+            mean: 0.5 * atan2(u.mean, q.mean).to_degrees(),
             se: across.map(|parts| (0.5 * length(&parts) / square).to_degrees()),
         })
     }

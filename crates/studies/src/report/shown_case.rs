@@ -1,5 +1,6 @@
 //! Shown case: the results of one case as its tables and figures show them.
 
+use asperity_numerics::elementary::{asin, sin};
 use asperity_optics::Incidence;
 use asperity_simulate::{Case, Outcome};
 use asperity_tally::{Side, TallySpec};
@@ -66,8 +67,8 @@ impl<'a> ShownCase<'a> {
             Side::Reflected => Some(self.incidence().theta_deg()),
             Side::Transmitted => {
                 let index = self.case().index_beyond()?;
-                let sin_beta = self.incidence().theta().sin() / index;
-                (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
+                let sin_beta = sin(self.incidence().theta()) / index;
+                (sin_beta <= 1.0).then(|| asin(sin_beta).to_degrees())
             }
         }
     }

@@ -4,6 +4,7 @@
 mod tests;
 
 use asperity_analysis::{SlopeDistribution, SlopeTableError, SmithSlopes};
+use asperity_numerics::elementary::hypot;
 use asperity_simulate::{Case, Effort, Estimator, Observer, Outcome, Settings, Shape, short};
 use asperity_surface::{Border, HeightField, RegionSlopes};
 use asperity_tally::TallyResult;
@@ -216,7 +217,7 @@ fn slope_warnings(field: &HeightField, regions: &[RegionSlopes]) -> Vec<String> 
     let RegionSlopes { mean, second } = RegionSlopes::mean_of(regions);
     let [xx, xy, yy] = second;
     let mut warnings = Vec::new();
-    let tilt = mean[0].hypot(mean[1]) / (xx + yy).sqrt();
+    let tilt = hypot(mean[0], mean[1]) / (xx + yy).sqrt();
     if tilt > TILTED {
         warnings.push(format!(
             "the surface is tilted: its mean slope is {tilt:.2} of its root mean square slope, but models have a level mean plane; --remove plane levels it"

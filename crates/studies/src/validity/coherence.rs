@@ -1,5 +1,6 @@
 //! Coherence: phase and coherent fraction of each component of the light.
 
+use asperity_numerics::elementary::{cos, exp, pow, sin};
 use asperity_optics::{Bottom, BottomSurface, Layer, Material};
 use asperity_simulate::Case;
 use asperity_tracer::HalfSpace;
@@ -66,8 +67,8 @@ impl Components {
                 (above, index.map(|eta| above * eta))
             }
         };
-        let along = n_i * incidence.theta().sin();
-        let across = n_i * incidence.theta().cos();
+        let along = n_i * sin(incidence.theta());
+        let across = n_i * cos(incidence.theta());
         // n cos(theta) beyond; `None` where all light is reflected
         let beyond = |n: f64| (n > along).then(|| (n * n - along * along).sqrt());
         let of_top = |per_height: f64| fraction(first, per_height);
@@ -98,7 +99,7 @@ impl Components {
         let shift = end.thickness * along / inside;
         let correlation = |times: f64| {
             top.tau.map_or(1.0, |tau| {
-                let shifted = (-(times * shift / tau).powi(2)).exp();
+                let shifted = exp(-(times * shift / tau).powi(2));
                 // Diffraction: mean of cos(q^2 d / 2 k) over a Gaussian spectrum of wave vectors q
                 let spread = 2.0 * times * end.thickness / (k * n_t * tau * tau);
                 shifted / (1.0 + spread * spread)
@@ -115,7 +116,7 @@ impl Components {
             coherence(
                 phase,
                 if is_gaussian {
-                    (-phase * phase).exp()
+                    exp(-phase * phase)
                 } else {
                     fraction
                 },
@@ -182,5 +183,5 @@ fn coherence(phase: f64, fraction: f64) -> Coherence {
 /// Coherent fraction of light that meets two heights of this correlation, by those of independent and of equal heights; exact for
 /// Gaussian ones.
 fn between(independent: f64, equal: f64, correlation: f64) -> f64 {
-    independent.powf(1.0 - correlation) * equal.powf(correlation)
+    pow(independent, 1.0 - correlation) * pow(equal, correlation)
 }

@@ -3,6 +3,7 @@
 //! The Kirchhoff approximation: the phase of a wave follows the height of the surface, without shadowing. It takes a beam that is coherent over more
 //! than the correlation length, a radius of curvature that is large against the wavelength, and light that is not grazing.
 
+use asperity_numerics::elementary::{cos, exp};
 use asperity_optics::{FacetMueller, Layer, PolarisedFresnel};
 use asperity_simulate::Case;
 use asperity_tally::Side;
@@ -44,7 +45,7 @@ struct FlatFlux {
 
 /// Light of a flat sample; `None` of reflected light over a layer, and behind several.
 fn flat_flux(case: &Case, side: Side) -> Option<FlatFlux> {
-    let cos_theta_i = case.light.incidence.theta().cos();
+    let cos_theta_i = cos(case.light.incidence.theta());
     let (material, layers) = case.towards_light()?;
     let top = material.polarised_fresnel(cos_theta_i);
     let of_face = |direct| {
@@ -70,7 +71,7 @@ fn through(top: &PolarisedFresnel, inside: FacetMueller, layer: &Layer) -> FlatF
         let end = slab.bottom.material().polarised_fresnel(top.cos_theta_t);
         (slab.thickness / top.cos_theta_t, Some(end))
     });
-    let passed = (-layer.medium().extinction() * depth).exp();
+    let passed = exp(-layer.medium().extinction() * depth);
     // s and p
     let of = [1.0, -1.0].map(|sign| {
         let part = |matrix: FacetMueller| matrix.m00 + sign * matrix.m01;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::cos;
 use asperity_optics::Material;
 use asperity_simulate::{Case, SurfaceSource};
 use asperity_surface::LengthUnit;
@@ -75,7 +76,7 @@ impl Validity {
         });
         let transmitted = all.transmitted.filter(|_| recorded(Side::Transmitted));
         let reflected_by_bottom = all.by_bottom.filter(|_| recorded(Side::Reflected));
-        let cos = case.light.incidence.theta().cos();
+        let cos = cos(case.light.incidence.theta());
         let tau = lengths.tau.map(|tau| tau / wavelength);
         let curvature = lengths.curvature.filter(|curvature| *curvature > 0.0);
         let radius = curvature.map(|curvature| cos.powi(3) / (curvature * wavelength));

@@ -234,7 +234,7 @@ fn a_coherent_part_makes_large_lengths_doubtful() {
     let found = of_field(&waves(1.0, LengthUnit::Micrometre), PI / 3.0, Some(500.0)).unwrap();
     assert!(found.least() > LARGE && found.holds == Some(false));
     let fraction = found.reflected.unwrap().coherent_fraction;
-    let exact = libm::j0(4.0 * PI).powi(2);
+    let exact = asperity_numerics::elementary::j0(4.0 * PI).powi(2);
     assert!((fraction - exact).abs() < 1e-3, "{fraction} {exact}");
     let text = found.to_string();
     assert!(text.contains("although all lengths are large"), "{text}");
@@ -278,7 +278,7 @@ fn shallow_surfaces_are_doubtful_and_unknown_units_are_not_judged() {
     let reflected = shallow.reflected.unwrap();
     let phase = reflected.phase_parameter;
     // A sine of amplitude 2^(1/2) sigma
-    let exact = libm::j0(2_f64.sqrt() * phase).powi(2);
+    let exact = asperity_numerics::elementary::j0(2_f64.sqrt() * phase).powi(2);
     assert!((reflected.coherent_fraction - exact).abs() < 1e-3);
     let text = shallow.to_string();
     assert!(

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use asperity_analysis::SlopeDistribution;
+use asperity_numerics::elementary::{hypot, log10};
 use asperity_simulate::{Cells, StoppedBy, counted, short};
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
@@ -320,10 +321,10 @@ fn model_flux(
     if !model.model.sides().includes(side) {
         return "-".to_owned();
     }
-    let se = explicit.se.map(|se| se.hypot(energy.se.unwrap_or(0.0)));
+    let se = explicit.se.map(|se| hypot(se, energy.se.unwrap_or(0.0)));
     match se {
         Some(se) if se > 0.0 => {
-            let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
+            let digits = (1 - log10(se).floor() as i32).clamp(0, 12) as usize;
             let z = (explicit.mean - energy.mean) / se;
             format!("{:.digits$} (z {z:+.1})", energy.mean)
         }

@@ -13,6 +13,7 @@ use rustfft::num_complex::Complex;
 use crate::{Border, HeightField, HeightFieldError};
 use crate::{short, short_below};
 use asperity_numerics::columns;
+use asperity_numerics::elementary::exp;
 
 /// Lines that one task takes.
 const LINES: usize = 32;
@@ -150,7 +151,7 @@ impl LineFilter {
             let scaled = lag as f64 / index;
             // pi / alpha^2 = pi^2 / ln 2
             weights[lag.rem_euclid(period as i64) as usize] +=
-                (-PI * PI / LN_2 * scaled * scaled).exp();
+                exp(-PI * PI / LN_2 * scaled * scaled);
         }
         let sum: f64 = weights.iter().sum();
         let mut planner = RealFftPlanner::<f64>::new();

@@ -1,5 +1,6 @@
 //! Autocorrelation of heights along the axes of the grid, by FFT.
 
+use asperity_numerics::elementary::{exp, ln};
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
@@ -156,12 +157,12 @@ pub(crate) fn one_over_e_lag(correlation: &[f64]) -> Option<f64> {
     if peak.is_nan() || peak <= 0.0 {
         return None;
     }
-    let target = (-1.0_f64).exp();
+    let target = exp(-1.0_f64);
     let after = correlation.iter().position(|c| c / peak <= target)?;
     let (a, b) = (after as f64 - 1.0, after as f64);
     let (above, below) = (correlation[after - 1] / peak, correlation[after] / peak);
     if below > 0.0 {
-        let fraction = (above.ln() + 1.0) / (above.ln() - below.ln());
+        let fraction = (ln(above) + 1.0) / (ln(above) - ln(below));
         Some((a * a + (b * b - a * a) * fraction).sqrt())
     } else {
         Some(a + (above - target) / (above - below))

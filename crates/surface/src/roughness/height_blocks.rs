@@ -2,6 +2,7 @@
 
 use std::f64::consts::{LN_2, PI, TAU};
 
+use asperity_numerics::elementary::exp;
 use rustfft::num_complex::Complex;
 
 use crate::HeightField;
@@ -99,7 +100,7 @@ impl HeightBlocks {
             let area: f64 = bins.iter().map(|bin| bin.area).sum();
             let resolved = bins.iter().filter(|bin| wave_number.abs() * bin.step <= PI);
             let waves = resolved.map(|bin| {
-                let spread = (-0.5 * wave_number.powi(2) * bin.variance).exp();
+                let spread = exp(-0.5 * wave_number.powi(2) * bin.variance);
                 Complex::from_polar(bin.area * spread, wave_number * bin.height)
             });
             (area, waves.sum::<Complex<f64>>())
@@ -257,7 +258,7 @@ mod tests {
                 let exact = sinc_squared(0.5 * wave_number) * (half / half.tan()).powi(2);
                 let found = v.coherent_fraction(wave_number);
                 assert!((found - exact).abs() < 1e-4, "{periods}: {found} {exact}");
-                let exact = libm::j0(0.5 * wave_number).powi(2);
+                let exact = asperity_numerics::elementary::j0(0.5 * wave_number).powi(2);
                 let found = sine.coherent_fraction(wave_number);
                 assert!((found - exact).abs() < 1e-4, "{periods}: {found} {exact}");
             }

@@ -275,7 +275,8 @@ mod tests {
             for (middle, density) in histogram.middles() {
                 below += density * histogram.width;
                 let edge = middle + 0.5 * histogram.width;
-                let normal = 0.5 * libm::erfc(-edge / (2.0 * variance).sqrt());
+                let normal =
+                    0.5 * asperity_numerics::elementary::erfc(-edge / (2.0 * variance).sqrt());
                 assert!((below - normal).abs() < 0.085, "{edge}: {below} {normal}");
             }
         }

@@ -1,6 +1,7 @@
 //! Slopes of the mesh: two triangles per cell, split along the diagonal from its corner `(ix, iy)`, or along the other one where the
 //! cell is [turned](crate::TurnedCells).
 
+use asperity_numerics::elementary::{atan, hypot};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -120,13 +121,13 @@ fn steepest(field: &HeightField) -> SteepestFacet {
         }
     }
     let ((_, ix, triangle, [sx, sy]), iy) = best;
-    let slope = sx.hypot(sy);
+    let slope = hypot(sx, sy);
     SteepestFacet {
         ix,
         iy,
         triangle,
         slope,
-        angle_degrees: slope.atan().to_degrees(),
+        angle_degrees: atan(slope).to_degrees(),
     }
 }
 

@@ -9,6 +9,7 @@ use std::f64::consts::TAU;
 
 use super::window::multiply_by_hann;
 use crate::{Border, Form, HeightField, HeightFieldError};
+use asperity_numerics::elementary::hypot;
 use asperity_numerics::power_plane;
 
 /// Power spectral density of one surface: its periodogram, two-sided, in angular wave vector.
@@ -113,7 +114,7 @@ impl PowerSpectrum {
         for (iy, row) in self.densities.chunks_exact(nx).enumerate() {
             let ky = wave_number(iy, ny) * self.steps[1];
             for (ix, density) in row.iter().enumerate().skip(usize::from(iy == 0)) {
-                let k = ky.hypot(wave_number(ix, nx) * self.steps[0]);
+                let k = hypot(ky, wave_number(ix, nx) * self.steps[0]);
                 let ring = (k / width).round() as usize;
                 if ring >= rings.len() {
                     rings.resize(ring + 1, SpectralRing::EMPTY);

@@ -7,6 +7,7 @@ use super::filter::wave_number;
 use super::memory::zeroed;
 use super::noise::Side;
 use super::synthesis::Synthesis;
+use asperity_numerics::elementary::sin_cos;
 use asperity_surface::HeightField;
 
 /// `k` and `-k` together, which make one real wave `amplitude Re(z exp(i k.r))`, `<|z|^2> = 1`.
@@ -47,7 +48,7 @@ impl Synthesis {
                     let im = if wave.alone { 0.0 } else { im };
                     for (j, h) in heights.iter_mut().enumerate() {
                         let r = [(j % nx) as f64 * dx, (j / nx) as f64 * dy];
-                        let (sin, cos) = (wave.k[0] * r[0] + wave.k[1] * r[1]).sin_cos();
+                        let (sin, cos) = sin_cos(wave.k[0] * r[0] + wave.k[1] * r[1]);
                         *h += wave.amplitude * (re * cos - im * sin);
                     }
                 }

@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use asperity_numerics::elementary::sin;
+
 use super::noise::Side;
 use crate::Psd;
 use crate::spectra::PreparedDensity;
@@ -29,7 +31,7 @@ impl Numbers {
     /// holds the wave of its coefficients `sinc^4` times; dividing by that leaves the wave as it is.
     fn gain(self, angle: f64) -> f64 {
         match self {
-            Self::SplineCoefficients if angle != 0.0 => (0.5 * angle / (0.5 * angle).sin()).powi(4),
+            Self::SplineCoefficients if angle != 0.0 => (0.5 * angle / sin(0.5 * angle)).powi(4),
             Self::SplineCoefficients | Self::Heights => 1.0,
         }
     }

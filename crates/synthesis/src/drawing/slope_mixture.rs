@@ -1,5 +1,6 @@
 //! Slope mixture: slopes that are Gaussian with a covariance that differs from position to position.
 
+use asperity_numerics::elementary::{exp, ln};
 use asperity_numerics::quadrature::gauss_rule;
 
 /// Component of a slope mixture: relative slope variance of some positions, and their fraction.
@@ -56,7 +57,7 @@ impl SlopeMixture {
     pub(crate) fn scaled(covariance: [f64; 3], factors: &[[f64; 2]]) -> Self {
         let total: f64 = factors.iter().map(|[_, weight]| weight).sum();
         let mean = factors.iter().map(|[f, w]| f * w).sum::<f64>() / total;
-        let logarithm = |factor: f64| factor.max(LEAST * mean).ln();
+        let logarithm = |factor: f64| ln(factor.max(LEAST * mean));
         let logarithms = factors.iter().map(|[factor, _]| logarithm(*factor));
         let (low, high) = logarithms.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
             (low.min(x), high.max(x))
@@ -72,7 +73,7 @@ impl SlopeMixture {
             .into_iter()
             .map(|[x, weight]| SlopeComponent {
                 weight,
-                factor: (middle + half * x).exp(),
+                factor: exp(middle + half * x),
             });
         Self {
             covariance,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::sin_cos;
 use rayon::prelude::*;
 
 use super::noise::Side;
@@ -123,7 +124,7 @@ impl HalfTurn {
     /// Angle of wave `i` of `n`.
     fn of(i: usize, n: usize) -> Self {
         let angle = PI * i as f64 / n as f64;
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = sin_cos(angle);
         Self { angle, sin, cos }
     }
 }

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::error::{ErosionError, MAX_SLIP_STEPS};
 use super::neighbours::beside;
 use crate::gives_up::GivesUp;
+use asperity_numerics::elementary::hypot;
 use asperity_surface::HeightField;
 
 /// Fraction of the excess that moves between two neighbours in a step. With eight neighbours, up to 1/8 no sample falls below all that it
@@ -53,7 +54,7 @@ impl Slip {
     /// Heights after slipping.
     pub(super) fn heights(&self, field: &HeightField, gives_up: GivesUp<'_>) -> Vec<f64> {
         let ([ny, nx], [dx, dy], border) = (field.shape(), field.spacing(), field.border());
-        let allowed = NEIGHBOURS.map(|[i, j]| self.slope * (i as f64 * dx).hypot(j as f64 * dy));
+        let allowed = NEIGHBOURS.map(|[i, j]| self.slope * hypot(i as f64 * dx, j as f64 * dy));
         let mut heights = field.heights().to_vec();
         let mut next = heights.clone();
         for _ in 0..self.steps {

@@ -1,5 +1,6 @@
 //! Drawn moments: heights and slopes of surfaces that no formula describes, measured on two of them.
 
+use asperity_numerics::elementary::hypot;
 use asperity_surface::HeightField;
 
 /// Surfaces drawn to measure what is not known in closed form.
@@ -44,7 +45,7 @@ pub(super) fn with_density([xx, xy, yy]: [f64; 3], is_isotropic: bool) -> [f64; 
     if is_isotropic {
         return [half, 0.0, half];
     }
-    let off = (0.5 * (xx - yy)).hypot(xy);
+    let off = hypot(0.5 * (xx - yy), xy);
     let most = half * (1.0 - 2.0 * LEAST_VARIANCE);
     let scale = if off > most { most / off } else { 1.0 };
     [

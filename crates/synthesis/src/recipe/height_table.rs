@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use asperity_numerics::elementary::exp;
 use asperity_numerics::ln_normal_cdf;
 use asperity_numerics::quadrature::normal_moments;
 use asperity_surface::{Form, HeightField, HeightFieldError};
@@ -138,7 +139,7 @@ impl HeightTable {
     }
 
     fn of_quantiles(quantile: impl Fn(f64) -> f64) -> Result<Self, HeightTableError> {
-        let node = |i: i32| quantile(ln_normal_cdf(f64::from(i) / f64::from(PER_UNIT)).exp());
+        let node = |i: i32| quantile(exp(ln_normal_cdf(f64::from(i) / f64::from(PER_UNIT))));
         let quantiles: Vec<f64> = (-LAST..=LAST).map(node).collect();
         let raw = Self {
             quantiles,

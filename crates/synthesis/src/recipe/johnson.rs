@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use asperity_numerics::elementary::{exp, ln, sinh};
 use asperity_numerics::quadrature::normal_moments;
 use asperity_numerics::root;
 
@@ -157,10 +158,10 @@ impl Johnson {
         let y = (z - self.gamma) / self.delta;
         match self.family {
             JohnsonFamily::Normal => y,
-            JohnsonFamily::Lognormal if self.skewness < 0.0 => -(-y).exp(),
-            JohnsonFamily::Lognormal => y.exp(),
-            JohnsonFamily::Unbounded => y.sinh(),
-            JohnsonFamily::Bounded => (1.0 + (-y).exp()).recip(),
+            JohnsonFamily::Lognormal if self.skewness < 0.0 => -exp(-y),
+            JohnsonFamily::Lognormal => exp(y),
+            JohnsonFamily::Unbounded => sinh(y),
+            JohnsonFamily::Bounded => (1.0 + exp(-y)).recip(),
         }
     }
 
@@ -206,7 +207,7 @@ fn solved(family: JohnsonFamily, skewness: f64, kurtosis: f64) -> [f64; 2] {
         }
     };
     let off = |logarithm: f64| {
-        let delta = logarithm.exp();
+        let delta = exp(logarithm);
         let [found, kurtosis_found] = moments(gamma_of(delta), delta);
         // Where no gamma reaches the skewness, delta is too large
         match (found - skewness).abs() < 1e-6 {
@@ -219,7 +220,7 @@ fn solved(family: JohnsonFamily, skewness: f64, kurtosis: f64) -> [f64; 2] {
         JohnsonFamily::Unbounded => LEAST_UNBOUNDED_DELTA,
         _ => DELTA[0],
     };
-    let delta = root(off, least.ln(), 40.0_f64.ln()).exp();
+    let delta = exp(root(off, ln(least), ln(40.0_f64)));
     [gamma_of(delta), delta]
 }
 
@@ -238,7 +239,7 @@ impl Lognormal {
             2.0 + skewness,
         );
         Self {
-            delta: w.ln().sqrt().recip(),
+            delta: ln(w).sqrt().recip(),
             kurtosis: w.powi(4) + 2.0 * w.powi(3) + 3.0 * w * w - 3.0,
         }
     }

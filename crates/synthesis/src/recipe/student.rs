@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{GaussianPsd, Psd, PsdError};
+use asperity_numerics::elementary::{exp, sin_cos};
 use asperity_numerics::exponential_integral;
 
 /// Added to the exponentially distributed number whose inverse is the variance of the slopes, so that it is finite.
@@ -70,7 +71,7 @@ impl StudentSlopes {
     #[must_use]
     pub fn alpha(&self) -> [f64; 2] {
         let [xx, xy, yy] = self.base.slope_covariance();
-        let (sin, cos) = self.azimuth().sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth());
         let cross = 2.0 * xy * sin * cos;
         [
             xx * cos * cos + yy * sin * sin + cross,
@@ -95,12 +96,12 @@ impl StudentSlopes {
     #[must_use]
     pub fn exceedance(t: f64) -> f64 {
         let square = t * t;
-        (-FLOOR * square).exp() / (1.0 + square)
+        exp(-FLOOR * square) / (1.0 + square)
     }
 
     /// Mean of the square of the amplitude: `exp(floor) E_1(floor)`.
     pub(crate) fn mean_square_amplitude() -> f64 {
-        FLOOR.exp() * exponential_integral(FLOOR)
+        exp(FLOOR) * exponential_integral(FLOOR)
     }
 
     /// The power spectral density of the normal numbers behind the amplitude, of unit variance.

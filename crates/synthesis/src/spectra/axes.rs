@@ -1,5 +1,6 @@
 //! Axes: correlation lengths along two principal axes, and the angle to the first.
 
+use asperity_numerics::elementary::{hypot, sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::error::positive;
@@ -39,37 +40,37 @@ impl Axes {
     }
 
     pub(super) fn is_mirror_symmetric(&self) -> bool {
-        self.is_isotropic() || (2.0 * self.azimuth).sin().abs() < 1e-9
+        self.is_isotropic() || sin(2.0 * self.azimuth).abs() < 1e-9
     }
 
     /// Lags along x and y of the 1/e contour.
     pub(super) fn axis_lengths(&self) -> [f64; 2] {
-        let (sin, cos) = self.azimuth.sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth);
         [
-            (cos / self.tau_x).hypot(sin / self.tau_y).recip(),
-            (sin / self.tau_x).hypot(cos / self.tau_y).recip(),
+            hypot(cos / self.tau_x, sin / self.tau_y).recip(),
+            hypot(sin / self.tau_x, cos / self.tau_y).recip(),
         ]
     }
 
     /// Farthest reach of that contour along x and y.
     pub(super) fn extents(&self) -> [f64; 2] {
-        let (sin, cos) = self.azimuth.sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth);
         [
-            (cos * self.tau_x).hypot(sin * self.tau_y),
-            (sin * self.tau_x).hypot(cos * self.tau_y),
+            hypot(cos * self.tau_x, sin * self.tau_y),
+            hypot(sin * self.tau_x, cos * self.tau_y),
         ]
     }
 
     /// Length of a lag in correlation lengths.
     pub(super) fn distance(&self, x: f64, y: f64) -> f64 {
-        let (sin, cos) = self.azimuth.sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth);
         let (u, v) = (x * cos + y * sin, y * cos - x * sin);
-        (u / self.tau_x).hypot(v / self.tau_y)
+        hypot(u / self.tau_x, v / self.tau_y)
     }
 
     /// `[xx, xy, yy]` of `(tau_x k_u)^2 + (tau_y k_v)^2 = xx kx^2 + xy kx ky + yy ky^2`.
     pub(super) fn square_form(&self) -> [f64; 3] {
-        let (sin, cos) = self.azimuth.sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth);
         let (uu, vv) = (self.tau_x * self.tau_x, self.tau_y * self.tau_y);
         [
             uu * cos * cos + vv * sin * sin,
@@ -80,7 +81,7 @@ impl Axes {
 
     /// Covariance `[xx, xy, yy]` of a vector whose variance along an axis is `unit` over the square of its length.
     pub(super) fn covariance(&self, unit: f64) -> [f64; 3] {
-        let (sin, cos) = self.azimuth.sin_cos();
+        let (sin, cos) = sin_cos(self.azimuth);
         let [along_u, along_v] = self.lengths().map(|tau| unit / (tau * tau));
         [
             along_u * cos * cos + along_v * sin * sin,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{exp, ln, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
@@ -37,7 +38,7 @@ impl GaussianPsd {
             tau_y,
             azimuth,
         } = *self;
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let (uu, vv) = (tau_x * tau_x / 4.0, tau_y * tau_y / 4.0);
         PreparedGaussian {
             peak: sigma * sigma * tau_x * tau_y / (4.0 * PI),
@@ -52,7 +53,7 @@ impl GaussianPsd {
         // that at which the autocorrelation is 1/e along this axis: the two are polar to each other.
         self.axes()
             .axis_lengths()
-            .map(|length| 2.0 * (-fraction.ln()).sqrt() / length)
+            .map(|length| 2.0 * (-ln(fraction)).sqrt() / length)
     }
 
     pub(super) const fn axes(&self) -> Axes {
@@ -85,10 +86,10 @@ impl GaussianPsd {
             tau_y,
             azimuth,
         } = *self;
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let u = x * cos + y * sin;
         let v = y * cos - x * sin;
-        sigma * sigma * (-(u / tau_x).powi(2) - (v / tau_y).powi(2)).exp()
+        sigma * sigma * exp(-(u / tau_x).powi(2) - (v / tau_y).powi(2))
     }
 
     pub(super) fn slope_covariance(&self) -> [f64; 3] {
@@ -98,7 +99,7 @@ impl GaussianPsd {
             tau_y,
             azimuth,
         } = *self;
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let along_u = 2.0 * (sigma / tau_x).powi(2);
         let along_v = 2.0 * (sigma / tau_y).powi(2);
         [
@@ -121,7 +122,7 @@ pub(crate) struct PreparedGaussian {
 impl PreparedGaussian {
     /// `W(kx, ky)`, as [`Psd::density`](super::psd::Psd::density).
     pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
-        self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
+        self.peak * exp(-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky))
     }
 
     /// Returns `true` if `W` is a function of `kx` times a function of `ky`.
@@ -132,7 +133,7 @@ impl PreparedGaussian {
     /// The factor of a separable `W` that depends on `ky`, 1 at `ky = 0`.
     pub(crate) fn factor_along_y(&self, ky: f64) -> f64 {
         debug_assert!(self.is_separable());
-        (-self.yy * ky * ky).exp()
+        exp(-self.yy * ky * ky)
     }
 
     /// Largest `|ky|` at which, for this `kx`, the density is `fraction` of its peak; none if it
@@ -140,7 +141,7 @@ impl PreparedGaussian {
     pub(crate) fn reach_along_y(&self, kx: f64, fraction: f64) -> Option<f64> {
         // The larger root of yy ky^2 - |xy kx| ky + xx kx^2 + ln(fraction) = 0
         let b = (self.xy * kx).abs();
-        let discriminant = b * b - 4.0 * self.yy * (self.xx * kx * kx + fraction.ln());
+        let discriminant = b * b - 4.0 * self.yy * (self.xx * kx * kx + ln(fraction));
         (discriminant >= 0.0).then(|| (b + discriminant.sqrt()) / (2.0 * self.yy))
     }
 }

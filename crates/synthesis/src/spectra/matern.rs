@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{exp_m1, ln_1p, pow};
 use serde::{Deserialize, Serialize};
 
 use super::error::PsdError;
@@ -54,7 +55,7 @@ impl Matern {
                 let base = 1.0 + self.scale * self.scale * square;
                 match self.nu {
                     0.5 => (base * base.sqrt()).recip(),
-                    nu => base.powf(-(nu + 1.0)),
+                    nu => pow(base, -(nu + 1.0)),
                 }
             }
         }
@@ -66,12 +67,12 @@ impl Matern {
 
     /// With `u = scale^2 kappa^2`, the integral of `pi scale^(-2 - power) u^(power / 2) (1 + u)^(-nu - 1)`: powers of `1 + u`.
     pub(super) fn moment(&self, power: i32, end: f64) -> f64 {
-        let logarithm = (self.scale * end).powi(2).ln_1p();
+        let logarithm = ln_1p((self.scale * end).powi(2));
         let integral = |exponent: f64| {
             let next = exponent + 1.0;
             match next == 0.0 {
                 true => logarithm,
-                false => (next * logarithm).exp_m1() / next,
+                false => exp_m1(next * logarithm) / next,
             }
         };
         let a = -self.nu - 1.0;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{atan2, cos, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::axes::Axes;
@@ -67,8 +68,8 @@ impl PlanePsd {
         positive("sigma", psd.sigma)?;
         let [xx, xy, yy] = psd.slope_covariance();
         // The axis of least slope variance is that of the longest correlation
-        let azimuth = 0.5 * (2.0 * xy).atan2(xx - yy) + std::f64::consts::FRAC_PI_2;
-        let (sin, cos) = azimuth.sin_cos();
+        let azimuth = 0.5 * atan2(2.0 * xy, xx - yy) + std::f64::consts::FRAC_PI_2;
+        let (sin, cos) = sin_cos(azimuth);
         let directions = [[cos, sin], [-sin, cos], [1.0, 0.0], [0.0, 1.0]];
         let lags = directions.map(|along| psd.projection(along).one_over_e_lag());
         psd.axes = Axes::new(lags[0], lags[1], azimuth);
@@ -190,7 +191,7 @@ impl PlanePsd {
     }
 
     pub(super) fn autocorrelation(&self, x: f64, y: f64) -> f64 {
-        let mean = self.integral(|kx, ky| (kx * x + ky * y).cos()) / self.total;
+        let mean = self.integral(|kx, ky| cos(kx * x + ky * y)) / self.total;
         self.sigma * self.sigma * mean
     }
 

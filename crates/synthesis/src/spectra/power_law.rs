@@ -1,5 +1,6 @@
 //! Power law: self-affine surfaces, with roll-off and cut-off.
 
+use asperity_numerics::elementary::pow;
 use serde::{Deserialize, Serialize};
 
 use super::error::PsdError;
@@ -47,7 +48,7 @@ impl PowerLaw {
         if relative <= 1.0 {
             1.0
         } else if square <= self.cut_off * self.cut_off {
-            relative.powf(-(self.hurst + 1.0))
+            pow(relative, -(self.hurst + 1.0))
         } else {
             0.0
         }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::matern::Matern;
 use super::power_law::PowerLaw;
 use super::radial_table::RadialTable;
+use asperity_numerics::elementary::{exp, j0, ln};
 use asperity_numerics::quadrature::gauss_legendre;
 use asperity_numerics::root;
 
@@ -83,13 +84,13 @@ impl Profile {
     /// Wave number beyond which waves hold `fraction` of the slope variance.
     pub(crate) fn holding(&self, fraction: f64) -> f64 {
         let all = self.total(2);
-        let share = |logarithm: f64| self.moment(2, logarithm.exp()) / all - (1.0 - fraction);
-        let low = self.level_below().ln() - 5.0;
+        let share = |logarithm: f64| self.moment(2, exp(logarithm)) / all - (1.0 - fraction);
+        let low = ln(self.level_below()) - 5.0;
         let high = match self.cut_off() {
-            end if end.is_finite() => end.ln(),
+            end if end.is_finite() => ln(end),
             _ => low + 700.0,
         };
-        root(share, low, high).exp()
+        exp(root(share, low, high))
     }
 
     /// The normalised autocorrelation at the lag `r` in correlation lengths: the integral of `2 pi kappa J_0(kappa r)` times the
@@ -100,7 +101,7 @@ impl Profile {
         if r == 0.0 {
             return 1.0;
         }
-        let integrand = |k: f64| TAU * k * self.at_square(k * k) * libm::j0(k * r);
+        let integrand = |k: f64| TAU * k * self.at_square(k * k) * j0(k * r);
         self.integral(&integrand, 1.5 / r) / self.total(0)
     }
 
@@ -144,7 +145,7 @@ impl Profile {
 
     /// The lag at which the autocorrelation first falls to 1/e, of a profile with a cut-off.
     pub(crate) fn one_over_e_lag(&self) -> f64 {
-        let below = |r: f64| self.autocorrelation(r) - (-1.0_f64).exp();
+        let below = |r: f64| self.autocorrelation(r) - exp(-1.0_f64);
         // Waves of half a radian at most have not turned far
         let mut low = 0.5 / self.cut_off();
         while below(1.2 * low) > 0.0 {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{cos, exp};
 use asperity_numerics::root;
 
 /// Steps of the wave number up to the largest: the autocorrelation is off by less than 1e-5 up to lags of a hundred of the shortest
@@ -47,8 +48,8 @@ impl Projection {
         let total: f64 = self.powers.iter().sum();
         let below = |r: f64| {
             let waves = self.waves().filter(|[_, power]| *power > 0.0);
-            let sum: f64 = waves.map(|[k, power]| power * (k * r).cos()).sum();
-            sum / total - (-1.0_f64).exp()
+            let sum: f64 = waves.map(|[k, power]| power * cos(k * r)).sum();
+            sum / total - exp(-1.0_f64)
         };
         // Waves of half a radian at most have not turned far
         let mut low = 0.5 / (self.step * STEPS as f64);

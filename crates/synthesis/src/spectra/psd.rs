@@ -1,5 +1,6 @@
 //! Power spectral density of random surfaces, of any kind.
 
+use asperity_numerics::elementary::{exp, sin_cos};
 use asperity_numerics::root;
 use serde::{Deserialize, Serialize};
 
@@ -430,7 +431,7 @@ impl SumPsd {
             axes: Axes::isotropic(1.0),
             along: [1.0; 2],
         };
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let first = sum.lag_along(cos, sin);
         sum.axes = match anisotropic {
             None => Axes::isotropic(first),
@@ -502,7 +503,7 @@ impl SumPsd {
 
     fn lag_along(&self, cos: f64, sin: f64) -> f64 {
         let variance = self.autocorrelation(0.0, 0.0);
-        let below = |r: f64| self.autocorrelation(r * cos, r * sin) / variance - (-1.0_f64).exp();
+        let below = |r: f64| self.autocorrelation(r * cos, r * sin) / variance - exp(-1.0_f64);
         // Between the shortest and the longest of the parts, whose sum is on either side of 1/e there
         let lags = self.parts.iter().map(|part| {
             let [x, y] = part.axis_correlation_lengths();

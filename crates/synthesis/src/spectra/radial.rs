@@ -10,6 +10,7 @@ use super::matern::Matern;
 use super::power_law::PowerLaw;
 use super::profile::Profile;
 use super::radial_table::RadialTable;
+use asperity_numerics::elementary::exp;
 use asperity_numerics::root;
 
 /// A spectrum `W = sigma^2 tau_x tau_y f(kappa)` with `kappa^2 = (tau_x k_u)^2 + (tau_y k_v)^2`, in axes turned by an azimuth, where
@@ -49,9 +50,9 @@ impl RadialPsd {
         // The scale whose autocorrelation is 1/e at one correlation length
         let above = |logarithm: f64| {
             let at_one = |matern| Profile::Matern(matern).autocorrelation(1.0);
-            with(logarithm.exp()).map_or(f64::NAN, at_one) - (-1.0_f64).exp()
+            with(exp(logarithm)).map_or(f64::NAN, at_one) - exp(-1.0_f64)
         };
-        let scale = root(above, -6.0, 4.0).exp();
+        let scale = exp(root(above, -6.0, 4.0));
         Ok(Self {
             sigma,
             axes: Axes::isotropic(tau),

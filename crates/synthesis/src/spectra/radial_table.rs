@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{exp_m1, ln, pow};
 use serde::{Deserialize, Serialize};
 
 use super::error::PsdTableError;
@@ -70,7 +71,7 @@ impl RadialTable {
         }
         let [k0, k1, w0, w1] = self.piece(i - 1);
         match power_between([k0, k1, w0, w1]) {
-            Some(power) => w0 * (k / k0).powf(power),
+            Some(power) => w0 * pow(k / k0, power),
             None => w0 + (w1 - w0) * (k - k0) / (k1 - k0),
         }
     }
@@ -83,7 +84,7 @@ impl RadialTable {
     pub(super) fn moment(&self, power: i32, end: f64) -> f64 {
         let n = f64::from(power + 2);
         // Level below the first node
-        let mut sum = self.density[0] * self.first().min(end).powf(n) / n;
+        let mut sum = self.density[0] * pow(self.first().min(end), n) / n;
         for i in 0..self.wave_number.len() - 1 {
             let [k0, k1, w0, w1] = self.piece(i);
             let stop = k1.min(end);
@@ -94,16 +95,16 @@ impl RadialTable {
                 // The integral of w0 (k / k0)^p k^(n - 1)
                 Some(p) => {
                     let exponent = p + n;
-                    let logarithm = (stop / k0).ln();
+                    let logarithm = ln(stop / k0);
                     let grown = match (exponent * logarithm).abs() < 1e-12 {
                         true => logarithm,
-                        false => (exponent * logarithm).exp_m1() / exponent,
+                        false => exp_m1(exponent * logarithm) / exponent,
                     };
-                    w0 * k0.powf(n) * grown
+                    w0 * pow(k0, n) * grown
                 }
                 None => {
                     let slope = (w1 - w0) / (k1 - k0);
-                    let of = |exponent: f64| (stop.powf(exponent) - k0.powf(exponent)) / exponent;
+                    let of = |exponent: f64| (pow(stop, exponent) - pow(k0, exponent)) / exponent;
                     (w0 - slope * k0) * of(n) + slope * of(n + 1.0)
                 }
             };
@@ -135,5 +136,5 @@ pub(super) fn check_densities(densities: &[f64]) -> Result<(), PsdTableError> {
 
 /// The power of the wave number between two nodes; `None` where it is linear.
 fn power_between([k0, k1, w0, w1]: [f64; 4]) -> Option<f64> {
-    (w0 > 0.0 && w1 > 0.0).then(|| (w1 / w0).ln() / (k1 / k0).ln())
+    (w0 > 0.0 && w1 > 0.0).then(|| ln(w1 / w0) / ln(k1 / k0))
 }

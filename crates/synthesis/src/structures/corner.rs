@@ -1,5 +1,7 @@
 //! Corner: where two straight flanks of a profile meet, rounded by an arc of a circle.
 
+use asperity_numerics::elementary::{atan, cos, sin, tan};
+
 /// An arc that is tangent to both flanks of a corner.
 ///
 /// A radius of zero leaves the corner sharp.
@@ -19,15 +21,15 @@ impl Corner {
     /// At `vertex` `[x, z]`, between a flank of slope `slopes[0]` on the left and one of slope `slopes[1]` on the right.
     pub(super) fn new(vertex: [f64; 2], slopes: [f64; 2], radius: f64) -> Self {
         let [x, z] = vertex;
-        let [left, right] = slopes.map(f64::atan);
+        let [left, right] = slopes.map(atan);
         let sign = if right < left { 1.0 } else { -1.0 };
         // Length of the tangents from the vertex to the arc
-        let tangent = radius * (0.5 * (right - left).abs()).tan();
-        let from = x - tangent * left.cos();
-        let to = x + tangent * right.cos();
+        let tangent = radius * tan(0.5 * (right - left).abs());
+        let from = x - tangent * cos(left);
+        let to = x + tangent * cos(right);
         let centre = [
-            from + sign * radius * left.sin(),
-            z - tangent * left.sin() - sign * radius * left.cos(),
+            from + sign * radius * sin(left),
+            z - tangent * sin(left) - sign * radius * cos(left),
         ];
         Self {
             from,

@@ -9,6 +9,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{acos, exp, hypot, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::buckets::{Buckets, Footprint};
@@ -119,15 +120,15 @@ fn coverage(per_area: f64, reach: f64) -> f64 {
         if reach >= r {
             return 2.0 * PI * r * r + 4.0 * PI * reach * reach;
         }
-        let end = (-reach / r).acos();
-        let (sin, cos) = end.sin_cos();
+        let end = acos(-reach / r);
+        let (sin, cos) = sin_cos(end);
         4.0 * (0.5 * r * r * (end + sin * cos) + 2.0 * r * reach * sin + reach * reach * end)
     };
     let steps = 8000;
     let step = 4.0 / f64::from(steps);
     let beyond: f64 = (0..steps)
         .map(|i| (f64::from(i) + 0.5) * step)
-        .map(|r| 2.0 * PI * r * (-region(r)).exp() * step)
+        .map(|r| 2.0 * PI * r * exp(-region(r)) * step)
         .sum();
     (1.0 - beyond).max(0.0)
 }
@@ -179,7 +180,7 @@ impl Tessellation {
                         let Nucleus([x, y]) = self.nuclei[entry.feature];
                         let [sx, sy] = entry.shift;
                         let b = [x - sx + image[0] - p[0], y - sy + image[1] - p[1]];
-                        let distance = b[0].hypot(b[1]);
+                        let distance = hypot(b[0], b[1]);
                         if distance < least {
                             (least, nearest) = (distance, b);
                         }

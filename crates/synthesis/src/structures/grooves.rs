@@ -9,6 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use asperity_numerics::elementary::{asin, atan, atan2, atanh, cos, hypot, sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::corner::Corner;
@@ -96,11 +97,11 @@ impl Grooves {
             GrooveProfile::V => {
                 let steepest = 2.0 * (1.0 + randomness) * depth / narrowest;
                 let flattest = 2.0 * (1.0 - randomness) * depth / widest;
-                0.25 * narrowest / (steepest * flattest.atan().cos())
+                0.25 * narrowest / (steepest * cos(atan(flattest)))
             }
             GrooveProfile::Blazed => {
-                let blaze = 0.5 * (2.0 * depth / width).min(1.0).asin();
-                0.5 * narrowest * blaze.sin()
+                let blaze = 0.5 * asin((2.0 * depth / width).min(1.0));
+                0.5 * narrowest * sin(blaze)
             }
         }
     }
@@ -109,11 +110,11 @@ impl Grooves {
         let Self { width, azimuth, .. } = *self;
         let lengths = grid.lengths();
         // Phases grow along the direction 90 degrees right of that along the grooves
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let wanted = [sin / width, -cos / width];
         let whole = [0, 1].map(|i| (wanted[i] * lengths[i]).round());
         let found = [0, 1].map(|i| whole[i] / lengths[i]);
-        let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]) * width;
+        let off = hypot(found[0] - wanted[0], found[1] - wanted[1]) * width;
         let along_a_side = [0, 1]
             .into_iter()
             .find(|i| wanted[1 - i].abs() * width < 1e-9);
@@ -128,7 +129,7 @@ impl Grooves {
         if off > limits::MAX_ADJUSTMENT {
             return Err(StructureError::NoNearbyGrooves {
                 period,
-                nearest_period: found[0].hypot(found[1]).recip().into(),
+                nearest_period: hypot(found[0], found[1]).recip().into(),
             });
         }
         let features = whole[0].abs().max(whole[1].abs());
@@ -156,13 +157,13 @@ impl PlannedGrooves {
     /// Mean period that fits the tile, length units.
     pub(super) fn period(&self, grid: &Grid) -> f64 {
         let [x, y] = self.frequency(grid);
-        x.hypot(y).recip()
+        hypot(x, y).recip()
     }
 
     /// Angle from +x to the direction along the grooves that fit the tile, radians, within half a turn of the requested one.
     pub(super) fn azimuth(&self, grid: &Grid) -> f64 {
         let [x, y] = self.frequency(grid);
-        let turn = x.atan2(-y) - self.grooves.azimuth;
+        let turn = atan2(x, -y) - self.grooves.azimuth;
         self.grooves.azimuth + turn - TAU * (turn / TAU).round()
     }
 
@@ -261,7 +262,7 @@ impl PlannedGrooves {
         let mean_inverse = if randomness == 0.0 {
             1.0
         } else {
-            randomness.atanh() / randomness
+            atanh(randomness) / randomness
         };
         let random =
             (1.0 + randomness.powi(2) / 3.0) * (1.0 + (number - 1.0) * mean_inverse) / number;
@@ -333,7 +334,7 @@ impl Groove {
         } = *self;
         let Some(flanks) = self.flanks else {
             let phase = TAU * (x - start) / (end - start);
-            return -0.5 * depth * (1.0 - phase.cos());
+            return -0.5 * depth * (1.0 - cos(phase));
         };
         let corners = flanks.corners.iter().flatten();
         let arc = corners.into_iter().find_map(|corner| corner.height(x));

@@ -1,5 +1,6 @@
 //! Positions of features: on a lattice, at random, or at random without overlap.
 
+use asperity_numerics::elementary::hypot;
 use serde::{Deserialize, Serialize};
 
 use super::error::StructureError;
@@ -64,7 +65,7 @@ impl Lattice {
     pub(super) fn least_pitch(&self, lengths: [f64; 2]) -> f64 {
         let [x, y] = self.pitches(lengths);
         if self.staggered {
-            x.min((0.5 * x).hypot(y)).min(2.0 * y)
+            x.min(hypot(0.5 * x, y)).min(2.0 * y)
         } else {
             x.min(y)
         }
@@ -140,7 +141,7 @@ pub(super) fn separate(
                             let d = (p[i] - q[i]).abs();
                             d.min(lengths[i] - d)
                         });
-                        x.hypot(y) >= radius + radii[other]
+                        hypot(x, y) >= radius + radii[other]
                     })
                 })
             })

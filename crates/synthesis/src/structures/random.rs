@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use asperity_numerics::elementary::{cos, ln};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -56,6 +57,6 @@ impl Stream {
     /// Normal, of mean 0 and variance 1: Box and Muller, Ann. Math. Stat. 29, 610 (1958).
     pub(super) fn normal(&mut self) -> f64 {
         let (u, v) = (1.0 - self.uniform(), self.uniform());
-        (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
+        (-2.0 * ln(u)).sqrt() * cos(TAU * v)
     }
 }

@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{hypot, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use super::buckets::Footprint;
@@ -104,7 +105,7 @@ impl PlannedScratches {
                 let length = scratches.length * stream.about_one(scratches.randomness);
                 let direction = scratches.azimuth + scratches.spread * stream.normal();
                 let [x, y] = stream.position(grid.lengths());
-                let (sin, cos) = direction.sin_cos();
+                let (sin, cos) = sin_cos(direction);
                 let groove = VGroove::new(
                     scale * scratches.depth,
                     scale * scratches.width,
@@ -181,6 +182,6 @@ impl Stamp for Scratch {
         let along = (dx * cos + dy * sin).abs();
         let across = dy * cos - dx * sin;
         let beyond = (along - self.half_length).max(0.0);
-        self.groove.depth_at(across.hypot(beyond))
+        self.groove.depth_at(hypot(across, beyond))
     }
 }

@@ -10,6 +10,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{exp, hypot, ln_1p};
 use serde::{Deserialize, Serialize};
 
 use super::buckets::Footprint;
@@ -224,7 +225,7 @@ impl Profile {
     /// Integral of the square of the slope over the opening of a segment with a sharp edge; it diverges for a hemisphere.
     fn square_slope(&self) -> f64 {
         let fraction = (self.reach / self.sphere).powi(2);
-        PI * self.sphere.powi(2) * (-fraction - (-fraction).ln_1p())
+        PI * self.sphere.powi(2) * (-fraction - ln_1p(-fraction))
     }
 
     /// Mean square slope of a tile of area `tile` with `number` equal segments at random.
@@ -235,7 +236,7 @@ impl Profile {
         let step = self.reach / f64::from(steps);
         let others = number.saturating_sub(1) as f64;
         let at = |distance: f64| {
-            let none_nearer = (others * (-PI * distance * distance / tile).max(-1.0).ln_1p()).exp();
+            let none_nearer = exp(others * ln_1p((-PI * distance * distance / tile).max(-1.0)));
             2.0 * PI * distance * self.squared_slope_at(distance) * none_nearer
         };
         // Midpoints, since the slope is infinite at the rim of a hemisphere
@@ -262,7 +263,7 @@ impl Footprint for Segment {
 
 impl Stamp for Segment {
     fn depth_at(&self, [x, y]: [f64; 2]) -> f64 {
-        let distance = (x - self.centre[0]).hypot(y - self.centre[1]);
+        let distance = hypot(x - self.centre[0], y - self.centre[1]);
         self.profile.depth_at(distance)
     }
 }

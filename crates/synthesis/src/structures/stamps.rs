@@ -1,5 +1,7 @@
 //! Stamps: many copies of one shape, of which the deepest counts at each point.
 
+use asperity_numerics::elementary::{exp_m1, ln_1p};
+
 use super::buckets::{Buckets, Footprint};
 use super::error::StructureError;
 use super::grid::Grid;
@@ -114,7 +116,7 @@ impl Layout {
 
 /// Expected fraction of a tile of area `tile` that `number` shapes of area `one`, placed at random, cover.
 pub(super) fn random_coverage(number: usize, one: f64, tile: f64) -> f64 {
-    -(number as f64 * (-one / tile).max(-1.0).ln_1p()).exp_m1()
+    -exp_m1(number as f64 * ln_1p((-one / tile).max(-1.0)))
 }
 
 #[cfg(test)]

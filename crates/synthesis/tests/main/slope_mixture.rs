@@ -1,10 +1,10 @@
 //! Mixtures of Gaussian slopes, against drawn surfaces and closed forms.
 
+use asperity_numerics::elementary::erfc;
 use asperity_synthesis::{
     FieldSynthesis, Psd, Resolution, SlopeMixture, Structure, StructureSynthesis,
     StructuredSurface, StudentSlopes, SurfaceRecipe, TransformedHeights,
 };
-use libm::erfc;
 
 use crate::structures::GROOVES;
 

@@ -1,5 +1,6 @@
 //! Aperture windows: which apertures an exit falls into, and with what weight.
 
+use asperity_numerics::elementary::{asin, atan2, cos, sin_cos};
 use glam::DVec3;
 
 use super::exit_columns::ExitColumns;
@@ -29,21 +30,22 @@ struct Window {
 impl ApertureWindows {
     /// Windows for light that travels towards the azimuth `forward`, radians.
     pub(crate) fn new(spec: &TallySpec, forward: f64) -> Self {
-        let (sin, cos) = forward.sin_cos();
-        let (along, across) = (DVec3::new(cos, sin, 0.0), DVec3::new(-sin, cos, 0.0));
+        let (sin_phi, cos_phi) = sin_cos(forward);
+        let along = DVec3::new(cos_phi, sin_phi, 0.0);
+        let across = DVec3::new(-sin_phi, cos_phi, 0.0);
         let window = |aperture: Aperture| {
-            let (sin, cos) = aperture.theta.sin_cos();
+            let (sin_theta, cos_theta) = sin_cos(aperture.theta);
             Window {
                 aperture,
-                centre: sin * along + cos * DVec3::Z,
+                centre: sin_theta * along + cos_theta * DVec3::Z,
                 cos_reach: match aperture.shape {
                     _ if !spec.records(aperture.side) => f64::INFINITY,
                     // Every direction, whatever its length is rounded to
                     ApertureShape::Cone { half_angle } if half_angle >= std::f64::consts::PI => {
                         f64::NEG_INFINITY
                     }
-                    ApertureShape::Cone { half_angle } => half_angle.cos(),
-                    shape @ ApertureShape::Receptor { .. } => (shape.reach() + MARGIN).cos(),
+                    ApertureShape::Cone { half_angle } => cos(half_angle),
+                    shape @ ApertureShape::Receptor { .. } => cos(shape.reach() + MARGIN),
                 },
             }
         };
@@ -86,8 +88,8 @@ impl ApertureWindows {
         match shape {
             ApertureShape::Cone { .. } => 1.0,
             ApertureShape::Receptor { in_plane, across } => {
-                let polar = wo.dot(self.along).atan2(wo.z);
-                let aside = wo.dot(self.across).clamp(-1.0, 1.0).asin();
+                let polar = atan2(wo.dot(self.along), wo.z);
+                let aside = asin(wo.dot(self.across).clamp(-1.0, 1.0));
                 part_taken(polar - theta, in_plane) * part_taken(aside, across)
             }
         }

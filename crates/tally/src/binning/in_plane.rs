@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use asperity_numerics::elementary::{cos, sin};
 use asperity_optics::azimuth;
 use glam::DVec3;
 
@@ -22,7 +23,7 @@ pub(crate) struct InPlaneSlice {
 impl InPlaneSlice {
     /// `forward_azimuth` and `half_width` in radians, the latter at most a right angle.
     pub(crate) fn new(forward_azimuth: f64, half_width: f64) -> Self {
-        let cos_sin = |angle: f64| [angle.cos(), angle.sin()];
+        let cos_sin = |angle: f64| [cos(angle), sin(angle)];
         Self {
             forward_azimuth,
             half_width,

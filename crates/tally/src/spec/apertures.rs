@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use asperity_numerics::elementary::{acos, cos};
 use serde::{Deserialize, Serialize};
 
 use crate::Side;
@@ -62,7 +63,7 @@ impl ApertureShape {
             Self::Cone { half_angle } => half_angle,
             Self::Receptor { in_plane, across } => {
                 let [along, across] = [in_plane, across].map(|[a, b]| (0.5 * (a + b)).min(PI));
-                (along.cos() * across.cos()).acos()
+                acos(cos(along) * cos(across))
             }
         }
     }

@@ -4,6 +4,7 @@
 //! alone, whether bins are of equal angles or refine around narrow lobes.
 
 use crate::{Bin, HemisphereGrid, Side};
+use asperity_numerics::elementary::sin;
 
 /// Bins of the hemisphere on one side, ring by ring from +z, within a ring by azimuth from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -154,7 +155,7 @@ impl InPlaneFilter {
     #[must_use]
     pub fn solid_angle(&self, i: usize) -> f64 {
         let [a, b] = self.theta_deg(i).map(|deg| deg.to_radians().abs());
-        let band = 2.0 * (0.5 * (a + b)).sin() * (0.5 * (b - a)).abs().sin();
+        let band = 2.0 * sin(0.5 * (a + b)) * sin((0.5 * (b - a)).abs());
         2.0 * self.half_width * band
     }
 

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 use std::str::FromStr;
 
+use asperity_numerics::elementary::{cos, sin};
 use asperity_optics::{azimuth, polar_angle};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -61,7 +62,7 @@ impl Bin {
     #[must_use]
     pub fn mean_abs_cos(&self) -> f64 {
         let [a, b] = self.theta;
-        0.5 * (a.cos() + b.cos()).abs()
+        0.5 * (cos(a) + cos(b)).abs()
     }
 }
 
@@ -209,7 +210,7 @@ impl HemisphereGrid {
         let theta = [ring, ring + 1].map(|k| self.theta_edge(side, k));
         let phi = [sector, sector + 1].map(|k| self.phi_edge(side, k));
         // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel near the pole.
-        let band = 2.0 * (0.5 * (theta[0] + theta[1])).sin() * (0.5 * (theta[1] - theta[0])).sin();
+        let band = 2.0 * sin(0.5 * (theta[0] + theta[1])) * sin(0.5 * (theta[1] - theta[0]));
         Bin {
             side,
             theta,

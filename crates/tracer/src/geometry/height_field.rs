@@ -7,6 +7,7 @@ mod tests;
 
 use std::sync::OnceLock;
 
+use asperity_numerics::elementary::hypot;
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
@@ -345,7 +346,7 @@ impl Geometry for Surface {
     }
 
     fn steepest_slope(&self) -> f64 {
-        Grid::steepest(self) * self.aspect().hypot(1.0)
+        Grid::steepest(self) * hypot(self.aspect(), 1.0)
     }
 
     #[inline(always)]

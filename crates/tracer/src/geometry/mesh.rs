@@ -20,6 +20,7 @@ mod error;
 mod intake;
 mod triangle;
 
+use asperity_numerics::elementary::hypot;
 use asperity_surface::Border;
 use glam::DVec3;
 
@@ -212,7 +213,7 @@ impl MeshSurface {
         // As HAIR, for coordinates as large as those of the origin.
         let hair = (LONGEST + ray.origin.abs().max_element()) / (1_u64 << 48) as f64;
         lies_on_border(ends, self.frame.extent)
-            && seen.turns[corner] >= -hair * (q.x - p.x).hypot(q.y - p.y)
+            && seen.turns[corner] >= -hair * hypot(q.x - p.x, q.y - p.y)
     }
 }
 
@@ -300,7 +301,7 @@ impl Geometry for MeshSurface {
         let d = ray.direction;
         // Only if all facets face upwards: then d . n is positive (below: negative) for every one.
         let steepest = self.steepest?;
-        (half_space.sign() * d.z > steepest * d.x.hypot(d.y)).then_some(Escape::SteeperThanAll)
+        (half_space.sign() * d.z > steepest * hypot(d.x, d.y)).then_some(Escape::SteeperThanAll)
     }
 }
 
@@ -334,7 +335,7 @@ fn mean_plane(vertices: &[DVec3], triangles: &[[u32; 3]], half_range: f64) -> f6
 /// Slope of the steepest facet, widened by rounding, if all face upwards.
 fn steepest(normals: &[DVec3]) -> Option<f64> {
     normals.iter().try_fold(0.0_f64, |steepest, n| {
-        let slope = n.x.hypot(n.y) / n.z;
+        let slope = hypot(n.x, n.y) / n.z;
         (n.z > 0.0).then_some(steepest.max(slope * (1.0 + 1e-12)))
     })
 }

@@ -14,6 +14,7 @@ mod stretch;
 
 use std::sync::OnceLock;
 
+use asperity_numerics::elementary::hypot;
 use asperity_surface::{Border, SplineSurface};
 use glam::DVec3;
 
@@ -258,7 +259,7 @@ impl Geometry for SmoothSurface {
     }
 
     fn steepest_slope(&self) -> f64 {
-        Grid::steepest(self) * self.aspect().hypot(1.0)
+        Grid::steepest(self) * hypot(self.aspect(), 1.0)
     }
 
     #[inline(always)]

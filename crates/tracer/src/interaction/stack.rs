@@ -1,6 +1,7 @@
 //! Stack: the layers below a surface, and the faces between and below them, in the tile coordinates of the surface.
 
-use asperity_optics::{Bottom, BottomSurface, Layer, PhaseFunction, ln_of_normal};
+use asperity_numerics::elementary::{exp, ln, log10};
+use asperity_optics::{Bottom, BottomSurface, Layer, PhaseFunction};
 use glam::DVec3;
 
 use crate::accelerators::SearchedSurface;
@@ -54,7 +55,7 @@ fn rounded_up(length: f64) -> f64 {
     if length == 0.0 {
         return 0.0;
     }
-    let unit = 10_f64.powi(length.abs().log10().floor() as i32 - 5);
+    let unit = 10_f64.powi(log10(length.abs()).floor() as i32 - 5);
     let digits = (length / unit).ceil();
     // The nearest number that prints with these digits
     format!("{:.5e}", digits * unit).parse().unwrap_or(length)
@@ -399,7 +400,7 @@ impl<G: Geometry> TracedLayer<'_, G> {
     #[inline(always)]
     pub(crate) fn free_flight(&self, u: f64) -> f64 {
         // One minus a number below one is above zero.
-        let depth = -ln_of_normal(1.0 - u);
+        let depth = -ln(1.0 - u);
         if self.mean_free_path.is_infinite() {
             f64::INFINITY
         } else {
@@ -410,7 +411,7 @@ impl<G: Geometry> TracedLayer<'_, G> {
     /// Fraction of light that is left after a distance in a medium that only absorbs; `None` of others.
     #[inline(always)]
     pub(crate) fn transmittance(&self, distance: f64) -> Option<f64> {
-        (self.absorption > 0.0).then(|| (-self.absorption * distance).exp())
+        (self.absorption > 0.0).then(|| exp(-self.absorption * distance))
     }
 
     /// Distance from a height to the flat face ahead of a direction that rises by `dz`; infinite if no flat face lies ahead.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use asperity_numerics::elementary::{acos, ln};
 use asperity_optics::around;
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
@@ -125,7 +126,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         }
         let extinction = layer.extinction();
         let reach = match extinction > 0.0 {
-            true => (path.flux / least).ln() / extinction,
+            true => ln(path.flux / least) / extinction,
             false => f64::INFINITY,
         };
         let is_periodic = self.geometry.border() != Border::Open;
@@ -170,7 +171,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
 
     /// Returns `true` if nothing above the surface hides the direction `towards` in the world from a point of it.
     fn sees_light(&self, at: Heading, towards: DVec3) -> bool {
-        if towards.z <= 0.0 || !can_traverse(self.geometry, towards.z.min(1.0).acos()) {
+        if towards.z <= 0.0 || !can_traverse(self.geometry, acos(towards.z.min(1.0))) {
             return false;
         }
         let up = Heading {

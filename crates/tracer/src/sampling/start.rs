@@ -1,6 +1,6 @@
 //! Start: the position and the number of a path.
 
-use asperity_optics::sin_cos_of_turn;
+use asperity_numerics::elementary::sin_cos_of_turn;
 use glam::DVec2;
 
 /// Start of a path.

@@ -7,6 +7,7 @@
 //! refracting surface. Beams end after some tiles, so that few of them contain any one point; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
+use asperity_numerics::elementary::acos;
 use asperity_optics::{Material, refract};
 use asperity_surface::Border;
 use glam::DVec3;
@@ -106,7 +107,7 @@ impl<G: Geometry> LightBeams<G> {
     pub fn aim(&mut self, geometry: &G, towards: DVec3) {
         self.towards = towards;
         // The rest of a disc at the horizon lights nothing, behind so many tiles.
-        let theta = towards.z.clamp(-1.0, 1.0).acos();
+        let theta = acos(towards.z.clamp(-1.0, 1.0));
         self.is_up = towards.z > 0.0 && can_traverse(geometry, theta);
         for leaf in 0..self.leaves {
             let mut node = Node::NONE;

@@ -21,7 +21,8 @@ fn even(reach: f64, cells: usize) -> SlopeGrid {
 fn gaussian([dx, dy]: [f64; 2], cells: usize) -> SlopeTable {
     let grid = even(6.0 * dx.max(dy), cells);
     let masses = [dx, dy].map(|deviation| {
-        let below = |s: f64| 0.5 * libm::erfc(-s / deviation * FRAC_1_SQRT_2);
+        let below =
+            |s: f64| 0.5 * asperity_numerics::elementary::erfc(-s / deviation * FRAC_1_SQRT_2);
         let edges = &grid.edges()[0];
         edges
             .windows(2)

@@ -1,5 +1,6 @@
 //! Analog random walk: one branch, weight one, escape by chance. It tests the walk with expectations.
 
+use asperity_numerics::elementary::pow;
 use asperity_optics::{Material, dielectric, reflect, refract};
 use asperity_tally::{Event, EventPath, Exit, Loss, Side, Tally, TallyResult};
 use glam::DVec3;
@@ -39,7 +40,7 @@ impl RandomWalk for Analog {
         while path.order() < 1000 {
             let lambda = self.lambda(d, up);
             let u: f64 = rng.random();
-            if d.z * up > 0.0 && u >= 1.0 - c1.powf(lambda) {
+            if d.z * up > 0.0 && u >= 1.0 - pow(c1, lambda) {
                 let side = if up > 0.0 {
                     Side::Reflected
                 } else {
@@ -55,7 +56,7 @@ impl RandomWalk for Analog {
                 });
                 return;
             }
-            c1 /= (1.0 - u).powf(1.0 / lambda);
+            c1 /= pow(1.0 - u, 1.0 / lambda);
             let flip = DVec3::new(1.0, 1.0, up);
             let m = flip * self.distribution.sample_visible(-d * flip, rng);
             let cos_theta_i = m.dot(-d).clamp(0.0, 1.0);

@@ -1,5 +1,7 @@
 //! Heights on the Smith microsurface, and free paths between them.
 
+use asperity_numerics::elementary::{exp, exp_m1, ln, ln_1p};
+
 /// The height of a ray as the logarithm of `C1`, the fraction of the surface below it: from minus infinity
 /// (excluded) at the bottom to zero above all facets. The distribution of heights enters through `C1` alone.
 ///
@@ -20,7 +22,7 @@ impl Height {
     /// # Source
     /// Heitz et al. 2016, Sec. 4.
     pub(super) fn descended(self, lambda: f64, u: f64) -> Self {
-        Self::of(self.0 + u.ln() / (1.0 + lambda))
+        Self::of(self.0 + ln(u) / (1.0 + lambda))
     }
 
     /// The probability `C1^lambda` that a ray which travels upwards escapes, and that it does not, each to its
@@ -30,23 +32,23 @@ impl Height {
     /// Heitz et al. 2016, Sec. 4.
     pub(super) fn escape(self, lambda: f64) -> (f64, f64) {
         let exponent = lambda * self.0;
-        (exponent.exp(), -exponent.exp_m1())
+        (exp(exponent), -exp_m1(exponent))
     }
 
     /// Intersection of a ray that travels upwards and does *not* escape; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform; `blocked` is the second probability of [`Self::escape`], above zero.
     pub(super) fn ascended(self, lambda: f64, blocked: f64, u: f64) -> Self {
-        Self::of(self.0 - (-u * blocked).ln_1p() / lambda)
+        Self::of(self.0 - ln_1p(-u * blocked) / lambda)
     }
 
     /// This point for a ray behind the surface, where heights are reversed: `1 - C1`.
     pub(super) fn seen_from_behind(self) -> Self {
         // Each form is accurate where the other loses digits.
         Self::of(if self.0 > -std::f64::consts::LN_2 {
-            (-self.0.exp_m1()).ln()
+            ln(-exp_m1(self.0))
         } else {
-            (-self.0.exp()).ln_1p()
+            ln_1p(-exp(self.0))
         })
     }
 
@@ -56,7 +58,7 @@ impl Height {
 
     #[cfg(test)]
     pub(super) fn fraction_below(self) -> f64 {
-        self.0.exp()
+        exp(self.0)
     }
 }
 
@@ -71,7 +73,10 @@ mod tests {
     /// The fraction of Gaussian heights of deviation one below `h`, and their density there.
     fn gaussian(h: f64) -> (f64, f64) {
         let density = (-0.5 * h * h).exp() / std::f64::consts::TAU.sqrt();
-        (0.5 * libm::erfc(-h / std::f64::consts::SQRT_2), density)
+        (
+            0.5 * asperity_numerics::elementary::erfc(-h / std::f64::consts::SQRT_2),
+            density,
+        )
     }
 
     /// The height with the fraction `c` of Gaussian heights below it.

@@ -22,7 +22,8 @@ fn gaussian(per: usize) -> SlopeTable {
     let edges: Vec<f64> = (-reach..=reach)
         .map(|i| DEVIATION * f64::from(i) / per as f64)
         .collect();
-    let below = |s: f64| 0.5 * libm::erfc(-s / (DEVIATION * 2.0_f64.sqrt()));
+    let below =
+        |s: f64| 0.5 * asperity_numerics::elementary::erfc(-s / (DEVIATION * 2.0_f64.sqrt()));
     let masses: Vec<f64> = edges
         .windows(2)
         .map(|pair| below(pair[1]) - below(pair[0]))

@@ -93,7 +93,10 @@ impl Averaged {
             // Below exp(-50) but for directions that carry no light.
             0.0
         } else {
-            (libm::lgamma(1.0 + a) + libm::lgamma(1.0 + b) - libm::lgamma(2.0 + a + b)).exp()
+            (asperity_numerics::elementary::lgamma(1.0 + a)
+                + asperity_numerics::elementary::lgamma(1.0 + b)
+                - asperity_numerics::elementary::lgamma(2.0 + a + b))
+            .exp()
         }
     }
 }
@@ -264,7 +267,7 @@ fn double_scattering_is_by_two_independent_facets() {
     let slopes = isotropic(s);
     let deviation = std::f64::consts::SQRT_2 / s;
     let wi = light(theta).0.wi();
-    let phi = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
+    let phi = |x: f64| 0.5 * asperity_numerics::elementary::erfc(-x / std::f64::consts::SQRT_2);
     for (name, seed) in BOTH.into_iter().zip([21, 22]) {
         let averaged = Averaged::new(s, glass());
         let exponent = |w: DVec3| match name {

@@ -6,6 +6,7 @@
 
 use std::io::{Read, Seek};
 
+use asperity_numerics::elementary::{atan2, hypot};
 use asperity_surface::LengthUnit;
 
 use super::directory::{Directory, File, Tag};
@@ -153,7 +154,7 @@ fn grid<R: Read + Seek>(file: &mut File<R>, page: &Directory) -> Result<Option<A
     let [x_column, x_row, _, _, y_column, y_row, ..] = matrix[..] else {
         return Err(ReadProblem::malformed("its transformation lacks numbers"));
     };
-    let [dx, dy] = [x_column.hypot(y_column), x_row.hypot(y_row)];
+    let [dx, dy] = [hypot(x_column, y_column), hypot(x_row, y_row)];
     let area = dx * dy;
     if (x_column * x_row + y_column * y_row).abs() > MAX_SHEAR * area {
         return Err(ReadProblem::unsupported(
@@ -167,7 +168,7 @@ fn grid<R: Read + Seek>(file: &mut File<R>, page: &Directory) -> Result<Option<A
         true => [y_row > 0.0, x_column < 0.0],
         false => [is_mirrored, false],
     };
-    let turn = y_column.atan2(x_column).to_degrees();
+    let turn = atan2(y_column, x_column).to_degrees();
     Ok(Some(Axes {
         spacing: [dx, dy],
         turned_back,

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use asperity_numerics::elementary::hypot;
 use asperity_tally::TallyStatistics;
 
 use super::draft::Draft;
@@ -153,7 +154,7 @@ impl Group {
         let target = self.target()?.error();
         let mesh = mesh_error.unwrap_or(0.0);
         (error <= target).then(|| {
-            if error.hypot(mesh) <= target * MESH_ALLOWANCE {
+            if hypot(error, mesh) <= target * MESH_ALLOWANCE {
                 StoppedBy::Target
             } else {
                 StoppedBy::Mesh

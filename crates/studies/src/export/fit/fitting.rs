@@ -1,5 +1,6 @@
 //! Fitting: the parameters of one law from the bins of one side.
 
+use asperity_numerics::elementary::{hypot, ln};
 use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
 
@@ -77,14 +78,14 @@ impl Law {
     fn difference(&self, law: f64, bsdf: f64) -> f64 {
         match self.by_flux {
             true => 2.0 * (law - bsdf) / (law + bsdf),
-            false => (law / bsdf).max(f64::MIN_POSITIVE).ln(),
+            false => ln((law / bsdf).max(f64::MIN_POSITIVE)),
         }
     }
 
     /// Weight of the difference in a bin.
     fn weight(&self, point: &Point) -> f64 {
         let relative = point.se.map_or(f64::INFINITY, |se| se / point.mean);
-        let by_error = 1.0 / relative.hypot(MODEL_ERROR);
+        let by_error = 1.0 / hypot(relative, MODEL_ERROR);
         match self.by_flux {
             true => by_error * (point.mean * point.projected).sqrt(),
             false => by_error,

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use asperity_analysis::{BsdfModel, Ggx, Masking, SlopeCovariance, Smith};
+use asperity_numerics::elementary::{exp, ln, pow};
 use asperity_optics::Material;
 use asperity_simulate::Outcome;
 use asperity_surface::LengthUnit;
@@ -51,7 +52,7 @@ pub(super) struct Fitted<'a> {
 
 const SAME_AT_ALL_ANGLES: &str = "Fresnel's equations, shadowing and lobes off the specular direction: the lobe is the same at all angles of incidence";
 
-const POSITIVE: fn(f64) -> f64 = f64::exp;
+const POSITIVE: fn(f64) -> f64 = exp;
 
 /// Slope at which the laws of three parameters end: steeper ones are Gaussian, and do not determine slope and width.
 const STEEPEST: f64 = 50.0;
@@ -60,7 +61,7 @@ const STEEPEST: f64 = 50.0;
 const NARROWEST: f64 = 1e-6;
 
 /// A slope by its logarithm.
-const SLOPE: fn(f64) -> f64 = |log| log.exp().min(STEEPEST);
+const SLOPE: fn(f64) -> f64 = |log| exp(log).min(STEEPEST);
 
 impl Fitted<'_> {
     /// All laws, in the order of the file.
@@ -86,13 +87,13 @@ impl Fitted<'_> {
             neglects: SAME_AT_ALL_ANGLES,
             parameters: &[("A", POSITIVE), ("B", POSITIVE), ("g", SLOPE)],
             starts: [1.5_f64, 3.0]
-                .map(|g| vec![(peak * width.powf(g)).ln(), g * width.ln(), g.ln()])
+                .map(|g| vec![ln(peak * pow(width, g)), g * ln(width), ln(g)])
                 .to_vec(),
             by_flux: false,
-            is_lobe: |logs| logs[1] > SLOPE(logs[2]) * NARROWEST.ln(),
+            is_lobe: |logs| logs[1] > SLOPE(logs[2]) * ln(NARROWEST),
             of: Box::new(|logs| {
-                let [a, b, g] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
-                Some(Box::new(move |ray| a / (b + ray.distance.powf(g))))
+                let [a, b, g] = [exp(logs[0]), exp(logs[1]), SLOPE(logs[2])];
+                Some(Box::new(move |ray| a / (b + pow(ray.distance, g))))
             }),
         }
     }
@@ -105,13 +106,13 @@ impl Fitted<'_> {
             neglects: SAME_AT_ALL_ANGLES,
             parameters: &[("b0", POSITIVE), ("L", POSITIVE), ("s", |log| -SLOPE(log))],
             starts: [1.5_f64, 4.0]
-                .map(|slope| vec![peak.ln(), width.ln(), slope.ln()])
+                .map(|slope| vec![ln(peak), ln(width), ln(slope)])
                 .to_vec(),
             by_flux: false,
-            is_lobe: |logs| logs[1] > NARROWEST.ln(),
+            is_lobe: |logs| logs[1] > ln(NARROWEST),
             of: Box::new(|logs| {
-                let [b0, l, slope] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
-                let shape = move |x: f64| (1.0 + (x / l).powi(2)).powf(-0.5 * slope);
+                let [b0, l, slope] = [exp(logs[0]), exp(logs[1]), SLOPE(logs[2])];
+                let shape = move |x: f64| pow(1.0 + (x / l).powi(2), -0.5 * slope);
                 Some(Box::new(move |ray| b0 * shape(ray.distance)))
             }),
         }
@@ -144,7 +145,7 @@ impl Fitted<'_> {
         let b = wavelength / width;
         let starts = [1.0_f64, 4.0].map(|excess| {
             let sigma = (peak * 2.0 * PI / (scale * b * b * excess)).sqrt();
-            vec![sigma.ln(), b.ln(), excess.ln()]
+            vec![ln(sigma), ln(b), ln(excess)]
         });
         Ok(Law {
             name: "k-correlation",
@@ -160,9 +161,9 @@ impl Fitted<'_> {
             // With a slope of 2 the roughness is not finite
             is_lobe: |logs| SLOPE(logs[2]) > 1e-3,
             of: Box::new(move |logs| {
-                let [sigma, b, excess] = [logs[0].exp(), logs[1].exp(), SLOPE(logs[2])];
+                let [sigma, b, excess] = [exp(logs[0]), exp(logs[1]), SLOPE(logs[2])];
                 let psd = move |f: f64| {
-                    let shape = (1.0 + (b * f).powi(2)).powf(-1.0 - 0.5 * excess);
+                    let shape = pow(1.0 + (b * f).powi(2), -1.0 - 0.5 * excess);
                     (sigma * b).powi(2) * excess / (2.0 * PI) * shape
                 };
                 Some(Box::new(move |ray| {
@@ -186,7 +187,7 @@ impl Fitted<'_> {
             return skipped("describes one surface, without layers below it");
         }
         let slopes = |logs: &[f64]| {
-            let half = |log: f64| 0.5 * (2.0 * log).exp();
+            let half = |log: f64| 0.5 * exp(2.0 * log);
             SlopeCovariance::new(half(logs[0]), half(*logs.last()?), 0.0).ok()
         };
         if slopes(&[0.0])
@@ -203,8 +204,8 @@ impl Fitted<'_> {
         azimuths.dedup();
         let has_axes = azimuths.len() > 1;
         let starts = [0.05_f64, 0.3, 1.0].map(|alpha| match has_axes {
-            true => vec![alpha.ln(); 2],
-            false => vec![alpha.ln()],
+            true => vec![ln(alpha); 2],
+            false => vec![ln(alpha)],
         });
         Ok(Law {
             name,

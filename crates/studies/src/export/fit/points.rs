@@ -1,5 +1,6 @@
 //! Points: the bins of one side that laws are fitted to, with the directions at which a law is taken in each.
 
+use asperity_numerics::elementary::{cos, sin};
 use asperity_optics::from_spherical;
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Side, TallyResult};
@@ -61,7 +62,7 @@ pub(super) fn points(outcomes: &[&Outcome], side: Side) -> Vec<Point> {
             continue;
         };
         let incidence = outcome.case.light.incidence;
-        let specular = -theta.sin() * from_spherical(std::f64::consts::FRAC_PI_2, incidence.phi());
+        let specular = -sin(theta) * from_spherical(std::f64::consts::FRAC_PI_2, incidence.phi());
         let statistics = &outcome.statistics;
         let spec = statistics.spec();
         let grid = spec.grid();
@@ -70,7 +71,7 @@ pub(super) fn points(outcomes: &[&Outcome], side: Side) -> Vec<Point> {
         let phi = grid.phi_edges_deg(side);
         for (ring, theta_deg) in edges_from_normal(&grid, side).into_iter().enumerate() {
             // Rings are divided evenly in projected solid angle
-            let squares = theta_deg.map(|edge| edge.to_radians().sin().powi(2));
+            let squares = theta_deg.map(|edge| sin(edge.to_radians()).powi(2));
             for sector in 0..grid.n_phi() {
                 let flux = statistics.at(bins.get(first + ring * grid.n_phi() + sector));
                 let edges = [phi[sector], phi[sector + 1]].map(f64::to_radians);
@@ -80,7 +81,7 @@ pub(super) fn points(outcomes: &[&Outcome], side: Side) -> Vec<Point> {
                     let sine = within(squares, GAUSS[k / 2]).sqrt();
                     let azimuth = within(edges, GAUSS[k % 2]);
                     let cosine = (1.0 - sine * sine).sqrt();
-                    let plane = DVec3::new(azimuth.cos(), azimuth.sin(), 0.0) * sine;
+                    let plane = DVec3::new(cos(azimuth), sin(azimuth), 0.0) * sine;
                     let up = if side == Side::Reflected { 1.0 } else { -1.0 };
                     Ray {
                         wi: incidence.wi(),

@@ -1,6 +1,7 @@
 //! Angles of the light: what readers interpolate between them, and the error of that.
 
 use crate::export::half_vectors::{HalfVectors, integral};
+use asperity_numerics::elementary::cos;
 
 use super::sample::{Sample, Slice};
 
@@ -28,7 +29,7 @@ impl Sample<'_> {
         let value = linear(
             theta,
             [&self.theta, sigma].map(|list| [list[upper - 1], list[upper]]),
-            f64::cos,
+            cos,
         );
         let last = sigma[sigma.len() - 1];
         // Beyond the last angle it falls no further than by half
@@ -51,7 +52,7 @@ impl Sample<'_> {
             let part = linear(angle(i), [angles, [0.0, 1.0]], |angle| angle);
             [(1.0 - part) * sigma[0] / whole, part * sigma[1] / whole]
         };
-        let of_theta = |three| weights(three, &|k| self.theta[theta(k)], f64::cos);
+        let of_theta = |three| weights(three, &|k| self.theta[theta(k)], cos);
         let of_phi = |three| weights(three, &|k| self.phi[k / per_phi].0, |angle| angle);
         let inner = |&i: &usize| (1..self.theta.len() - 1).contains(&theta(i));
         let over_theta = farthest((0..slices.len()).filter(inner), slices, per_theta, of_theta);

@@ -5,6 +5,7 @@
 
 use std::f64::consts::FRAC_PI_4;
 
+use asperity_numerics::elementary::atan;
 use glam::DVec2;
 
 /// Parts of a cell, per axis of the directions in which light leaves.
@@ -34,11 +35,11 @@ pub(super) fn square(disc: DVec2) -> [f64; 2] {
     let (a, b) = match disc.x.abs() > disc.y.abs() {
         true => (
             radius.copysign(disc.x),
-            (disc.y / disc.x).atan() / FRAC_PI_4 * radius.copysign(disc.x),
+            atan(disc.y / disc.x) / FRAC_PI_4 * radius.copysign(disc.x),
         ),
         false if radius == 0.0 => (0.0, 0.0),
         false => (
-            (disc.x / disc.y).atan() / FRAC_PI_4 * radius.copysign(disc.y),
+            atan(disc.x / disc.y) / FRAC_PI_4 * radius.copysign(disc.y),
             radius.copysign(disc.y),
         ),
     };

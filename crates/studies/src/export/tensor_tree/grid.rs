@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
+use asperity_numerics::elementary::sin;
 use asperity_optics::Incidence;
 use glam::DVec2;
 
@@ -40,7 +41,7 @@ impl Grid {
     /// Values of light from the direction of incidence.
     pub(super) fn column(&self, light: Incidence) -> &[f32] {
         let cell = |at: f64| ((at * self.cells as f64) as usize).min(self.cells - 1);
-        let sin = light.theta().sin();
+        let sin = sin(light.theta());
         let column = match self.axes {
             // From the middle, the normal, down: the other half is not used
             3 => self.cells / 2 - 1 - cell(0.5 * sin).min(self.cells / 2 - 1),

@@ -8,6 +8,7 @@ use rustfft::num_complex::Complex;
 use crate::height_field::mean_height;
 use crate::{Border, HeightField};
 use asperity_numerics::HalfPlane;
+use asperity_numerics::elementary::{atan2, hypot, sin};
 
 /// Bins of one degree over a half turn; the middle of bin `i` is at `i` degrees.
 const BINS: usize = 180;
@@ -25,7 +26,7 @@ impl AngularSpectrum {
         let mean = mean_height(field);
         let window = |i: usize, n: usize| match field.border() {
             Border::Periodic => 1.0,
-            Border::Mirrored | Border::Open => (PI * (i as f64 + 0.5) / n as f64).sin().powi(2),
+            Border::Mirrored | Border::Open => sin(PI * (i as f64 + 0.5) / n as f64).powi(2),
         };
         let along_x: Vec<f64> = (0..nx).map(|ix| window(ix, nx)).collect();
         let plane = HalfPlane::of([ny, nx], |iy, row| {
@@ -50,7 +51,7 @@ impl AngularSpectrum {
                     iy as f64
                 };
                 let wave = [ix as f64 * step[0], rows * step[1]];
-                let length = wave[0].hypot(wave[1]);
+                let length = hypot(wave[0], wave[1]);
                 if length > 0.0 && length <= largest {
                     spread(&mut bins, wave, length, step, count * value.norm_sqr());
                 }
@@ -92,7 +93,7 @@ impl AngularSpectrum {
 
 /// Adds the power of a wave vector to the bins that its cell covers.
 fn spread(bins: &mut [f64; BINS], wave: [f64; 2], length: f64, step: [f64; 2], power: f64) {
-    let degrees = wave[1].atan2(wave[0]).to_degrees();
+    let degrees = atan2(wave[1], wave[0]).to_degrees();
     let across = (step[0] * wave[1].abs() + step[1] * wave[0].abs()) / length;
     let half_width = (across / length).to_degrees().clamp(1.0, 89.0);
     let first = (degrees - half_width).ceil() as i64;

@@ -3,6 +3,7 @@
 use crate::height_field::mean_height;
 use crate::{Border, HeightField};
 use asperity_numerics::HalfPlane;
+use asperity_numerics::elementary::sin_cos;
 
 /// The value below which the autocorrelation counts as decayed.
 const THRESHOLD: f64 = 0.2;
@@ -96,7 +97,7 @@ impl Autocorrelation {
     /// The shortest lag, as a length, at which the autocorrelation falls to 0.2 along an azimuth in radians from +x; `None` if it does
     /// not within the longest lags.
     pub(super) fn decay_length(&self, azimuth: f64) -> Option<f64> {
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = sin_cos(azimuth);
         let per_length = [cos / self.spacing[0], sin / self.spacing[1]];
         let largest = per_length[0].abs().max(per_length[1].abs());
         let step = 1.0 / (STEPS_PER_SAMPLE * largest);

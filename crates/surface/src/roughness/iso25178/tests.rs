@@ -91,7 +91,7 @@ fn plateau_with_valleys_has_its_triangles() {
 
 /// The quantile of the normal distribution, by bisection.
 fn normal_quantile(p: f64) -> f64 {
-    let below = |z: f64| 0.5 * libm::erfc(-z / SQRT_2);
+    let below = |z: f64| 0.5 * asperity_numerics::elementary::erfc(-z / SQRT_2);
     let (mut from, mut to) = (-9.0, 9.0);
     for _ in 0..60 {
         let middle = 0.5 * (from + to);
@@ -108,7 +108,7 @@ fn normal_quantile(p: f64) -> f64 {
 #[test]
 fn gaussian_heights_have_the_parameters_of_the_normal_curve() {
     let phi = |z: f64| (-0.5 * z * z).exp() / TAU.sqrt();
-    let above = |z: f64| 0.5 * libm::erfc(z / SQRT_2);
+    let above = |z: f64| 0.5 * asperity_numerics::elementary::erfc(z / SQRT_2);
     let shape = [500, 600];
     let found = Iso25178::of(&scattered(shape, normal_quantile)).functional;
 
