@@ -32,6 +32,7 @@ mod given_ensembles;
 mod given_models;
 mod gonio;
 mod gonio_given;
+mod instructions;
 mod instrument_files;
 mod interrupts;
 mod lambertian;

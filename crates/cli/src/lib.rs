@@ -27,6 +27,8 @@ mod tools;
 
 use std::ffi::OsString;
 
+use asperity_io::shown;
+use asperity_numerics::vector::Instructions;
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
     AlbedoStudy, AttenuationStudy, ConvergeStudy, GonioStudy, MapStudy, TraceStudy, VerifyStudy,
@@ -66,6 +68,12 @@ pub fn run(arguments: Vec<OsString>) -> u8 {
 fn run_command(document: &Document) -> Result<End, Failure> {
     let common = &Common::of(document).map_err(Failure::usage)?;
     document.check_required().map_err(Failure::usage)?;
+    Instructions::requested().map_err(|name| {
+        let (variable, name) = (Instructions::VARIABLE, shown(&name));
+        Failure::usage(format!(
+            "{variable}: {name} is not one of portable, avx2 and avx512, or this machine lacks it"
+        ))
+    })?;
     say_notes(document.notes());
     interrupt::handle();
     set_threads(common)?;

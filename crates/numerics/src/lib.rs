@@ -1,4 +1,4 @@
-//! Numerics: quadrature, roots, special functions, Fourier transforms of grids, and hashing. It knows nothing of optics or surfaces.
+//! Numerics: quadrature, roots, elementary and special functions, Fourier transforms of grids, vector instructions, and hashing. It knows nothing of optics or surfaces.
 
 mod columns;
 pub mod elementary;
@@ -7,6 +7,7 @@ mod hash;
 pub mod quadrature;
 mod roots;
 mod special;
+pub mod vector;
 
 pub use columns::columns;
 pub use fourier::{HalfPlane, power_plane, transform_plane};

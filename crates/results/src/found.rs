@@ -11,7 +11,6 @@ use crate::case_result::Stored;
 use crate::error::{ResultsError, first_line};
 use crate::header::{Header, other_build};
 use crate::npz::NpzReader;
-use crate::rounding::rounding;
 use crate::shards::Shards;
 use crate::store::{JOURNAL, ReadRecord};
 use crate::thumbnail::Thumbnail;
@@ -158,14 +157,11 @@ impl<C: Stored> Found<C> {
             });
             let whole = match read {
                 Err(reason) => Err(reason),
-                Ok((mut reader, of)) if header.completes(&of) && of["rounding"] == rounding() => {
-                    found.read_file(&mut reader)
-                }
+                Ok((mut reader, of)) if header.completes(&of) => found.read_file(&mut reader),
                 Ok((mut reader, of))
                     if header.difference(&of).is_some()
                         && header.extends(&of)
                         && of["complete"] == true
-                        && of["rounding"] == rounding()
                         && reader.has(PARTS) =>
                 {
                     let read = found.read_file(&mut reader);
@@ -176,10 +172,6 @@ impl<C: Stored> Found<C> {
                     if complete == Complete::Refused || of["complete"] != true {
                         return Err(other(&file, header.difference(&of).unwrap_or_default()));
                     }
-                    Ok(())
-                }
-                Ok((_, of)) if of["rounding"] != rounding() => {
-                    notes.push(other_rounding(&file));
                     Ok(())
                 }
                 Ok((mut reader, _)) => found.read_file(&mut reader),
@@ -200,7 +192,6 @@ impl<C: Stored> Found<C> {
                 None => notes.push(damaged(&path, "it has no header")),
                 Some(of) => match header.difference(&of) {
                     Some(difference) => return Err(other(&path, difference)),
-                    None if of["rounding"] != rounding() => notes.push(other_rounding(&path)),
                     None => {
                         found.read_records(records);
                         found.end = journal.end;
@@ -308,13 +299,6 @@ fn damaged(path: &Path, reason: &str) -> String {
     let reason = first_line(reason);
     format!(
         "{} is damaged and is computed again ({reason})",
-        shown_path(path)
-    )
-}
-
-fn other_rounding(path: &Path) -> String {
-    format!(
-        "{} was computed on a machine that rounds differently and is computed again",
         shown_path(path)
     )
 }

@@ -5,7 +5,6 @@ use asperity_tracer::Instructions;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::rounding::rounding;
 use crate::shards::Shards;
 
 /// Version of the file format.
@@ -23,8 +22,6 @@ pub struct Header {
     pub study: String,
     /// Version, results epoch and commit of the program.
     pub build: Build,
-    /// Fingerprint of how the machine rounds.
-    pub rounding: String,
     /// Seed of surfaces and rays.
     pub seed: u64,
     /// All settings that the results depend on.
@@ -72,7 +69,6 @@ impl Header {
             format: FORMAT,
             study: study.to_owned(),
             build: Build::current(),
-            rounding: rounding().to_owned(),
             seed,
             document,
             shards: None,
@@ -80,7 +76,7 @@ impl Header {
         }
     }
 
-    /// First key in which the header `found`, which may be of any format, differs from this one. Commit, version, rounding and machine
+    /// First key in which the header `found`, which may be of any format, differs from this one. Commit, version and machine
     /// are not compared.
     pub(crate) fn difference(&self, found: &Value) -> Option<String> {
         let of_run = self.difference_of_run(found);

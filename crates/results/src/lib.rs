@@ -10,7 +10,7 @@
 //!
 //! | member | what |
 //! |---|---|
-//! | `header.json` | format, study, build, rounding, seed, document, axes, and how many cases there are |
+//! | `header.json` | format, study, build, seed, document, axes, and how many cases there are |
 //! | `cases/000000.json` | outcome and findings of a case; a member `{"$array": "NAME"}` stands for the array `NAME.npy` |
 //! | `cases/000000/.../means/values.npy` | an array of the case, at its place in the JSON |
 //! | `surface.json`, `surface/heights.npy` | a [`Thumbnail`] of the first surface |
@@ -35,7 +35,6 @@ mod found;
 mod header;
 mod npz;
 mod pack;
-mod rounding;
 mod set;
 mod shards;
 mod store;

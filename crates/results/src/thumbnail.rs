@@ -1,6 +1,6 @@
 //! Thumbnail: the first surface of a study, small enough to be kept with its results and drawn without the surface itself.
 
-use asperity_numerics::elementary::log2;
+use asperity_numerics::elementary::{exp2, log2};
 use asperity_simulate::{SimulateError, SurfaceSource};
 use asperity_surface::{HeightField, LengthUnit};
 use asperity_synthesis::{GivesUp, SynthesisError};
@@ -58,7 +58,7 @@ impl Thumbnail {
         // Steps are powers of two, so that trailing bits are zero, which are compressed away.
         let [low, high] =
             [f64::min, f64::max].map(|pick| heights.iter().copied().fold(heights[0], pick));
-        let step = log2((high - low) / STEPS).floor().exp2();
+        let step = exp2(log2((high - low) / STEPS).floor());
         if step.is_normal() {
             for height in &mut heights {
                 *height = (*height / step).round() * step;

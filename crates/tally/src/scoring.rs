@@ -148,7 +148,7 @@ impl<'c> Tally<'c> {
             weight > 0.0 && weight.is_finite(),
             "a largest weight of {weight}"
         );
-        let scale = HIGH / log2(weight).ceil().exp2();
+        let scale = HIGH / exp2(log2(weight).ceil());
         Self {
             scale,
             hit: units(1.0, scale),

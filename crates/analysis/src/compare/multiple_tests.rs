@@ -2,6 +2,8 @@
 
 use std::f64::consts::SQRT_2;
 
+use asperity_numerics::elementary::{exp, exp_m1, lgamma, ln, ln_1p};
+
 /// The level at which each of `n` tests must reject so that all of them together reject falsely
 /// with probability `level`: `1 - (1 - level)^(1 / n)`.
 ///
@@ -11,7 +13,7 @@ use std::f64::consts::SQRT_2;
 /// Sidak 1967.
 #[must_use]
 pub fn sidak_level(level: f64, n: usize) -> f64 {
-    -((-level).ln_1p() / n.max(1) as f64).exp_m1()
+    -exp_m1(ln_1p(-level) / n.max(1) as f64)
 }
 
 /// The bound that the largest `|z|` of `n` standard normal values exceeds with probability `level`.
@@ -56,7 +58,7 @@ pub fn chi_squared_survival(chi_squared: f64, degrees: usize) -> f64 {
     if x <= 0.0 {
         return 1.0;
     }
-    let front = (a * x.ln() - x - asperity_numerics::elementary::lgamma(a)).exp();
+    let front = exp(a * ln(x) - x - lgamma(a));
     if x < a + 1.0 {
         let (mut term, mut sum, mut k) = (1.0 / a, 1.0 / a, a);
         while term > sum * 1e-17 {

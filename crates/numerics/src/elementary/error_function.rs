@@ -1,7 +1,7 @@
 //! Error function and its complement.
 
+use super::arithmetic::polynomial;
 use super::exponential::exp_of_sum;
-use super::polynomial;
 
 /// `(1 + 2 x) exp(x^2) erfc(x)` as a polynomial in `(x - 3) / (x + 3)`, from its Chebyshev expansion by 50-digit arithmetic; to 7e-18
 /// for all `x >= 0`.

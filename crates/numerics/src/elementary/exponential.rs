@@ -1,6 +1,6 @@
 //! Exponential function and logarithm.
 
-use super::{nearest_integer, polynomial, power_of_two};
+use super::arithmetic::{nearest_integer, polynomial, power_of_two};
 
 /// `ln 2` by its first 32 bits, so that multiples up to 2^21 are exact, and the rest.
 const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
 
-use super::{ROUNDING, nearest_integer, polynomial};
+use super::arithmetic::{ROUNDING, nearest_integer, polynomial};
 
 /// `pi / 2` in parts of 33 bits, so that multiples of the first two up to 2^20 are exact.
 const HALF_PI: [f64; 3] = [

@@ -38,9 +38,6 @@ impl<C: Stored> Container<'_, C> {
             if let Some(difference) = difference {
                 return Err(refused(format!("it is of another run: {difference}")));
             }
-            if self.header.rounding != shard.header.rounding {
-                return Err(refused("its machine rounds differently".to_owned()));
-            }
             let Some(shards) = &shard.header.shards else {
                 return Err(refused("it is of a whole run".to_owned()));
             };

@@ -44,7 +44,7 @@ pub(crate) trait Mask:
 
 /// An instruction set; a value of it is the proof that the machine has it.
 pub(crate) trait Lanes: Copy {
-    /// Number of lanes, at most half of [`MAX_LANES`](super::stage::MAX_LANES).
+    /// Number of lanes, at most half of [`MAX_LANES`](super::MAX_LANES).
     const COUNT: usize;
     type F: Floats;
     type I: Integers;
@@ -89,11 +89,4 @@ pub(crate) trait Lanes: Copy {
     /// Writes the entries of the lanes in `mask` to the front of `out`, in order; what is behind
     /// them there may be overwritten. `out` must hold at least [`Lanes::COUNT`] entries.
     fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]);
-}
-
-/// Work that can be done with any lanes.
-pub(crate) trait Task {
-    /// Does it. Implementations are `#[inline(always)]`, so that they are compiled for the
-    /// instructions of the function that calls them.
-    fn run<L: Lanes>(self, lanes: L);
 }

@@ -1,6 +1,6 @@
 //! AVX2 and AVX-512: lanes by the instructions of x86-64.
 //!
-//! The one module with unsafe code. Its two reasons:
+//! Two reasons for unsafe code:
 //!
 //! - Intrinsics may run only where the processor has them. A value of [`Avx2`] or [`Avx512`] is the
 //!   proof: they are made by `detect` alone, after asking the processor, and lanes are made from
@@ -14,8 +14,9 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
-use super::lanes::{Floats, Integers, Lanes, Mask, Task};
-use super::stage::Stage;
+use asperity_numerics::vector::x86::{Avx2, Avx512};
+
+use super::lanes::{Floats, Integers, Lanes, Mask};
 
 /// Implements an operator by an intrinsic.
 macro_rules! operator {
@@ -42,36 +43,6 @@ macro_rules! methods {
             }
         )*
     };
-}
-
-/// The instructions of AVX2 and FMA, found on this machine.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2(());
-
-impl Avx2 {
-    pub(crate) fn detect() -> Option<Self> {
-        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
-    }
-
-    /// Does `task` compiled for this instruction set.
-    pub(crate) fn run(self, task: impl Task) {
-        #[target_feature(enable = "avx2,fma")]
-        fn compiled(lanes: Avx2, task: impl Task) {
-            task.run(lanes);
-        }
-        // SAFETY: `self` is the proof that the processor has these instructions.
-        unsafe { compiled(self, task) }
-    }
-
-    /// Runs `stage` compiled for this instruction set.
-    pub(crate) fn run_stage(self, stage: impl Stage) {
-        #[target_feature(enable = "avx2,fma")]
-        fn compiled(stage: impl Stage) {
-            stage.run();
-        }
-        // SAFETY: `self` is the proof that the processor has these instructions.
-        unsafe { compiled(stage) }
-    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -372,41 +343,6 @@ static NAMED: [u64; 256] = {
 fn last_index(len: usize) -> i32 {
     assert!(len > 0 && len <= i32::MAX as usize);
     (len - 1) as i32
-}
-
-/// The instructions of AVX-512 (F, BW, DQ, VL), found on this machine.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx512(());
-
-impl Avx512 {
-    pub(crate) fn detect() -> Option<Self> {
-        (is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("fma"))
-        .then_some(Self(()))
-    }
-
-    /// Does `task` compiled for this instruction set.
-    pub(crate) fn run(self, task: impl Task) {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma")]
-        fn compiled(lanes: Avx512, task: impl Task) {
-            task.run(lanes);
-        }
-        // SAFETY: `self` is the proof that the processor has these instructions.
-        unsafe { compiled(self, task) }
-    }
-
-    /// Runs `stage` compiled for this instruction set.
-    pub(crate) fn run_stage(self, stage: impl Stage) {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma")]
-        fn compiled(stage: impl Stage) {
-            stage.run();
-        }
-        // SAFETY: `self` is the proof that the processor has these instructions.
-        unsafe { compiled(stage) }
-    }
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,9 @@
 #[cfg(target_arch = "x86_64")]
 use std::marker::PhantomData;
 
+#[cfg(target_arch = "x86_64")]
+use asperity_numerics::vector::x86::{Avx2, Avx512};
+
 use super::bounds::Bounds;
 use super::cells::SearchedGrid;
 use super::rays::Rays;
@@ -10,8 +13,6 @@ use super::scalar;
 #[cfg(target_arch = "x86_64")]
 use super::wide::SearchAll;
 use crate::vector::Instructions;
-#[cfg(target_arch = "x86_64")]
-use crate::vector::x86::{Avx2, Avx512};
 
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
 pub(super) fn search<S: SearchedGrid>(
@@ -21,13 +22,17 @@ pub(super) fn search<S: SearchedGrid>(
 ) {
     match instructions {
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 if let Some(lanes) = Avx512::detect() => lanes.run(SearchAll::<S> {
-            bounds,
-            rays,
-            cells: PhantomData,
-        }),
+        Instructions::Avx512 if let Some(lanes) = Avx512::detect() => {
+            lanes.run(SearchAll::<_, S> {
+                lanes,
+                bounds,
+                rays,
+                cells: PhantomData,
+            })
+        }
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(SearchAll::<S> {
+        Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(SearchAll::<_, S> {
+            lanes,
             bounds,
             rays,
             cells: PhantomData,

@@ -11,19 +11,22 @@ use super::bounds::{Bounds, MAX_LEVELS};
 use super::cells::SearchedGrid;
 use super::lane_state::{LanesExit, State};
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
+use crate::vector::Stage;
 use crate::vector::interleaved::Interleaved;
-use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
+use crate::vector::lanes::{Floats, Integers, Lanes, Mask};
 
-/// The search of all rays, for any lanes.
-pub(super) struct SearchAll<'a, S> {
+/// The search of all rays by `lanes`.
+pub(super) struct SearchAll<'a, L, S> {
+    pub(super) lanes: L,
     pub(super) bounds: &'a Bounds,
     pub(super) rays: &'a mut Rays,
     pub(super) cells: PhantomData<S>,
 }
 
-impl<S: SearchedGrid> Task for SearchAll<'_, S> {
+impl<L: Lanes, S: SearchedGrid> Stage for SearchAll<'_, L, S> {
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
+    fn run(self) {
+        let lanes = self.lanes;
         if S::LOWEST_LEVEL == 0 {
             // A test of twice as many lanes would not fit into registers
             Search::new(lanes, self.bounds).run::<S>(self.rays);
