@@ -17,4 +17,4 @@ pub(crate) mod slope_mixture;
 pub(crate) mod slope_table;
 pub(crate) mod slopes;
 pub(crate) mod smith_normals;
-mod visible_normals;
+pub(crate) mod visible_normals;

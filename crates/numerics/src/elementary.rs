@@ -12,6 +12,7 @@ mod exponential;
 mod tests;
 mod trigonometric;
 
+pub use arithmetic::polynomial;
 pub use error_function::{erf, erfc};
 pub use exponential::{exp, exp_m1, ln, ln_1p};
 pub use libm::{

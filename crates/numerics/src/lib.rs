@@ -5,6 +5,7 @@ pub mod elementary;
 mod fourier;
 mod hash;
 pub mod quadrature;
+pub mod random;
 mod roots;
 mod special;
 pub mod vector;

@@ -26,6 +26,7 @@ use asperity_numerics::elementary::{exp, exp_m1, sin, sin_cos};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use crate::complex_root::first_quadrant_root;
 use crate::material_error::{MAX_FILM_PHASE, MAX_FILMS, MaterialError, valid_eta, valid_kappa};
 use crate::{FacetMueller, PolarisedFresnel, dielectric};
 
@@ -250,17 +251,6 @@ impl Medium {
     /// Ratio of the tangential fields of a wave, for s and p.
     fn x(&self) -> [Complex64; 2] {
         [self.q, self.q / self.m2]
-    }
-}
-
-/// The root of `re + i im` in the first quadrant, `im >= 0`: by plain arithmetic, the same on every platform.
-fn first_quadrant_root(re: f64, im: f64) -> Complex64 {
-    let larger = (0.5 * ((re * re + im * im).sqrt() + re.abs())).sqrt();
-    let smaller = if larger > 0.0 { 0.5 * im / larger } else { 0.0 };
-    if re < 0.0 {
-        Complex64::new(smaller, larger)
-    } else {
-        Complex64::new(larger, smaller)
     }
 }
 

@@ -14,6 +14,8 @@
 
 use num_complex::Complex64;
 
+use crate::complex_root::first_quadrant_root;
+
 /// Fresnel terms of an interface for unpolarised light.
 ///
 /// # Examples
@@ -119,8 +121,7 @@ pub fn conductor_amplitudes(cos_theta_i: f64, eta: f64, kappa: f64) -> FresnelAm
     let m = Complex64::new(eta, kappa);
     let m2 = m * m;
     let delta = (m - 1.0) * (m + 1.0);
-    // The principal root of a number in the upper half plane has a positive imaginary part.
-    let g = (delta + cos_theta_i * cos_theta_i).sqrt();
+    let g = first_quadrant_root(delta.re + cos_theta_i * cos_theta_i, delta.im);
     let s_sum = cos_theta_i + g;
     let p_sum = m2 * cos_theta_i + g;
     FresnelAmplitudes {

@@ -21,6 +21,7 @@
 //! `eta cos(theta_t) / cos(theta_i)`, and none for radiance.
 
 mod colour;
+mod complex_root;
 mod direction;
 mod dispersion;
 mod film;

@@ -112,6 +112,7 @@ impl Material {
     /// Fresnel terms for light that meets the interface from the incident medium; of a diffuse material its
     /// fractions, whatever the angle.
     #[must_use]
+    #[inline(always)]
     pub fn fresnel(&self, cos_theta_i: f64) -> Fresnel {
         match *self {
             Self::Dielectric { eta } => dielectric(cos_theta_i, eta),
@@ -164,6 +165,7 @@ impl Material {
     /// `m00` is the fraction that [`Self::fresnel`] gives: bit by bit, but for conductors to rounding. A
     /// diffuse material depolarises, which no [`FacetMueller`] does: of it `m00` alone is given.
     #[must_use]
+    #[inline(always)]
     pub fn polarised_fresnel(&self, cos_theta_i: f64) -> PolarisedFresnel {
         match *self {
             Self::Dielectric { eta } => polarised_dielectric(cos_theta_i, eta),
@@ -182,6 +184,7 @@ impl Material {
 
     /// Index of the transmitted medium relative to the incident one, where light is transmitted.
     #[must_use]
+    #[inline(always)]
     pub const fn transmitting_index(&self) -> Option<f64> {
         match *self {
             Self::Dielectric { eta } => Some(eta),

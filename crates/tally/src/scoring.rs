@@ -6,7 +6,7 @@ pub(crate) mod joint;
 
 use std::ops::AddAssign;
 
-use asperity_numerics::elementary::{log2, sin};
+use asperity_numerics::elementary::{exp2, log2, sin};
 
 use crate::binning::BinFinder;
 use crate::binning::aperture_windows::ApertureWindows;
@@ -186,6 +186,15 @@ impl<'c> Tally<'c> {
         let at = self.direction(exit);
         self.book_apertures(self.windows.of(exit.side, exit.wo), exit);
         self.book(exit, self.weight(exit, at.ring) * exit.flux, &at);
+    }
+
+    /// Adds exits as [`Tally::add_exit`] does, whatever their batches, and removes them. Bins are found in loops that take the vector
+    /// instructions of the function that calls this one.
+    #[inline(always)]
+    pub fn add_exits(&mut self, exits: &mut ExitColumns) {
+        self.locate(exits);
+        (0..exits.len()).for_each(|i| self.add_located(exits, i));
+        exits.clear();
     }
 
     /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.

@@ -16,7 +16,7 @@ use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
 use asperity_numerics::fnv1a;
 
 /// Rays of a batch between two questions whether it is given up.
-const RAYS_UNASKED: u64 = 1024;
+const RAYS_UNASKED: u64 = 1 << 14;
 
 /// Number of rays of a random walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,11 +216,12 @@ fn batch_of(
     mut rng: ChaCha8Rng,
     gives_up: &(dyn Fn() -> bool + Sync),
 ) -> Option<TallyValues> {
-    for ray in 0..rays {
-        if ray.is_multiple_of(RAYS_UNASKED) && gives_up() {
+    for first in (0..rays).step_by(RAYS_UNASKED as usize) {
+        if gives_up() {
             return None;
         }
-        walk.follow(incidence.wi(), &mut rng, &mut tally);
+        let count = RAYS_UNASKED.min(rays - first);
+        walk.follow_all(incidence.wi(), count, &mut rng, &mut tally);
     }
     Some(tally.into_fractions(rays))
 }

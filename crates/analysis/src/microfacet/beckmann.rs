@@ -102,6 +102,7 @@ impl Beckmann {
     /// # Source
     /// Smith 1967; Walter et al. 2007, Sec. 5.2, without their rational fit.
     #[must_use]
+    #[inline(always)]
     pub fn lambda(&self, w: DVec3) -> f64 {
         smith_lambda(self.a(w).abs())
     }
@@ -145,6 +146,7 @@ impl Beckmann {
     /// `a = cot(theta) / (sqrt 2 deviation)` with the deviation of the slope along the azimuth of `w`:
     /// negative below the mean plane, infinite for a vertical direction.
     #[must_use]
+    #[inline(always)]
     pub fn a(&self, w: DVec3) -> f64 {
         w.z / (SQRT_2 * self.slopes.variance_along(w.truncate()).sqrt())
     }

@@ -25,6 +25,7 @@ pub(crate) struct SlopeFrame {
 
 impl SlopeFrame {
     /// The frame whose first axis is the unit vector `along`.
+    #[inline(always)]
     pub(crate) fn new(slopes: &SlopeCovariance, along: DVec2) -> Self {
         let across = along.perp();
         let variance = slopes.variance_along(along);
@@ -39,13 +40,19 @@ impl SlopeFrame {
     }
 
     /// The frame along the azimuth of `w`; that of x for a vertical direction.
+    #[inline(always)]
     pub(crate) fn of_direction(slopes: &SlopeCovariance, w: DVec3) -> Self {
-        let along = w.truncate().try_normalize().unwrap_or(DVec2::X);
-        Self::new(slopes, along)
+        let length = (w.x * w.x + w.y * w.y).sqrt();
+        // Selected, not branched to, so that loops over many directions take vector instructions.
+        let is_vertical = length < 1e-150;
+        let x = if is_vertical { 1.0 } else { w.x / length };
+        let y = if is_vertical { 0.0 } else { w.y / length };
+        Self::new(slopes, DVec2::new(x, y))
     }
 
     /// Unit normal of the facet with the given slope along, and slope across about its mean, both in
     /// standard deviations.
+    #[inline(always)]
     pub(crate) fn normal(&self, along: f64, across: f64) -> DVec3 {
         let p = self.deviation * along;
         let q = self.regression * p + self.inverse_variance_across.sqrt().recip() * across;

@@ -127,17 +127,20 @@ impl SlopeCovariance {
     }
 
     /// `a^T C^-1 b`.
+    #[inline(always)]
     pub(crate) fn inverse_form(&self, a: DVec2, b: DVec2) -> f64 {
         let [xx, yy, xy] = self.inverse;
         xx * a.x * b.x + yy * a.y * b.y + xy * (a.x * b.y + a.y * b.x)
     }
 
     /// `C v`.
+    #[inline(always)]
     pub(crate) fn times(&self, v: DVec2) -> DVec2 {
         DVec2::new(self.xx * v.x + self.xy * v.y, self.xy * v.x + self.yy * v.y)
     }
 
     /// `v^T C v`: for a unit vector the variance of the slope along it.
+    #[inline(always)]
     pub(crate) fn variance_along(&self, v: DVec2) -> f64 {
         v.dot(self.times(v))
     }

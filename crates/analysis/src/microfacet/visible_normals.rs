@@ -17,7 +17,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use asperity_numerics::elementary::{exp, hypot, ln};
+use asperity_numerics::elementary::{exp, hypot, ln, sin_cos_of_turn};
+use asperity_numerics::random::{open_unit, unit, unit_of_half};
 use glam::DVec3;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -61,6 +62,46 @@ fn visible_slope<R: Rng>(a: f64, rng: &mut R) -> (f64, f64) {
             return (x, y);
         }
     }
+}
+
+/// A trial of [`sample_visible`] in the frame of `w` by four random words, and whether it is accepted: all proposals in one form without
+/// branches, for loops over many directions.
+#[inline(always)]
+pub(crate) fn propose(frame: &SlopeFrame, w: DVec3, words: [u64; 4]) -> (DVec3, bool) {
+    let horizontal = (w.x * w.x + w.y * w.y).sqrt();
+    let a = w.z / (horizontal * SQRT_2 * frame.deviation);
+    let a = if a < MAX_A { a } else { MAX_A };
+    let acceptance = unit_of_half(words[1] << 32);
+    let choice = unit(words[3]);
+    // Gaussian slopes along and across
+    let radius = (-ln(open_unit(words[0]))).sqrt();
+    let [sin, cos] = sin_cos_of_turn(unit_of_half(words[1]));
+    let (along, across) = (radius * cos, radius * sin);
+    // From above: a Gaussian or a two-sided Rayleigh slope
+    let is_gamma = a <= GAMMA_BELOW;
+    let product = open_unit(words[2]) * if is_gamma { open_unit(words[3]) } else { 1.0 };
+    let exponential = -ln(product);
+    let rayleigh = exponential.sqrt();
+    let is_rayleigh = choice * (1.0 + a * SQRT_PI) < 1.0;
+    let x = if is_rayleigh {
+        rayleigh.copysign(along)
+    } else {
+        along
+    };
+    let is_visible = (x <= 0.0) | (acceptance * (a + x) < a - x);
+    // From below: the distance from the steepest visible slope
+    let y = if is_gamma {
+        exponential / (-2.0 * a)
+    } else {
+        rayleigh
+    };
+    let exponent = if is_gamma { -y * y } else { 2.0 * a * y };
+    let is_kept = acceptance < exp(exponent);
+    // Select
+    let is_above = a > 0.0;
+    let x = if is_above { x } else { a - y };
+    let accepted = if is_above { is_visible } else { is_kept };
+    (frame.normal(SQRT_2 * x, SQRT_2 * across), accepted)
 }
 
 /// [`visible_slope`] for `a <= 0`: `y = a - x > 0` has the density `y exp(-y^2 - 2 |a| y)`, up to a factor.

@@ -32,6 +32,8 @@ mod analog;
 mod branch;
 mod height;
 pub(crate) mod light;
+mod limits;
+mod wavefront;
 
 use asperity_optics::Material;
 use asperity_tally::{EventPath, Exit, Loss, Side, Sides, Tally};
@@ -52,23 +54,13 @@ use crate::models::smith::Smith;
 use branch::{Branch, FacetHit};
 use height::Height;
 use light::{Averaged, Light};
+use limits::{MAX_INTERACTIONS, MIN_WEIGHT, ROULETTE_THRESHOLD};
 
 /// Light of all orders on the Smith microsurface of Gaussian or GGX slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heitz {
     single: Smith,
 }
-
-/// Interactions after which a path is truncated.
-const MAX_INTERACTIONS: u32 = 1000;
-
-/// Russian roulette begins below this fraction of the weight with which the light leaves the first facet. It is
-/// relative, so that the rarity of multiple scattering does not matter.
-const ROULETTE_THRESHOLD: f64 = 0.25;
-
-/// Weight below which a path is not followed: a hundredth of the rounding of energies near one. Most light on
-/// a smooth surface leaves less behind.
-const MIN_WEIGHT: f64 = 1e-18;
 
 const INFO: ModelInfo = ModelInfo {
     name: Heitz::NAME,
@@ -157,6 +149,10 @@ impl RandomWalk for Heitz {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         self.follow_light::<Averaged>(wi, rng, tally);
     }
+
+    fn follow_all(&self, wi: DVec3, rays: u64, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
+        self.follow_all_light::<Averaged>(wi, rays, rng, tally);
+    }
 }
 
 impl Heitz {
@@ -181,6 +177,26 @@ impl Heitz {
         let threshold = ROULETTE_THRESHOLD * weight;
         for branch in branches {
             self.follow_branch(branch, threshold, rng, tally);
+        }
+    }
+
+    /// Follows many rays, see [`RandomWalk::follow_all`], with light of the kind `L`.
+    pub(crate) fn follow_all_light<L: Light>(
+        &self,
+        wi: DVec3,
+        rays: u64,
+        rng: &mut ChaCha8Rng,
+        tally: &mut Tally<'_>,
+    ) {
+        let material = self.single.material();
+        let is_done = match self.single.normals() {
+            SmithNormals::Beckmann(beckmann) => {
+                wavefront::follow::<L>(beckmann, material, wi, rays, rng, tally)
+            }
+            SmithNormals::Ggx(_) => false,
+        };
+        if !is_done {
+            (0..rays).for_each(|_| self.follow_light::<L>(wi, rng, tally));
         }
     }
 

@@ -86,4 +86,8 @@ impl RandomWalk for HeitzPolarised {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         self.0.follow_light::<Polarised>(wi, rng, tally);
     }
+
+    fn follow_all(&self, wi: DVec3, rays: u64, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
+        self.0.follow_all_light::<Polarised>(wi, rays, rng, tally);
+    }
 }

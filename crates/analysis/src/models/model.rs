@@ -154,6 +154,11 @@ pub trait RandomWalk: Send + Sync {
     ///
     /// The result is an unbiased estimate of the model's fluxes. It depends on `rng` alone.
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>);
+
+    /// Follows `rays` rays as [`Self::follow`] does one. A model that has a density may leave out light scattered once.
+    fn follow_all(&self, wi: DVec3, rays: u64, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
+        (0..rays).for_each(|_| self.follow(wi, rng, tally));
+    }
 }
 
 /// Error on making a model.

@@ -18,7 +18,8 @@ pub(super) fn power_of_two(k: f64) -> f64 {
 
 /// Sum of `coefficients[i] x^i`, by Horner's rule.
 #[inline(always)]
-pub(super) fn polynomial<const N: usize>(x: f64, coefficients: &[f64; N]) -> f64 {
+#[must_use]
+pub fn polynomial<const N: usize>(x: f64, coefficients: &[f64; N]) -> f64 {
     let mut sum = coefficients[N - 1];
     for i in (0..N - 1).rev() {
         sum = sum * x + coefficients[i];

@@ -14,6 +14,18 @@ impl Height {
     /// Above all facets.
     pub(super) const ABOVE_ALL: Self = Self(0.0);
 
+    /// The height of this logarithm of `C1`.
+    #[inline(always)]
+    pub(super) const fn at(log_fraction: f64) -> Self {
+        Self(log_fraction)
+    }
+
+    /// The logarithm of `C1`.
+    #[inline(always)]
+    pub(super) const fn logarithm(self) -> f64 {
+        self.0
+    }
+
     /// Intersection of a ray that travels downwards with a facet, which always exists; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform. The free path gives `C1' = C1 / (1 - u)^(1 / Lambda)` with
@@ -21,6 +33,7 @@ impl Height {
     ///
     /// # Source
     /// Heitz et al. 2016, Sec. 4.
+    #[inline(always)]
     pub(super) fn descended(self, lambda: f64, u: f64) -> Self {
         Self::of(self.0 + ln(u) / (1.0 + lambda))
     }
@@ -30,6 +43,7 @@ impl Height {
     ///
     /// # Source
     /// Heitz et al. 2016, Sec. 4.
+    #[inline(always)]
     pub(super) fn escape(self, lambda: f64) -> (f64, f64) {
         let exponent = lambda * self.0;
         (exp(exponent), -exp_m1(exponent))
@@ -38,11 +52,13 @@ impl Height {
     /// Intersection of a ray that travels upwards and does *not* escape; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform; `blocked` is the second probability of [`Self::escape`], above zero.
+    #[inline(always)]
     pub(super) fn ascended(self, lambda: f64, blocked: f64, u: f64) -> Self {
         Self::of(self.0 - ln_1p(-u * blocked) / lambda)
     }
 
     /// This point for a ray behind the surface, where heights are reversed: `1 - C1`.
+    #[inline(always)]
     pub(super) fn seen_from_behind(self) -> Self {
         // Each form is accurate where the other loses digits.
         Self::of(if self.0 > -std::f64::consts::LN_2 {
@@ -52,6 +68,7 @@ impl Height {
         })
     }
 
+    #[inline(always)]
     fn of(log_fraction: f64) -> Self {
         Self(log_fraction.min(-f64::MIN_POSITIVE))
     }

@@ -8,10 +8,22 @@ pub(crate) trait Light: Copy {
     /// Unpolarised light, as it falls on the surface.
     const INCIDENT: Self;
 
+    /// Numbers that tell the state, of at most [`LIGHT_COLUMNS`].
+    const KEPT: usize;
+
+    /// The state as numbers, of which the first [`Self::KEPT`] count.
+    fn to_numbers(self) -> [f64; LIGHT_COLUMNS];
+
+    /// The state of these numbers.
+    fn from_numbers(numbers: [f64; LIGHT_COLUMNS]) -> Self;
+
     /// Scattering of this light by a facet: `material` seen from the side of the light, `w` the unit direction towards
     /// its origin, `m` the normal.
     fn scattered(self, material: Material, w: DVec3, m: DVec3) -> Scattered<Self>;
 }
+
+/// Most numbers that tell the state of light.
+pub(super) const LIGHT_COLUMNS: usize = 6;
 
 /// Light that a facet divides.
 pub(crate) struct Scattered<L> {
@@ -29,7 +41,19 @@ pub(crate) struct Averaged;
 
 impl Light for Averaged {
     const INCIDENT: Self = Self;
+    const KEPT: usize = 0;
 
+    #[inline(always)]
+    fn to_numbers(self) -> [f64; LIGHT_COLUMNS] {
+        [0.0; LIGHT_COLUMNS]
+    }
+
+    #[inline(always)]
+    fn from_numbers(_: [f64; LIGHT_COLUMNS]) -> Self {
+        Self
+    }
+
+    #[inline(always)]
     fn scattered(self, material: Material, w: DVec3, m: DVec3) -> Scattered<Self> {
         Scattered {
             fresnel: material.fresnel(w.dot(m).clamp(0.0, 1.0)),
@@ -53,7 +77,23 @@ impl Light for Polarised {
         stokes: Stokes::UNPOLARISED,
         s: DVec3::Y,
     };
+    const KEPT: usize = LIGHT_COLUMNS;
 
+    #[inline(always)]
+    fn to_numbers(self) -> [f64; LIGHT_COLUMNS] {
+        let Stokes([_, q, u, v]) = self.stokes;
+        [q, u, v, self.s.x, self.s.y, self.s.z]
+    }
+
+    #[inline(always)]
+    fn from_numbers([q, u, v, x, y, z]: [f64; LIGHT_COLUMNS]) -> Self {
+        Self {
+            stokes: Stokes([1.0, q, u, v]),
+            s: DVec3::new(x, y, z),
+        }
+    }
+
+    #[inline(always)]
     fn scattered(self, material: Material, w: DVec3, m: DVec3) -> Scattered<Self> {
         // Turn to the axes of the plane of incidence
         let s = incidence_axis(-w, m);
@@ -90,6 +130,7 @@ impl Light for Polarised {
 impl Polarised {
     /// This light in the mirror image of the scene, with z reversed. The axis s is mirrored, and of `p = k x s` the
     /// other sense is: so U and V change their signs.
+    #[inline(always)]
     const fn seen_from_behind(self) -> Self {
         let Self {
             stokes: Stokes([i, q, u, v]),
@@ -103,14 +144,18 @@ impl Polarised {
 }
 
 /// Splits a Stokes vector into its flux and the normalised vector `[1, Q/I, U/I, V/I]`; unpolarised if the flux is zero.
+#[inline(always)]
 fn split(stokes: Stokes) -> (f64, Stokes) {
     let Stokes([flux, q, u, v]) = stokes;
     let norm = stokes.norm();
-    if norm > 0.0 {
-        (flux.max(0.0), Stokes([1.0, q / norm, u / norm, v / norm]))
-    } else {
-        (0.0, Stokes::UNPOLARISED)
-    }
+    // Selected, not branched to, so that loops over many paths take vector instructions.
+    let is_lit = norm > 0.0;
+    let over = |x: f64| if is_lit { x / norm } else { 0.0 };
+    let kept = if flux > 0.0 { flux } else { 0.0 };
+    (
+        if is_lit { kept } else { 0.0 },
+        Stokes([1.0, over(q), over(u), over(v)]),
+    )
 }
 
 #[cfg(test)]
