@@ -1,11 +1,18 @@
 //! Fourier transform of real numbers on a grid, one half of the plane.
 
-use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+mod cyclic;
+mod pair;
+mod stockham;
+#[cfg(test)]
+mod tests;
+mod transform;
+mod unit_root;
 
-use crate::columns::columns;
+use num_complex::Complex;
+use rayon::prelude::*;
+
+pub use self::pair::ComplexPair;
+pub use self::transform::{FourierTransform, RealFourierTransform};
 
 /// The forward transform of a real grid of shape `[ny, nx]`, not normalised, for wave numbers `kx` from 0 to `nx / 2`. The rest
 /// is its complex conjugate.
@@ -19,25 +26,35 @@ impl HalfPlane {
     /// `fill`: writes row `iy` into a row of zeros.
     pub fn of(shape: [usize; 2], fill: impl Fn(usize, &mut [f64]) + Sync) -> Self {
         let [ny, nx] = shape;
-        let half = nx / 2 + 1;
-        let forward = RealFftPlanner::<f64>::new().plan_fft_forward(nx);
-        let mut rows = vec![Complex::default(); half * ny];
+        let along_x = RealFourierTransform::new(nx);
+        let half = along_x.waves();
+        // Two rows in one; with an odd number the last is beside zeros
+        let mut rows = vec![ComplexPair::default(); half * ny.div_ceil(2)];
         rows.par_chunks_exact_mut(half).enumerate().for_each_init(
-            || (forward.make_input_vec(), forward.make_scratch_vec()),
-            |(row, scratch), (iy, output)| {
-                row.fill(0.0);
-                fill(iy, row);
-                let done = forward.process_with_scratch(row, output, scratch);
-                debug_assert!(done.is_ok(), "buffers have the lengths planned");
+            || (vec![0.0; 2 * nx], along_x.room()),
+            |(two, room), (i, spectra)| {
+                two.fill(0.0);
+                for (iy, row) in (2 * i..ny).zip(two.chunks_exact_mut(nx)) {
+                    fill(iy, row);
+                }
+                let (first, second) = two.split_at(nx);
+                along_x.forward([first, second], spectra, room);
             },
         );
-        let mut turned = columns(&rows, half);
-        drop(rows);
-        transform(&mut turned, ny, &*FftPlanner::new().plan_fft_forward(ny));
-        Self {
-            shape,
-            columns: turned,
-        }
+        let mut columns = vec![Complex::default(); half * ny];
+        let along_y = FourierTransform::forward(ny);
+        columns.par_chunks_mut(2 * ny).enumerate().for_each_init(
+            || along_y.room(),
+            |room, (i, two)| {
+                let [kx, next] = [2 * i, (2 * i + 1).min(half - 1)];
+                let numbers = rows.chunks_exact(half).flat_map(|row| {
+                    let [[a, b], [c, d]] = [row[kx].numbers(), row[next].numbers()];
+                    [ComplexPair::new([a, c]), ComplexPair::new([b, d])]
+                });
+                write(along_y.transform(numbers, room), two);
+            },
+        );
+        Self { shape, columns }
     }
 
     /// The `ny` numbers of each `kx`, in order.
@@ -76,40 +93,42 @@ impl HalfPlane {
     /// squared, shape `[ny, nx]`.
     pub fn circular_autocorrelation(self) -> Vec<f64> {
         let [ny, nx] = self.shape;
-        let half = nx / 2 + 1;
-        let mut powers = self.columns;
-        powers
-            .par_iter_mut()
-            .for_each(|value| *value = value.norm_sqr().into());
-        transform(&mut powers, ny, &*FftPlanner::new().plan_fft_inverse(ny));
-        let mut rows = columns(&powers, ny);
-        drop(powers);
-        let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(nx);
+        let mut columns = self.columns;
+        let along_y = FourierTransform::inverse(ny);
+        columns.par_chunks_mut(2 * ny).for_each_init(
+            || along_y.room(),
+            |room, two| {
+                let power = |value: Complex<f64>| value.norm_sqr().into();
+                let second = two.len() - ny;
+                let numbers =
+                    (0..ny).map(|iy| ComplexPair::new([two[iy], two[second + iy]].map(power)));
+                write(along_y.transform(numbers, room), two);
+            },
+        );
+        let along_x = RealFourierTransform::new(nx);
         let mut numbers = vec![0.0; nx * ny];
-        numbers
-            .par_chunks_exact_mut(nx)
-            .zip(rows.par_chunks_exact_mut(half))
-            .for_each_init(
-                || inverse.make_scratch_vec(),
-                |scratch, (output, row)| {
-                    // Rounding leaves an imaginary part where symmetry allows none.
-                    row[0].im = 0.0;
-                    if nx.is_multiple_of(2) {
-                        row[nx / 2].im = 0.0;
-                    }
-                    let done = inverse.process_with_scratch(row, output, scratch);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                },
-            );
+        numbers.par_chunks_mut(2 * nx).enumerate().for_each_init(
+            || (along_x.spectra(), along_x.room()),
+            |(spectra, room), (i, rows)| {
+                let [iy, next] = [2 * i, (2 * i + 1).min(ny - 1)];
+                for (pair, column) in spectra.iter_mut().zip(columns.chunks_exact(ny)) {
+                    *pair = ComplexPair::new([column[iy], column[next]]);
+                }
+                let (first, second) = rows.split_at_mut(nx);
+                along_x.inverse(spectra, [first, second], room);
+            },
+        );
         numbers
     }
 }
 
-fn transform(lines: &mut [Complex<f64>], length: usize, fft: &dyn Fft<f64>) {
-    lines.par_chunks_exact_mut(length).for_each_init(
-        || vec![Complex::default(); fft.get_inplace_scratch_len()],
-        |scratch, line| fft.process_with_scratch(line, scratch),
-    );
+/// Writes the first, or both, of two lines.
+fn write(pairs: &[ComplexPair], lines: &mut [Complex<f64>]) {
+    for (i, line) in lines.chunks_exact_mut(pairs.len()).enumerate() {
+        for (value, pair) in line.iter_mut().zip(pairs) {
+            *value = pair.numbers()[i];
+        }
+    }
 }
 
 /// The forward transform of real numbers that are the same at `r` and `-r`, rows of `nx`: real, and the same at `k` and `-k`. Not

@@ -11,7 +11,9 @@ mod special;
 pub mod vector;
 
 pub use columns::columns;
-pub use fourier::{HalfPlane, power_plane, transform_plane};
+pub use fourier::{
+    ComplexPair, FourierTransform, HalfPlane, RealFourierTransform, power_plane, transform_plane,
+};
 pub use hash::fnv1a;
 pub use roots::{quadratic_roots, root};
 pub use special::{beta_of_one_plus, exponential_integral, ln_normal_cdf};
