@@ -4,16 +4,13 @@
 mod tests;
 
 use std::f64::consts::{LN_2, PI};
-use std::sync::Arc;
 
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
 
 use crate::{Border, HeightField, HeightFieldError};
 use crate::{short, short_below};
-use asperity_numerics::columns;
 use asperity_numerics::elementary::exp;
+use asperity_numerics::{RealFourierTransform, columns};
 
 /// Lines that one task takes.
 const LINES: usize = 32;
@@ -132,8 +129,7 @@ struct LineFilter {
     transfer: Vec<f64>,
     /// One over the sum of the weights of the samples that there are, for each place along a line.
     inverse_weights: Vec<f64>,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    transform: RealFourierTransform,
 }
 
 impl LineFilter {
@@ -154,22 +150,20 @@ impl LineFilter {
                 exp(-PI * PI / LN_2 * scaled * scaled);
         }
         let sum: f64 = weights.iter().sum();
-        let mut planner = RealFftPlanner::<f64>::new();
-        let (forward, inverse) = (
-            planner.plan_fft_forward(period),
-            planner.plan_fft_inverse(period),
-        );
-        let mut spectrum = forward.make_output_vec();
-        let done = forward.process(&mut weights, &mut spectrum);
-        debug_assert!(done.is_ok(), "buffers have the lengths planned");
+        let transform = RealFourierTransform::new(period);
+        let mut spectra = transform.spectra();
+        let mut room = transform.room();
+        transform.forward([&weights, &[]], &mut spectra, &mut room);
         let scale = 1.0 / (sum * period as f64);
         let mut filter = Self {
             length,
             border,
-            transfer: spectrum.iter().map(|value| value.re * scale).collect(),
+            transfer: spectra
+                .iter()
+                .map(|pair| pair.numbers()[0].re * scale)
+                .collect(),
             inverse_weights: vec![1.0; length],
-            forward,
-            inverse,
+            transform,
         };
         if border == Border::Open {
             let mut ones = vec![1.0; length];
@@ -181,38 +175,38 @@ impl LineFilter {
 
     /// Filters every line.
     fn apply(&self, lines: &mut [f64]) {
+        let period = self.transform.length();
         lines.par_chunks_mut(self.length * LINES).for_each_init(
             || {
                 (
-                    self.forward.make_input_vec(),
-                    self.forward.make_output_vec(),
-                    self.forward.make_scratch_vec(),
-                    self.inverse.make_scratch_vec(),
+                    vec![0.0; 2 * period],
+                    self.transform.spectra(),
+                    self.transform.room(),
                 )
             },
-            |(period, spectrum, forward, inverse), block| {
-                for line in block.chunks_exact_mut(self.length) {
-                    self.extend(line, period);
-                    let done = self.forward.process_with_scratch(period, spectrum, forward);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                    self.weigh(spectrum);
-                    let done = self.inverse.process_with_scratch(spectrum, period, inverse);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                    for ((h, value), weight) in
-                        line.iter_mut().zip(&*period).zip(&self.inverse_weights)
-                    {
-                        *h = value * weight;
+            |(periods, spectra, room), block| {
+                for lines in block.chunks_mut(2 * self.length) {
+                    let extended = periods.chunks_exact_mut(period);
+                    for (line, period) in lines.chunks_exact(self.length).zip(extended) {
+                        self.extend(line, period);
+                    }
+                    let (first, second) = periods.split_at_mut(period);
+                    self.transform.forward([first, second], spectra, room);
+                    for (pair, transfer) in spectra.iter_mut().zip(&self.transfer) {
+                        *pair = *pair * *transfer;
+                    }
+                    self.transform.inverse(spectra, [first, second], room);
+                    let lines = lines.chunks_exact_mut(self.length);
+                    for (line, period) in lines.zip(periods.chunks_exact(period)) {
+                        for ((h, value), weight) in
+                            line.iter_mut().zip(period).zip(&self.inverse_weights)
+                        {
+                            *h = value * weight;
+                        }
                     }
                 }
             },
         );
-    }
-
-    /// Multiplies by the transfer function. The first number and, of an even period, the last stay real.
-    fn weigh(&self, spectrum: &mut [Complex<f64>]) {
-        for (value, transfer) in spectrum.iter_mut().zip(&self.transfer) {
-            *value *= transfer;
-        }
     }
 
     /// Fills one period with a line and its continuation.

@@ -4,14 +4,14 @@
 mod tests;
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
+use num_complex::Complex;
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
 
 use crate::height_field::check_grid;
 use crate::{Border, HeightField, HeightFieldError};
+use asperity_numerics::elementary::sin_cos;
+use asperity_numerics::{ComplexPair, RealFourierTransform};
 
 /// Reason why a surface cannot be refined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -171,18 +171,27 @@ fn refine_rows(field: &HeightField, heights: &mut [f64], wide: usize) {
     let nx = field.nx();
     let half_shift = HalfShift::new(nx, field.border());
     heights
-        .par_chunks_mut(2 * wide)
-        .zip(field.heights().par_chunks_exact(nx))
+        .par_chunks_mut(4 * wide)
+        .zip(field.heights().par_chunks(2 * nx))
         .for_each_init(
-            || (vec![0.0; half_shift.period], half_shift.room()),
-            |(line, room), (refined, row)| {
-                line[..nx].copy_from_slice(row);
-                half_shift.apply(line, room);
-                for (two, (at, between)) in refined[..wide].chunks_mut(2).zip(row.iter().zip(line))
+            || (vec![0.0; 2 * half_shift.period], half_shift.room()),
+            |(lines, room), (refined, rows)| {
+                let lines = &mut lines[..rows.len() / nx * half_shift.period];
+                for (line, row) in lines
+                    .chunks_exact_mut(half_shift.period)
+                    .zip(rows.chunks(nx))
                 {
-                    two[0] = *at;
-                    if let [_, second] = two {
-                        *second = *between;
+                    line[..nx].copy_from_slice(row);
+                }
+                half_shift.apply(lines, half_shift.period, room);
+                let lines = lines.chunks_exact(half_shift.period).zip(rows.chunks(nx));
+                for (refined, (line, row)) in refined.chunks_mut(2 * wide).zip(lines) {
+                    let samples = row.iter().zip(line);
+                    for (two, (at, between)) in refined[..wide].chunks_mut(2).zip(samples) {
+                        two[0] = *at;
+                        if let [_, second] = two {
+                            *second = *between;
+                        }
                     }
                 }
             },
@@ -214,8 +223,8 @@ fn fill_rows_between(field: &HeightField, heights: &mut [f64], wide: usize) {
                             columns[j * stride + iy] = *sample;
                         }
                     }
-                    for column in columns.chunks_exact_mut(stride) {
-                        half_shift.apply(&mut column[..half_shift.period], room);
+                    for two in columns.chunks_mut(2 * stride) {
+                        half_shift.apply(two, stride, room);
                     }
                 },
             );
@@ -241,16 +250,15 @@ struct HalfShift {
     samples: usize,
     /// Samples of its period: more, if it is mirrored.
     period: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    transform: RealFourierTransform,
     /// Factors of the half spectrum, the length of the transform divided out.
     factors: Vec<Complex<f64>>,
 }
 
 /// Buffers that one thread needs to apply a [`HalfShift`].
 struct Room {
-    spectrum: Vec<Complex<f64>>,
-    scratch: Vec<Complex<f64>>,
+    spectra: Vec<ComplexPair>,
+    transform: Vec<ComplexPair>,
 }
 
 impl HalfShift {
@@ -260,51 +268,50 @@ impl HalfShift {
             Border::Mirrored => 2 * (samples - 1),
             Border::Periodic | Border::Open => samples,
         };
-        let mut planner = RealFftPlanner::new();
         let n = period as f64;
         let factors = (0..=period / 2)
             .map(|k| {
                 // The Nyquist wave, extreme at the samples, is zero between them.
                 let amplitude = if 2 * k == period { 0.0 } else { 1.0 / n };
-                Complex::from_polar(amplitude, PI * k as f64 / n)
+                let (sin, cos) = sin_cos(PI * k as f64 / n);
+                Complex::new(amplitude * cos, amplitude * sin)
             })
             .collect();
         Self {
             samples,
             period,
-            forward: planner.plan_fft_forward(period),
-            inverse: planner.plan_fft_inverse(period),
+            transform: RealFourierTransform::new(period),
             factors,
         }
     }
 
     fn room(&self) -> Room {
-        let scratch = self
-            .forward
-            .get_scratch_len()
-            .max(self.inverse.get_scratch_len());
         Room {
-            spectrum: self.forward.make_output_vec(),
-            scratch: vec![Complex::default(); scratch],
+            spectra: self.transform.spectra(),
+            transform: self.transform.room(),
         }
     }
 
-    /// Replaces each sample of `line` by that half a spacing behind it. The line has the length of a
-    /// period; of a mirrored one only the samples need be given.
-    fn apply(&self, line: &mut [f64], room: &mut Room) {
-        let (samples, mirrored) = line.split_at_mut(self.samples);
-        for (value, sample) in mirrored.iter_mut().zip(samples.iter().rev().skip(1)) {
-            *value = *sample;
+    /// Replaces each sample of one or two lines, `stride` apart, by that half a spacing behind it. The lines have the length of a
+    /// period; of mirrored ones only the samples need be given.
+    fn apply(&self, lines: &mut [f64], stride: usize, room: &mut Room) {
+        for line in lines.chunks_exact_mut(stride) {
+            let (samples, mirrored) = line[..self.period].split_at_mut(self.samples);
+            for (value, sample) in mirrored.iter_mut().zip(samples.iter().rev().skip(1)) {
+                *value = *sample;
+            }
         }
-        let Room { spectrum, scratch } = room;
-        let forth = self.forward.process_with_scratch(line, spectrum, scratch);
-        for (value, factor) in spectrum.iter_mut().zip(&self.factors) {
-            *value *= factor;
+        let (first, second) = lines.split_at_mut(stride);
+        let lines = [first, second].map(|line| match line {
+            [] => &mut [],
+            line => &mut line[..self.period],
+        });
+        let Room { spectra, transform } = room;
+        let [first, second] = &lines;
+        self.transform.forward([first, second], spectra, transform);
+        for (pair, factor) in spectra.iter_mut().zip(&self.factors) {
+            *pair = *pair * *factor;
         }
-        let back = self.inverse.process_with_scratch(spectrum, line, scratch);
-        debug_assert!(
-            forth.is_ok() && back.is_ok(),
-            "buffers have the lengths planned, and the ends of the spectrum are real"
-        );
+        self.transform.inverse(spectra, lines, transform);
     }
 }

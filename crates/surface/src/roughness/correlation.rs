@@ -2,11 +2,10 @@
 
 use asperity_numerics::elementary::{exp, ln};
 use rayon::prelude::*;
-use realfft::RealFftPlanner;
-use rustfft::num_complex::Complex;
 
 use super::mean_height;
 use crate::{Border, HeightField};
+use asperity_numerics::{ComplexPair, RealFourierTransform};
 
 /// Lines that one task takes; a fixed number, so that sums do not depend on threads.
 const LINES: usize = 32;
@@ -69,8 +68,7 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         Border::Periodic => n,
         Border::Mirrored | Border::Open => (n + longest).next_power_of_two(),
     };
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(padded);
+    let transform = RealFourierTransform::new(padded);
 
     // Power spectra, summed over the lines of each task and then over the tasks in order
     let sum_of_powers = |task: usize| {
@@ -78,14 +76,16 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         let count = LINES.min(lines - first);
         let mut block = vec![0.0; count * padded];
         copy_lines(field, mean, axis, first, &mut block, padded);
-        let mut output = forward.make_output_vec();
-        let mut scratch = forward.make_scratch_vec();
-        let mut power = vec![0.0; output.len()];
-        for line in block.chunks_exact_mut(padded) {
-            let done = forward.process_with_scratch(line, &mut output, &mut scratch);
-            debug_assert!(done.is_ok(), "buffers have the lengths planned");
-            for (sum, value) in power.iter_mut().zip(&output) {
-                *sum += value.norm_sqr();
+        let mut spectra = transform.spectra();
+        let mut room = transform.room();
+        let mut power = vec![0.0; transform.waves()];
+        for two in block.chunks(2 * padded) {
+            let (first, second) = two.split_at(padded);
+            transform.forward([first, second], &mut spectra, &mut room);
+            for i in 0..two.len() / padded {
+                for (sum, pair) in power.iter_mut().zip(&spectra) {
+                    *sum += pair.numbers()[i].norm_sqr();
+                }
             }
         }
         power
@@ -94,17 +94,19 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         .into_par_iter()
         .map(sum_of_powers)
         .collect();
-    let mut spectrum = vec![Complex::default(); padded / 2 + 1];
+    let mut spectrum = vec![0.0; transform.waves()];
     for power in &tasks {
         for (sum, value) in spectrum.iter_mut().zip(power) {
-            sum.re += value;
+            *sum += value;
         }
     }
-
-    let inverse = planner.plan_fft_inverse(padded);
-    let mut correlation = inverse.make_output_vec();
-    let done = inverse.process(&mut spectrum, &mut correlation);
-    debug_assert!(done.is_ok(), "buffers have the lengths planned");
+    let spectrum: Vec<ComplexPair> = spectrum
+        .iter()
+        .map(|&power| ComplexPair::new([power.into(); 2]))
+        .collect();
+    let mut correlation = vec![0.0; padded];
+    let mut room = transform.room();
+    transform.inverse(&spectrum, [&mut correlation, &mut []], &mut room);
     correlation.truncate(longest + 1);
     for (lag, value) in correlation.iter_mut().enumerate() {
         let pairs = match field.border() {

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{LN_2, PI, TAU};
 
-use asperity_numerics::elementary::exp;
-use rustfft::num_complex::Complex;
+use asperity_numerics::elementary::{exp, sin_cos};
+use num_complex::Complex;
 
 use crate::HeightField;
 
@@ -101,7 +101,7 @@ impl HeightBlocks {
             let resolved = bins.iter().filter(|bin| wave_number.abs() * bin.step <= PI);
             let waves = resolved.map(|bin| {
                 let spread = exp(-0.5 * wave_number.powi(2) * bin.variance);
-                Complex::from_polar(bin.area * spread, wave_number * bin.height)
+                bin.area * spread * cis(wave_number * bin.height)
             });
             (area, waves.sum::<Complex<f64>>())
         };
@@ -121,7 +121,7 @@ impl HeightBlocks {
                 .filter(|(_, (area, _))| *area > 0.0);
             let turned = waves.map(|(i, (area, wave))| {
                 let [column, row] = [i % BLOCKS, i / BLOCKS].map(|k| k as f64 / BLOCKS as f64);
-                wave / area * Complex::cis(TAU * (f64::from(x) * column + f64::from(y) * row))
+                wave / area * cis(TAU * (f64::from(x) * column + f64::from(y) * row))
             });
             (turned.sum::<Complex<f64>>() / covered).norm_sqr()
         };
@@ -137,6 +137,12 @@ impl HeightBlocks {
             false => 0.0,
         }
     }
+}
+
+/// `exp(i angle)`.
+fn cis(angle: f64) -> Complex<f64> {
+    let (sin, cos) = sin_cos(angle);
+    Complex::new(cos, sin)
 }
 
 /// Sums over the points of each bin of each block.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use num_complex::Complex;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex;
 
 use crate::height_field::mean_height;
 use crate::{Border, HeightField};
