@@ -1,6 +1,6 @@
 //! Time of a draw on one thread, and of the FFTs alone.
 //!
-//! `cargo bench -p asperity-surface` prints medians in milliseconds and their ratios. The bare FFTs
+//! `cargo bench -p asperity-synthesis` prints medians in milliseconds and their ratios. The bare FFTs
 //! are those of the whole inverse real FFT, of columns and of rows, on arrays that are there already
 //! and in the order that each wants; where most waves are empty, a draw needs fewer of them. `fresh` is
 //! [`Synthesis::draw`], whose memory the system provides and clears page by page; `in place` is
@@ -8,13 +8,11 @@
 #![allow(clippy::print_stdout, reason = "a bench is read by eye")]
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_synthesis::{NEVER, Psd, Synthesis};
-use realfft::{ComplexToReal, RealFftPlanner};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use asperity_numerics::{ComplexPair, FourierTransform, RealFourierTransform};
+use asperity_synthesis::{NEVER, Psd, Synthesis, SynthesisError};
+use num_complex::Complex;
 
 const SIZES: [usize; 4] = [512, 1024, 2048, 4096];
 const TAUS: [f64; 2] = [4.0, 16.0];
@@ -43,10 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
 }
 
 /// Medians of interleaved repeats of a draw, of a draw in place, and of the bare FFTs, milliseconds.
-fn medians(
-    synthesis: &Synthesis,
-    n: usize,
-) -> Result<[f64; 3], Box<dyn std::error::Error + Send + Sync>> {
+fn medians(synthesis: &Synthesis, n: usize) -> Result<[f64; 3], SynthesisError> {
     let mut ffts = BareFfts::new(n);
     let mut times = [const { Vec::new() }; 3];
     let mut last = synthesis.draw(1, 0)?;
@@ -62,7 +57,7 @@ fn medians(
 
         ffts.fill();
         let start = Instant::now();
-        ffts.process()?;
+        ffts.process();
         times[2].push(milliseconds_since(start));
     }
     Ok(times.map(|mut times| {
@@ -77,25 +72,21 @@ fn milliseconds_since(start: Instant) -> f64 {
 
 /// The FFTs from a half spectrum to `n` by `n` heights.
 struct BareFfts {
-    n: usize,
-    along_y: Arc<dyn Fft<f64>>,
-    along_x: Arc<dyn ComplexToReal<f64>>,
-    spectrum: Vec<Complex<f64>>,
+    along_y: FourierTransform,
+    along_x: RealFourierTransform,
+    /// Columns of the half spectrum, two in one.
+    columns: Vec<ComplexPair>,
     heights: Vec<f64>,
-    scratch_y: Vec<Complex<f64>>,
-    scratch_x: Vec<Complex<f64>>,
+    room: Vec<ComplexPair>,
 }
 
 impl BareFfts {
     fn new(n: usize) -> Self {
-        let along_y = FftPlanner::new().plan_fft_inverse(n);
-        let along_x = RealFftPlanner::new().plan_fft_inverse(n);
+        let (along_y, along_x) = (FourierTransform::inverse(n), RealFourierTransform::new(n));
         Self {
-            n,
-            spectrum: vec![Complex::default(); n * (n / 2 + 1)],
+            columns: vec![ComplexPair::default(); n * along_x.waves().div_ceil(2)],
             heights: vec![0.0; n * n],
-            scratch_y: vec![Complex::default(); along_y.get_inplace_scratch_len()],
-            scratch_x: along_x.make_scratch_vec(),
+            room: along_y.room(),
             along_y,
             along_x,
         }
@@ -103,24 +94,24 @@ impl BareFfts {
 
     /// Sets all waves alike.
     fn fill(&mut self) {
-        self.spectrum.fill(Complex { re: 1.0, im: 0.5 });
+        self.columns
+            .fill(ComplexPair::new([Complex { re: 1.0, im: 0.5 }; 2]));
     }
 
     /// Transforms every column of the half spectrum, then every row into heights. The numbers mean
     /// nothing, since the columns are not turned into rows in between.
-    fn process(&mut self) -> Result<(), realfft::FftError> {
-        for column in self.spectrum.chunks_exact_mut(self.n) {
-            self.along_y
-                .process_with_scratch(column, &mut self.scratch_y);
+    fn process(&mut self) {
+        let n = self.along_x.length();
+        for two in self.columns.chunks_exact_mut(n) {
+            let results = self.along_y.transform(two.iter().copied(), &mut self.room);
+            two.copy_from_slice(results);
         }
-        let rows = self.spectrum.chunks_exact_mut(self.n / 2 + 1);
-        for (half, row) in rows.zip(self.heights.chunks_exact_mut(self.n)) {
-            half[0].im = 0.0;
-            half[self.n / 2].im = 0.0;
+        let spectra = self.columns.chunks_exact(self.along_x.waves());
+        for (spectra, rows) in spectra.zip(self.heights.chunks_exact_mut(2 * n)) {
+            let (first, second) = rows.split_at_mut(n);
             self.along_x
-                .process_with_scratch(half, row, &mut self.scratch_x)?;
+                .inverse(spectra, [first, second], &mut self.room);
         }
         black_box(&mut self.heights);
-        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! The random spectrum, a column of equal `kx` at a time.
 
-use rustfft::num_complex::Complex;
+use num_complex::Complex;
 
 use super::filter::Filter;
 use super::noise::{Noise, Side};

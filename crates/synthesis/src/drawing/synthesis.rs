@@ -17,9 +17,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner};
-use rustfft::{Fft, FftPlanner};
 
+use asperity_numerics::{FourierTransform, RealFourierTransform};
 use asperity_surface::{HeightField, check_grid};
 
 use super::error::{MAX_SAMPLES, SynthesisError};
@@ -33,8 +32,7 @@ use crate::{Provenance, Psd, SurfaceRecipe};
 /// A generator of random periodic surfaces, with its FFTs planned.
 ///
 /// One generator draws any number of realisations. The heights depend on the power spectral density,
-/// shape, spacing, seed and realisation, and on nothing else: not on the number of threads. Between
-/// kinds of processor, whose FFTs round differently, they agree to about `1e-15 sigma`.
+/// shape, spacing, seed and realisation, and on nothing else: not on the number of threads.
 ///
 /// # Examples
 /// ```
@@ -57,8 +55,9 @@ pub struct Synthesis {
     pub(super) spacing: [f64; 2],
     pub(super) stream: Stream,
     pub(super) filter: Filter,
-    pub(super) row_inverse: Arc<dyn ComplexToReal<f64>>,
-    pub(super) column_inverse: Arc<dyn Fft<f64>>,
+    pub(super) along_x: Arc<RealFourierTransform>,
+    /// Inverse.
+    pub(super) along_y: Arc<FourierTransform>,
 }
 
 impl fmt::Debug for Synthesis {
@@ -131,8 +130,8 @@ impl Synthesis {
             shape,
             spacing,
             stream,
-            row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
-            column_inverse: FftPlanner::new().plan_fft_inverse(ny),
+            along_x: RealFourierTransform::new(nx).into(),
+            along_y: FourierTransform::inverse(ny).into(),
         })
     }
 

@@ -1,14 +1,16 @@
 //! From the random spectrum to heights, in the memory of the heights.
 //!
-//! Columns are drawn and transformed a group at a time in room of their own, contiguous, and then
+//! Columns are drawn and transformed a group at a time in room of their own, in contiguous pairs, and then
 //! written across the rows: the complex numbers of columns 0, 1, 2, ... take the places of the heights
 //! two by two. This leaves no place for the last column of the half spectrum, which stays outside.
 //! Each row is then transformed in place.
 //!
 //! A column and a row are each the work of one thread, so no rounding depends on how many there are.
 
+use std::ops::Range;
+
+use num_complex::Complex;
 use rayon::prelude::*;
-use rustfft::num_complex::Complex;
 
 use super::error::SynthesisError;
 use super::memory::reserved;
@@ -16,19 +18,20 @@ use super::noise::Noise;
 use super::spectrum;
 use super::synthesis::Synthesis;
 use crate::gives_up::GivesUp;
+use asperity_numerics::ComplexPair;
 use asperity_surface::are_allowed;
 
-/// Fewest columns in a group, in all and for each thread. A row's piece of a group is then 16 cache
+/// Fewest columns in a group, in all and for each thread. A row's piece of a group is then 8 cache
 /// lines, and threads seldom wait for each other.
-const GROUP: usize = 64;
-const GROUP_OF_THREAD: usize = 16;
+const GROUP: usize = 32;
+const GROUP_OF_THREAD: usize = 10;
 
 /// Rows and columns that are turned together: four complex numbers are a cache line.
 const TILE: usize = 4;
 
-/// Room between the columns of a group, complex numbers; without it, columns of a power-of-two
-/// length all fall into the same cache sets.
-const PAD: usize = 4;
+/// Room between the pairs of columns of a group; without it, columns of a power-of-two length all fall
+/// into the same cache sets.
+const PAD: usize = 2;
 
 impl Synthesis {
     /// Overwrites `heights` by those of a surface. Returns whether all are finite and within bounds.
@@ -53,20 +56,21 @@ impl Synthesis {
         let outside = self.last_column(noise)?;
         let columns = self.columns_in_place();
         let stride = ny + PAD;
-        let mut group = reserved(self.group() * stride)?;
-        group.resize(self.group() * stride, Complex::default());
+        let pairs = self.group().div_ceil(2);
+        let mut group = reserved(pairs * stride)?;
+        group.resize(pairs * stride, ComplexPair::default());
         for first in (0..columns).step_by(self.group()) {
             if gives_up() {
                 return Err(SynthesisError::GivenUp);
             }
             let width = self.group().min(columns - first);
-            let group = &mut group[..width * stride];
-            self.fill_columns(noise, first, group, stride);
+            let group = &mut group[..width.div_ceil(2) * stride];
+            self.fill_columns(noise, first..first + width, group, stride);
             heights
                 .par_chunks_mut(nx * TILE)
                 .enumerate()
                 .for_each(|(tile, rows)| {
-                    turn(group, stride, tile * TILE, rows, nx, first);
+                    turn(group, stride, tile * TILE, rows, nx, first..first + width);
                 });
         }
         drop(group);
@@ -79,11 +83,12 @@ impl Synthesis {
 
     /// Bytes that [`Synthesis::fill`] takes in addition to the heights.
     pub(super) fn room_bytes(&self) -> usize {
-        let [ny, nx] = self.shape;
-        let column = self.column_inverse.get_inplace_scratch_len() + ny.div_ceil(4) + 1;
-        let row = nx / 2 + 1 + self.row_inverse.get_scratch_len();
+        let ny = self.shape[0];
+        let column = self.along_y.room_len() + ny + ny.div_ceil(8) + 1;
+        let row = self.along_x.waves() + self.along_x.room_len();
         let threads = rayon::current_num_threads() * column.max(row);
-        size_of::<Complex<f64>>() * (self.group() * (ny + PAD) + ny + threads)
+        let group = self.group().div_ceil(2) * (ny + PAD);
+        size_of::<ComplexPair>() * (group + threads) + size_of::<Complex<f64>>() * ny
     }
 
     /// Columns of a group.
@@ -104,34 +109,47 @@ impl Synthesis {
         let mut column = reserved(ny)?;
         column.resize(ny, Complex::default());
         if self.filter.columns() > nx / 2 {
-            self.fill_columns(noise, nx / 2, &mut column, ny);
+            let mut pairs = reserved(ny)?;
+            pairs.resize(ny, ComplexPair::default());
+            self.fill_columns(noise, nx / 2..nx / 2 + 1, &mut pairs, ny);
+            for (value, pair) in column.iter_mut().zip(&pairs) {
+                [*value, _] = pair.numbers();
+            }
         }
         Ok(column)
     }
 
-    /// Draws columns from `first` on, `stride` apart, and transforms them along y.
+    /// Draws columns and transforms them along y, into `pairs` of columns, `stride` apart.
     fn fill_columns(
         &self,
         noise: &Noise,
-        first: usize,
-        columns: &mut [Complex<f64>],
+        columns: Range<usize>,
+        pairs: &mut [ComplexPair],
         stride: usize,
     ) {
         let [ny, nx] = self.shape;
-        columns
+        pairs
             .par_chunks_exact_mut(stride)
             .enumerate()
             .for_each_init(
                 || {
                     (
                         vec![0.0; ny / 2 + 1],
-                        vec![Complex::default(); self.column_inverse.get_inplace_scratch_len()],
+                        vec![Complex::default(); 2 * ny],
+                        self.along_y.room(),
                     )
                 },
-                |(amplitudes, scratch), (i, column)| {
-                    let column = &mut column[..ny];
-                    spectrum::fill_column(&self.filter, noise, nx, first + i, amplitudes, column);
-                    self.column_inverse.process_with_scratch(column, scratch);
+                |(amplitudes, two, room), (i, pairs)| {
+                    let columns = columns.clone().skip(2 * i);
+                    for (ix, column) in columns.zip(two.chunks_exact_mut(ny)) {
+                        spectrum::fill_column(&self.filter, noise, nx, ix, amplitudes, column);
+                    }
+                    let (first, second) = two.split_at(ny);
+                    let numbers = first
+                        .iter()
+                        .zip(second)
+                        .map(|(a, b)| ComplexPair::new([*a, *b]));
+                    pairs[..ny].copy_from_slice(self.along_y.transform(numbers, room));
                 },
             );
     }
@@ -146,55 +164,48 @@ impl Synthesis {
         let nx = self.shape[1];
         let columns = self.columns_in_place();
         heights
-            .par_chunks_exact_mut(nx)
-            .zip(outside)
+            .par_chunks_mut(2 * nx)
+            .zip(outside.par_chunks(2))
             .map_init(
-                || {
-                    (
-                        self.row_inverse.make_input_vec(),
-                        self.row_inverse.make_scratch_vec(),
-                    )
-                },
-                |(half, scratch), (row, &last)| {
+                || (self.along_x.spectra(), self.along_x.room()),
+                |(spectra, room), (rows, last)| {
                     if gives_up() {
                         return false;
                     }
-                    let (pairs, _) = row.as_chunks::<2>();
-                    for (value, &[re, im]) in half.iter_mut().zip(&pairs[..columns]) {
-                        *value = Complex { re, im };
+                    // The only row twice if there is none besides
+                    let [first, second] = [&rows[..nx], &rows[rows.len() - nx..]]
+                        .map(|row| &row.as_chunks::<2>().0[..columns]);
+                    for ((pair, a), b) in spectra.iter_mut().zip(first).zip(second) {
+                        *pair = ComplexPair::new([a, b].map(|&[re, im]| Complex { re, im }));
                     }
-                    half[columns..].fill(Complex::default());
-                    half[nx / 2] = last;
-                    // Rounding leaves an imaginary part where symmetry allows none.
-                    half[0].im = 0.0;
-                    if nx.is_multiple_of(2) {
-                        half[nx / 2].im = 0.0;
-                    }
-                    let done = self.row_inverse.process_with_scratch(half, row, scratch);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                    are_allowed(row)
+                    spectra[columns..].fill(ComplexPair::default());
+                    spectra[nx / 2] = ComplexPair::new([last[0], last[last.len() - 1]]);
+                    let (first, second) = rows.split_at_mut(nx);
+                    self.along_x.inverse(spectra, [first, second], room);
+                    are_allowed(rows)
                 },
             )
             .reduce(|| true, |a, b| a & b)
     }
 }
 
-/// Writes the numbers that `columns` have from row `iy` on into `rows`, from column `ix` on.
+/// Writes the numbers that `columns` have from row `iy` on into `rows`; they stand in pairs, `stride` apart.
 fn turn(
-    columns: &[Complex<f64>],
+    pairs: &[ComplexPair],
     stride: usize,
     iy: usize,
     rows: &mut [f64],
     nx: usize,
-    ix: usize,
+    columns: Range<usize>,
 ) {
-    for (tile, columns) in columns.chunks(TILE * stride).enumerate() {
+    for (tile, pairs) in pairs.chunks(TILE / 2 * stride).enumerate() {
         for (i, row) in rows.chunks_exact_mut(nx).enumerate() {
-            let (pairs, _) = row.as_chunks_mut::<2>();
-            let pairs = pairs[ix + tile * TILE..].iter_mut();
-            for (pair, column) in pairs.zip(columns.chunks_exact(stride)) {
-                let value = column[iy + i];
-                *pair = [value.re, value.im];
+            let (places, _) = row.as_chunks_mut::<2>();
+            let places = places[columns.clone()][tile * TILE..].chunks_mut(2);
+            for (places, pairs) in places.zip(pairs.chunks_exact(stride)) {
+                for (place, value) in places.iter_mut().zip(pairs[iy + i].numbers()) {
+                    *place = [value.re, value.im];
+                }
             }
         }
     }

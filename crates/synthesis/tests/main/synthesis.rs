@@ -240,8 +240,7 @@ fn finer_grid_has_the_same_surface() {
     }
 }
 
-/// Numbers that must stay as they are from one version to the next, to 1e-9 sigma: processors round
-/// their FFTs differently.
+/// Numbers that must stay as they are from one version to the next, but for rounding.
 #[test]
 fn heights_of_a_seed_stay_as_published() {
     let psd = Psd::gaussian(1.0, 4.0).unwrap();
