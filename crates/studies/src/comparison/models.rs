@@ -185,25 +185,32 @@ impl Compared<'_> {
         } else {
             Azimuth::From(self.incidence().phi() + PI)
         };
-        let expect = |model: &CaseModel| {
+        let expect = |model: &CaseModel, effort: SamplingEffort| {
             let (incidence, spec) = (self.incidence(), self.spec());
             model.expect(incidence, spec, azimuth, effort, observer)
         };
         let is_tabulated = model
             .density()
             .is_some_and(|density| density.tabulated().is_some());
+        let expectation = expect(&model, effort)?;
         let expectation = match self.mirror() {
-            Some(mirror) if is_tabulated => expect(&model)?.folded(&mirror),
-            _ => expect(&model)?,
+            Some(mirror) if is_tabulated || !expectation.is_exact() => expectation.folded(&mirror),
+            _ => expectation,
         };
         let tallies = match (self.regions, &model) {
             _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
             // Models of layers between flat faces know of no slopes.
             (Some(regions), CaseModel::Surface(_)) => {
+                // Their noise is multiplied by the shifts of regions, which are small beside the steps.
+                let effort = SamplingEffort {
+                    rays: effort.rays.div_ceil(10),
+                    ..effort
+                };
                 let derivatives = regions.derivatives(|slopes| {
                     let surface = self.surface.with_slopes(slopes);
                     let model = CaseModel::of(model.name(), &surface)?;
-                    Ok::<_, StudyError>(expect(&model)?.statistics().means().clone())
+                    let expectation = expect(&model, effort)?;
+                    Ok::<_, StudyError>(expectation.statistics().means().clone())
                 })?;
                 Cow::Owned(regions.adjusted(&self.outcome.surfaces, &derivatives))
             }
