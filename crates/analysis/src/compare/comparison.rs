@@ -2,10 +2,9 @@
 
 use serde::Serialize;
 
+use crate::compare::flips::{Flips, LANES};
 use crate::compare::input::{ComparisonError, Expected, RayCount, validate};
-use crate::compare::sign_flip::{
-    Scale, SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test,
-};
+use crate::compare::sign_flip::{Scale, SignFlipTest, Untested, sign_flip_test};
 
 /// Flux by which a bin of a correct model may differ from that of the surfaces: ten times the error allowed in
 /// quadrature.
@@ -209,12 +208,12 @@ fn total_variation(residuals: &[Vec<f64>], offsets: &[f64], seed: u64) -> TotalV
         .iter()
         .map(|d| d.iter().zip(offsets).map(|(d, o)| d - o).collect())
         .collect();
+    let flips = Flips::random(residuals.len(), NOISE_FLIPS + 1, seed);
+    let add =
+        |sum: f64, [sums]: &[[f64; LANES]; 1]| sum + sums.iter().map(|x| x.abs()).sum::<f64>();
+    let mut distances = flips.fold([&centred], add, |a, b| a + b);
     // The first flip is the data themselves, whose centred sum is zero: it is no draw of noise.
-    let signs = flip_signs(residuals.len(), NOISE_FLIPS + 1, false, seed);
-    let mut distances = vec![0.0; NOISE_FLIPS];
-    flipped_sums(&[&centred], &signs[residuals.len()..], |flip, _, [sums]| {
-        distances[flip] += sums.iter().map(|x| x.abs()).sum::<f64>();
-    });
+    distances.remove(0);
     // Deviations from the mean have (R - 1) / R of the variance of the surfaces.
     let scale = 0.5 / count * (count / (count - 1.0)).sqrt();
     for distance in &mut distances {

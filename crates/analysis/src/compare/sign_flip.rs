@@ -32,9 +32,9 @@
 //! Fisher 1935; Westfall and Young 1993 for the maximum over correlated tests; Hall 1992, On the
 //! removal of skewness by transformation.
 
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
+
+use crate::compare::flips::{Flips, LANES};
 
 /// Fewest surfaces for a test.
 pub(crate) const MIN_SURFACES: usize = 6;
@@ -116,63 +116,6 @@ pub enum Untested {
     NoBins,
 }
 
-/// Signs of `surfaces` rows for `flips` flips, flip by flip; the first is the data themselves.
-pub(crate) fn flip_signs(surfaces: usize, flips: usize, exhaustive: bool, seed: u64) -> Vec<f64> {
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut signs = Vec::with_capacity(surfaces * flips);
-    for flip in 0..flips {
-        let mut bits = 0;
-        for row in 0..surfaces {
-            let negative = if exhaustive {
-                // The last row keeps its sign: a flip and its negative are the same.
-                row + 1 < surfaces && flip >> row & 1 == 1
-            } else {
-                if row % 64 == 0 {
-                    bits = rng.next_u64();
-                }
-                flip > 0 && bits >> (row % 64) & 1 == 1
-            };
-            signs.push(if negative { -1.0 } else { 1.0 });
-        }
-    }
-    signs
-}
-
-/// Calls `visit(flip, first column, sums)` with `sum_r sign[flip][r] rows[r][column]` of each of
-/// `tables`, for blocks of columns small enough to stay in the nearest cache.
-pub(crate) fn flipped_sums<const N: usize>(
-    tables: &[&[Vec<f64>]; N],
-    signs: &[f64],
-    mut visit: impl FnMut(usize, usize, [&[f64]; N]),
-) {
-    const BLOCK: usize = 32;
-    let rows = tables[0].len();
-    let columns = tables[0].first().map_or(0, Vec::len);
-    for first in (0..columns).step_by(BLOCK) {
-        let width = BLOCK.min(columns - first);
-        let blocks = tables.map(|table| -> Vec<[f64; BLOCK]> {
-            let padded = |row: &Vec<f64>| {
-                let mut padded = [0.0; BLOCK];
-                padded[..width].copy_from_slice(&row[first..first + width]);
-                padded
-            };
-            table.iter().map(padded).collect()
-        });
-        for (flip, signs) in signs.chunks_exact(rows).enumerate() {
-            let sums = blocks.each_ref().map(|block| {
-                let mut sums = [0.0; BLOCK];
-                for (row, &sign) in block.iter().zip(signs) {
-                    for (sum, x) in sums.iter_mut().zip(row) {
-                        *sum += sign * x;
-                    }
-                }
-                sums
-            });
-            visit(flip, first, sums.each_ref().map(|sums| &sums[..width]));
-        }
-    }
-}
-
 /// Student's `|t|` of `r` residuals, from their sum, scaled so that the sum of their squares is one.
 fn plain_t(sum: f64, r: f64) -> f64 {
     let mean = sum / r;
@@ -183,19 +126,32 @@ fn plain_t(sum: f64, r: f64) -> f64 {
     (mean * ((r - 1.0) / variance).sqrt()).abs()
 }
 
-/// `|t|` with Hall's correction, from the sum of `r` residuals and the sum of their cubes, scaled
-/// so that the sum of their squares is one.
-fn corrected_t(sum: f64, cubes: f64, r: f64) -> f64 {
-    let mean = sum / r;
-    let variance = 1.0 / r - mean * mean;
-    if variance <= 1e-12 / r {
-        return f64::INFINITY;
+/// The square of `t` with Hall's correction, from the sum of `r` residuals and the sum of their cubes, scaled so that the sum of
+/// their squares is one. One division and no root, in a form that is compiled for several columns at once.
+#[inline(always)]
+fn squared_t(sum: f64, cubes: f64, r: f64) -> f64 {
+    let of_each = 1.0 / r;
+    let mean = sum * of_each;
+    let variance = of_each - mean * mean;
+    let precision = 1.0 / variance;
+    let third = cubes * of_each - 3.0 * of_each * mean + 2.0 * mean * mean * mean;
+    // Skewness times the standard deviation, and times S.
+    let g = third * precision;
+    let gs = g * mean * precision;
+    let corrected =
+        mean + mean * gs * (1.0 / 3.0 + gs * (1.0 / 27.0)) + g * (of_each * (1.0 / 6.0));
+    let squared = r * precision * corrected * corrected;
+    if variance <= 1e-12 * of_each {
+        f64::INFINITY
+    } else {
+        squared
     }
-    let deviation = variance.sqrt();
-    let third = cubes / r - 3.0 * mean / r + 2.0 * mean * mean * mean;
-    let g = third / (variance * deviation);
-    let s = mean / deviation;
-    (r.sqrt() * (s + g * s * s / 3.0 + g * g * s * s * s / 27.0 + g / (6.0 * r))).abs()
+}
+
+/// The larger one of two numbers; unlike `f64::max`, one instruction.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// Tests the residuals of all scales, each of the same surfaces in the same order.
@@ -211,16 +167,16 @@ pub(crate) fn sign_flip_test(scales: &[Scale<'_>], seed: u64) -> Result<SignFlip
         });
     }
     let exhaustive = surfaces <= EXHAUSTIVE_SURFACES;
-    let flips = if exhaustive {
-        1 << (surfaces - 1)
+    let of_surfaces = if exhaustive {
+        Flips::all(surfaces)
     } else {
-        RANDOM_FLIPS + 1
+        Flips::random(surfaces, RANDOM_FLIPS + 1, seed)
     };
-    let signs = flip_signs(surfaces, flips, exhaustive, seed);
+    let flips = of_surfaces.count();
     let mut tests = Vec::new();
     let mut smallest = vec![flips; flips];
     for scale in scales.iter().filter(|scale| !scale.members.is_empty()) {
-        let (largest, member, max_t) = largest_t(scale, &signs, flips);
+        let (largest, member, max_t) = largest_t(scale, &of_surfaces);
         let ranks = ranks(&largest);
         tests.push(ScaleTest {
             name: scale.name.to_owned(),
@@ -260,13 +216,12 @@ fn ranks(values: &[f64]) -> Vec<usize> {
 }
 
 /// The largest corrected `|t|` of one scale for every flip, which member has it in the data, and the largest plain `|t|` of the data.
-fn largest_t(scale: &Scale<'_>, signs: &[f64], flips: usize) -> (Vec<f64>, usize, f64) {
+fn largest_t(scale: &Scale<'_>, flips: &Flips) -> (Vec<f64>, usize, f64) {
     let Scale {
         residuals,
         members: bins,
         ..
     } = scale;
-    let surfaces = residuals.len();
     // Columns of unit length; a bin without any residual agrees whatever the flip, and stays zero.
     let norms: Vec<f64> = bins
         .iter()
@@ -286,28 +241,34 @@ fn largest_t(scale: &Scale<'_>, signs: &[f64], flips: usize) -> (Vec<f64>, usize
     };
     let (firsts, cubes) = (power(1), power(3));
 
-    let mut largest = vec![0.0_f64; flips];
+    let r = residuals.len() as f64;
     let mut observed = (0.0_f64, 0);
     let mut plain = 0.0_f64;
-    flipped_sums(&[&firsts, &cubes], signs, |flip, first, [sums, cubes]| {
-        let mut max = 0.0_f64;
-        for (i, (&sum, &cube)) in sums.iter().zip(cubes).enumerate() {
-            let t = corrected_t(sum, cube, surfaces as f64);
-            max = max.max(t);
-            if flip == 0 {
-                plain = plain.max(plain_t(sum, surfaces as f64));
-                if t > observed.0 {
-                    observed = (t, first + i);
-                }
-            }
+    for i in 0..bins.len() {
+        let sum = |rows: &[Vec<f64>]| rows.iter().map(|row| row[i]).sum::<f64>();
+        plain = plain.max(plain_t(sum(&firsts), r));
+        let t = squared_t(sum(&firsts), sum(&cubes), r);
+        if t > observed.0 {
+            observed = (t, i);
         }
-        largest[flip] = largest[flip].max(max);
-    });
+    }
+    let of_block = |largest: f64, [sums, cubes]: &[[f64; LANES]; 2]| {
+        let mut t = [0.0; LANES];
+        for (t, (&sum, &cubes)) in t.iter_mut().zip(sums.iter().zip(cubes)) {
+            *t = squared_t(sum, cubes, r);
+        }
+        t.into_iter().fold(largest, larger)
+    };
+    let squares = flips.fold([&firsts, &cubes], of_block, larger);
+    let largest = squares.into_iter().map(f64::sqrt).collect();
     (largest, bins[observed.1], plain)
 }
 
 #[cfg(test)]
 mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
 
     /// The test on the scale of bins alone.
@@ -318,32 +279,6 @@ mod tests {
             members,
         };
         sign_flip_test(&[scale], 0).unwrap()
-    }
-
-    #[test]
-    fn exhaustive_flips_are_all_distinct_up_to_a_common_sign() {
-        let surfaces = 7;
-        let flips = 1 << (surfaces - 1);
-        let signs = flip_signs(surfaces, flips, true, 0);
-        assert!(signs[..surfaces].iter().all(|&s| s == 1.0));
-        let mut seen: Vec<Vec<i8>> = signs
-            .chunks(surfaces)
-            .map(|flip| flip.iter().map(|&s| (s * flip[0]) as i8).collect())
-            .collect();
-        seen.sort();
-        seen.dedup();
-        assert_eq!(seen.len(), flips);
-    }
-
-    #[test]
-    fn random_flips_start_with_the_data_and_repeat_with_the_seed() {
-        let signs = flip_signs(100, 50, false, 3);
-        assert!(signs[..100].iter().all(|&s| s == 1.0));
-        assert_eq!(signs, flip_signs(100, 50, false, 3));
-        assert_ne!(signs, flip_signs(100, 50, false, 4));
-        let sum: f64 = signs[100..].iter().sum();
-        // 4900 fair signs: standard deviation 70.
-        assert!(sum.abs() < 280.0, "{sum}");
     }
 
     #[test]
@@ -387,8 +322,8 @@ mod tests {
         let (variance, mean) = (3.0 / 16.0_f64, 0.25);
         let (s, g) = (mean / variance.sqrt(), 3.0 / 32.0 / variance.powf(1.5));
         let expected = 2.0 * (s + g * s * s / 3.0 + g * g * s.powi(3) / 27.0 + g / 24.0);
-        assert!((corrected_t(1.0, 1.0, 4.0) - expected).abs() < 1e-14);
-        assert_eq!(corrected_t(-1.0, -1.0, 4.0), corrected_t(1.0, 1.0, 4.0));
+        assert!((squared_t(1.0, 1.0, 4.0) - expected * expected).abs() < 1e-14);
+        assert_eq!(squared_t(-1.0, -1.0, 4.0), squared_t(1.0, 1.0, 4.0));
     }
 
     #[test]
@@ -405,17 +340,64 @@ mod tests {
         assert!((of_bins(&skewed, &[0]).scales[0].max_t - 1.0).abs() < 1e-13);
     }
 
+    /// `|t|` with Hall's correction, step by step.
+    fn plainly_corrected_t(residuals: impl Iterator<Item = f64> + Clone) -> f64 {
+        let r = residuals.clone().count() as f64;
+        let mean = residuals.clone().sum::<f64>() / r;
+        let moment = |power| {
+            residuals
+                .clone()
+                .map(|d| (d - mean).powi(power))
+                .sum::<f64>()
+                / r
+        };
+        let variance = moment(2);
+        if variance <= 1e-12 * mean * mean {
+            return if mean == 0.0 { 0.0 } else { f64::INFINITY };
+        }
+        let (s, g) = (mean / variance.sqrt(), moment(3) / variance.powf(1.5));
+        (r.sqrt() * (s + g * s * s / 3.0 + g * g * s.powi(3) / 27.0 + g / (6.0 * r))).abs()
+    }
+
     #[test]
-    fn blocks_of_columns_cover_every_bin() {
-        let rows: Vec<Vec<f64>> = (0..3)
-            .map(|r| (0..150).map(|b| f64::from(r * 1000 + b)).collect())
-            .collect();
-        let mut sums = vec![f64::NAN; 150];
-        flipped_sums(&[&rows], &[1.0, -1.0, 1.0], |_, first, [block]| {
-            sums[first..first + block.len()].copy_from_slice(block);
-        });
-        for (b, sum) in sums.iter().enumerate() {
-            assert_eq!(*sum, b as f64 + 1000.0);
+    fn every_flip_has_the_t_of_its_residuals() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        for (surfaces, columns) in [(6, 3), (13, 40), (30, 150), (70, 9)] {
+            // Skewed, and of very different sizes; the first column is dark, the second the same on all surfaces.
+            let mut value = |column: usize| match column {
+                0 => 0.0,
+                1 => 0.3,
+                _ => 10_f64.powi(-(column as i32 % 9)) * ((3.0 * rng.random::<f64>()).exp() - 5.0),
+            };
+            let residuals: Vec<Vec<f64>> = (0..surfaces)
+                .map(|_| (0..columns).map(&mut value).collect())
+                .collect();
+            let flips = if surfaces < 14 {
+                Flips::all(surfaces)
+            } else {
+                Flips::random(surfaces, 300, 1)
+            };
+            for members in [
+                vec![0],
+                (0..columns).step_by(2).collect(),
+                (0..columns).collect(),
+            ] {
+                let scale = Scale {
+                    name: "bins",
+                    residuals: &residuals,
+                    members: &members,
+                };
+                let (largest, _, _) = largest_t(&scale, &flips);
+                for (found, signs) in largest.iter().zip(flips.signs(surfaces)) {
+                    let t = |&column: &usize| {
+                        let rows = residuals.iter().zip(&signs);
+                        plainly_corrected_t(rows.map(|(row, sign)| sign * row[column]))
+                    };
+                    let expected = members.iter().map(t).fold(0.0, f64::max);
+                    let near = (found - expected).abs() <= 1e-11 * expected;
+                    assert!(near || *found == expected, "{found} {expected}");
+                }
+            }
         }
     }
 }
