@@ -24,10 +24,11 @@ use crate::output::stopping::PilotFigures;
 /// Number of the first surface of a pilot run; those of results end far before.
 pub(crate) const FIRST: u64 = 1 << 40;
 
-/// Surfaces of the pilot run: their variance is known to a third.
+/// Surfaces of the pilot run: their variance is known to a half. For as many rays in all, fewer surfaces take less time, and the noise of
+/// their rays hides less of that variance.
 pub(crate) const PLAN: SurfacePlan = SurfacePlan {
-    surfaces: 16,
-    rays: 16 << 11,
+    surfaces: 8,
+    rays: 8 << 12,
 };
 
 /// Rays of the pilot run on one surface, in blocks of 64 strata along a side.
@@ -37,21 +38,21 @@ pub(crate) const PLAN_ON_ONE: SurfacePlan = SurfacePlan {
 };
 
 /// Nanoseconds that a cell takes to be drawn and built into the pyramid: processor time of one thread on
-/// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which were
-/// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
-const CELL_NS: f64 = 8.0;
+/// a machine with AVX-512 (EPYC 9005), from surfaces of 64 x 64 to 512 x 512. What counts is its ratio to those below, which were
+/// measured on the same machine from `s = 0.5` to 8, and hold to about a quarter: the optimum is flat.
+const CELL_NS: f64 = 23.0;
 
-/// Nanoseconds of a smooth cell, whose bounds take longer: chosen by its ratio to the time of rays among smooth cells.
-const SMOOTH_CELL_NS: f64 = 40.0;
+/// Nanoseconds of a smooth cell, whose bounds take longer.
+const SMOOTH_CELL_NS: f64 = 66.0;
 
-/// Nanoseconds of overhead per surface and case: streams, tallies, their sums.
-const SURFACE_NS: f64 = 50_000.0;
+/// Nanoseconds of overhead per surface and case: streams, tallies, their sums, saving them.
+const SURFACE_NS: f64 = 800_000.0;
 
 /// Nanoseconds that a segment takes to be searched, with what happens at its end.
-pub(super) const SEGMENT_NS: f64 = 200.0;
+pub(super) const SEGMENT_NS: f64 = 250.0;
 
 /// Nanoseconds that a segment takes of which slopes tell that it meets nothing.
-const SKIPPED_NS: f64 = 20.0;
+const SKIPPED_NS: f64 = 40.0;
 
 /// Nanoseconds of overhead per ray, without its segments.
 pub(super) const RAY_NS: f64 = 60.0;
@@ -71,9 +72,9 @@ const FEWEST: f64 = 8.0;
 /// uncertain themselves.
 const MARGIN: f64 = 1.1;
 
-/// Variance between surfaces is taken to be at least its own standard error, below which a pilot run cannot tell it from none; of
-/// few entries, whose scatter is little known, at least this part of the scatter.
-const LEAST_OF_SURFACES: f64 = 0.1;
+/// Variance between surfaces is taken to be at least its own standard error, or this part of the scatter if that is less. Bins of surfaces
+/// of default size have 2 to 15 % of it from `s = 0.5` to 2, which a pilot run can hardly tell from none.
+const LEAST_OF_SURFACES: f64 = 0.03;
 
 /// Figures of one case by a pilot run.
 #[derive(Clone, Copy, Debug)]

@@ -18,7 +18,7 @@ const MIN_BLOCKS_OF_ALL: u64 = 16;
 /// Fewest blocks of each of several surfaces: their scatter is the error of the rays.
 const MIN_BLOCKS_OF_EACH: u64 = 2;
 
-/// Fewest blocks of a pilot run on one surface.
+/// Fewest blocks of each surface of a pilot run, whose scatter is to be told from that of surfaces.
 pub(crate) const PILOT_BLOCKS: u64 = 16;
 
 /// Number of surfaces, and of rays on all of them.
@@ -75,7 +75,7 @@ impl StageRun<'_> {
         let SurfacePlan { surfaces, rays } = self.plan;
         let fewest = match self.surfaces {
             Surfaces::Built(_, Some(_)) => MIN_BLOCKS_OF_EACH,
-            Surfaces::Built(_, None) if self.stage != Stage::Result => PILOT_BLOCKS,
+            _ if self.stage != Stage::Result => PILOT_BLOCKS,
             _ => fewest_blocks(surfaces),
         };
         let rays = rays.div_ceil(surfaces * self.windows_of_one());
