@@ -162,13 +162,14 @@ const TALLY: [(&str, &[&str]); 7] = [
 ];
 
 /// Folders of height fields, each with those that it may use.
-const SURFACE: [(&str, &[&str]); 6] = [
+const SURFACE: [(&str, &[&str]); 7] = [
     ("numbers", &[]),
     ("height_field", &["numbers"]),
     ("spline", &["height_field"]),
     ("slopes", &["height_field", "spline"]),
     ("editing", &["height_field", "numbers"]),
     ("roughness", &["editing", "height_field"]),
+    ("quick_roughness", &["height_field", "roughness"]),
 ];
 
 /// Folders of random surfaces, each with those that it may use.

@@ -15,6 +15,7 @@
 mod editing;
 mod height_field;
 mod numbers;
+mod quick_roughness;
 mod roughness;
 mod slopes;
 mod spline;
@@ -28,6 +29,7 @@ pub use height_field::{
     are_allowed, check_grid,
 };
 pub use numbers::{short, short_below};
+pub use quick_roughness::QuickRoughness;
 pub use roughness::{
     AxisAutocorrelation, FunctionalParameters, HeightBlocks, Histogram, Iso25178, PowerSpectrum,
     Roughness, SpatialParameters, SpectralRing, SteepestFacet, Triangle,

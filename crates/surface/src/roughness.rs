@@ -13,8 +13,9 @@ use std::f64::consts::SQRT_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use self::correlation::one_over_e_lag;
-pub(crate) use self::correlation::{Axis, axis_autocorrelation};
+pub(crate) use self::correlation::{
+    Axis, all_lines, axis_autocorrelation, one_over_e_lag, spread_lines,
+};
 use self::slopes::slope_moments;
 use crate::height_field::mean_height;
 use crate::{Border, HeightField, LengthUnit};
@@ -114,12 +115,16 @@ impl Roughness {
             + slopes.mean[1].powi(2);
         let sdq = gradient_squared.sqrt();
 
-        let length = |axis, spacing| {
-            let correlation = axis_autocorrelation(field, moments.mean, axis);
+        let length = |axis, lines, spacing| {
+            let lines = all_lines(lines);
+            let correlation = axis_autocorrelation(field, moments.mean, axis, &lines);
             one_over_e_lag(&correlation).map(|lag| lag * spacing)
         };
         let (tau_x, tau_y) = if sq > 0.0 {
-            (length(Axis::X, dx), length(Axis::Y, dy))
+            (
+                length(Axis::X, field.ny(), dx),
+                length(Axis::Y, field.nx(), dy),
+            )
         } else {
             (None, None)
         };
@@ -172,47 +177,68 @@ fn height_moments(field: &HeightField) -> HeightMoments {
     let n = field.heights().len() as f64;
     let mean = mean_height(field);
 
-    // Row sums of |d|, d^2, d^3, d^4, and the extremes; the rows are then added in order.
-    let rows: Vec<[f64; 6]> = field
+    // Sums of |d|, d^2, d^3 and d^4 of each row; the rows are then added in order
+    let rows: Vec<Vec<[f64; 4]>> = field
         .heights()
-        .par_chunks_exact(field.nx())
-        .map(|row| {
-            let start = [0.0, 0.0, 0.0, 0.0, f64::NEG_INFINITY, f64::INFINITY];
-            row.iter().fold(start, |[s1, s2, s3, s4, max, min], h| {
-                let d = h - mean;
-                let d2 = d * d;
-                [
-                    s1 + d.abs(),
-                    s2 + d2,
-                    s3 + d2 * d,
-                    s4 + d2 * d2,
-                    max.max(d),
-                    min.min(d),
-                ]
-            })
+        .par_chunks(ROWS * field.nx())
+        .map(|block| {
+            let rows: Vec<&[f64]> = block.chunks_exact(field.nx()).collect();
+            match <[&[f64]; ROWS]>::try_from(rows.as_slice()) {
+                Ok(rows) => deviation_sums(rows, mean).to_vec(),
+                Err(_) => rows
+                    .iter()
+                    .flat_map(|row| deviation_sums([*row], mean))
+                    .collect(),
+            }
         })
         .collect();
-    let [s1, s2, s3, s4, highest, lowest] = rows.iter().fold(
-        [0.0, 0.0, 0.0, 0.0, f64::NEG_INFINITY, f64::INFINITY],
-        |[s1, s2, s3, s4, max, min], row| {
-            [
-                s1 + row[0],
-                s2 + row[1],
-                s3 + row[2],
-                s4 + row[3],
-                max.max(row[4]),
-                min.min(row[5]),
-            ]
-        },
-    );
+    let [s1, s2, s3, s4] = rows
+        .iter()
+        .flatten()
+        .fold([0.0; 4], |sums, row| [0, 1, 2, 3].map(|i| sums[i] + row[i]));
+    let [lowest, highest] = field.range();
     let variance = s2 / n;
     HeightMoments {
         mean,
         variance,
         absolute: s1 / n,
-        highest,
-        lowest,
+        highest: highest - mean,
+        lowest: lowest - mean,
         skewness: s3 / n / (variance * variance.sqrt()),
         kurtosis: s4 / n / (variance * variance),
+    }
+}
+
+/// Rows that are summed side by side, since each addition to a sum of a row waits for the last one.
+const ROWS: usize = 4;
+
+/// Sums of |d|, d^2, d^3 and d^4 over each of some rows of equal length, d being the difference of a height from `mean`.
+fn deviation_sums<const N: usize>(rows: [&[f64]; N], mean: f64) -> [[f64; 4]; N] {
+    let mut sums = [[0.0; 4]; N];
+    let length = rows[0].len();
+    let rows = rows.map(|row| &row[..length]);
+    for i in 0..length {
+        for (sums, row) in sums.iter_mut().zip(rows) {
+            let d = row[i] - mean;
+            let d2 = d * d;
+            let [s1, s2, s3, s4] = *sums;
+            *sums = [s1 + d.abs(), s2 + d2, s3 + d2 * d, s4 + d2 * d2];
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_side_by_side_have_the_sums_of_each() {
+        let heights: Vec<f64> = (0..4 * 37).map(|i| f64::from(i * i % 61) * 0.37).collect();
+        let rows: [&[f64]; 4] = std::array::from_fn(|k| &heights[37 * k..37 * (k + 1)]);
+        let alone = rows.map(|row| deviation_sums([row], 7.3)[0]);
+        assert_eq!(deviation_sums(rows, 7.3), alone);
+        let d = rows[2].iter().map(|h| h - 7.3);
+        assert_eq!(alone[2][3], d.fold(0.0, |sum, d| sum + d * d * (d * d)));
     }
 }

@@ -1,6 +1,11 @@
 //! Steps of heights from the last samples to the first, as a periodic border has them.
 
+use rayon::prelude::*;
+
 use super::field::HeightField;
+
+/// Columns that one task takes.
+const COLUMNS: usize = 256;
 
 impl HeightField {
     /// Root mean square step of the heights from the last sample to the first, over that between neighbours, along x
@@ -10,18 +15,37 @@ impl HeightField {
     #[must_use]
     pub fn border_steps(&self) -> [f64; 2] {
         let [ny, nx] = self.shape();
-        let step = |a: [usize; 2], b: [usize; 2]| {
-            (self.height(a[0], a[1]) - self.height(b[0], b[1])).powi(2)
-        };
+        let row = |iy: usize| &self.heights()[iy * nx..][..nx];
+        let step = |(a, b): (&f64, &f64)| (a - b).powi(2);
         let along_x = |iy: usize| {
-            let inside: f64 = (1..nx).map(|ix| step([ix, iy], [ix - 1, iy])).sum();
-            [step([0, iy], [nx - 1, iy]), inside / (nx - 1) as f64]
+            let heights = row(iy);
+            let inside: f64 = heights[1..].iter().zip(heights).map(step).sum();
+            [
+                step((&heights[0], &heights[nx - 1])),
+                inside / (nx - 1) as f64,
+            ]
         };
-        let along_y = |ix: usize| {
-            let inside: f64 = (1..ny).map(|iy| step([ix, iy], [ix, iy - 1])).sum();
-            [step([ix, 0], [ix, ny - 1]), inside / (ny - 1) as f64]
+        let along_y = |block: usize| {
+            let columns = block * COLUMNS..nx.min((block + 1) * COLUMNS);
+            let mut inside = vec![0.0; columns.len()];
+            for iy in 1..ny {
+                let steps = row(iy)[columns.clone()]
+                    .iter()
+                    .zip(&row(iy - 1)[columns.clone()]);
+                for (sum, step) in inside.iter_mut().zip(steps.map(step)) {
+                    *sum += step;
+                }
+            }
+            let over = row(0)[columns.clone()].iter().zip(&row(ny - 1)[columns]);
+            let of_columns = over.map(step).zip(inside);
+            of_columns
+                .map(|(border, inside)| [border, inside / (ny - 1) as f64])
+                .collect::<Vec<_>>()
         };
-        [ratio((0..ny).map(along_x)), ratio((0..nx).map(along_y))]
+        let rows: Vec<[f64; 2]> = (0..ny).into_par_iter().map(along_x).collect();
+        let blocks = (0..nx.div_ceil(COLUMNS)).into_par_iter().map(along_y);
+        let blocks: Vec<Vec<[f64; 2]>> = blocks.collect();
+        [ratio(rows.into_iter()), ratio(blocks.into_iter().flatten())]
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::border::Border;
 use super::error::{HeightFieldError, MAX_HEIGHT};
 use super::grid::check_grid;
@@ -148,6 +150,25 @@ impl HeightField {
     #[must_use]
     pub fn shared_heights(&self) -> Arc<Vec<f64>> {
         Arc::clone(&self.heights)
+    }
+
+    /// Lowest and highest height of the samples.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        const NONE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+        let of_both = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        let of_block = |block: &[f64]| {
+            let mut lanes = [NONE; 8];
+            for heights in block.chunks(lanes.len()) {
+                for ([low, high], h) in lanes.iter_mut().zip(heights) {
+                    *low = if *h < *low { *h } else { *low };
+                    *high = if *h > *high { *h } else { *high };
+                }
+            }
+            lanes.into_iter().fold(NONE, of_both)
+        };
+        let blocks = self.heights.par_chunks(1 << 16).map(of_block);
+        blocks.reduce(|| NONE, of_both)
     }
 
     /// Returns `true` if all heights are equal.

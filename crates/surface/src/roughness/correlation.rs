@@ -45,23 +45,39 @@ impl AxisAutocorrelation {
     #[must_use]
     pub fn of(field: &HeightField) -> Self {
         let mean = mean_height(field);
+        let [rows, columns] = field.shape().map(all_lines);
         Self {
-            along_x: axis_autocorrelation(field, mean, Axis::X),
-            along_y: axis_autocorrelation(field, mean, Axis::Y),
+            along_x: axis_autocorrelation(field, mean, Axis::X, &rows),
+            along_y: axis_autocorrelation(field, mean, Axis::Y, &columns),
         }
     }
 }
 
+/// Numbers of all of so many lines.
+pub(crate) fn all_lines(lines: usize) -> Vec<usize> {
+    (0..lines).collect()
+}
+
+/// Numbers of at most `most` lines, evenly spread.
+pub(crate) fn spread_lines(lines: usize, most: usize) -> Vec<usize> {
+    let count = lines.min(most);
+    (0..count).map(|i| i * lines / count).collect()
+}
+
 /// Autocorrelation `sum (h(i) - mean) (h(i + lag) - mean) / pairs` for lags 0 to `n / 2` along
-/// `axis`, averaged over all lines.
+/// `axis`, averaged over lines of these numbers.
 ///
 /// A periodic field wraps around. Any other is padded with zeros, and each lag is divided by the
 /// number of pairs it has; what lies beyond a mirrored border is not counted twice.
-pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -> Vec<f64> {
-    let (nx, ny) = (field.nx(), field.ny());
-    let (n, lines) = match axis {
-        Axis::X => (nx, ny),
-        Axis::Y => (ny, nx),
+pub(crate) fn axis_autocorrelation(
+    field: &HeightField,
+    mean: f64,
+    axis: Axis,
+    lines: &[usize],
+) -> Vec<f64> {
+    let n = match axis {
+        Axis::X => field.nx(),
+        Axis::Y => field.ny(),
     };
     let longest = n / 2;
     let padded = match field.border() {
@@ -71,11 +87,9 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
     let transform = RealFourierTransform::new(padded);
 
     // Power spectra, summed over the lines of each task and then over the tasks in order
-    let sum_of_powers = |task: usize| {
-        let first = task * LINES;
-        let count = LINES.min(lines - first);
-        let mut block = vec![0.0; count * padded];
-        copy_lines(field, mean, axis, first, &mut block, padded);
+    let sum_of_powers = |lines: &[usize]| {
+        let mut block = vec![0.0; lines.len() * padded];
+        copy_lines(field, mean, axis, lines, &mut block, padded);
         let mut spectra = transform.spectra();
         let mut room = transform.room();
         let mut power = vec![0.0; transform.waves()];
@@ -90,10 +104,7 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         }
         power
     };
-    let tasks: Vec<Vec<f64>> = (0..lines.div_ceil(LINES))
-        .into_par_iter()
-        .map(sum_of_powers)
-        .collect();
+    let tasks: Vec<Vec<f64>> = lines.par_chunks(LINES).map(sum_of_powers).collect();
     let mut spectrum = vec![0.0; transform.waves()];
     for power in &tasks {
         for (sum, value) in spectrum.iter_mut().zip(power) {
@@ -113,36 +124,34 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
             Border::Periodic => n,
             Border::Mirrored | Border::Open => n - lag,
         };
-        *value /= padded as f64 * pairs as f64 * lines as f64;
+        *value /= padded as f64 * pairs as f64 * lines.len() as f64;
     }
     correlation
 }
 
-/// Copies the lines along `axis` from number `first` on, without `mean`, to the beginnings of those of
-/// `block`, which are `padded` long.
+/// Copies lines along `axis`, without `mean`, to the beginnings of those of `block`, which are `padded` long.
 fn copy_lines(
     field: &HeightField,
     mean: f64,
     axis: Axis,
-    first: usize,
+    lines: &[usize],
     block: &mut [f64],
     padded: usize,
 ) {
     let nx = field.nx();
     match axis {
         Axis::X => {
-            for (j, line) in block.chunks_exact_mut(padded).enumerate() {
-                let row = &field.heights()[(first + j) * nx..][..nx];
+            for (number, line) in lines.iter().zip(block.chunks_exact_mut(padded)) {
+                let row = &field.heights()[number * nx..][..nx];
                 for (value, h) in line.iter_mut().zip(row) {
                     *value = h - mean;
                 }
             }
         }
         Axis::Y => {
-            let count = block.len() / padded;
             for (iy, row) in field.heights().chunks_exact(nx).enumerate() {
-                for (j, h) in row[first..][..count].iter().enumerate() {
-                    block[j * padded + iy] = h - mean;
+                for (j, number) in lines.iter().enumerate() {
+                    block[j * padded + iy] = row[*number] - mean;
                 }
             }
         }
@@ -213,7 +222,11 @@ mod tests {
             for border in [Border::Periodic, Border::Open, Border::Mirrored] {
                 let field = field.clone().with_border(border);
                 for axis in [Axis::X, Axis::Y] {
-                    let quick = axis_autocorrelation(&field, 0.1, axis);
+                    let lines = all_lines(match axis {
+                        Axis::X => ny,
+                        Axis::Y => nx,
+                    });
+                    let quick = axis_autocorrelation(&field, 0.1, axis, &lines);
                     let direct = directly(&field, 0.1, axis);
                     assert_eq!(quick.len(), direct.len());
                     for (a, b) in quick.iter().zip(&direct) {
@@ -222,6 +235,12 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn lines_are_evenly_spread() {
+        assert_eq!(spread_lines(5, 8), all_lines(5));
+        assert_eq!(spread_lines(11, 4), [0, 2, 5, 8]);
     }
 
     #[test]

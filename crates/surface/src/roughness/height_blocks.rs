@@ -4,6 +4,7 @@ use std::f64::consts::{LN_2, PI, TAU};
 
 use asperity_numerics::elementary::{exp, sin_cos};
 use num_complex::Complex;
+use rayon::prelude::*;
 
 use crate::HeightField;
 
@@ -43,29 +44,37 @@ impl HeightBlocks {
     /// Measures the samples of a height map, which follow a smooth profile, and one with steps, better than facets between them.
     #[must_use]
     pub fn of(field: &HeightField) -> Self {
-        let heights = field.heights();
-        let range = heights.iter().fold(
-            [f64::INFINITY, f64::NEG_INFINITY],
-            |[low, high]: [f64; 2], &h| [low.min(h), high.max(h)],
-        );
-        let mut sums = Sums::within(range);
+        let range = field.range();
         let [ny, nx] = field.shape();
-        for (i, &height) in heights.iter().enumerate() {
-            let (ix, iy) = (i % nx, i / nx);
-            let block = iy * BLOCKS / ny * BLOCKS + ix * BLOCKS / nx;
-            // The nearer neighbour along each axis, since a step may lie on the other side
-            let near = |a: f64, b: f64| (a - height).abs().min((b - height).abs());
-            let along_x = near(field.height(ix + nx - 1, iy), field.height(ix + 1, iy));
-            let along_y = near(field.height(ix, iy + ny - 1), field.height(ix, iy + 1));
-            sums.add_point(block, height, 1.0, along_x.max(along_y));
-        }
-        Self(sums.blocks())
+        let first = |block: usize, n: usize| (block * n).div_ceil(BLOCKS);
+        let row_of_blocks = |block_row: usize| {
+            let mut sums = Sums::within(range, BLOCKS);
+            for iy in first(block_row, ny)..first(block_row + 1, ny) {
+                let row = |iy: usize| &field.heights()[iy % ny * nx..][..nx];
+                let [below, own, above] = [row(iy + ny - 1), row(iy), row(iy + 1)];
+                for block in 0..BLOCKS {
+                    for ix in first(block, nx)..first(block + 1, nx) {
+                        let height = own[ix];
+                        // The nearer neighbour along each axis, since a step may lie on the other side
+                        let near = |a: f64, b: f64| (a - height).abs().min((b - height).abs());
+                        let left = if ix > 0 { ix - 1 } else { nx - 1 };
+                        let right = if ix + 1 < nx { ix + 1 } else { 0 };
+                        let along_x = near(own[left], own[right]);
+                        let along_y = near(below[ix], above[ix]);
+                        sums.add_point(block, height, 1.0, along_x.max(along_y));
+                    }
+                }
+            }
+            sums.blocks()
+        };
+        let rows: Vec<Vec<Vec<Bin>>> = (0..BLOCKS).into_par_iter().map(row_of_blocks).collect();
+        Self(rows.concat())
     }
 
     /// Measures facets by their corners: places along x and y from 0 to 1 over the tile, and heights within `range`.
     #[must_use]
     pub fn of_facets(facets: impl Iterator<Item = [[f64; 3]; 3]>, range: [f64; 2]) -> Self {
-        let mut sums = Sums::within(range);
+        let mut sums = Sums::within(range, BLOCKS * BLOCKS);
         for facet in facets {
             let [a, b, c] = facet;
             let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -155,7 +164,8 @@ struct Sums {
 }
 
 impl Sums {
-    fn within([lowest, highest]: [f64; 2]) -> Self {
+    /// Of so many `blocks`, and heights from the lowest to the highest.
+    fn within([lowest, highest]: [f64; 2], blocks: usize) -> Self {
         let per_height = match highest > lowest {
             true => BINS as f64 / (highest - lowest),
             false => 0.0,
@@ -163,7 +173,7 @@ impl Sums {
         Self {
             lowest,
             per_height,
-            bins: vec![[0.0; 4]; BLOCKS * BLOCKS * BINS],
+            bins: vec![[0.0; 4]; blocks * BINS],
         }
     }
 

@@ -54,10 +54,7 @@ impl Histogram {
     pub fn of_heights(field: &HeightField) -> Option<Self> {
         let mean = mean_height(field);
         let heights = field.heights();
-        let lowest = heights.iter().fold(f64::INFINITY, |low, h| low.min(*h));
-        let highest = heights
-            .iter()
-            .fold(f64::NEG_INFINITY, |high, h| high.max(*h));
+        let [lowest, highest] = field.range();
         let bins = Bins::new([lowest - mean, highest - mean], HEIGHT_BINS)?;
         let counts = heights.par_chunks(field.nx()).map(|row| {
             let values = row.iter().map(|h| h - mean);
@@ -75,10 +72,10 @@ impl Histogram {
     /// If heights, and so slopes, are whole multiples of a step, each slope counts as spread evenly over one step.
     #[must_use]
     pub fn of_slopes(field: &HeightField) -> Option<[Self; 2]> {
-        let [_, cy] = field.cells();
-        let steepest = (0..cy).into_par_iter().map(|iy| {
-            let components = slopes_of_row(field, iy).flatten();
-            components.fold(0.0_f64, |most, slope| most.max(slope.abs()))
+        let largest = |slopes: Vec<f64>| slopes.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+        let steepest = (0..field.ny()).into_par_iter().map(|iy| {
+            let along_y = (iy < field.cells()[1]).then(|| field.slopes_along_y(iy));
+            largest(field.slopes_along_x(iy)).max(along_y.map_or(0.0, largest))
         });
         let steepest = steepest.reduce(|| 0.0, f64::max);
         let [xx, _, yy] = field.slope_moments().second;
@@ -164,9 +161,28 @@ fn slope_levels(field: &HeightField, axis: usize, width: f64) -> Option<Levels> 
     Levels::of(slopes.map(|slope| slope[axis]).collect(), width)
 }
 
+/// Counts of the slopes of all facets along an axis. Facets on both sides of a line of the grid share the slope along it.
 fn slope_counts(field: &HeightField, axis: usize, bins: &Bins) -> Vec<u64> {
-    let rows = (0..field.cells()[1]).into_par_iter();
-    let counts = rows.map(|iy| bins.count(slopes_of_row(field, iy).map(|slope| slope[axis])));
+    let ([nx, ny], [cx, cy]) = ([field.nx(), field.ny()], field.cells());
+    let times = |counts: Vec<u64>, factor: u64| counts.into_iter().map(move |n| factor * n);
+    let counts = (0..if axis == 0 { ny } else { cy })
+        .into_par_iter()
+        .map(|iy| {
+            if axis == 0 {
+                let is_edge = cy < ny && (iy == 0 || iy == ny - 1);
+                let counts = bins.count(field.slopes_along_x(iy).into_iter());
+                return times(counts, if is_edge { 1 } else { 2 }).collect();
+            }
+            let slopes = &field.slopes_along_y(iy)[..nx];
+            let twice = times(bins.count(slopes.iter().copied()), 2);
+            let ends = if cx < nx {
+                vec![slopes[0], slopes[nx - 1]]
+            } else {
+                Vec::new()
+            };
+            let once = bins.count(ends.into_iter());
+            twice.zip(once).map(|(all, ends)| all - ends).collect()
+        });
     counts.reduce(|| bins.none(), added)
 }
 

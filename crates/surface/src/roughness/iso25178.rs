@@ -9,6 +9,7 @@ mod spatial;
 #[cfg(test)]
 mod tests;
 
+use rayon::join;
 use serde::Serialize;
 
 use self::hybrid::developed_area_ratio;
@@ -52,10 +53,19 @@ impl Iso25178 {
     /// Measures a surface. Numbers do not depend on the number of threads.
     #[must_use]
     pub fn of(field: &HeightField) -> Self {
+        let (functional, (sdr, spatial)) = join(
+            || FunctionalParameters::of(field),
+            || {
+                join(
+                    || developed_area_ratio(field),
+                    || SpatialParameters::of(field),
+                )
+            },
+        );
         Self {
-            functional: FunctionalParameters::of(field),
-            sdr: developed_area_ratio(field),
-            spatial: SpatialParameters::of(field),
+            functional,
+            sdr,
+            spatial,
         }
     }
 }

@@ -76,51 +76,40 @@ fn cell_slopes(
 pub(crate) fn slope_moments(field: &HeightField) -> SlopeMoments {
     let [cells_x, cells_y] = field.cells();
     let facets = 2.0 * cells_x as f64 * cells_y as f64;
-
-    let sums = sum_rows(field, |sum, [sx, sy]| {
-        sum[0] += sx;
-        sum[1] += sy;
-    });
-    let mean = [sums[0] / facets, sums[1] / facets];
-
-    let sums = sum_rows(field, |sum, [sx, sy]| {
-        sum[0] += (sx - mean[0]).powi(2);
-        sum[1] += (sy - mean[1]).powi(2);
-    });
-    let variance = [sums[0] / facets, sums[1] / facets];
-
+    let mean_of = |rows: &[RowSums]| {
+        let total = rows.iter().fold([0.0; 2], |total, row| {
+            [total[0] + row.sum[0], total[1] + row.sum[1]]
+        });
+        total.map(|total| total / facets)
+    };
+    let rows = sums_of_rows(field, None);
+    let mean = mean_of(&rows);
+    // The first of the steepest rows
+    let mut best = 0;
+    for (iy, row) in rows.iter().enumerate() {
+        if row.steepest > rows[best].steepest {
+            best = iy;
+        }
+    }
     SlopeMoments {
         mean,
-        variance,
-        steepest: steepest(field),
+        variance: mean_of(&sums_of_rows(field, Some(mean))),
+        steepest: steepest_of_row(field, best),
     }
 }
 
-/// The first of the steepest facets, row by row.
-fn steepest(field: &HeightField) -> SteepestFacet {
-    let best_of_row = |iy: usize| {
-        let mut best = (f64::NEG_INFINITY, 0, Triangle::Lower, [0.0; 2]);
-        for (ix, facets) in row_slopes(field, iy).enumerate() {
-            for ([sx, sy], triangle) in facets.into_iter().zip([Triangle::Lower, Triangle::Upper]) {
-                let square = sx * sx + sy * sy;
-                if square > best.0 {
-                    best = (square, ix, triangle, [sx, sy]);
-                }
+/// The first of the steepest facets of row `iy`.
+fn steepest_of_row(field: &HeightField, iy: usize) -> SteepestFacet {
+    let mut best = (f64::NEG_INFINITY, 0, Triangle::Lower, [0.0; 2]);
+    for (ix, facets) in row_slopes(field, iy).enumerate() {
+        for ([sx, sy], triangle) in facets.into_iter().zip([Triangle::Lower, Triangle::Upper]) {
+            let square = sx * sx + sy * sy;
+            if square > best.0 {
+                best = (square, ix, triangle, [sx, sy]);
             }
         }
-        best
-    };
-    let rows: Vec<_> = (0..field.cells()[1])
-        .into_par_iter()
-        .map(best_of_row)
-        .collect();
-    let mut best = (rows[0], 0);
-    for (iy, &row) in rows.iter().enumerate() {
-        if row.0 > best.0.0 {
-            best = (row, iy);
-        }
     }
-    let ((_, ix, triangle, [sx, sy]), iy) = best;
+    let (_, ix, triangle, [sx, sy]) = best;
     let slope = hypot(sx, sy);
     SteepestFacet {
         ix,
@@ -131,22 +120,260 @@ fn steepest(field: &HeightField) -> SteepestFacet {
     }
 }
 
-/// Sums something over all facets, each row on its own and then the rows in order, so that the
+/// Sums over the facets of a row of cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RowSums {
+    /// Slopes along x and y, or their squared differences from means, added in the order of the facets.
+    sum: [f64; 2],
+    /// Largest squared gradient; of differences it has no meaning.
+    steepest: f64,
+}
+
+impl RowSums {
+    const NONE: Self = Self {
+        sum: [0.0; 2],
+        steepest: f64::NEG_INFINITY,
+    };
+}
+
+/// Rows of cells that are summed side by side, since each addition to the sum of a row waits for the last one.
+const ROWS: usize = 4;
+
+/// Sums over the facets of each row of cells: of slopes, or of their squared differences from `mean`. Rows are summed on their own, so that the
 /// number of threads changes nothing.
-fn sum_rows(field: &HeightField, add: impl Fn(&mut [f64; 2], [f64; 2]) + Sync) -> [f64; 2] {
-    let rows: Vec<[f64; 2]> = (0..field.cells()[1])
-        .into_par_iter()
-        .map(|iy| {
-            let mut sum = [0.0; 2];
-            for [lower, upper] in row_slopes(field, iy) {
-                add(&mut sum, lower);
-                add(&mut sum, upper);
+fn sums_of_rows(field: &HeightField, mean: Option<[f64; 2]>) -> Vec<RowSums> {
+    by_blocks(
+        field,
+        |iy| sums_of_row(field, iy, mean),
+        |first| sums_of_block(field, first, mean),
+    )
+}
+
+/// Sums over one row of cells, facet by facet.
+fn sums_of_row(field: &HeightField, iy: usize, mean: Option<[f64; 2]>) -> RowSums {
+    let facets = row_slopes(field, iy).flatten();
+    facets.fold(RowSums::NONE, |row, [sx, sy]| {
+        let square = sx * sx + sy * sy;
+        let [x, y] = match mean {
+            None => [sx, sy],
+            Some(mean) => [(sx - mean[0]).powi(2), (sy - mean[1]).powi(2)],
+        };
+        RowSums {
+            sum: [row.sum[0] + x, row.sum[1] + y],
+            steepest: if square > row.steepest {
+                square
+            } else {
+                row.steepest
+            },
+        }
+    })
+}
+
+/// Sums over [`ROWS`] rows of cells from `first` on, none of them turned: bit by bit those of [`sums_of_row`].
+fn sums_of_block(field: &HeightField, first: usize, mean: Option<[f64; 2]>) -> [RowSums; ROWS] {
+    let RowBlock { mut x, mut y } = RowBlock::of(field, first);
+    let mut rows = [RowSums::NONE; ROWS];
+    match mean {
+        None => {
+            for (k, row) in rows.iter_mut().enumerate() {
+                let square = |(sx, sy): (&f64, &f64)| sx * sx + sy * sy;
+                let lower = x[k].iter().zip(&y[k][1..]).map(square);
+                let upper = x[k + 1].iter().zip(&y[k]).map(square);
+                let larger = lower.zip(upper).map(|(a, b)| if b > a { b } else { a });
+                row.steepest = largest(&larger.collect::<Vec<_>>());
             }
-            sum
+        }
+        Some(mean) => {
+            let square = |slopes: &mut Vec<f64>, mean: f64| {
+                slopes.iter_mut().for_each(|s| *s = (*s - mean).powi(2));
+            };
+            x.iter_mut().for_each(|slopes| square(slopes, mean[0]));
+            y.iter_mut().for_each(|slopes| square(slopes, mean[1]));
+        }
+    }
+    let cells = field.cells()[0];
+    let x = x.each_ref().map(|slopes| &slopes[..cells]);
+    let y = y.each_ref().map(|slopes| &slopes[..=cells]);
+    for ix in 0..cells {
+        for (k, row) in rows.iter_mut().enumerate() {
+            row.sum = [
+                row.sum[0] + x[k][ix] + x[k + 1][ix],
+                row.sum[1] + y[k][ix + 1] + y[k][ix],
+            ];
+        }
+    }
+    rows
+}
+
+/// Slopes of some rows of cells, each once.
+struct RowBlock {
+    /// Along x at both edges of the rows: those of the lower triangles of a row, and then of its upper ones.
+    x: [Vec<f64>; ROWS + 1],
+    /// Along y at both ends of the cells: those of upper triangles, and from the second on of lower ones.
+    y: [Vec<f64>; ROWS],
+}
+
+impl RowBlock {
+    /// Rows of cells from `first` on.
+    fn of(field: &HeightField, first: usize) -> Self {
+        Self {
+            x: std::array::from_fn(|k| field.slopes_along_x((first + k) % field.ny())),
+            y: std::array::from_fn(|k| field.slopes_along_y(first + k)),
+        }
+    }
+}
+
+impl HeightField {
+    /// Slopes along x between the samples of a row, from the first cell of the tile to its last.
+    pub(crate) fn slopes_along_x(&self, iy: usize) -> Vec<f64> {
+        let nx = self.nx();
+        let (heights, dx) = (&self.heights()[iy * nx..][..nx], self.spacing()[0]);
+        let steps = heights.iter().zip(&heights[1..]);
+        let mut slopes: Vec<f64> = steps.map(|(a, b)| (b - a) / dx).collect();
+        slopes.extend((self.cells()[0] == nx).then(|| (heights[0] - heights[nx - 1]) / dx));
+        slopes
+    }
+
+    /// Slopes along y between the samples of a row and of the next one, at both ends of each cell of the tile.
+    pub(crate) fn slopes_along_y(&self, iy: usize) -> Vec<f64> {
+        let (nx, ny, dy) = (self.nx(), self.ny(), self.spacing()[1]);
+        let row = |iy: usize| &self.heights()[iy % ny * nx..][..nx];
+        let steps = row(iy).iter().zip(row(iy + 1));
+        let mut slopes: Vec<f64> = steps.map(|(a, b)| (b - a) / dy).collect();
+        slopes.extend((self.cells()[0] == nx).then(|| slopes[0]));
+        slopes
+    }
+
+    /// Sums of functions of the slopes of each row of cells, in the order of the facets.
+    pub(crate) fn facet_sums<const N: usize>(
+        &self,
+        of: impl Fn([f64; 2]) -> [f64; N] + Sync,
+    ) -> Vec<[f64; N]> {
+        let [cells, _] = self.cells();
+        let added = |sum: [f64; N], values: [f64; N]| std::array::from_fn(|i| sum[i] + values[i]);
+        let of_row = |iy: usize| {
+            let facets = row_slopes(self, iy).flatten();
+            facets.fold([0.0; N], |sum, slopes| added(sum, of(slopes)))
+        };
+        let of_rows = |first: usize| {
+            let RowBlock { x, y } = RowBlock::of(self, first);
+            let values = |x: &[f64], y: &[f64]| -> Vec<[f64; N]> {
+                let slopes = x.iter().zip(y).take(cells);
+                slopes.map(|(sx, sy)| of([*sx, *sy])).collect()
+            };
+            let lower: [_; ROWS] = std::array::from_fn(|k| values(&x[k], &y[k][1..]));
+            let upper: [_; ROWS] = std::array::from_fn(|k| values(&x[k + 1], &y[k]));
+            let mut sums = [[0.0; N]; ROWS];
+            for ix in 0..cells {
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum = added(added(*sum, lower[k][ix]), upper[k][ix]);
+                }
+            }
+            sums
+        };
+        by_blocks(self, of_row, of_rows)
+    }
+}
+
+/// Results for each row of cells: by `of_rows` for [`ROWS`] rows at a time, by `of_row` where cells are turned or fewer rows are left.
+fn by_blocks<T: Send>(
+    field: &HeightField,
+    of_row: impl Fn(usize) -> T + Sync,
+    of_rows: impl Fn(usize) -> [T; ROWS] + Sync,
+) -> Vec<T> {
+    let rows = field.cells()[1];
+    let of_block = |block: usize| -> Vec<T> {
+        let first = ROWS * block;
+        match first + ROWS <= rows && field.turned_cells().is_none() {
+            true => of_rows(first).into(),
+            false => (first..rows.min(first + ROWS)).map(&of_row).collect(),
+        }
+    };
+    let blocks = (0..rows.div_ceil(ROWS)).into_par_iter();
+    blocks.flat_map_iter(of_block).collect()
+}
+
+/// Largest of some numbers, compared in lanes; minus infinity of none.
+fn largest(numbers: &[f64]) -> f64 {
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let mut lanes = [f64::NEG_INFINITY; 8];
+    for numbers in numbers.chunks(lanes.len()) {
+        for (lane, number) in lanes.iter_mut().zip(numbers) {
+            *lane = larger(*lane, *number);
+        }
+    }
+    lanes.into_iter().fold(f64::NEG_INFINITY, larger)
+}
+
+impl HeightField {
+    /// Mean slope of the facets along x and along y, where it exceeds their root mean square difference from it: the tilt.
+    #[must_use]
+    pub fn tilt(&self) -> [Option<f64>; 2] {
+        if !self.may_be_tilted() {
+            return [None; 2];
+        }
+        let moments = slope_moments(self);
+        [0, 1].map(|axis| {
+            let mean = moments.mean[axis];
+            (mean * mean > moments.variance[axis]).then_some(mean)
         })
-        .collect();
-    rows.iter()
-        .fold([0.0; 2], |sum, row| [sum[0] + row[0], sum[1] + row[1]])
+    }
+
+    /// Returns `false` if facets of the first rows suffice to tell that there is no tilt.
+    fn may_be_tilted(&self) -> bool {
+        let ([nx, ny], [cx, cy], [dx, dy]) = ([self.nx(), self.ny()], self.cells(), self.spacing());
+        let (mut across, mut up) = (0.0, 0.0);
+        if cx < nx {
+            // Facets on both sides of all lines but the first and the last
+            let inner = |i: usize, n: usize| if i == 0 || i == n - 1 { 1.0 } else { 2.0 };
+            let steps =
+                (0..ny).map(|iy| inner(iy, ny) * (self.height(nx - 1, iy) - self.height(0, iy)));
+            across = steps.sum::<f64>() / dx;
+            let steps =
+                (0..nx).map(|ix| inner(ix, nx) * (self.height(ix, ny - 1) - self.height(ix, 0)));
+            up = steps.sum::<f64>() / dy;
+        }
+        // Mean squares are at least those of a tilt twice over, with room for rounding
+        let enough = [across, up].map(|sum| 4.0 * sum * sum / (2.0 * cx as f64 * cy as f64));
+        let mut squares = [0.0; 2];
+        for iy in 0..cy {
+            for [sx, sy] in row_slopes(self, iy).flatten() {
+                squares = [squares[0] + sx * sx, squares[1] + sy * sy];
+            }
+            if squares[0] > enough[0] && squares[1] > enough[1] {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The steepest facet, if its slope exceeds `slope`.
+    #[must_use]
+    pub fn steeper_than(&self, slope: f64) -> Option<SteepestFacet> {
+        let (nx, ny, [dx, dy]) = (self.nx(), self.ny(), self.spacing());
+        let row = |iy: usize| &self.heights()[iy % ny * nx..][..nx];
+        let step = |a: &[f64], b: &[f64]| {
+            largest(
+                &a.iter()
+                    .zip(b)
+                    .map(|(a, b)| (b - a).abs())
+                    .collect::<Vec<_>>(),
+            )
+        };
+        // Steps over a border count as well, which bounds those of any border
+        let of_row = |iy: usize| {
+            let here = row(iy);
+            let around = (here[nx - 1] - here[0]).abs();
+            [step(here, &here[1..]).max(around), step(here, row(iy + 1))]
+        };
+        let steps = (0..ny).into_par_iter().map(of_row);
+        let [x, y] = steps.reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let bound = (x / dx).hypot(y / dy);
+        // With room for rounding
+        let may_be = bound > slope * (1.0 - 1e-9);
+        let steepest = may_be.then(|| slope_moments(self).steepest);
+        steepest.filter(|facet| facet.slope > slope)
+    }
 }
 
 /// Slopes of the two facets of each cell of row `iy`.
@@ -169,6 +396,69 @@ mod tests {
 
     use super::*;
     use crate::{Border, TurnedCells};
+
+    #[test]
+    fn sums_over_facets_are_those_of_each_row() {
+        let [ny, nx] = [11, 6];
+        let heights = (0..nx * ny).map(|i| ((i * i) as f64 * 0.37).sin());
+        let field = HeightField::new(heights.collect(), [ny, nx], [0.3, 0.7]).unwrap();
+        let turned = TurnedCells::new([ny, nx], |ix, iy| (ix + iy) % 3 == 0);
+        let turned = field.clone().with_turned_cells(Some(Arc::new(turned)));
+        for field in [field.clone(), field.with_border(Border::Open), turned] {
+            let found = field.facet_sums(|[x, y]| [x * y, x.powi(3)]);
+            let [columns, rows] = field.cells();
+            for (iy, found) in (0..rows).zip(found) {
+                let facets = (0..columns).flat_map(|ix| field.facet_slopes(ix, iy));
+                let sum = facets.fold([0.0; 2], |sum, [x, y]| [sum[0] + x * y, sum[1] + x.powi(3)]);
+                assert_eq!(found, sum);
+            }
+        }
+    }
+
+    #[test]
+    fn tilt_and_steepest_facet_are_those_of_all_slopes() {
+        let [ny, nx] = [7, 10];
+        for (tilt, slope) in [(0.0, 0.0), (0.3, 2.0), (4.0, 2.0), (-9.0, 9.0)] {
+            let heights =
+                (0..nx * ny).map(|i| ((i * i) as f64 * 0.37).sin() + tilt * 0.5 * (i % nx) as f64);
+            let field = HeightField::new(heights.collect(), [ny, nx], [0.5, 2.0]).unwrap();
+            for border in [Border::Periodic, Border::Open] {
+                let field = field.clone().with_border(border);
+                let all = slope_moments(&field);
+                let expected = [0, 1].map(|axis| {
+                    let mean = all.mean[axis];
+                    (mean * mean > all.variance[axis]).then_some(mean)
+                });
+                assert_eq!(field.tilt(), expected, "{tilt} {border}");
+                assert_eq!(
+                    expected[0].is_some(),
+                    tilt.abs() > 1.0 && border == Border::Open
+                );
+                let steepest = Some(all.steepest).filter(|facet| facet.slope > slope);
+                assert_eq!(field.steeper_than(slope), steepest, "{tilt} {border}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_side_by_side_have_the_sums_of_each() {
+        for [ny, nx] in [[2, 2], [5, 9], [12, 31]] {
+            let heights = (0..nx * ny).map(|i| ((i * i) as f64 * 0.37).sin());
+            let field = HeightField::new(heights.collect(), [ny, nx], [0.3, 0.7]).unwrap();
+            for border in [Border::Periodic, Border::Open] {
+                let field = field.clone().with_border(border);
+                for mean in [None, Some([0.1, -0.2])] {
+                    let rows = sums_of_rows(&field, mean);
+                    assert_eq!(rows.len(), field.cells()[1]);
+                    for (iy, row) in rows.iter().enumerate() {
+                        let alone = sums_of_row(&field, iy, mean);
+                        assert_eq!(row.sum, alone.sum, "{ny} {nx} {border} {iy}");
+                        assert!(mean.is_some() || row.steepest == alone.steepest);
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn facets_follow_the_diagonal_from_their_cell() {

@@ -7,6 +7,8 @@ mod tests;
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::window::multiply_by_hann;
 use crate::{Border, Form, HeightField, HeightFieldError};
 use asperity_numerics::elementary::hypot;
@@ -109,12 +111,20 @@ impl PowerSpectrum {
     pub fn rings(&self) -> Vec<SpectralRing> {
         let [ny, nx] = self.shape;
         let width = self.steps[0].max(self.steps[1]);
-        let wave_number = |i: usize, n: usize| i.min(n - i) as f64;
+        // Wave numbers of a quarter of the plane, which are those of all
+        let quarter: Vec<Vec<f64>> = (0..=ny / 2)
+            .into_par_iter()
+            .map(|iy| {
+                let ky = iy as f64 * self.steps[1];
+                let along_x = (0..=nx / 2).map(|ix| hypot(ky, ix as f64 * self.steps[0]));
+                along_x.collect()
+            })
+            .collect();
         let mut rings: Vec<SpectralRing> = Vec::new();
         for (iy, row) in self.densities.chunks_exact(nx).enumerate() {
-            let ky = wave_number(iy, ny) * self.steps[1];
+            let along_x = &quarter[iy.min(ny - iy)];
             for (ix, density) in row.iter().enumerate().skip(usize::from(iy == 0)) {
-                let k = hypot(ky, wave_number(ix, nx) * self.steps[0]);
+                let k = along_x[ix.min(nx - ix)];
                 let ring = (k / width).round() as usize;
                 if ring >= rings.len() {
                     rings.resize(ring + 1, SpectralRing::EMPTY);

@@ -66,10 +66,18 @@ impl HeightField {
     /// Moments of the slopes of all facets. Numbers do not depend on the number of threads.
     #[must_use]
     pub fn slope_moments(&self) -> SlopeMoments {
-        let [cx, cy] = self.border().cells([self.nx(), self.ny()]);
-        let of_row =
-            |iy: usize| SlopeMoments::sum((0..cx).flat_map(move |ix| self.facet_slopes(ix, iy)));
-        let rows: Vec<SlopeMoments> = (0..cy).into_par_iter().map(of_row).collect();
+        let [cx, cy] = self.cells();
+        let rows = self.facet_sums(|[x, y]| {
+            let square = x * x + y * y;
+            [x * x, x * y, y * y, square * square]
+        });
+        let rows: Vec<SlopeMoments> = rows
+            .into_iter()
+            .map(|[xx, xy, yy, fourth]| SlopeMoments {
+                second: [xx, xy, yy],
+                fourth,
+            })
+            .collect();
         SlopeMoments::mean(&rows, 2 * cx * cy)
     }
 }

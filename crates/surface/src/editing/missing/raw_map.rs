@@ -79,7 +79,9 @@ impl RawHeightMap {
                 ny,
             });
         }
-        if let Some(i) = heights.iter().position(|h| h.is_infinite()) {
+        // Without early exit, which would keep this from being compiled to vector instructions
+        let any_infinite = heights.iter().fold(false, |any, h| any | h.is_infinite());
+        if any_infinite && let Some(i) = heights.iter().position(|h| h.is_infinite()) {
             return Err(HeightFieldError::NotFinite {
                 ix: i % nx,
                 iy: i / nx,

@@ -1,5 +1,6 @@
 //! Functional parameters: heights and volumes of core, peaks and valleys.
 
+use rayon::join;
 use serde::Serialize;
 
 use super::material_ratio::MaterialRatioCurve;
@@ -48,8 +49,6 @@ impl FunctionalParameters {
         // Triangles with the areas of what is above and below the core
         let smr1 = curve.first_ratio(line.top);
         let smr2 = curve.last_ratio(line.bottom);
-        let peaks = curve.integral([0.0, smr1], |_, height| height - line.top);
-        let valleys = curve.integral([smr2, 1.0], |_, height| line.bottom - height);
         let triangle = |area: f64, base: f64| if base > 0.0 { 2.0 * area / base } else { 0.0 };
 
         // Volumes of material above and of void below the height at a ratio
@@ -61,7 +60,17 @@ impl FunctionalParameters {
             let level = curve.height(ratio);
             curve.integral([ratio, 1.0], |_, height| level - height)
         };
-        let (vmp, vvv) = (material(PEAK), void(VALLEY));
+        let peaks = || curve.integral([0.0, smr1], |_, height| height - line.top);
+        let valleys = || curve.integral([smr2, 1.0], |_, height| line.bottom - height);
+        let ((peaks, valleys), ((vmp, vvv), (all_material, all_void))) = join(
+            || join(peaks, valleys),
+            || {
+                join(
+                    || join(|| material(PEAK), || void(VALLEY)),
+                    || join(|| material(VALLEY), || void(PEAK)),
+                )
+            },
+        );
         Self {
             sk: line.top - line.bottom,
             spk: triangle(peaks, smr1),
@@ -69,8 +78,8 @@ impl FunctionalParameters {
             smr1: 100.0 * smr1,
             smr2: 100.0 * smr2,
             vmp,
-            vmc: material(VALLEY) - vmp,
-            vvc: void(PEAK) - vvv,
+            vmc: all_material - vmp,
+            vvc: all_void - vvv,
             vvv,
         }
     }

@@ -99,17 +99,17 @@ impl MaterialRatioCurve {
     pub(super) fn central_region(&self) -> [f64; 2] {
         let ends = [0.0, self.heights.len() as f64 - 1.0].map(|sample| self.ratio(sample));
         // The fall is linear between places at which either end of the region is at a sample.
-        let places = (0..self.heights.len()).flat_map(|i| {
+        let places = (0..self.heights.len()).into_par_iter().flat_map_iter(|i| {
             let ratio = self.ratio(i as f64);
             [ratio, ratio - CENTRAL]
         });
-        let mut best = (f64::INFINITY, ends[0]);
-        for from in places.filter(|from| *from >= ends[0] && from + CENTRAL <= ends[1]) {
-            let fall = self.height(from) - self.height(from + CENTRAL);
-            if fall < best.0 || (fall == best.0 && from < best.1) {
-                best = (fall, from);
-            }
-        }
+        let inside = places.filter(|from| *from >= ends[0] && from + CENTRAL <= ends[1]);
+        let falls = inside.map(|from| (self.height(from) - self.height(from + CENTRAL), from));
+        let least = |a: (f64, f64), b: (f64, f64)| match b.0 < a.0 || (b.0 == a.0 && b.1 < a.1) {
+            true => b,
+            false => a,
+        };
+        let best = falls.reduce(|| (f64::INFINITY, ends[0]), least);
         [best.1, best.1 + CENTRAL]
     }
 
@@ -118,8 +118,11 @@ impl MaterialRatioCurve {
         let region = self.central_region();
         let middle = 0.5 * (region[0] + region[1]);
         let level = self.height(middle);
-        let mean = self.integral(region, |_, height| height - level) / CENTRAL;
-        let moment = self.integral(region, |ratio, height| (ratio - middle) * (height - level));
+        let (area, moment) = rayon::join(
+            || self.integral(region, |_, height| height - level),
+            || self.integral(region, |ratio, height| (ratio - middle) * (height - level)),
+        );
+        let mean = area / CENTRAL;
         let slope = moment / (CENTRAL.powi(3) / 12.0);
         Line {
             top: level + mean - slope * middle,
