@@ -14,6 +14,6 @@ pub use columns::columns;
 pub use fourier::{
     ComplexPair, FourierTransform, HalfPlane, RealFourierTransform, power_plane, transform_plane,
 };
-pub use hash::fnv1a;
+pub use hash::{fnv1a, hash_numbers};
 pub use roots::{quadratic_roots, root};
 pub use special::{beta_of_one_plus, exponential_integral, ln_normal_cdf};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asperity_numerics::elementary::exp;
 use asperity_simulate::RandomSurfaces;
-use asperity_surface::{Border, HeightBlocks, HeightField, LengthUnit, Roughness};
+use asperity_surface::{Border, HeightBlocks, HeightField, LengthUnit, QuickRoughness};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 
 /// Height, correlation length and curvature of a surface.
@@ -39,6 +39,11 @@ impl SurfaceLengths {
         }
     }
 
+    /// Returns `true` of a unit in which lengths are compared with a wavelength.
+    pub(crate) fn are_comparable(unit: LengthUnit) -> bool {
+        LengthUnit::Nanometre.conversion(unit).is_some()
+    }
+
     /// Fraction of a wave that stays coherent if a height `h` shifts its phase by `wave_number * h`, by the heights where they are
     /// known: `exp(-(wave_number sigma)^2)` of Gaussian ones, the mean over all surfaces of others.
     #[must_use]
@@ -70,10 +75,10 @@ impl SurfaceLengths {
         }
     }
 
-    /// Lengths of a height map, by neighbouring samples.
+    /// Lengths of a height map, by neighbouring samples; the correlation length is that of [`QuickRoughness`].
     #[must_use]
     pub fn of_field(field: &HeightField) -> Self {
-        let roughness = Roughness::of(field);
+        let roughness = QuickRoughness::of(field);
         let taus = [roughness.tau_x, roughness.tau_y].into_iter().flatten();
         Self {
             sigma: roughness.sq,
@@ -126,46 +131,44 @@ impl SurfaceLengths {
 
 /// Root mean square second derivative of the heights along the axis where it is larger, from neighbouring samples.
 fn root_mean_square_curvature(field: &HeightField) -> f64 {
-    let [ny, nx] = field.shape();
-    let [dx, dy] = field.spacing();
+    let ([ny, nx], [dx, dy]) = (field.shape(), field.spacing());
     // Over a periodic border there are as many as samples, else none at its two ends
     let range = |n: usize| match field.border() {
         Border::Periodic => 0..n,
         _ => 1..n.max(2) - 1,
     };
+    let (columns, rows) = (range(nx), range(ny));
+    let row = |iy: usize| &field.heights()[iy % ny * nx..][..nx];
     let second = |[a, b, c]: [f64; 3], d: f64| ((a - 2.0 * b + c) / (d * d)).powi(2);
-    let (mut along_x, mut along_y) = (Mean::default(), Mean::default());
+    let (mut along_x, mut along_y) = (0.0, 0.0);
+    let (mut of_x, mut of_y) = (vec![0.0; nx], vec![0.0; nx]);
     for iy in 0..ny {
-        for ix in range(nx) {
-            let three = [ix + nx - 1, ix, ix + 1].map(|ix| field.height(ix % nx, iy));
-            along_x.add(second(three, dx));
+        let here = row(iy);
+        for (value, three) in of_x[1..].iter_mut().zip(here.windows(3)) {
+            *value = second([three[0], three[1], three[2]], dx);
+        }
+        for ix in [0, nx - 1] {
+            let three = [ix + nx - 1, ix, ix + 1].map(|ix| here[ix % nx]);
+            of_x[ix] = match columns.contains(&ix) {
+                true => second(three, dx),
+                false => 0.0,
+            };
+        }
+        of_y.fill(0.0);
+        if rows.contains(&iy) {
+            let (before, after) = (row(iy + ny - 1), row(iy + 1));
+            for (ix, value) in of_y.iter_mut().enumerate() {
+                *value = second([before[ix], here[ix], after[ix]], dy);
+            }
+        }
+        // Both sums wait for their last additions at the same time
+        for (x, y) in of_x.iter().zip(&of_y) {
+            along_x += x;
+            along_y += y;
         }
     }
-    for iy in range(ny) {
-        for ix in 0..nx {
-            let three = [iy + ny - 1, iy, iy + 1].map(|iy| field.height(ix, iy % ny));
-            along_y.add(second(three, dy));
-        }
-    }
-    along_x.value().max(along_y.value()).sqrt()
-}
-
-/// A mean of numbers; zero without any.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: usize,
-}
-
-impl Mean {
-    fn add(&mut self, number: f64) {
-        self.sum += number;
-        self.count += 1;
-    }
-
-    fn value(&self) -> f64 {
-        self.sum / self.count.max(1) as f64
-    }
+    let counts = [columns.len() * ny, rows.len() * nx].map(|count| count.max(1) as f64);
+    (along_x / counts[0]).max(along_y / counts[1]).sqrt()
 }
 
 #[cfg(test)]
@@ -191,6 +194,34 @@ mod tests {
         // 16 by 32 correlation lengths leave about 1/4000 of speckle
         let [drawn, formula] = [&found, &exact].map(|one| one.coherent_fraction(0.5));
         assert!((drawn / formula - 1.0).abs() < 0.1, "{drawn} {formula}");
+    }
+
+    /// Second derivatives one by one.
+    #[test]
+    fn curvature_is_that_of_all_samples() {
+        for [ny, nx] in [[2, 2], [2, 5], [7, 2], [6, 9]] {
+            let heights = (0..nx * ny).map(|i| ((i * i) as f64 * 0.37).sin());
+            let field = HeightField::new(heights.collect(), [ny, nx], [0.5, 2.0]).unwrap();
+            for border in [Border::Periodic, Border::Open] {
+                let field = field.clone().with_border(border);
+                let inside =
+                    |i: usize, n: usize| border == Border::Periodic || (i > 0 && i + 1 < n);
+                let second = |[a, b, c]: [f64; 3], d: f64| ((a - 2.0 * b + c) / (d * d)).powi(2);
+                let (mut x, mut y) = ((0.0, 0.0_f64), (0.0, 0.0_f64));
+                for (ix, iy) in (0..nx * ny).map(|i| (i % nx, i / nx)) {
+                    if inside(ix, nx) {
+                        let three = [ix + nx - 1, ix, ix + 1].map(|ix| field.height(ix % nx, iy));
+                        x = (x.0 + second(three, 0.5), x.1 + 1.0);
+                    }
+                    if inside(iy, ny) {
+                        let three = [iy + ny - 1, iy, iy + 1].map(|iy| field.height(ix, iy % ny));
+                        y = (y.0 + second(three, 2.0), y.1 + 1.0);
+                    }
+                }
+                let [x, y] = [x, y].map(|(sum, count)| sum / count.max(1.0));
+                assert_eq!(root_mean_square_curvature(&field), x.max(y).sqrt());
+            }
+        }
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl SampleKind {
         out: &mut Vec<f64>,
         mut seen: impl FnMut(&[u8]),
     ) -> io::Result<()> {
-        let mut block = [0; 1 << 13];
+        let mut block = [0; 1 << 16];
         let mut left = count;
         while left > 0 {
             let now = left.min(block.len() / self.bytes());

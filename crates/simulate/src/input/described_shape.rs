@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_numerics::fnv1a;
+use asperity_numerics::hash_numbers;
 use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_tracer::{Geometry, MeshSurface, Shape, Triangles};
 use serde::{Deserialize, Serialize};
@@ -110,5 +110,5 @@ pub fn corners_hash(mesh: &MeshSurface) -> String {
 }
 
 fn hash(numbers: impl Iterator<Item = f64>) -> String {
-    format!("{:016x}", fnv1a(numbers.flat_map(f64::to_le_bytes)))
+    format!("{:016x}", hash_numbers(numbers))
 }

@@ -1,6 +1,6 @@
 //! Borders of given surfaces: the one that is assumed, and whether the tile fits it.
 
-use asperity_surface::{Border, HeightField, Roughness};
+use asperity_surface::{Border, HeightField};
 
 /// The border of a height map whose file states none, whatever its format: a measured patch is not periodic, and a
 /// mirrored one has no steps.
@@ -36,15 +36,9 @@ pub(super) fn border_notes(field: &HeightField, is_known: bool) -> Vec<String> {
             }));
         }
         Border::Mirrored => {
-            let roughness = Roughness::of(field);
-            let slopes = roughness
-                .slope_mean
-                .into_iter()
-                .zip(roughness.slope_variance);
-            let tilted = axes
-                .zip(slopes)
-                .filter(|(_, (mean, variance))| mean * mean > *variance);
-            notes.extend(tilted.map(|(axis, (mean, _))| {
+            let tilted = axes.zip(field.tilt());
+            let tilted = tilted.filter_map(|(axis, mean)| Some((axis, mean?)));
+            notes.extend(tilted.map(|(axis, mean)| {
                 format!(
                     "the mean slope along {axis} is {mean:.3}, more than slopes scatter: a mirrored border folds the tilt; --remove plane removes it"
                 )

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asperity_simulate::{Cells, Shape, smooth_shape};
-use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
+use asperity_surface::{Border, HeightField, LengthUnit};
 use asperity_synthesis::Provenance;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
@@ -261,13 +261,11 @@ const STEEP: f64 = 50.0;
 
 /// Warns of a facet that is too steep for heights and spacing in the same unit.
 fn steepness_warning(field: &HeightField) -> Option<String> {
-    let steepest = Roughness::of(field).steepest;
-    (steepest.slope > STEEP).then(|| {
-        format!(
-            "the steepest facet stands at {:.2} deg: are heights and spacing in the same unit?",
-            steepest.angle_degrees
-        )
-    })
+    let steepest = field.steeper_than(STEEP)?;
+    Some(format!(
+        "the steepest facet stands at {:.2} deg: are heights and spacing in the same unit?",
+        steepest.angle_degrees
+    ))
 }
 
 /// Warns of what was repaired, and of what lets light pass.

@@ -139,8 +139,8 @@ impl<'a> GonioOutcome<'a> {
         let wavelength = self.config.light.wavelength_nm();
         match &self.sample {
             Some(one) => {
-                let of_bottom = one.of_bottom.as_ref();
-                Validity::new(&one.lengths, of_bottom, case, &direction.spec, wavelength)
+                let (lengths, of_bottom) = (one.lengths.as_ref()?, one.of_bottom.as_ref());
+                Validity::new(lengths, of_bottom, case, &direction.spec, wavelength)
             }
             None => Validity::of_random(case, &direction.spec, wavelength),
         }

@@ -22,8 +22,8 @@ pub struct Sample {
     pub unit: LengthUnit,
     /// Their description, with a hash of the heights of each: results are those of another sample where this differs.
     pub description: Value,
-    /// The shortest of their lengths, to be compared with the wavelength.
-    pub lengths: SurfaceLengths,
+    /// The shortest of their lengths, to be compared with the wavelength; `None` where their unit is not known.
+    pub lengths: Option<SurfaceLengths>,
     /// Those of the bottom of the lowest layer, where a file gives it.
     pub of_bottom: Option<SurfaceLengths>,
     /// Notes on them, one sentence each.
@@ -45,6 +45,7 @@ impl Sample {
     ) -> Result<Self, GivenError> {
         let below = bottom.as_ref().map(|bottom| description(bottom, reading));
         let lowest = medium.map_or(0, MediumConfig::lowest);
+        let is_known = SurfaceLengths::are_comparable(surfaces.first.unit);
         Ok(Self {
             name: surfaces.name(),
             unit: surfaces.first.unit,
@@ -55,8 +56,11 @@ impl Sample {
                 }
                 described
             }),
-            lengths: surfaces.lengths(),
-            of_bottom: bottom.as_ref().map(GivenSurface::lengths),
+            lengths: is_known.then(|| surfaces.lengths()),
+            of_bottom: bottom
+                .as_ref()
+                .filter(|_| is_known)
+                .map(GivenSurface::lengths),
             warnings: match surfaces.first.file {
                 Some(_) => surfaces.warnings(),
                 None => Vec::new(),

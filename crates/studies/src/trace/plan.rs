@@ -48,7 +48,8 @@ struct Given<'a> {
     bottom: Option<&'a GivenSurface>,
     surface: SurfaceSource,
     slopes: Option<CoreSlopes>,
-    lengths: SurfaceLengths,
+    /// Where they are compared with a wavelength, or a section is as long as some of them.
+    lengths: Option<SurfaceLengths>,
     of_bottom: Option<SurfaceLengths>,
 }
 
@@ -72,10 +73,15 @@ impl PlannedTrace {
         let lowest = config.medium.as_ref().map_or(0, MediumConfig::lowest);
         let surface =
             SurfaceSource::Given(tops.clone().simulated(bottom.clone(), lowest, cells)?);
+        let are_needed =
+            config.output.paths.is_some() || SurfaceLengths::are_comparable(tops.first.unit);
         let given = Given {
             slopes: CoreSlopes::of_source(&surface),
-            lengths: tops.lengths(),
-            of_bottom: bottom.as_ref().map(GivenSurface::lengths),
+            lengths: are_needed.then(|| tops.lengths()),
+            of_bottom: bottom
+                .as_ref()
+                .filter(|_| are_needed)
+                .map(GivenSurface::lengths),
             surface,
             tops,
             bottom: bottom.as_ref(),
@@ -101,13 +107,10 @@ impl PlannedTrace {
         let is_named = config.material.media().is_some();
         warnings.extend(wavelength_warnings(wavelength, is_named, tops.first.unit));
         warnings.extend(coherent_warning(config.output.coherent, &case));
-        let validity = Validity::new(
-            &given.lengths,
-            given.of_bottom.as_ref(),
-            &case,
-            &settings.tally,
-            wavelength,
-        );
+        let validity = given.lengths.as_ref().and_then(|lengths| {
+            let bottom = given.of_bottom.as_ref();
+            Validity::new(lengths, bottom, &case, &settings.tally, wavelength)
+        });
         let comparison = PlannedComparison::new(&config, tops, &case, &settings)?;
         let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
         warnings.extend(of_comparison.into_iter().flatten());
@@ -123,7 +126,7 @@ impl PlannedTrace {
             settings,
             comparison,
             warnings,
-            tau: given.lengths.tau,
+            tau: given.lengths.as_ref().and_then(|lengths| lengths.tau),
         })
     }
 
