@@ -20,7 +20,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         HeightMapFormat::of_output(&path).map_err(Failure::usage)?;
         check_outputs(&[&path], document)?;
         let surface = plan.write(0, &path, common).map_err(refused)?;
-        results.print_file(common, || &surface.roughness, || surface.text(&path))?;
+        results.print_file(common, || surface.roughness(), || surface.text(&path))?;
         return Ok(End::Complete);
     };
     refuse_file_name(&path, HeightMapFormat::from_path(&path).is_some())?;
@@ -34,7 +34,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         |after, file, place| {
             let surface = plan.write(after as u64, file, common).map_err(refused)?;
             let text = prints.then(|| surface.text(place));
-            found.push(surface.roughness);
+            found.extend(results.json.then(|| surface.roughness()));
             Ok(text)
         },
     )?;

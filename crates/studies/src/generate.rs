@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use asperity_io::shown_path;
 use asperity_simulate::{Observer, check_memory, short};
-use asperity_surface::HeightField;
+use asperity_surface::{HeightField, QuickRoughness};
 use asperity_synthesis::{
-    DrawnRoughness, FieldSynthesis, Resolution, SpectrumMismatch, SurfaceRecipe,
+    DrawnRoughness, FieldSynthesis, Realisation, Resolution, SpectrumMismatch, SurfaceRecipe,
 };
 use serde::Deserialize;
 
@@ -56,8 +56,7 @@ pub struct GeneratePlan {
 
 /// A surface that was drawn and written.
 pub struct GeneratedSurface {
-    /// Its roughness, and that of the ensemble.
-    pub roughness: DrawnRoughness,
+    field: HeightField,
     heading: String,
     notes: Vec<String>,
 }
@@ -146,22 +145,34 @@ impl GeneratePlan {
         observer.explain(&format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
         let note = write_surface(path, &field)?;
         Ok(GeneratedSurface {
-            roughness: DrawnRoughness::of(&field),
             heading: format!(
                 "{} x {} samples, periodic, seed {seed}, realisation {number}",
                 field.nx(),
                 field.ny(),
             ),
+            field,
             notes: note.into_iter().chain(self.notes.iter().cloned()).collect(),
         })
     }
 }
 
 impl GeneratedSurface {
-    /// Text on the surface that was written as `path`: samples, roughness and notes.
+    /// Its roughness, with requested and realised statistics.
+    #[must_use]
+    pub fn roughness(&self) -> DrawnRoughness {
+        DrawnRoughness::of(&self.field)
+    }
+
+    /// Text on the surface that was written as `path`: samples, requested and realised statistics, and notes.
     #[must_use]
     pub fn text(&self, path: &Path) -> String {
-        let table = realisation_table(&self.roughness);
+        let realisation = Realisation::of(&self.field);
+        let lines = QuickRoughness::takes_some_lines(&self.field).then_some(QuickRoughness::LINES);
+        let lines = self
+            .field
+            .shape()
+            .map(|all| lines.filter(|some| *some < all));
+        let table = realisation_table(realisation.as_ref(), self.field.unit(), lines);
         let notes = note_lines(&self.notes);
         wrapped(&format!(
             "{}: {}\n{table}{notes}",

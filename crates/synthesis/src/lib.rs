@@ -41,7 +41,8 @@ pub use drawing::{
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use gives_up::{GivesUp, NEVER};
 pub use realised::{
-    Compared, DrawnRoughness, Expectation, Gradients, Realised, RealisedStructure, SteeperThan,
+    Compared, DrawnRoughness, Expectation, Gradients, Realisation, Realised, RealisedStructure,
+    SteeperThan,
 };
 pub use recipe::{
     ErodedSurface, HeightDistribution, HeightTable, HeightTableError, Johnson, JohnsonError,

@@ -6,7 +6,7 @@ mod structure;
 use std::f64::consts::PI;
 
 use asperity_numerics::elementary::exp_m1;
-use asperity_surface::{HeightField, Roughness};
+use asperity_surface::{HeightField, QuickRoughness, Roughness};
 use serde::Serialize;
 
 pub use self::gradients::{Gradients, SteeperThan};
@@ -32,9 +32,37 @@ impl DrawnRoughness {
     pub fn of(field: &HeightField) -> Self {
         let roughness = Roughness::of(field);
         Self {
-            realised: Realised::of(field, &roughness),
+            realised: Realised::of(field, &QuickRoughness::from(&roughness)),
             realised_structure: RealisedStructure::of(field, roughness.sz, roughness.sdq.powi(2)),
             roughness,
+        }
+    }
+
+    /// Requested and realised statistics alone.
+    #[must_use]
+    pub fn realisation(&self) -> Option<Realisation> {
+        let structured = self.realised_structure.clone().map(Realisation::Structured);
+        structured.or_else(|| self.realised.clone().map(Realisation::Random))
+    }
+}
+
+/// Requested and realised statistics of a generated surface, without the roughness of which nothing was requested.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Realisation {
+    /// Of a surface drawn from a spectrum.
+    Random(Realised),
+    /// Of a structured surface.
+    Structured(RealisedStructure),
+}
+
+impl Realisation {
+    /// Measures a surface, as [`QuickRoughness`] if it is drawn from a spectrum; `None` without its provenance, or if nothing was requested.
+    #[must_use]
+    pub fn of(field: &HeightField) -> Option<Self> {
+        let recipe = &Provenance::of(field.provenance())?.recipe;
+        match recipe.structured() {
+            None => Realised::of(field, &QuickRoughness::of(field)).map(Self::Random),
+            Some(_) => DrawnRoughness::of(field).realisation(),
         }
     }
 }
@@ -88,7 +116,7 @@ impl Realised {
     /// For slopes along an axis, whose autocorrelation is the second derivative of `C`, it is 3/4 of
     /// that relative to the square of their variance, whatever the azimuth. Of other spectra that of heights is an integral of `W^2`,
     /// and that of slopes is not known.
-    fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
+    fn of(field: &HeightField, roughness: &QuickRoughness) -> Option<Self> {
         let recipe = &Provenance::of(field.provenance())?.recipe;
         if recipe.is_measured() {
             // Nothing was requested but what was measured

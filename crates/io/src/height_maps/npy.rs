@@ -201,11 +201,21 @@ pub fn write_array(
 
 fn fill<W: Write>(shape: &[usize], values: &[f64], out: &mut W) -> Result<(), WriteProblem> {
     let shape: Vec<u64> = shape.iter().map(|n| *n as u64).collect();
-    let mut writer = npyz::WriteOptions::<f64>::new()
+    // The writer of the library begins with the header, and takes numbers one by one
+    let mut header = Vec::new();
+    npyz::WriteOptions::<f64>::new()
         .default_dtype()
         .shape(&shape)
-        .writer(out)
+        .writer(&mut header)
         .begin_nd()?;
-    writer.extend(values.iter().copied())?;
-    Ok(writer.finish()?)
+    out.write_all(&header)?;
+    let mut block = [[0; 8]; 1 << 13];
+    for values in values.chunks(block.len()) {
+        let bytes = &mut block[..values.len()];
+        for (bytes, value) in bytes.iter_mut().zip(values) {
+            *bytes = value.to_le_bytes();
+        }
+        out.write_all(bytes.as_flattened())?;
+    }
+    Ok(())
 }

@@ -41,9 +41,10 @@ impl Statistics {
         lights: &[Incidence],
     ) -> Result<Self, StudyError> {
         let smooth = || SplineRoughness::of(&SplineSurface::through(field));
+        let (facets, areal) = rayon::join(|| DrawnRoughness::of(field), || Iso25178::of(field));
         Ok(Self {
-            facets: DrawnRoughness::of(field),
-            areal: Iso25178::of(field),
+            facets,
+            areal,
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
             shadows: ShadowShares::of(field, cells, lights)?,
@@ -55,7 +56,9 @@ impl Statistics {
     #[must_use]
     pub fn text(&self) -> String {
         let facets = &self.facets.roughness;
-        let (table, realisation) = (roughness_table(facets), realisation_table(&self.facets));
+        let table = roughness_table(facets);
+        let realisation = self.facets.realisation();
+        let realisation = realisation_table(realisation.as_ref(), facets.unit, [None; 2]);
         let areal = areal_table(&self.areal, facets.unit);
         let cells = match &self.smooth {
             None => FLAT_CELLS.to_owned(),

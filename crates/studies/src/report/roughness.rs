@@ -2,7 +2,7 @@
 
 use asperity_simulate::short;
 use asperity_surface::{LengthUnit, Roughness, SplineRoughness, SteepestFacet, Triangle};
-use asperity_synthesis::{Compared, DrawnRoughness, Gradients, SteeperThan};
+use asperity_synthesis::{Compared, Gradients, Realisation, SteeperThan};
 
 use super::structure::structure_table;
 use crate::output::{Column, Table, beside};
@@ -217,25 +217,33 @@ struct Statistic<'a> {
     compared: &'a Compared,
 }
 
-/// Requested statistics next to those of this realisation; empty for a surface that was not generated.
-pub(crate) fn realisation_table(drawn: &DrawnRoughness) -> String {
+/// Requested statistics next to those of this realisation, in `unit`; empty for a surface that was not generated. `lines`: rows and columns that
+/// tell the correlation lengths, where these are not all.
+pub(crate) fn realisation_table(
+    realisation: Option<&Realisation>,
+    unit: LengthUnit,
+    lines: [Option<usize>; 2],
+) -> String {
     type Row<'a> = Statistic<'a>;
-    let r = &drawn.roughness;
-    if let Some(structure) = &drawn.realised_structure {
-        return structure_table(structure, r.unit);
-    }
-    let Some(realised) = &drawn.realised else {
-        return String::new();
+    let realised = match realisation {
+        None => return String::new(),
+        Some(Realisation::Structured(structure)) => return structure_table(structure, unit),
+        Some(Realisation::Random(realised)) => realised,
     };
-    let length = |name: &str| match r.unit {
+    let length = |name: &str| match unit {
         LengthUnit::Arbitrary => name.to_owned(),
         unit => format!("{name} in {unit}"),
     };
+    let [tau_x, tau_y] = [0, 1].map(|axis| {
+        let (axis_name, lines_name) = [("x", "rows"), ("y", "columns")][axis];
+        let of_lines = lines[axis].map(|count| format!(", {count} {lines_name}"));
+        length(&format!("tau {axis_name}")) + &of_lines.unwrap_or_default()
+    });
     let row = |name, compared| Statistic { name, compared };
     let mut rows = vec![
         row(length("sigma"), &realised.sigma),
-        row(length("tau x"), &realised.tau_x),
-        row(length("tau y"), &realised.tau_y),
+        row(tau_x, &realised.tau_x),
+        row(tau_y, &realised.tau_y),
         row("slope variance x".to_owned(), &realised.slope_variance_x),
         row("slope variance y".to_owned(), &realised.slope_variance_y),
     ];

@@ -368,7 +368,7 @@ impl HeightField {
         };
         let steps = (0..ny).into_par_iter().map(of_row);
         let [x, y] = steps.reduce(|| [0.0; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let bound = (x / dx).hypot(y / dy);
+        let bound = hypot(x / dx, y / dy);
         // With room for rounding
         let may_be = bound > slope * (1.0 - 1e-9);
         let steepest = may_be.then(|| slope_moments(self).steepest);
