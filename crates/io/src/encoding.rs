@@ -26,23 +26,25 @@ pub(crate) type ExrLayer<'a> = (LayerAttributes, Vec<(&'a str, Vec<f32>)>);
 /// The bytes of an OpenEXR file of one layer: see [`encode_exr_layers`].
 pub(crate) fn encode_exr(
     size: [usize; 2],
+    compression: Compression,
     attributes: LayerAttributes,
     channels: Vec<(&str, Vec<f32>)>,
 ) -> io::Result<Vec<u8>> {
-    encode_exr_layers(size, vec![(attributes, channels)])
+    encode_exr_layers(size, compression, vec![(attributes, channels)])
 }
 
-/// The bytes of an OpenEXR file: scan lines, ZIP compression, lossless.
+/// The bytes of an OpenEXR file of scan lines.
 ///
 /// `size`: columns and rows of every layer. Several layers need a name each, and have standard attributes alone, whose order the
 /// encoder keeps. Equal arguments give equal bytes.
 pub(crate) fn encode_exr_layers(
     [columns, rows]: [usize; 2],
+    compression: Compression,
     layers: Vec<ExrLayer<'_>>,
 ) -> io::Result<Vec<u8>> {
     let size = Vec2(columns, rows);
     let encoding = Encoding {
-        compression: Compression::ZIP16,
+        compression,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };

@@ -5,6 +5,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use ::exr::compression::Compression;
 use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
 
@@ -69,7 +70,8 @@ pub fn write_image_layers(
     replace_alone(path.as_ref(), |out| {
         let layers = layers.iter().map(encode);
         let layers = layers.collect::<Result<_, WriteProblem>>()?;
-        Ok(out.write_all(&encode_exr_layers(size, layers)?)?)
+        let file = encode_exr_layers(size, Compression::ZIP16, layers);
+        Ok(out.write_all(&file?)?)
     })
 }
 

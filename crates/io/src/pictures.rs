@@ -8,6 +8,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use ::exr::compression::Compression;
 use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
 
@@ -117,7 +118,8 @@ fn write_exr(picture: &Picture, comment: &str, out: &mut dyn Write) -> Result<()
         comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
         ..LayerAttributes::default()
     };
-    Ok(out.write_all(&encode_exr(picture.size, attributes, channels)?)?)
+    let file = encode_exr(picture.size, Compression::ZIP16, attributes, channels);
+    Ok(out.write_all(&file?)?)
 }
 
 /// The channel of errors, which may be unknown.
