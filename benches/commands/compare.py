@@ -3,7 +3,7 @@
     python3 benches/commands/compare.py OLD NEW [--pairs 7] [COMMAND..]
 
 Prints, for each command, the median seconds of both programs, the median of the ratios old / new, and their quartiles. Files are written into
-a temporary folder. Needs Python alone.
+a temporary folder. Needs Python alone, on Linux or macOS.
 """
 
 import argparse

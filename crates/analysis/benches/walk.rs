@@ -1,6 +1,14 @@
 //! The random walk in lanes against the scalar walk: ratios of time by smoothness, medians of interleaved pairs on one thread.
 //!
+//! The scalar walk also tallies light scattered once, which the walk in lanes leaves to the density.
+//!
 //! Run with `cargo bench -p asperity-analysis --bench walk`; `ASPERITY_INSTRUCTIONS` takes other vector instructions.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a benchmark prints, and ends where it fails"
+)]
 
 use std::time::Instant;
 

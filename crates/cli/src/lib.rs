@@ -71,7 +71,7 @@ fn run_command(document: &Document) -> Result<End, Failure> {
     Instructions::requested().map_err(|name| {
         let (variable, name) = (Instructions::VARIABLE, shown(&name));
         Failure::usage(format!(
-            "{variable}: {name} is not one of portable, avx2 and avx512, or this machine lacks it"
+            "invalid {variable} {name}: must be portable, avx2 or avx512, and available on this machine"
         ))
     })?;
     say_notes(document.notes());

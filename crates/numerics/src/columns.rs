@@ -6,6 +6,9 @@ use rayon::prelude::*;
 pub fn columns<T: Copy + Default + Send + Sync>(lines: &[T], length: usize) -> Vec<T> {
     // Neighbours of a line lie side by side in memory
     const TOGETHER: usize = 8;
+    if lines.is_empty() {
+        return Vec::new();
+    }
     let count = lines.len() / length;
     let mut turned = vec![T::default(); lines.len()];
     turned

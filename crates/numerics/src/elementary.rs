@@ -3,7 +3,8 @@
 //! Those of the standard library are those of the system, and round differently from one to the next. These consist of
 //! sums, products, quotients and square roots, which IEEE 754 rounds in one way, without fused operations, and have no branches, so
 //! that a loop over them is compiled to vector instructions and gives the same bits as one number at a time. Functions that no loop
-//! needs are those of the crate `libm`, which are made of the same operations.
+//! needs are those of the crate `libm`, which computes them alike on every system; the lock file fixes its version. The sine, `exp_m1` and
+//! `ln_1p` of -0 are +0.
 
 mod arithmetic;
 mod error_function;

@@ -131,13 +131,13 @@ fn write(pairs: &[ComplexPair], lines: &mut [Complex<f64>]) {
     }
 }
 
-/// The forward transform of real numbers that are the same at `r` and `-r`, rows of `nx`: real, and the same at `k` and `-k`. Not
+/// The forward transform of real numbers that are the same at `r` and `-r`, rows of `shape[1]`: real, and the same at `k` and `-k`. Not
 /// normalised; the inverse of such numbers is the same sum.
 pub fn transform_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
     HalfPlane::whole(numbers, shape, |wave| wave.re)
 }
 
-/// Squared moduli of the forward transform of real numbers, rows of `nx`. Not normalised.
+/// Squared moduli of the forward transform of real numbers, rows of `shape[1]`. Not normalised.
 pub fn power_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
     HalfPlane::whole(numbers, shape, |wave| wave.norm_sqr())
 }

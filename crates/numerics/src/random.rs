@@ -14,11 +14,11 @@ pub fn unit(word: u64) -> f64 {
     (word >> 11) as i64 as f64 * (1.0 / (1_u64 << 53) as f64)
 }
 
-/// A word as a number in `(0, 1)`, an odd multiple of `2^-54`.
+/// A word as a number in `(0, 1)`, an odd multiple of `2^-53`.
 #[inline(always)]
 #[must_use]
 pub fn open_unit(word: u64) -> f64 {
-    unit(word) + 0.5 / (1_u64 << 53) as f64
+    ((word >> 12) as i64 as f64 + 0.5) * (1.0 / (1_u64 << 52) as f64)
 }
 
 /// The upper half of a word as a number in `[0, 1)`, a multiple of `2^-32`.
@@ -34,7 +34,7 @@ const ROUNDS: usize = 13;
 /// Rotations of the rounds, again and again.
 const ROTATIONS: [u32; 8] = [16, 42, 12, 31, 16, 32, 24, 21];
 
-/// Threefry-2x64 with [`ROUNDS`] rounds.
+/// Threefry-2x64 with 13 rounds.
 #[inline(always)]
 #[must_use]
 pub const fn threefry(key: [u64; 2], counter: [u64; 2]) -> [u64; 2] {

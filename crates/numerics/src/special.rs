@@ -1,4 +1,4 @@
-//! Special functions that no library offers with the accuracy needed here; the others come from `libm`.
+//! Special functions that no library offers with the accuracy needed here; the others are in `elementary`.
 
 use std::f64::consts::{PI, SQRT_2};
 

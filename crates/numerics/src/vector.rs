@@ -33,7 +33,7 @@ impl Instructions {
     /// Environment variable with the name of the set to take in place of the widest.
     pub const VARIABLE: &'static str = "ASPERITY_INSTRUCTIONS";
 
-    /// The set of [`Self::VARIABLE`] if this machine has it, otherwise the widest that it has.
+    /// The set of [`Self::VARIABLE`] if this machine has it, otherwise the widest that it has, whatever the variable says.
     #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<Instructions> = OnceLock::new();

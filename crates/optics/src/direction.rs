@@ -3,8 +3,15 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use asperity_numerics::elementary::{atan2, hypot, sin, sin_cos, sin_cos_of_turn};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+
+/// The horizontal unit vector of an azimuth from +x, radians.
+#[must_use]
+pub fn horizontal(phi: f64) -> DVec2 {
+    let (sin, cos) = sin_cos(phi);
+    DVec2::new(cos, sin)
+}
 
 /// The unit vector of polar angle `theta` from +z and azimuth `phi` from +x, both in radians.
 #[must_use]

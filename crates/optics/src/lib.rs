@@ -37,7 +37,9 @@ mod spread;
 mod sunlight;
 
 pub use colour::{Colour, ColourObserver, colour_weights, linear_srgb, srgb_encoded};
-pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
+pub use direction::{
+    Incidence, IncidenceError, around, azimuth, from_spherical, horizontal, polar_angle,
+};
 pub use dispersion::{ComplexIndex, DispersionCurve, DispersionError, OpticalConstants};
 pub use film::{Film, FilmAmplitudes, Films};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use asperity_numerics::elementary::{sin_cos, tan};
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, horizontal};
 use asperity_surface::{Length, LengthUnit};
 use glam::{DVec2, DVec3};
 
@@ -110,7 +110,7 @@ impl View {
         let back = self.towards.wi();
         // The derivative of the direction by theta, turned about, which has a limit at the pole.
         let (sin, cos) = sin_cos(self.towards.theta());
-        let level = DVec2::from_angle(self.towards.phi());
+        let level = horizontal(self.towards.phi());
         let up = (-cos * level).extend(sin);
         let right = up.cross(back);
         let half_width = 0.5 * self.width;

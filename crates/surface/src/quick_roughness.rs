@@ -18,7 +18,7 @@ pub struct QuickRoughness {
     pub ssk: Option<f64>,
     /// Kurtosis of the heights; `None` if they are all equal.
     pub sku: Option<f64>,
-    /// Mean squares of the mesh's slopes along x and y about their means.
+    /// Mean squares of the mesh's slopes along x and y about their means, to some 1e-15 of the squares of these means.
     pub slope_variance: [f64; 2],
     /// Correlation length along x, as [`Roughness::tau_x`].
     pub tau_x: Option<f64>,

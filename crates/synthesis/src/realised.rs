@@ -48,6 +48,7 @@ impl DrawnRoughness {
 
 /// Requested and realised statistics of a generated surface, without the roughness of which nothing was requested.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one value per generated surface")]
 pub enum Realisation {
     /// Of a surface drawn from a spectrum.
     Random(Realised),

@@ -9,6 +9,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use asperity_optics::horizontal;
 use glam::{DVec2, DVec3};
 
 use crate::microfacet::slopes::SlopeCovariance;
@@ -44,7 +45,7 @@ impl Lobe {
         forward: f64,
         refracted: Option<f64>,
     ) -> Self {
-        let f = DVec2::from_angle(forward);
+        let f = horizontal(forward);
         let g = f.perp();
         Self {
             sin_i: hypot(wi.x, wi.y),
@@ -90,7 +91,7 @@ impl Lobe {
     pub(crate) fn mark_polar_angles(&self, breaks: &mut Breaks, theta: [f64; 2], psi: f64) {
         // h_xy = a + eta sin(theta) u. Where E is stationary,
         // (a + eta sin(theta) u) . (u (cos_i cos(theta) + eta) + a sin(theta)) vanishes.
-        let u = DVec2::from_angle(psi);
+        let u = horizontal(psi);
         let a = DVec2::new(-self.sin_i, 0.0);
         let [aa, au, uu] = [self.form(a, a), self.form(a, u), self.form(u, u)];
         let eta = self.eta;

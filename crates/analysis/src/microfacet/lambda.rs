@@ -37,7 +37,7 @@ const SCALED: [f64; 26] = [
 /// `s / (2 tan theta)` for smoothness `s`.
 ///
 /// `Lambda = (exp(-a^2) / (a sqrt pi) - erfc(a)) / 2`, to a relative accuracy of about
-/// `4e-15 + 2 a^2 eps` for all `a`; infinite at zero.
+/// `4e-15 + 2 a^2 eps` where it is a normal number; infinite at zero.
 ///
 /// # Source
 /// Smith 1967; Walter et al. 2007, Sec. 5.2, without their rational fit.

@@ -6,7 +6,8 @@
 use std::f64::consts::TAU;
 
 use asperity_numerics::elementary::{asinh, atan2, hypot, sinh};
-use glam::{DVec2, DVec3};
+use asperity_optics::horizontal;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::microfacet::slope_table::SlopeTable;
@@ -56,7 +57,7 @@ impl LambdaMap {
         let excess = (0..size.azimuths)
             .into_par_iter()
             .flat_map_iter(|i| {
-                let along = DVec2::from_angle(TAU * i as f64 / size.azimuths as f64);
+                let along = horizontal(TAU * i as f64 / size.azimuths as f64);
                 let threshold = move |k: usize| scale * sinh(step * k as f64);
                 (0..size.thresholds).map(move |k| table.mean_excess(along, threshold(k)))
             })

@@ -213,7 +213,7 @@ fn fill<W: Write>(shape: &[usize], values: &[f64], out: &mut W) -> Result<(), Wr
     for values in values.chunks(block.len()) {
         let bytes = &mut block[..values.len()];
         for (bytes, value) in bytes.iter_mut().zip(values) {
-            *bytes = value.to_le_bytes();
+            *bytes = value.to_ne_bytes();
         }
         out.write_all(bytes.as_flattened())?;
     }

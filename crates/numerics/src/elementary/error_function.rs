@@ -1,5 +1,7 @@
 //! Error function and its complement.
 
+use std::f64::consts::FRAC_2_SQRT_PI;
+
 use super::arithmetic::polynomial;
 use super::exponential::exp_of_sum;
 
@@ -50,9 +52,6 @@ const fn erf_series() -> [f64; 19] {
     }
     series
 }
-
-/// `2 / sqrt(pi)`.
-const FRAC_2_SQRT_PI: f64 = std::f64::consts::FRAC_2_SQRT_PI;
 
 /// `erfc(x)` for `x >= 0`.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Exponential function and logarithm.
 
-use super::arithmetic::{nearest_integer, polynomial, power_of_two};
+use super::arithmetic::{nearest_integer, power_of_two, short_polynomial};
 
 /// `ln 2` by its first 32 bits, so that multiples up to 2^21 are exact, and the rest.
 const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
@@ -43,10 +43,13 @@ fn reduced_exp(x: f64, low: f64) -> (f64, f64) {
     let (high, rest) = (x - k * LN_2[0], low - k * LN_2[1]);
     let r = high + rest;
     let error = rest - (r - high);
-    (k, r + (r * r * polynomial(r, &EXP) + error * (1.0 + r)))
+    (
+        k,
+        r + (r * r * short_polynomial(r, &EXP) + error * (1.0 + r)),
+    )
 }
 
-/// `exp(x + low)` for a `low` that is small beside one; `x + low` within -745 and 709.
+/// `exp(x + low)` for a `low` that is small beside one; `x + low` within -746 and 710.
 #[inline(always)]
 pub(super) fn exp_of_sum(x: f64, low: f64) -> f64 {
     let (k, e) = reduced_exp(x, low);
@@ -65,7 +68,7 @@ pub fn exp(x: f64) -> f64 {
     exp_of_sum(x, 0.0)
 }
 
-/// `exp(x) - 1` to 1 unit in the last place, without cancellation near zero.
+/// `exp(x) - 1` to 2 units in the last place, without cancellation near zero.
 #[inline(always)]
 #[must_use]
 pub fn exp_m1(x: f64) -> f64 {
@@ -97,7 +100,7 @@ fn ln_of_sum(x: f64, low: f64) -> f64 {
     let f = m - 1.0;
     let s = f / (2.0 + f);
     let (square, half) = (s * s, 0.5 * f * f);
-    let rest = s * (half + square * polynomial(square, &LN)) + (k * LN_2[1] + low / x);
+    let rest = s * (half + square * short_polynomial(square, &LN)) + (k * LN_2[1] + low / x);
     let value = k * LN_2[0] - ((half - rest) - f);
     // Zero, infinity, and numbers without a logarithm
     let value = if x == 0.0 { f64::NEG_INFINITY } else { value };

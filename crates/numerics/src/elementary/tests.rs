@@ -1,5 +1,7 @@
 //! Known answers by 60-digit arithmetic, and comparison with the functions of the system.
 
+#![allow(clippy::approx_constant, reason = "tables of values")]
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -174,6 +176,18 @@ fn values_are_within_units_of_those_of_the_system() {
 }
 
 #[test]
+fn angles_of_the_largest_and_smallest_points_are_those_of_the_system() {
+    for (y, x) in [
+        (1.2e308, 1.7e308),
+        (1e308, -1.79e308),
+        (1e-323, 1.5e-323),
+        (3e-310, 2e-309),
+    ] {
+        assert!(units(atan2(y, x), f64::atan2(y, x)) <= 2, "{y:e} {x:e}");
+    }
+}
+
+#[test]
 fn limits_of_ranges_have_their_values() {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
     const INFINITY: f64 = f64::INFINITY;
@@ -201,6 +215,8 @@ fn limits_of_ranges_have_their_values() {
         (erfc(0.0), 1.0),
         (erfc(INFINITY), 0.0),
         (erfc(-INFINITY), 2.0),
+        (sin(1e300), 0.0),
+        (cos(-1e300), 1.0),
         (atan2(0.0, 1.0), 0.0),
         (atan2(0.0, 0.0), 0.0),
         (atan2(0.0, -1.0), PI),
@@ -225,6 +241,9 @@ fn limits_of_ranges_have_their_values() {
         erfc(f64::NAN),
         atan2(f64::NAN, 1.0),
         atan2(1.0, f64::NAN),
+        atan2(f64::INFINITY, f64::NAN),
+        atan2(f64::NAN, f64::NEG_INFINITY),
+        sin(f64::INFINITY),
     ] {
         assert!(x.is_nan());
     }

@@ -1,8 +1,8 @@
 //! Sine, cosine and the angle of a point.
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-use super::arithmetic::{ROUNDING, nearest_integer, polynomial};
+use super::arithmetic::{ROUNDING, nearest_integer, short_polynomial};
 
 /// `pi / 2` in parts of 33 bits, so that multiples of the first two up to 2^20 are exact.
 const HALF_PI: [f64; 3] = [
@@ -10,6 +10,9 @@ const HALF_PI: [f64; 3] = [
     6.077_100_506_303_966e-11,
     2.022_266_248_795_950_6e-21,
 ];
+
+/// Largest angle that is reduced, 2^50.
+const MAX_ANGLE: f64 = 1_125_899_906_842_624.0;
 
 /// `pi / 2` less its nearest number.
 const REST_OF_HALF_PI: f64 = 6.123_233_995_736_766e-17;
@@ -56,14 +59,15 @@ const NODES: [[f64; 2]; 5] = [
     [0.244_978_663_126_864_14, 1.069_875_561_873_445_1e-17],
     [0.463_647_609_000_806_1, 2.269_877_745_296_168_7e-17],
     [0.643_501_108_793_284_4, 1.583_478_505_144_428_6e-17],
-    [0.785_398_163_397_448_3, 3.061_616_997_868_383e-17],
+    [FRAC_PI_4, 3.061_616_997_868_383e-17],
 ];
 
 /// Sine and cosine of `x`, each to 1 unit in the last place for `|x| < 1.6e6`; beyond, to `|x|` times 2^-51 in absolute terms, about the
-/// rounding error of `x` itself.
+/// rounding error of `x` itself. Above 2^50, where neighbouring numbers are far apart, they are those of zero.
 #[inline(always)]
 #[must_use]
 pub fn sin_cos(x: f64) -> (f64, f64) {
+    let x = if x.abs() > MAX_ANGLE { 0.0 * x } else { x };
     // Reduce to -pi/4 to pi/4, with the rounding error
     let turns = nearest_integer(x * FRAC_2_PI);
     let first = x - turns * HALF_PI[0];
@@ -74,11 +78,12 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     let error = low - (r - high);
     // Sum the Taylor series
     let square = r * r;
-    let sine = r + (square * r * polynomial(square, &SIN) + error * (1.0 - 0.5 * square));
+    let sine = r + (square * r * short_polynomial(square, &SIN) + error * (1.0 - 0.5 * square));
     let half = 0.5 * square;
     let leading = 1.0 - half;
     let cosine = leading
-        + (((1.0 - leading) - half) + (square * square * polynomial(square, &COS) - r * error));
+        + (((1.0 - leading) - half)
+            + (square * square * short_polynomial(square, &COS) - r * error));
     // Turn by quarters
     let quarter = turns - 4.0 * nearest_integer(0.25 * turns);
     let is_odd = quarter == 1.0 || quarter == -1.0;
@@ -103,8 +108,8 @@ pub fn sin_cos_of_turn(turn: f64) -> [f64; 2] {
     let quarter = rounded.to_bits();
     let r = FRAC_PI_2 * (4.0 * turn - (rounded - ROUNDING));
     let square = r * r;
-    let sine = r + r * square * polynomial(square, &SIN);
-    let cosine = 1.0 + square * (square * polynomial(square, &COS) - 0.5);
+    let sine = r + r * square * short_polynomial(square, &SIN);
+    let cosine = 1.0 + square * (square * short_polynomial(square, &COS) - 0.5);
     // Swap and change signs by the quarter
     let is_odd = quarter & 1 != 0;
     let (along, across) = if is_odd {
@@ -140,6 +145,14 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let [ax, ay] = [x.abs(), y.abs()];
     let is_steep = ay > ax;
     let (low, high) = if is_steep { (ax, ay) } else { (ay, ax) };
+    // Scale what would overflow, or is subnormal
+    let scale = if high > 4e307 { 0.25 } else { 1.0 };
+    let scale = if high < 1e-290 {
+        18_014_398_509_481_984.0
+    } else {
+        scale
+    };
+    let (low, high) = (low * scale, high * scale);
     // Zero and infinity beside themselves
     let is_diagonal = low == f64::INFINITY;
     let low = if is_diagonal { 1.0 } else { low };
@@ -150,10 +163,10 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     };
     // Subtract the nearest of the nodes: tan(a - b) = (tan a - tan b) / (1 + tan a tan b)
     let mut node = [0.0, NODES[0][0], NODES[0][1]];
-    for k in 1..NODES.len() {
+    for (k, [angle, rest]) in NODES.into_iter().enumerate().skip(1) {
         let tangent = 0.25 * k as f64;
         let is_beyond = low > (tangent - 0.125) * high;
-        let of_k = [tangent, NODES[k][0], NODES[k][1]];
+        let of_k = [tangent, angle, rest];
         node = if is_beyond { of_k } else { node };
     }
     let [tangent, angle, rest] = node;
@@ -161,7 +174,7 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     let quotient = (low - tangent * high) / (high + tangent * low);
     let u = if is_infinite { 0.0 } else { quotient };
     let square = u * u;
-    let first = angle + (u - (u * square * polynomial(square, &ATAN) - rest));
+    let first = angle + (u - (u * square * short_polynomial(square, &ATAN) - rest));
     // Undo the reflections
     let second = match is_steep {
         true => FRAC_PI_2 - (first - REST_OF_HALF_PI),
@@ -171,5 +184,9 @@ pub fn atan2(y: f64, x: f64) -> f64 {
         true => PI - (second - 2.0 * REST_OF_HALF_PI),
         false => second,
     };
-    third.copysign(y)
+    if x.is_nan() | y.is_nan() {
+        f64::NAN
+    } else {
+        third.copysign(y)
+    }
 }

@@ -15,7 +15,7 @@ use super::pair::ComplexPair;
 use super::unit_root::unit_root;
 
 /// Largest prime factor of a length; above, a convolution is faster.
-const LARGEST_FACTOR: usize = 101;
+const MAX_FACTOR: usize = 101;
 
 /// The forward transform of lines of one length, not normalised.
 #[derive(Debug)]
@@ -24,19 +24,20 @@ pub(super) struct Stockham {
     passes: Vec<Pass>,
 }
 
+/// One pass over all numbers: transforms of `radix` of them at a time.
 #[derive(Debug)]
 struct Pass {
     radix: usize,
     /// Factors of the results of each transform of `radix` numbers.
     twiddles: Vec<Complex<f64>>,
-    /// Factors within transforms of `radix` numbers, of an odd one.
+    /// Factors within transforms of `radix` numbers, which those of an odd radix take.
     roots: Vec<Complex<f64>>,
 }
 
 impl Stockham {
-    /// Whether the length has no larger prime factor.
+    /// Returns `true` if the length has no prime factor above [`MAX_FACTOR`].
     pub(super) fn takes(length: usize) -> bool {
-        factors(length).all(|factor| factor <= LARGEST_FACTOR)
+        factors(length).all(|factor| factor <= MAX_FACTOR)
     }
 
     /// `length`: one that [`Stockham::takes`].
@@ -161,7 +162,7 @@ impl Pass {
         let (radix, part) = (self.radix, x.len() / self.radix);
         let twiddles = self.twiddles.chunks_exact(radix);
         // Sums and differences of the second and last numbers, the third and last but one, and so on
-        let mut pairs = [[ComplexPair::default(); 2]; LARGEST_FACTOR / 2];
+        let mut pairs = [[ComplexPair::default(); 2]; MAX_FACTOR / 2];
         let pairs = &mut pairs[..radix / 2];
         for (p, (output, twiddles)) in y.chunks_exact_mut(radix * stride).zip(twiddles).enumerate()
         {

@@ -127,7 +127,7 @@ impl RealFourierTransform {
         self.cyclic.room_len()
     }
 
-    /// Whether two samples at a time are a complex number.
+    /// Returns `true` if two samples at a time are a complex number.
     const fn is_even(&self) -> bool {
         self.length.is_multiple_of(2)
     }

@@ -7,7 +7,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use asperity_numerics::elementary::{asin, cos, sin};
+use asperity_numerics::elementary::{asin, atan2, cos, sin};
+use asperity_optics::horizontal;
 use asperity_simulate::Outcome;
 use asperity_tally::Side;
 use glam::DVec2;
@@ -65,7 +66,7 @@ impl MovedLobes {
                         false => (phi, 0.0),
                     };
                     Lobe::of(
-                        DVec2::from_angle(phi) * sin(incidence.theta()),
+                        horizontal(phi) * sin(incidence.theta()),
                         turn,
                         band,
                         side,
@@ -99,7 +100,7 @@ impl MovedLobes {
         let azimuths = self.lobes.len() / self.theta.len();
         let turn = match self.is_turned {
             true => 0.0,
-            false => (light.to_angle().rem_euclid(TAU)) / TAU * azimuths as f64,
+            false => (atan2(light.y, light.x).rem_euclid(TAU)) / TAU * azimuths as f64,
         };
         let (first, of_next) = (turn.floor() as usize % azimuths, turn.fract());
         let mut parts = Vec::with_capacity(4);
@@ -147,7 +148,7 @@ impl Lobe {
                     true => asin(at.length()),
                     false => FRAC_PI_2,
                 };
-                *value += (weight * bsdf.at(theta, at.to_angle() + turn)) as f32;
+                *value += (weight * bsdf.at(theta, atan2(at.y, at.x) + turn)) as f32;
             }
         }
         Self {

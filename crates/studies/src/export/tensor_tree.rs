@@ -11,7 +11,7 @@ mod resolution;
 
 use std::f64::consts::PI;
 
-use asperity_numerics::elementary::asin;
+use asperity_numerics::elementary::{asin, atan2};
 use asperity_simulate::Outcome;
 use asperity_tracer::HalfSpace;
 use glam::DVec2;
@@ -144,7 +144,7 @@ impl<'a> Function<'a> {
                 true => outcome.case.light.incidence.phi() - PI,
                 false => 0.0,
             };
-            move |at: DVec2| bsdf.at(asin(at.length().min(1.0)), at.to_angle() + turn)
+            move |at: DVec2| bsdf.at(asin(at.length().min(1.0)), atan2(at.y, at.x) + turn)
         })
     }
 

@@ -4,6 +4,7 @@
 //! the mesh. So the steepest rise from a point to the surface before it is that to one of these
 //! crossings, and walking from facet to facet finds it without any search.
 
+use asperity_optics::horizontal;
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::{DVec2, DVec3};
 
@@ -74,7 +75,7 @@ impl<'a> Horizons<'a> {
             return Err(HorizonError::Mirrored);
         }
         let [cx, cy] = surface.cells();
-        let along = DVec2::from_angle(azimuth);
+        let along = horizontal(azimuth);
         let z: Vec<f64> = (0..=cy)
             .flat_map(|iy| (0..=cx).map(move |ix| surface.z(ix, iy)))
             .collect();

@@ -1,4 +1,4 @@
-//! Limits of the walk: where a path ends, by rule or by chance.
+//! Limits of the walk: rules by which a path ends.
 
 /// Interactions after which a path is truncated.
 pub(super) const MAX_INTERACTIONS: u32 = 1000;

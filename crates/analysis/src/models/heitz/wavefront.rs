@@ -1,7 +1,7 @@
 //! Wavefront: many rays of the random walk at a time, in loops that are compiled for each instruction set.
 //!
 //! Hits wait in columns. A step samples the facet of every hit, divides the light there, tallies what escapes, and hands on what is left
-//! as hits of the next step. New rays join where fewer than [`FULL`] hits are left, so that lanes stay busy. Random numbers are functions of
+//! as hits of the next step. New rays join where fewer than [`MIN_HITS`] hits are left, so that lanes stay busy. Random numbers are functions of
 //! the walk and of its step; the branches of the first facet are two walks from there on. The scalar walk in `heitz.rs` is the reference.
 //!
 //! Light scattered once is not tallied, since the model takes it from its density, unless its side is not recorded.
@@ -9,6 +9,7 @@
 #[cfg(test)]
 mod tests;
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use asperity_numerics::random::{open_unit, threefry, unit_of_half};
@@ -26,7 +27,7 @@ use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::visible_normals::propose;
 
 /// Hits below which new rays join.
-const FULL: usize = 1024;
+const MIN_HITS: usize = 1024;
 
 /// Trials of a normal have the counters of a step, with their number in these bits; draws of the step itself have the last one.
 const TRIAL_SHIFT: u32 = 48;
@@ -81,7 +82,7 @@ pub(super) struct Wavefront<L, M> {
     next: Next,
     /// Light of paths that end in a step.
     truncated: f64,
-    light: std::marker::PhantomData<L>,
+    light: PhantomData<L>,
 }
 
 /// Follows `rays` rays from `wi` with light of the kind `L`, and tallies what is scattered more than once. Returns `false` for
@@ -94,18 +95,18 @@ pub(super) fn follow<L: Light>(
     rng: &mut impl Rng,
     tally: &mut Tally<'_>,
 ) -> bool {
-    let key = [rng.next_u64(), rng.next_u64()];
+    let mut key = || [rng.next_u64(), rng.next_u64()];
     match material {
         Material::Dielectric { .. } => {
             let at = |eta| Material::Dielectric { eta };
-            Wavefront::<L, _>::new(beckmann, material, at, key).run(wi, rays, tally);
+            Wavefront::<L, _>::new(beckmann, material, at, key()).run(wi, rays, tally);
         }
         Material::Conductor { eta, kappa } => {
             let at = move |_| Material::Conductor { eta, kappa };
-            Wavefront::<L, _>::new(beckmann, material, at, key).run(wi, rays, tally);
+            Wavefront::<L, _>::new(beckmann, material, at, key()).run(wi, rays, tally);
         }
         Material::Mirror => {
-            Wavefront::<L, _>::new(beckmann, material, |_| Material::Mirror, key)
+            Wavefront::<L, _>::new(beckmann, material, |_| Material::Mirror, key())
                 .run(wi, rays, tally);
         }
         _ => return false,
@@ -131,7 +132,7 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
             draws: Default::default(),
             exits: ExitColumns::default(),
             truncated: 0.0,
-            light: std::marker::PhantomData,
+            light: PhantomData,
         }
     }
 
@@ -139,8 +140,8 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
         let lambda = self.beckmann.lambda(wi);
         let mut next = 0;
         loop {
-            if self.hits.len() < FULL {
-                let end = rays.min(next + FULL as u64);
+            if self.hits.len() < MIN_HITS {
+                let end = rays.min(next + MIN_HITS as u64);
                 self.start(next..end, wi, lambda);
                 next = end;
             }
@@ -150,7 +151,7 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
             self.sample_normals();
             self.scatter();
             self.tally_exits(tally);
-            self.go_on(tally);
+            self.continue_paths(tally);
         }
         self.flush(tally);
     }
@@ -187,7 +188,7 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
         (self.normals.iter_mut()).for_each(|column| grow(column, n));
         let mut trial = 0;
         while !pending.hit.is_empty() {
-            self.instructions.run(Try {
+            self.instructions.run(ProposeNormals {
                 beckmann: self.beckmann,
                 key: self.key,
                 trial,
@@ -195,6 +196,7 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
             });
             pending.keep(&mut self.normals);
             trial += 1;
+            assert!(trial < DRAWS_OF_STEP, "no visible normal is accepted");
         }
     }
 
@@ -210,7 +212,7 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
             transmitted: &mut self.transmitted,
             absorbed: &mut self.absorbed,
             draws: &mut self.draws,
-            light: std::marker::PhantomData,
+            light: PhantomData,
         });
     }
 
@@ -245,18 +247,18 @@ impl<L: Light, M: Fn(f64) -> Material + Copy> Wavefront<L, M> {
                 }
             }
         }
-        if self.exits.len() >= FULL {
+        if self.exits.len() >= MIN_HITS {
             self.flush(tally);
         }
     }
 
     fn flush(&mut self, tally: &mut Tally<'_>) {
         let exits = &mut self.exits;
-        self.instructions.run(Book { tally, exits });
+        self.instructions.run(TallyExits { tally, exits });
     }
 
     /// Makes the hits of the next step: both branches go on from the first facet, one from later ones.
-    fn go_on(&mut self, tally: &mut Tally<'_>) {
+    fn continue_paths(&mut self, tally: &mut Tally<'_>) {
         self.truncated = 0.0;
         for i in 0..self.hits.len() {
             let remaining = [&self.reflected, &self.transmitted].map(|branch| branch.remaining[i]);
@@ -438,7 +440,7 @@ struct Pending {
 }
 
 impl Pending {
-    /// All hits.
+    /// Takes all hits.
     fn begin(&mut self, hits: &Hits) {
         let n = hits.len();
         self.hit.clear();
@@ -478,14 +480,14 @@ impl Pending {
 }
 
 /// A trial of a visible normal for each pending hit.
-struct Try<'a> {
+struct ProposeNormals<'a> {
     beckmann: Beckmann,
     key: [u64; 2],
     trial: u64,
     pending: &'a mut Pending,
 }
 
-impl Stage for Try<'_> {
+impl Stage for ProposeNormals<'_> {
     #[inline(always)]
     fn run(self) {
         let pending = self.pending;
@@ -521,7 +523,7 @@ struct Scatter<'a, L, M> {
     transmitted: &'a mut Branches,
     absorbed: &'a mut Vec<f64>,
     draws: &'a mut [Vec<f64>; 3],
-    light: std::marker::PhantomData<L>,
+    light: PhantomData<L>,
 }
 
 impl<L: Light, M: Fn(f64) -> Material> Stage for Scatter<'_, L, M> {
@@ -694,12 +696,12 @@ impl Stage for &mut Next {
 }
 
 /// Adds exits to a tally.
-struct Book<'a, 't> {
+struct TallyExits<'a, 't> {
     tally: &'a mut Tally<'t>,
     exits: &'a mut ExitColumns,
 }
 
-impl Stage for Book<'_, '_> {
+impl Stage for TallyExits<'_, '_> {
     #[inline(always)]
     fn run(self) {
         self.tally.add_exits(self.exits);

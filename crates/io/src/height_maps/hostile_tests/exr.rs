@@ -205,7 +205,9 @@ fn exr_headers_are_refused_before_allocation() {
         (19_999, 19_999),
     ] {
         let blocks = (y + 16) / 16;
-        let bytes = with_attribute(valid(Exr), "dataWindow", "box2i", &window(x, y));
+        // ZIP, which packs 16 rows together
+        let bytes = with_attribute(valid(Exr), "compression", "compression", &[3]);
+        let bytes = with_attribute(bytes, "dataWindow", "box2i", &window(x, y));
         let bytes = with_attribute(bytes, "chunkCount", "int", &blocks.to_le_bytes());
         let error = refused(Exr, &bytes, "");
         println!("{error}");

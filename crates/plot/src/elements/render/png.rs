@@ -101,6 +101,8 @@ fn paint(picture: &Picture, buffer: &mut [u8], width: usize, scale: f64) {
 
 /// Averages blocks of `N` by `N` pixels of an RGB buffer with `stride` bytes to a row.
 fn average_blocks<const N: usize>(pixels: &[u8], stride: usize) -> Vec<u8> {
+    // Sums of a block fit into 16 bits
+    const { assert!(N <= 16) };
     let count = (N * N) as u16;
     let mut averaged = vec![0; pixels.len() / (N * N)];
     let mut sums = vec![0_u16; stride];

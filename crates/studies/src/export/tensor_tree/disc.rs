@@ -6,6 +6,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use asperity_numerics::elementary::atan;
+use asperity_optics::horizontal;
 use glam::DVec2;
 
 /// Parts of a cell, per axis of the directions in which light leaves.
@@ -26,7 +27,7 @@ pub(super) fn disc(square: [f64; 2]) -> DVec2 {
         false if b == 0.0 => (0.0, 0.0),
         false => (b, FRAC_PI_4 * (2.0 - a / b)),
     };
-    radius * DVec2::from_angle(angle)
+    radius * horizontal(angle)
 }
 
 /// The point of the unit square that stands for a point of the unit disc.

@@ -4,8 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use asperity_numerics::elementary::sin;
-use asperity_optics::Incidence;
-use glam::DVec2;
+use asperity_optics::{Incidence, horizontal};
 
 use super::disc::square;
 
@@ -46,7 +45,7 @@ impl Grid {
             // From the middle, the normal, down: the other half is not used
             3 => self.cells / 2 - 1 - cell(0.5 * sin).min(self.cells / 2 - 1),
             _ => {
-                let [x, y] = square(-DVec2::from_angle(light.phi()) * sin).map(cell);
+                let [x, y] = square(-horizontal(light.phi()) * sin).map(cell);
                 x * self.cells + y
             }
         };
