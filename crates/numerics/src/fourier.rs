@@ -31,27 +31,27 @@ impl HalfPlane {
         // Two rows in one; with an odd number the last is beside zeros
         let mut rows = vec![ComplexPair::default(); half * ny.div_ceil(2)];
         rows.par_chunks_exact_mut(half).enumerate().for_each_init(
-            || (vec![0.0; 2 * nx], along_x.room()),
-            |(two, room), (i, spectra)| {
+            || (vec![0.0; 2 * nx], along_x.scratch()),
+            |(two, scratch), (i, spectra)| {
                 two.fill(0.0);
                 for (iy, row) in (2 * i..ny).zip(two.chunks_exact_mut(nx)) {
                     fill(iy, row);
                 }
                 let (first, second) = two.split_at(nx);
-                along_x.forward([first, second], spectra, room);
+                along_x.forward([first, second], spectra, scratch);
             },
         );
         let mut columns = vec![Complex::default(); half * ny];
         let along_y = FourierTransform::forward(ny);
         columns.par_chunks_mut(2 * ny).enumerate().for_each_init(
-            || along_y.room(),
-            |room, (i, two)| {
+            || along_y.scratch(),
+            |scratch, (i, two)| {
                 let [kx, next] = [2 * i, (2 * i + 1).min(half - 1)];
                 let numbers = rows.chunks_exact(half).flat_map(|row| {
                     let [[a, b], [c, d]] = [row[kx].numbers(), row[next].numbers()];
                     [ComplexPair::new([a, c]), ComplexPair::new([b, d])]
                 });
-                write(along_y.transform(numbers, room), two);
+                write(along_y.transform(numbers, scratch), two);
             },
         );
         Self { shape, columns }
@@ -96,26 +96,26 @@ impl HalfPlane {
         let mut columns = self.columns;
         let along_y = FourierTransform::inverse(ny);
         columns.par_chunks_mut(2 * ny).for_each_init(
-            || along_y.room(),
-            |room, two| {
+            || along_y.scratch(),
+            |scratch, two| {
                 let power = |value: Complex<f64>| value.norm_sqr().into();
                 let second = two.len() - ny;
                 let numbers =
                     (0..ny).map(|iy| ComplexPair::new([two[iy], two[second + iy]].map(power)));
-                write(along_y.transform(numbers, room), two);
+                write(along_y.transform(numbers, scratch), two);
             },
         );
         let along_x = RealFourierTransform::new(nx);
         let mut numbers = vec![0.0; nx * ny];
         numbers.par_chunks_mut(2 * nx).enumerate().for_each_init(
-            || (along_x.spectra(), along_x.room()),
-            |(spectra, room), (i, rows)| {
+            || (along_x.spectra(), along_x.scratch()),
+            |(spectra, scratch), (i, rows)| {
                 let [iy, next] = [2 * i, (2 * i + 1).min(ny - 1)];
                 for (pair, column) in spectra.iter_mut().zip(columns.chunks_exact(ny)) {
                     *pair = ComplexPair::new([column[iy], column[next]]);
                 }
                 let (first, second) = rows.split_at_mut(nx);
-                along_x.inverse(spectra, [first, second], room);
+                along_x.inverse(spectra, [first, second], scratch);
             },
         );
         numbers

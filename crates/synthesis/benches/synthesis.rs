@@ -77,7 +77,7 @@ struct BareFfts {
     /// Columns of the half spectrum, two in one.
     columns: Vec<ComplexPair>,
     heights: Vec<f64>,
-    room: Vec<ComplexPair>,
+    scratch: Vec<ComplexPair>,
 }
 
 impl BareFfts {
@@ -86,7 +86,7 @@ impl BareFfts {
         Self {
             columns: vec![ComplexPair::default(); n * along_x.waves().div_ceil(2)],
             heights: vec![0.0; n * n],
-            room: along_y.room(),
+            scratch: along_y.scratch(),
             along_y,
             along_x,
         }
@@ -103,14 +103,16 @@ impl BareFfts {
     fn process(&mut self) {
         let n = self.along_x.length();
         for two in self.columns.chunks_exact_mut(n) {
-            let results = self.along_y.transform(two.iter().copied(), &mut self.room);
+            let results = self
+                .along_y
+                .transform(two.iter().copied(), &mut self.scratch);
             two.copy_from_slice(results);
         }
         let spectra = self.columns.chunks_exact(self.along_x.waves());
         for (spectra, rows) in spectra.zip(self.heights.chunks_exact_mut(2 * n)) {
             let (first, second) = rows.split_at_mut(n);
             self.along_x
-                .inverse(spectra, [first, second], &mut self.room);
+                .inverse(spectra, [first, second], &mut self.scratch);
         }
         black_box(&mut self.heights);
     }

@@ -24,21 +24,21 @@ impl Cyclic {
         }
     }
 
-    /// Length of the room that [`Cyclic::transform`] takes.
-    pub(super) const fn room_len(&self) -> usize {
+    /// Length of the scratch memory that [`Cyclic::transform`] takes.
+    pub(super) const fn scratch_len(&self) -> usize {
         match self {
             Self::Factored(stockham) => 2 * stockham.length(),
             Self::Convolved(bluestein) => 2 * bluestein.inner.length(),
         }
     }
 
-    /// The transform of the numbers that `fill` writes, in `room`.
+    /// The transform of the numbers that `fill` writes, in `scratch`.
     pub(super) fn transform<'a>(
         &self,
-        room: &'a mut [ComplexPair],
+        scratch: &'a mut [ComplexPair],
         fill: impl FnOnce(&mut [ComplexPair]),
     ) -> &'a [ComplexPair] {
-        let (x, y) = room[..self.room_len()].split_at_mut(self.room_len() / 2);
+        let (x, y) = scratch[..self.scratch_len()].split_at_mut(self.scratch_len() / 2);
         match self {
             Self::Factored(stockham) => {
                 fill(x);

@@ -40,19 +40,19 @@ fn assert_near(found: &[Complex<f64>], expected: &[Complex<f64>], length: usize)
 
 /// Transforms of two lines by ours.
 fn transformed(transform: &FourierTransform, lines: [&[Complex<f64>]; 2]) -> Vec<Complex<f64>> {
-    let mut room = transform.room();
+    let mut scratch = transform.scratch();
     let pairs = lines[0].iter().zip(lines[1]);
     let pairs = pairs.map(|(a, b)| ComplexPair::new([*a, *b]));
     let mut found = vec![Complex::default(); lines.concat().len()];
-    write(transform.transform(pairs, &mut room), &mut found);
+    write(transform.transform(pairs, &mut scratch), &mut found);
     found
 }
 
 /// Half the spectra of two real lines by ours.
 fn half_spectra(transform: &RealFourierTransform, lines: [&[f64]; 2]) -> Vec<ComplexPair> {
-    let mut room = transform.room();
+    let mut scratch = transform.scratch();
     let mut spectra = transform.spectra();
-    transform.forward(lines, &mut spectra, &mut room);
+    transform.forward(lines, &mut spectra, &mut scratch);
     spectra
 }
 
@@ -90,9 +90,9 @@ fn real_transforms_match_complex_ones_of_rustfft() {
             .map(|line| line.iter().map(|value| value.re).collect::<Vec<_>>());
         let spectra = half_spectra(&ours, [&real[0], &real[1]]);
         let mut back = vec![0.0; 2 * length];
-        let mut room = ours.room();
+        let mut scratch = ours.scratch();
         let (first, second) = back.split_at_mut(length);
-        ours.inverse(&spectra, [first, second], &mut room);
+        ours.inverse(&spectra, [first, second], &mut scratch);
         for (i, line) in real.iter().enumerate() {
             let mut expected: Vec<Complex<f64>> = line.iter().map(|value| value.into()).collect();
             planner.plan_fft_forward(length).process(&mut expected);
@@ -118,8 +118,8 @@ fn imaginary_parts_at_the_ends_are_ignored() {
                 spectra[length / 2] = ComplexPair::new([Complex::new(-2.0, 3.0 * imaginary); 2]);
             }
             let mut line = vec![0.0; length];
-            let mut room = ours.room();
-            ours.inverse(&spectra, [&mut line, &mut []], &mut room);
+            let mut scratch = ours.scratch();
+            ours.inverse(&spectra, [&mut line, &mut []], &mut scratch);
             line
         };
         assert_eq!(line(0.0), line(7.0), "length {length}");

@@ -35,25 +35,25 @@ impl FourierTransform {
         }
     }
 
-    /// Memory that a transform takes.
+    /// Scratch memory of a transform.
     #[must_use]
-    pub fn room(&self) -> Vec<ComplexPair> {
-        vec![ComplexPair::default(); self.room_len()]
+    pub fn scratch(&self) -> Vec<ComplexPair> {
+        vec![ComplexPair::default(); self.scratch_len()]
     }
 
-    /// Length of [`FourierTransform::room`].
+    /// Length of [`FourierTransform::scratch`].
     #[must_use]
-    pub const fn room_len(&self) -> usize {
-        self.cyclic.room_len()
+    pub const fn scratch_len(&self) -> usize {
+        self.cyclic.scratch_len()
     }
 
-    /// Transforms two lines, in `room`.
+    /// Transforms two lines, in `scratch`.
     pub fn transform<'a>(
         &self,
         mut numbers: impl Iterator<Item = ComplexPair>,
-        room: &'a mut [ComplexPair],
+        scratch: &'a mut [ComplexPair],
     ) -> &'a [ComplexPair] {
-        self.cyclic.transform(room, |places| {
+        self.cyclic.transform(scratch, |places| {
             if self.inverse {
                 // The forward transform of the numbers in reverse order, but for the first
                 let (first, others) = places.split_at_mut(1);
@@ -115,16 +115,16 @@ impl RealFourierTransform {
         vec![ComplexPair::default(); self.waves()]
     }
 
-    /// Memory that a transform takes.
+    /// Scratch memory of a transform.
     #[must_use]
-    pub fn room(&self) -> Vec<ComplexPair> {
-        vec![ComplexPair::default(); self.room_len()]
+    pub fn scratch(&self) -> Vec<ComplexPair> {
+        vec![ComplexPair::default(); self.scratch_len()]
     }
 
-    /// Length of [`RealFourierTransform::room`].
+    /// Length of [`RealFourierTransform::scratch`].
     #[must_use]
-    pub const fn room_len(&self) -> usize {
-        self.cyclic.room_len()
+    pub const fn scratch_len(&self) -> usize {
+        self.cyclic.scratch_len()
     }
 
     /// Returns `true` if two samples at a time are a complex number.
@@ -137,7 +137,7 @@ impl RealFourierTransform {
         &self,
         lines: [&[f64]; 2],
         spectra: &mut [ComplexPair],
-        room: &mut [ComplexPair],
+        scratch: &mut [ComplexPair],
     ) {
         let half = self.length / 2;
         let lines = match lines {
@@ -145,7 +145,7 @@ impl RealFourierTransform {
             both => both,
         };
         if !self.is_even() {
-            let results = self.cyclic.transform(room, |places| {
+            let results = self.cyclic.transform(scratch, |places| {
                 for ((place, a), b) in places.iter_mut().zip(lines[0]).zip(lines[1]) {
                     *place = ComplexPair::new([a.into(), b.into()]);
                 }
@@ -154,7 +154,7 @@ impl RealFourierTransform {
             return;
         }
         // Even samples as real parts, odd ones as imaginary parts
-        let results = self.cyclic.transform(room, |places| {
+        let results = self.cyclic.transform(scratch, |places| {
             let [a, b] = lines.map(|line| line.as_chunks::<2>().0);
             for ((place, a), b) in places.iter_mut().zip(a).zip(b) {
                 *place = ComplexPair::new([a, b].map(|&[re, im]| Complex { re, im }));
@@ -175,11 +175,11 @@ impl RealFourierTransform {
         &self,
         spectra: &[ComplexPair],
         lines: [&mut [f64]; 2],
-        room: &mut [ComplexPair],
+        scratch: &mut [ComplexPair],
     ) {
         let half = self.length / 2;
         // The forward transform of the numbers in reverse order, but for the first
-        let results = self.cyclic.transform(room, |places| {
+        let results = self.cyclic.transform(scratch, |places| {
             if !self.is_even() {
                 places[0] = spectra[0].real();
                 for k in 1..=half {

@@ -152,8 +152,8 @@ impl LineFilter {
         let sum: f64 = weights.iter().sum();
         let transform = RealFourierTransform::new(period);
         let mut spectra = transform.spectra();
-        let mut room = transform.room();
-        transform.forward([&weights, &[]], &mut spectra, &mut room);
+        let mut scratch = transform.scratch();
+        transform.forward([&weights, &[]], &mut spectra, &mut scratch);
         let scale = 1.0 / (sum * period as f64);
         let mut filter = Self {
             length,
@@ -181,21 +181,21 @@ impl LineFilter {
                 (
                     vec![0.0; 2 * period],
                     self.transform.spectra(),
-                    self.transform.room(),
+                    self.transform.scratch(),
                 )
             },
-            |(periods, spectra, room), block| {
+            |(periods, spectra, scratch), block| {
                 for lines in block.chunks_mut(2 * self.length) {
                     let extended = periods.chunks_exact_mut(period);
                     for (line, period) in lines.chunks_exact(self.length).zip(extended) {
                         self.extend(line, period);
                     }
                     let (first, second) = periods.split_at_mut(period);
-                    self.transform.forward([first, second], spectra, room);
+                    self.transform.forward([first, second], spectra, scratch);
                     for (pair, transfer) in spectra.iter_mut().zip(&self.transfer) {
                         *pair = *pair * *transfer;
                     }
-                    self.transform.inverse(spectra, [first, second], room);
+                    self.transform.inverse(spectra, [first, second], scratch);
                     let lines = lines.chunks_exact_mut(self.length);
                     for (line, period) in lines.zip(periods.chunks_exact(period)) {
                         for ((h, value), weight) in

@@ -72,7 +72,7 @@ const TILE: usize = 8;
 const GROUP: usize = 64;
 const GROUP_OF_THREAD: usize = 16;
 
-/// Room between the columns of a group, samples; without it, columns of a power-of-two length all fall
+/// Scratch between the columns of a group, samples; without it, columns of a power-of-two length all fall
 /// into the same cache sets.
 const PAD: usize = 8;
 
@@ -174,8 +174,8 @@ fn refine_rows(field: &HeightField, heights: &mut [f64], wide: usize) {
         .par_chunks_mut(4 * wide)
         .zip(field.heights().par_chunks(2 * nx))
         .for_each_init(
-            || (vec![0.0; 2 * half_shift.period], half_shift.room()),
-            |(lines, room), (refined, rows)| {
+            || (vec![0.0; 2 * half_shift.period], half_shift.scratch()),
+            |(lines, scratch), (refined, rows)| {
                 let lines = &mut lines[..rows.len() / nx * half_shift.period];
                 for (line, row) in lines
                     .chunks_exact_mut(half_shift.period)
@@ -183,7 +183,7 @@ fn refine_rows(field: &HeightField, heights: &mut [f64], wide: usize) {
                 {
                     line[..nx].copy_from_slice(row);
                 }
-                half_shift.apply(lines, half_shift.period, room);
+                half_shift.apply(lines, half_shift.period, scratch);
                 let lines = lines.chunks_exact(half_shift.period).zip(rows.chunks(nx));
                 for (refined, (line, row)) in refined.chunks_mut(2 * wide).zip(lines) {
                     let samples = row.iter().zip(line);
@@ -213,8 +213,8 @@ fn fill_rows_between(field: &HeightField, heights: &mut [f64], wide: usize) {
             .par_chunks_mut(TILE * stride)
             .enumerate()
             .for_each_init(
-                || half_shift.room(),
-                |room, (tile, columns)| {
+                || half_shift.scratch(),
+                |scratch, (tile, columns)| {
                     let first = first + tile * TILE;
                     let count = columns.len() / stride;
                     for iy in 0..ny {
@@ -224,7 +224,7 @@ fn fill_rows_between(field: &HeightField, heights: &mut [f64], wide: usize) {
                         }
                     }
                     for two in columns.chunks_mut(2 * stride) {
-                        half_shift.apply(two, stride, room);
+                        half_shift.apply(two, stride, scratch);
                     }
                 },
             );
@@ -256,7 +256,7 @@ struct HalfShift {
 }
 
 /// Buffers that one thread needs to apply a [`HalfShift`].
-struct Room {
+struct Scratch {
     spectra: Vec<ComplexPair>,
     transform: Vec<ComplexPair>,
 }
@@ -285,16 +285,16 @@ impl HalfShift {
         }
     }
 
-    fn room(&self) -> Room {
-        Room {
+    fn scratch(&self) -> Scratch {
+        Scratch {
             spectra: self.transform.spectra(),
-            transform: self.transform.room(),
+            transform: self.transform.scratch(),
         }
     }
 
     /// Replaces each sample of one or two lines, `stride` apart, by that half a spacing behind it. The lines have the length of a
     /// period; of mirrored ones only the samples need be given.
-    fn apply(&self, lines: &mut [f64], stride: usize, room: &mut Room) {
+    fn apply(&self, lines: &mut [f64], stride: usize, scratch: &mut Scratch) {
         for line in lines.chunks_exact_mut(stride) {
             let (samples, mirrored) = line[..self.period].split_at_mut(self.samples);
             for (value, sample) in mirrored.iter_mut().zip(samples.iter().rev().skip(1)) {
@@ -306,7 +306,7 @@ impl HalfShift {
             [] => &mut [],
             line => &mut line[..self.period],
         });
-        let Room { spectra, transform } = room;
+        let Scratch { spectra, transform } = scratch;
         let [first, second] = &lines;
         self.transform.forward([first, second], spectra, transform);
         for (pair, factor) in spectra.iter_mut().zip(&self.factors) {

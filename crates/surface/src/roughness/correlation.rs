@@ -53,7 +53,7 @@ impl AxisAutocorrelation {
     }
 }
 
-/// Numbers of all of so many lines.
+/// Numbers of all lines, `0` to `lines - 1`.
 pub(crate) fn all_lines(lines: usize) -> Vec<usize> {
     (0..lines).collect()
 }
@@ -91,11 +91,11 @@ pub(crate) fn axis_autocorrelation(
         let mut block = vec![0.0; lines.len() * padded];
         copy_lines(field, mean, axis, lines, &mut block, padded);
         let mut spectra = transform.spectra();
-        let mut room = transform.room();
+        let mut scratch = transform.scratch();
         let mut power = vec![0.0; transform.waves()];
         for two in block.chunks(2 * padded) {
             let (first, second) = two.split_at(padded);
-            transform.forward([first, second], &mut spectra, &mut room);
+            transform.forward([first, second], &mut spectra, &mut scratch);
             for i in 0..two.len() / padded {
                 for (sum, pair) in power.iter_mut().zip(&spectra) {
                     *sum += pair.numbers()[i].norm_sqr();
@@ -116,8 +116,8 @@ pub(crate) fn axis_autocorrelation(
         .map(|&power| ComplexPair::new([power.into(); 2]))
         .collect();
     let mut correlation = vec![0.0; padded];
-    let mut room = transform.room();
-    transform.inverse(&spectrum, [&mut correlation, &mut []], &mut room);
+    let mut scratch = transform.scratch();
+    transform.inverse(&spectrum, [&mut correlation, &mut []], &mut scratch);
     correlation.truncate(longest + 1);
     for (lag, value) in correlation.iter_mut().enumerate() {
         let pairs = match field.border() {

@@ -164,7 +164,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Of so many `blocks`, and heights from the lowest to the highest.
+    /// Empty sums of `blocks` blocks, with bins between the lowest and the highest height.
     fn within([lowest, highest]: [f64; 2], blocks: usize) -> Self {
         let per_height = match highest > lowest {
             true => BINS as f64 / (highest - lowest),

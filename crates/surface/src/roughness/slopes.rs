@@ -76,26 +76,45 @@ fn cell_slopes(
 pub(crate) fn slope_moments(field: &HeightField) -> SlopeMoments {
     let [cells_x, cells_y] = field.cells();
     let facets = 2.0 * cells_x as f64 * cells_y as f64;
-    let mean_of = |rows: &[RowSums]| {
+    let mean_of = |rows: &[[f64; 2]]| {
         let total = rows.iter().fold([0.0; 2], |total, row| {
-            [total[0] + row.sum[0], total[1] + row.sum[1]]
+            [total[0] + row[0], total[1] + row[1]]
         });
         total.map(|total| total / facets)
     };
-    let rows = sums_of_rows(field, None);
-    let mean = mean_of(&rows);
-    // The first of the steepest rows
-    let mut best = 0;
-    for (iy, row) in rows.iter().enumerate() {
-        if row.steepest > rows[best].steepest {
-            best = iy;
-        }
-    }
+    let mean = mean_of(&field.facet_sums(|slopes| slopes));
+    let squares = |[sx, sy]: [f64; 2]| [(sx - mean[0]).powi(2), (sy - mean[1]).powi(2)];
     SlopeMoments {
         mean,
-        variance: mean_of(&sums_of_rows(field, Some(mean))),
-        steepest: steepest_of_row(field, best),
+        variance: mean_of(&field.facet_sums(squares)),
+        steepest: steepest_of_row(field, steepest_row(field)),
     }
+}
+
+/// Number of the first row of cells with the steepest facet.
+fn steepest_row(field: &HeightField) -> usize {
+    let square = |sx: f64, sy: f64| sx * sx + sy * sy;
+    let of_row = |iy: usize| {
+        let facets = row_slopes(field, iy).flatten();
+        largest(&facets.map(|[sx, sy]| square(sx, sy)).collect::<Vec<_>>())
+    };
+    let of_rows = |first: usize| {
+        let RowBlock { x, y } = RowBlock::of(field, first);
+        std::array::from_fn(|k| {
+            let lower = x[k].iter().zip(&y[k][1..]);
+            let upper = x[k + 1].iter().zip(&y[k]);
+            let larger = lower.zip(upper).map(|((ax, ay), (bx, by))| {
+                let (a, b) = (square(*ax, *ay), square(*bx, *by));
+                if b > a { b } else { a }
+            });
+            largest(&larger.collect::<Vec<_>>())
+        })
+    };
+    let squares = by_blocks(field, of_row, of_rows);
+    (1..squares.len()).fold(0, |best, iy| match squares[iy] > squares[best] {
+        true => iy,
+        false => best,
+    })
 }
 
 /// The first of the steepest facets of row `iy`.
@@ -120,90 +139,8 @@ fn steepest_of_row(field: &HeightField, iy: usize) -> SteepestFacet {
     }
 }
 
-/// Sums over the facets of a row of cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct RowSums {
-    /// Slopes along x and y, or their squared differences from means, added in the order of the facets.
-    sum: [f64; 2],
-    /// Largest squared gradient; of differences it has no meaning.
-    steepest: f64,
-}
-
-impl RowSums {
-    const NONE: Self = Self {
-        sum: [0.0; 2],
-        steepest: f64::NEG_INFINITY,
-    };
-}
-
 /// Rows of cells that are summed side by side, since each addition to the sum of a row waits for the last one.
 const ROWS: usize = 4;
-
-/// Sums over the facets of each row of cells: of slopes, or of their squared differences from `mean`. Rows are summed on their own, so that the
-/// number of threads changes nothing.
-fn sums_of_rows(field: &HeightField, mean: Option<[f64; 2]>) -> Vec<RowSums> {
-    by_blocks(
-        field,
-        |iy| sums_of_row(field, iy, mean),
-        |first| sums_of_block(field, first, mean),
-    )
-}
-
-/// Sums over one row of cells, facet by facet.
-fn sums_of_row(field: &HeightField, iy: usize, mean: Option<[f64; 2]>) -> RowSums {
-    let facets = row_slopes(field, iy).flatten();
-    facets.fold(RowSums::NONE, |row, [sx, sy]| {
-        let square = sx * sx + sy * sy;
-        let [x, y] = match mean {
-            None => [sx, sy],
-            Some(mean) => [(sx - mean[0]).powi(2), (sy - mean[1]).powi(2)],
-        };
-        RowSums {
-            sum: [row.sum[0] + x, row.sum[1] + y],
-            steepest: if square > row.steepest {
-                square
-            } else {
-                row.steepest
-            },
-        }
-    })
-}
-
-/// Sums over [`ROWS`] rows of cells from `first` on, none of them turned: bit by bit those of [`sums_of_row`].
-fn sums_of_block(field: &HeightField, first: usize, mean: Option<[f64; 2]>) -> [RowSums; ROWS] {
-    let RowBlock { mut x, mut y } = RowBlock::of(field, first);
-    let mut rows = [RowSums::NONE; ROWS];
-    match mean {
-        None => {
-            for (k, row) in rows.iter_mut().enumerate() {
-                let square = |(sx, sy): (&f64, &f64)| sx * sx + sy * sy;
-                let lower = x[k].iter().zip(&y[k][1..]).map(square);
-                let upper = x[k + 1].iter().zip(&y[k]).map(square);
-                let larger = lower.zip(upper).map(|(a, b)| if b > a { b } else { a });
-                row.steepest = largest(&larger.collect::<Vec<_>>());
-            }
-        }
-        Some(mean) => {
-            let square = |slopes: &mut Vec<f64>, mean: f64| {
-                slopes.iter_mut().for_each(|s| *s = (*s - mean).powi(2));
-            };
-            x.iter_mut().for_each(|slopes| square(slopes, mean[0]));
-            y.iter_mut().for_each(|slopes| square(slopes, mean[1]));
-        }
-    }
-    let cells = field.cells()[0];
-    let x = x.each_ref().map(|slopes| &slopes[..cells]);
-    let y = y.each_ref().map(|slopes| &slopes[..=cells]);
-    for ix in 0..cells {
-        for (k, row) in rows.iter_mut().enumerate() {
-            row.sum = [
-                row.sum[0] + x[k][ix] + x[k + 1][ix],
-                row.sum[1] + y[k][ix + 1] + y[k][ix],
-            ];
-        }
-    }
-    rows
-}
 
 /// Slopes of some rows of cells, each once.
 struct RowBlock {
@@ -244,7 +181,8 @@ impl HeightField {
         slopes
     }
 
-    /// Sums of functions of the slopes of each row of cells, in the order of the facets.
+    /// Sums of functions of the slopes of each row of cells, in the order of the facets. Rows are summed on their own, so that the
+    /// number of threads changes nothing.
     pub(crate) fn facet_sums<const N: usize>(
         &self,
         of: impl Fn([f64; 2]) -> [f64; N] + Sync,
@@ -441,21 +379,25 @@ mod tests {
     }
 
     #[test]
-    fn rows_side_by_side_have_the_sums_of_each() {
+    fn the_steepest_facet_is_the_first_of_all() {
         for [ny, nx] in [[2, 2], [5, 9], [12, 31]] {
             let heights = (0..nx * ny).map(|i| ((i * i) as f64 * 0.37).sin());
             let field = HeightField::new(heights.collect(), [ny, nx], [0.3, 0.7]).unwrap();
             for border in [Border::Periodic, Border::Open] {
                 let field = field.clone().with_border(border);
-                for mean in [None, Some([0.1, -0.2])] {
-                    let rows = sums_of_rows(&field, mean);
-                    assert_eq!(rows.len(), field.cells()[1]);
-                    for (iy, row) in rows.iter().enumerate() {
-                        let alone = sums_of_row(&field, iy, mean);
-                        assert_eq!(row.sum, alone.sum, "{ny} {nx} {border} {iy}");
-                        assert!(mean.is_some() || row.steepest == alone.steepest);
+                let mut best = (0.0, [0, 0]);
+                for iy in 0..field.cells()[1] {
+                    for ix in 0..field.cells()[0] {
+                        for [sx, sy] in field.facet_slopes(ix, iy) {
+                            if sx * sx + sy * sy > best.0 {
+                                best = (sx * sx + sy * sy, [ix, iy]);
+                            }
+                        }
                     }
                 }
+                let found = slope_moments(&field).steepest;
+                assert_eq!([found.ix, found.iy], best.1, "{ny} {nx} {border}");
+                assert!((found.slope / best.0.sqrt() - 1.0).abs() < 1e-15);
             }
         }
     }

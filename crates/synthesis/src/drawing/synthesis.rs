@@ -201,7 +201,7 @@ impl Synthesis {
         self.draw_into(seed, realisation, Vec::new(), NEVER)
     }
 
-    /// Draws the same surface as [`Synthesis::draw`], reusing the memory of `room` if it is large
+    /// Draws the same surface as [`Synthesis::draw`], reusing the memory of `scratch` if it is large
     /// enough, such as the [`HeightField::into_heights`] of an earlier surface. Its contents do not
     /// matter.
     ///
@@ -214,11 +214,11 @@ impl Synthesis {
         &self,
         seed: u64,
         realisation: u64,
-        room: Vec<f64>,
+        scratch: Vec<f64>,
         gives_up: GivesUp<'_>,
     ) -> Result<HeightField, SynthesisError> {
         let [ny, nx] = self.shape;
-        let mut heights = self.room_for(ny * nx, room)?;
+        let mut heights = self.room_for(ny * nx, scratch)?;
         let allowed = self.fill(&self.noise(seed, realisation), &mut heights, gives_up)?;
         let field = if allowed {
             HeightField::of_checked(heights, self.shape, self.spacing)
@@ -228,10 +228,14 @@ impl Synthesis {
         Ok(field.with_provenance(Some(self.provenance(seed, realisation))))
     }
 
-    /// `room` with place for `len` numbers in all, whose first are one per grid point.
-    pub(super) fn room_for(&self, len: usize, room: Vec<f64>) -> Result<Vec<f64>, SynthesisError> {
+    /// `scratch` with place for `len` numbers in all, whose first are one per grid point.
+    pub(super) fn room_for(
+        &self,
+        len: usize,
+        scratch: Vec<f64>,
+    ) -> Result<Vec<f64>, SynthesisError> {
         let [ny, nx] = self.shape;
-        let mut numbers = room;
+        let mut numbers = scratch;
         if numbers.capacity() < len {
             drop(numbers);
             numbers = zeroed(0.0, len)?;

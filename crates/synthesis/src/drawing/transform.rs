@@ -1,6 +1,6 @@
 //! From the random spectrum to heights, in the memory of the heights.
 //!
-//! Columns are drawn and transformed a group at a time in room of their own, in contiguous pairs, and then
+//! Columns are drawn and transformed a group at a time in memory of their own, in contiguous pairs, and then
 //! written across the rows: the complex numbers of columns 0, 1, 2, ... take the places of the heights
 //! two by two. This leaves no place for the last column of the half spectrum, which stays outside.
 //! Each row is then transformed in place.
@@ -29,7 +29,7 @@ const GROUP_OF_THREAD: usize = 10;
 /// Rows and columns that are turned together: four complex numbers are a cache line.
 const TILE: usize = 4;
 
-/// Room between the pairs of columns of a group; without it, columns of a power-of-two length all fall
+/// Padding between the pairs of columns of a group; without it, columns of a power-of-two length all fall
 /// into the same cache sets.
 const PAD: usize = 2;
 
@@ -84,8 +84,8 @@ impl Synthesis {
     /// Bytes that [`Synthesis::fill`] takes in addition to the heights.
     pub(super) fn room_bytes(&self) -> usize {
         let ny = self.shape[0];
-        let column = self.along_y.room_len() + ny + ny.div_ceil(8) + 1;
-        let row = self.along_x.waves() + self.along_x.room_len();
+        let column = self.along_y.scratch_len() + ny + ny.div_ceil(8) + 1;
+        let row = self.along_x.waves() + self.along_x.scratch_len();
         let threads = rayon::current_num_threads() * column.max(row);
         let group = self.group().div_ceil(2) * (ny + PAD);
         size_of::<ComplexPair>() * (group + threads) + size_of::<Complex<f64>>() * ny
@@ -136,10 +136,10 @@ impl Synthesis {
                     (
                         vec![0.0; ny / 2 + 1],
                         vec![Complex::default(); 2 * ny],
-                        self.along_y.room(),
+                        self.along_y.scratch(),
                     )
                 },
-                |(amplitudes, two, room), (i, pairs)| {
+                |(amplitudes, two, scratch), (i, pairs)| {
                     let columns = columns.clone().skip(2 * i);
                     for (ix, column) in columns.zip(two.chunks_exact_mut(ny)) {
                         spectrum::fill_column(&self.filter, noise, nx, ix, amplitudes, column);
@@ -149,7 +149,7 @@ impl Synthesis {
                         .iter()
                         .zip(second)
                         .map(|(a, b)| ComplexPair::new([*a, *b]));
-                    pairs[..ny].copy_from_slice(self.along_y.transform(numbers, room));
+                    pairs[..ny].copy_from_slice(self.along_y.transform(numbers, scratch));
                 },
             );
     }
@@ -167,12 +167,12 @@ impl Synthesis {
             .par_chunks_mut(2 * nx)
             .zip(outside.par_chunks(2))
             .map_init(
-                || (self.along_x.spectra(), self.along_x.room()),
-                |(spectra, room), (rows, last)| {
+                || (self.along_x.spectra(), self.along_x.scratch()),
+                |(spectra, scratch), (rows, last)| {
                     if gives_up() {
                         return false;
                     }
-                    // The only row twice if there is none besides
+                    // A single row is transformed as both lines of the pair
                     let [first, second] = [&rows[..nx], &rows[rows.len() - nx..]]
                         .map(|row| &row.as_chunks::<2>().0[..columns]);
                     for ((pair, a), b) in spectra.iter_mut().zip(first).zip(second) {
@@ -181,7 +181,7 @@ impl Synthesis {
                     spectra[columns..].fill(ComplexPair::default());
                     spectra[nx / 2] = ComplexPair::new([last[0], last[last.len() - 1]]);
                     let (first, second) = rows.split_at_mut(nx);
-                    self.along_x.inverse(spectra, [first, second], room);
+                    self.along_x.inverse(spectra, [first, second], scratch);
                     are_allowed(rows)
                 },
             )
