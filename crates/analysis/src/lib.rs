@@ -47,7 +47,9 @@ mod layer;
 mod microfacet;
 mod models;
 
-pub use compare::comparison::{BinComparison, Comparison, Grouping, TotalVariation, compare};
+pub use compare::comparison::{
+    BinComparison, Comparison, Grouping, TotalVariation, compare, compare_untested,
+};
 pub use compare::input::{ComparisonError, Expected, RayCount};
 pub use compare::multiple_tests::{
     chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold,

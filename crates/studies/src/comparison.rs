@@ -7,6 +7,7 @@ pub(crate) mod compared;
 pub(crate) mod conclusion;
 pub(crate) mod json;
 pub(crate) mod judgement;
+pub(crate) mod model_rays;
 pub(crate) mod models;
 pub(crate) mod other_slopes;
 pub(crate) mod peak;

@@ -274,6 +274,11 @@ impl RunConfig {
         self.bins.named().unwrap_or_default()
     }
 
+    /// Quantity of the target error, if there is one.
+    pub(crate) fn of_target(&self) -> Option<Quantity> {
+        self.target_error.map(|_| self.of.unwrap_or_default())
+    }
+
     /// The settings of a simulation without a medium.
     ///
     /// # Errors
@@ -319,8 +324,10 @@ const SECONDS_PER_MODEL_RAY: f64 = 1.5e-6;
 pub struct CompareConfig {
     /// Names of the models.
     pub models: Vec<String>,
-    /// Rays that a model follows which is evaluated so, over as many batches as there are surfaces.
-    pub model_rays: Count,
+    /// Rays that a model follows which is evaluated so, over as many batches as there are surfaces; by default 1e6, or as many as a target error
+    /// asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model_rays: Option<Count>,
     /// Level of the tests of one case: the probability that one of its models is called failing though
     /// it holds. Cases are not corrected for each other.
     #[serde(default = "default_level")]
@@ -332,7 +339,8 @@ impl CompareConfig {
     pub(crate) fn expected_seconds(&self) -> f64 {
         let walks = self.models.iter();
         let walks = walks.filter(|name| !CLOSED_FORMS.contains(&name.as_str()));
-        let rays = walks.count() as f64 * self.model_rays.0 as f64;
+        let rays = self.model_rays.map_or(Effort::DEFAULT_RAYS, |rays| rays.0);
+        let rays = walks.count() as f64 * rays as f64;
         SECONDS_PER_MODEL * self.models.len() as f64 + SECONDS_PER_MODEL_RAY * rays
     }
 
@@ -340,7 +348,7 @@ impl CompareConfig {
     pub(crate) const fn none() -> Self {
         Self {
             models: Vec::new(),
-            model_rays: Count(1),
+            model_rays: None,
             level: DEFAULT_LEVEL,
         }
     }
@@ -456,7 +464,7 @@ mod tests {
         // Tally, paths, effort, seed and all methods.
         assert_eq!(config.ray_settings().unwrap(), Settings::default());
         assert_eq!(config.compare.level, DEFAULT_LEVEL);
-        assert_eq!(config.compare.model_rays.0, Effort::DEFAULT_RAYS);
+        assert_eq!(config.compare.model_rays, None);
         let above = VerifyConfig::from_toml("[medium]\nscattering = 1").unwrap();
         let medium = above.medium.unwrap();
         assert_eq!(medium.max_scatterings, DEFAULT_MAX_SCATTERINGS);

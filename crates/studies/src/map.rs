@@ -107,7 +107,8 @@ impl Study for MapStudy {
         let tracing = &tracing(observer, self.config.run.max_time, true);
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
-            let judged = judge_case(&verification, outcome, observer)?;
+            // A map judges by distances
+            let judged = judge_case(&verification, outcome, false, observer)?;
             let is_judged = !judged.models.is_empty();
             Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };

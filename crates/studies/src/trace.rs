@@ -183,8 +183,7 @@ impl PlannedTrace {
         let compared = self.comparison.as_ref().zip(regions);
         let compared = compared.filter(|(_, regions)| !regions.is_cut_short());
         let comparison = compared.map(|(planned, regions)| {
-            let seed = self.config.run.seed;
-            planned.judge(&self.case, &regions.outcome, seed, observer)
+            planned.judge(&self.case, &regions.outcome, &self.config.run, observer)
         });
         let comparison = comparison.transpose()?;
         let mut outcome = TraceOutcome {

@@ -127,7 +127,7 @@ impl Study for VerifyStudy {
         let cases = cases
             .into_par_iter()
             .map(|one| {
-                let judged = judge_case(&self.config, &one.outcome, observer);
+                let judged = judge_case(&self.config, &one.outcome, true, observer);
                 observer.advance(1);
                 judged
             })
@@ -187,10 +187,11 @@ fn other_slopes(
     OtherSlopes::of_random(surfaces, outcome, symmetry).map(Some)
 }
 
-/// The comparison of one case with every model; with none if the run gives that up.
+/// The comparison of one case with every model, tested or not; with none if the run gives that up.
 pub(crate) fn judge_case<'a>(
     config: &VerifyConfig,
     outcome: &'a Outcome,
+    is_tested: bool,
     observer: &dyn Observer,
 ) -> Result<Judgement<'a>, StudyError> {
     let free_azimuth = config.free_azimuth(&outcome.case);
@@ -208,6 +209,8 @@ pub(crate) fn judge_case<'a>(
         free_azimuth,
         surface,
         outcome,
+        is_tested,
+        of_target: config.run.of_target(),
         regions: None,
         tables: other.as_ref().and_then(OtherSlopes::tables),
     };

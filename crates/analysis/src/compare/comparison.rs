@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::compare::flips::{Flips, LANES};
-use crate::compare::input::{ComparisonError, Expected, RayCount, validate};
+use crate::compare::input::{ComparisonError, Expected, RayCount, check_length, validate};
 use crate::compare::sign_flip::{Scale, SignFlipTest, Untested, sign_flip_test};
 
 /// Flux by which a bin of a correct model may differ from that of the surfaces: ten times the error allowed in
@@ -33,7 +33,7 @@ pub struct BinComparison {
     pub standard_error: Option<f64>,
     /// Flux that the model expects, or its mean over batches.
     pub model: f64,
-    /// `true` if the bin holds enough rays to enter the test.
+    /// `true` if the bin holds enough rays to enter the test, and there is one.
     pub tested: bool,
 }
 
@@ -85,7 +85,39 @@ pub fn compare(
     groupings: &[Grouping],
     seed: u64,
 ) -> Result<Comparison, ComparisonError> {
-    validate(surfaces, expected, rays)?;
+    let (mut comparison, residuals) = distances(surfaces, expected, seed)?;
+    check_length("the list of ray counts", rays.len(), comparison.bins.len())?;
+    let enough: Vec<bool> = (0..rays.len())
+        .map(|b| rays[b].suffices(residuals.iter().map(|d| d[b])))
+        .collect();
+    for (bin, &tested) in comparison.bins.iter_mut().zip(&enough) {
+        bin.tested = tested;
+    }
+    Ok(Comparison {
+        test: test_on_all_scales(&residuals, &enough, groupings, seed),
+        ..comparison
+    })
+}
+
+/// The comparison of [`compare`] without its test, which takes most of the time.
+///
+/// # Errors
+/// As for [`compare`].
+pub fn compare_untested(
+    surfaces: &[Vec<f64>],
+    expected: Expected<'_>,
+    seed: u64,
+) -> Result<Comparison, ComparisonError> {
+    distances(surfaces, expected, seed).map(|(comparison, _)| comparison)
+}
+
+/// The comparison without a test, and the residuals `[surface][bin]`.
+fn distances(
+    surfaces: &[Vec<f64>],
+    expected: Expected<'_>,
+    seed: u64,
+) -> Result<(Comparison, Vec<Vec<f64>>), ComparisonError> {
+    validate(surfaces, expected)?;
     let residuals: Vec<Vec<f64>> = surfaces
         .iter()
         .enumerate()
@@ -93,13 +125,10 @@ pub fn compare(
         .collect();
     // Residuals average without the rounding of the larger fluxes.
     let count = surfaces.len() as f64;
-    let enough: Vec<bool> = (0..rays.len())
-        .map(|b| rays[b].suffices(residuals.iter().map(|d| d[b])))
-        .collect();
-    let offsets: Vec<f64> = (0..enough.len())
+    let offsets: Vec<f64> = (0..residuals[0].len())
         .map(|b| residuals.iter().map(|d| d[b]).sum::<f64>() / count)
         .collect();
-    let bins = (0..enough.len())
+    let bins = (0..offsets.len())
         .map(|b| {
             let model = match expected {
                 Expected::Exact(fluxes) => fluxes[b],
@@ -107,21 +136,21 @@ pub fn compare(
                     batches.iter().map(|batch| batch[b]).sum::<f64>() / count
                 }
             };
-            let standard_error = standard_error(&residuals, b, offsets[b]);
             BinComparison {
                 mean: model + offsets[b],
-                standard_error,
+                standard_error: standard_error(&residuals, b, offsets[b]),
                 model,
-                tested: enough[b],
+                tested: false,
             }
         })
         .collect();
-    Ok(Comparison {
+    let comparison = Comparison {
         bins,
         surfaces: surfaces.len(),
         total_variation: total_variation(&residuals, &offsets, seed),
-        test: test_on_all_scales(&residuals, &enough, groupings, seed),
-    })
+        test: Err(Untested::NotAsked),
+    };
+    Ok((comparison, residuals))
 }
 
 /// Standard error of the mean residual of a bin; `None` for one surface.

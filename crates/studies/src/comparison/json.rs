@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use asperity_analysis::{ScaleTest, Scope};
+use asperity_simulate::Quantity;
 use asperity_tally::{Component, Estimate, TallySpec};
 use serde::Serialize;
 
@@ -30,6 +31,8 @@ struct Model {
     judged: BySide<Option<f64>>,
     /// `None` for a model without noise.
     rays: Option<u64>,
+    /// Error over the bins, as in `error_budget` of the explicit result.
+    bins_error: Option<f64>,
     verdict: Option<&'static str>,
     /// By component of the light; `None` if the model does not describe it, or on a side that is not recorded.
     energy: BTreeMap<String, Option<BySide<Option<Estimate>>>>,
@@ -82,11 +85,15 @@ impl Model {
             let against = model.compared(component).map(Against::of);
             (key(component).into_owned(), against)
         });
+        let is_sampled = !model.expectation.is_exact();
         Self {
             model: model.model.name(),
             scope: model.model.scope(),
             judged: BySide::of(judged),
-            rays: (!model.expectation.is_exact()).then(|| model.expectation.rays()),
+            rays: is_sampled.then(|| model.expectation.rays()),
+            bins_error: Quantity::Bins
+                .error(model.expectation.statistics())
+                .filter(|_| is_sampled),
             verdict: model.judged().verdict.as_ref().map(verdict_name),
             energy: energies.collect(),
             components: against.collect(),

@@ -1,12 +1,12 @@
 //! Models against the explicit surfaces of a case.
 
-use asperity_simulate::{Observer, Outcome};
+use asperity_simulate::{Observer, Outcome, Quantity};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use asperity_analysis::{
-    Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, sidak_level,
-    verdicts,
+    Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare,
+    compare_untested, sidak_level, verdicts,
 };
 use asperity_optics::Incidence;
 use asperity_tally::{
@@ -14,6 +14,7 @@ use asperity_tally::{
 };
 use rayon::prelude::*;
 
+use crate::comparison::model_rays;
 use crate::comparison::ray_counts::RayCounts;
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::side_difference::{SideDifference, side_differences};
@@ -46,24 +47,27 @@ pub struct ModelOutcome {
     pub model: CaseModel,
     /// Its expectation.
     pub expectation: Expectation,
-    /// The components of the light that it is compared with, without all light.
+    /// The components of the light that it is compared with: those that it claims, then all light, whether or not the model describes it.
     pub components: Vec<(Component, ComparedComponent)>,
-    /// All light, whether or not the model describes it.
-    pub total: ComparedComponent,
 }
 
 impl ModelOutcome {
     /// A component of the light; `None` where it is not compared.
     #[must_use]
     pub fn compared(&self, component: Component) -> Option<&ComparedComponent> {
-        if component == ALL_LIGHT {
-            return Some(&self.total);
-        }
-        let found = self
-            .components
-            .iter()
-            .find(|(compared, _)| *compared == component);
+        let mut all = self.components.iter();
+        let found = all.find(|(compared, _)| *compared == component);
         found.map(|(_, compared)| compared)
+    }
+
+    /// A component of the light, or all light where it is not compared.
+    ///
+    /// # Panics
+    /// If nothing is compared, which no case is.
+    #[must_use]
+    pub fn compared_or_all(&self, component: Component) -> &ComparedComponent {
+        let found = self.compared(component);
+        found.unwrap_or_else(|| &self.components[self.components.len() - 1].1)
     }
 
     /// The component by which the model is judged: all that it describes.
@@ -75,8 +79,7 @@ impl ModelOutcome {
     /// The comparison with all light that the model describes.
     #[must_use]
     pub fn judged(&self) -> &ComparedComponent {
-        self.compared(self.judged_component())
-            .unwrap_or(&self.total)
+        self.compared_or_all(self.judged_component())
     }
 
     /// Returns `true` if the model describes a component of the light.
@@ -95,23 +98,51 @@ impl ModelOutcome {
         self.describes(component)
             .then(|| self.expectation.statistics().flux(side, component))
     }
+}
 
-    fn claimed(&mut self) -> impl Iterator<Item = &mut ComparedComponent> {
-        let claims = self.model.claims();
-        let claimed = move |component: &Component| claims.contains(component);
-        self.components
-            .iter_mut()
-            .map(|(component, compared)| (*component, compared))
-            .chain([(ALL_LIGHT, &mut self.total)])
-            .filter(move |(component, _)| claimed(component))
-            .map(|(_, compared)| compared)
+/// Light that a model expects, and the tallies of surfaces that it is compared with.
+struct ExpectedLight<'a> {
+    model: CaseModel,
+    expectation: Expectation,
+    tallies: Cow<'a, [TallyValues]>,
+}
+
+impl ExpectedLight<'_> {
+    /// The components that are compared: those that the model claims, and all light.
+    fn components(&self) -> Vec<Component> {
+        let mut components = self.model.claims();
+        components.retain(|component| *component != ALL_LIGHT);
+        components.push(ALL_LIGHT);
+        components
+    }
+
+    fn claims(&self, component: Component) -> bool {
+        self.model.claims().contains(&component)
+    }
+
+    /// Returns `true` if both models claim or do not claim the component, and expect exactly the same of it on the same tallies.
+    fn equals(&self, other: &Self, component: Component) -> bool {
+        let spec = self.expectation.spec();
+        let [one, two] = [self, other].map(|light| light.expectation.statistics().means());
+        let bins = spec.recorded_entries(component);
+        let sides = spec.sides().map(|side| spec.flux_entry(side, component));
+        self.claims(component) == other.claims(component)
+            && matches!(
+                (&self.tallies, &other.tallies),
+                (Cow::Borrowed(_), Cow::Borrowed(_))
+            )
+            && ![self, other]
+                .iter()
+                .any(|light| light.expectation.samples(component))
+            && one[bins] == two[bins]
+            && sides.into_iter().all(|entry| one[entry] == two[entry])
     }
 }
 
 /// Compares every model of the configuration with the surfaces of a case.
 ///
-/// Each component that a model claims is a test of its own; the level is shared among all tests of the
-/// case. Returns the models and the level of each test; no models if the run gives them up.
+/// Each component that a model claims is a test, but models that expect exactly the same of it are one; the level is shared among all
+/// tests of the case. Returns the models and the level of each test; no models if the run gives them up.
 pub(crate) fn compare_models(
     compared: &Compared<'_>,
     observer: &dyn Observer,
@@ -120,21 +151,58 @@ pub(crate) fn compare_models(
     let models = config.models.par_iter().with_max_len(1);
     let models = models.map(|name| {
         let model = CaseModel::of(name, &compared.surface)?;
-        compared.with(model, observer)
+        compared.expect(model, observer)
     });
-    let mut models = match models.collect::<Result<Vec<_>, StudyError>>() {
+    let models = match models.collect::<Result<Vec<_>, StudyError>>() {
         Err(error) if error.is_stopped() => Vec::new(),
         models => models?,
     };
-    let mut claims: Vec<&mut ComparedComponent> =
-        models.iter_mut().flat_map(ModelOutcome::claimed).collect();
-    let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
-    let found = verdicts(&comparisons, config.level);
-    let level = sidak_level(config.level, found.len().max(1));
-    for (claim, verdict) in claims.iter_mut().zip(found) {
-        claim.verdict = Some(verdict);
+
+    // Compare equal light once
+    let mut unique: Vec<(usize, Component)> = Vec::new();
+    let mut place = |number: usize, component| {
+        let equals = |&(other, of): &(usize, Component)| {
+            of == component && models[other].equals(&models[number], component)
+        };
+        unique.iter().position(equals).unwrap_or_else(|| {
+            unique.push((number, component));
+            unique.len() - 1
+        })
+    };
+    let places: Vec<Vec<(Component, usize)>> = (0..models.len())
+        .map(|i| {
+            let components = models[i].components().into_iter();
+            components
+                .map(|component| (component, place(i, component)))
+                .collect()
+        })
+        .collect();
+    let found = unique
+        .par_iter()
+        .map(|&(number, component)| compared.against(&models[number], component));
+    let mut found = found.collect::<Result<Vec<_>, StudyError>>()?;
+
+    // Share the level among the tests
+    let tested = found.iter_mut().zip(&unique);
+    let tested = tested.filter(|(_, (number, component))| {
+        compared.is_tested && models[*number].claims(*component)
+    });
+    let mut tested: Vec<&mut ComparedComponent> = tested.map(|(found, _)| found).collect();
+    let comparisons: Vec<&Comparison> = tested.iter().map(|one| &one.comparison).collect();
+    let verdicts = verdicts(&comparisons, config.level);
+    let level = sidak_level(config.level, verdicts.len().max(1));
+    for (one, verdict) in tested.iter_mut().zip(verdicts) {
+        one.verdict = Some(verdict);
     }
-    Ok((models, level))
+    let outcomes = models.into_iter().zip(places).map(|(light, places)| {
+        let of = |(component, place): (Component, usize)| (component, found[place].clone());
+        ModelOutcome {
+            model: light.model,
+            expectation: light.expectation,
+            components: places.into_iter().map(of).collect(),
+        }
+    });
+    Ok((outcomes.collect(), level))
 }
 
 /// Light that models are compared with.
@@ -147,6 +215,10 @@ pub(crate) struct Compared<'a> {
     /// Surface that models are made for.
     pub(crate) surface: ModelledSurface,
     pub(crate) outcome: &'a Outcome,
+    /// `false` if nothing is tested: all verdicts and p values are absent.
+    pub(crate) is_tested: bool,
+    /// Quantity of the target error, if there is one: models follow as many rays as its error asks for.
+    pub(crate) of_target: Option<Quantity>,
     /// Slopes of the regions of a given surface, which take the place of surfaces.
     pub(crate) regions: Option<&'a RegionShifts>,
     /// Slopes of surfaces or regions, where models are made for a table of them.
@@ -169,11 +241,15 @@ impl Compared<'_> {
         self.outcome.work.folded.then(mirror).flatten()
     }
 
-    /// The comparison with one model, unless the run gives it up.
-    fn with(&self, model: CaseModel, observer: &dyn Observer) -> Result<ModelOutcome, StudyError> {
+    /// What one model expects, unless the run gives it up.
+    fn expect(
+        &self,
+        model: CaseModel,
+        observer: &dyn Observer,
+    ) -> Result<ExpectedLight<'_>, StudyError> {
         let surfaces = self.outcome.surfaces.len() as u64;
-        let effort = SamplingEffort {
-            rays: self.config.model_rays.0,
+        let effort = |rays| SamplingEffort {
+            rays,
             batches: match surfaces {
                 0 | 1 => BATCHES_WITHOUT_SURFACES,
                 _ => surfaces,
@@ -185,54 +261,49 @@ impl Compared<'_> {
         } else {
             Azimuth::From(self.incidence().phi() + PI)
         };
-        let expect = |model: &CaseModel, effort: SamplingEffort| {
-            let (incidence, spec) = (self.incidence(), self.spec());
-            model.expect(incidence, spec, azimuth, effort, observer)
-        };
         let is_tabulated = model
             .density()
             .is_some_and(|density| density.tabulated().is_some());
-        let expectation = expect(&model, effort)?;
-        let expectation = match self.mirror() {
-            Some(mirror) if is_tabulated || !expectation.is_exact() => expectation.folded(&mirror),
-            _ => expectation,
+        let expect = |model: &CaseModel, rays: u64| {
+            let (incidence, spec) = (self.incidence(), self.spec());
+            let found = model.expect(incidence, spec, azimuth, effort(rays), observer)?;
+            Ok::<_, StudyError>(match self.mirror() {
+                Some(mirror) if is_tabulated || !found.is_exact() => found.folded(&mirror),
+                _ => found,
+            })
+        };
+        let given = self.config.model_rays.map(|rays| rays.0);
+        let expectation = match (given, self.of_target) {
+            (None, Some(of)) => {
+                let pilot = expect(&model, model_rays::PILOT)?;
+                let planned = model_rays::planned(&pilot, self.outcome, of);
+                match pilot.rays() >= planned {
+                    true => pilot,
+                    false => expect(&model, planned)?,
+                }
+            }
+            (given, _) => expect(&model, given.unwrap_or(model_rays::DEFAULT))?,
         };
         let tallies = match (self.regions, &model) {
             _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
             // Models of layers between flat faces know of no slopes.
             (Some(regions), CaseModel::Surface(_)) => {
                 // Their noise is multiplied by the shifts of regions, which are small beside the steps.
-                let effort = SamplingEffort {
-                    rays: effort.rays.div_ceil(10),
-                    ..effort
-                };
+                let rays = expectation.rays().div_ceil(10);
                 let derivatives = regions.derivatives(|slopes| {
                     let surface = self.surface.with_slopes(slopes);
                     let model = CaseModel::of(model.name(), &surface)?;
-                    let expectation = expect(&model, effort)?;
+                    let expectation = expect(&model, rays)?;
                     Ok::<_, StudyError>(expectation.statistics().means().clone())
                 })?;
                 Cow::Owned(regions.adjusted(&self.outcome.surfaces, &derivatives))
             }
             _ => Cow::Borrowed(self.outcome.surfaces.as_slice()),
         };
-        let claims = model.claims();
-        let apart = claims
-            .into_par_iter()
-            .filter(|&component| component != ALL_LIGHT);
-        let against = |component| self.against(&tallies, &expectation, component);
-        let (total, components) = rayon::join(
-            || against(ALL_LIGHT),
-            || {
-                let components = apart.map(|component| Ok((component, against(component)?)));
-                components.collect::<Result<_, StudyError>>()
-            },
-        );
-        Ok(ModelOutcome {
-            components: components?,
-            total: total?,
-            expectation,
+        Ok(ExpectedLight {
             model,
+            expectation,
+            tallies,
         })
     }
 
@@ -255,38 +326,45 @@ impl Compared<'_> {
         })
     }
 
-    /// One component of the light, in one tally per surface, against what the model expects of it.
+    /// One component of the light against what a model expects of it.
     fn against(
         &self,
-        tallies: &[TallyValues],
-        expectation: &Expectation,
+        light: &ExpectedLight<'_>,
         component: Component,
     ) -> Result<ComparedComponent, StudyError> {
+        let ExpectedLight {
+            expectation,
+            tallies,
+            ..
+        } = light;
         let spec = self.spec();
         let bins = spec.recorded_entries(component);
         let fluxes = |tally: &TallyValues| tally[bins].to_vec();
         let surfaces: Vec<Vec<f64>> = tallies.iter().map(fluxes).collect();
-        let of_model = expectation.statistics().means();
-        let mean = &of_model[bins];
         let batches: Vec<&[f64]> = expectation.tallies().iter().map(|t| &t[bins]).collect();
-        let expected = if batches.len() == surfaces.len() && !expectation.is_exact() {
+        let expected = if batches.len() == surfaces.len() && expectation.samples(component) {
             Expected::Batches(&batches)
         } else {
-            Expected::Exact(mean)
+            Expected::Exact(&expectation.statistics().means()[bins])
         };
-        let counts = RayCounts {
-            outcome: self.outcome,
-            expectation,
-            component,
-            free_azimuth: self.free_azimuth,
+        let comparison = if self.is_tested && light.claims(component) {
+            let counts = RayCounts {
+                outcome: self.outcome,
+                expectation,
+                component,
+                free_azimuth: self.free_azimuth,
+            };
+            let groupings = rings_and_sides(spec, &counts);
+            compare(
+                &surfaces,
+                expected,
+                &counts.of_bins(),
+                &groupings,
+                self.seed,
+            )?
+        } else {
+            compare_untested(&surfaces, expected, self.seed)?
         };
-        let comparison = compare(
-            &surfaces,
-            expected,
-            &counts.of_bins(),
-            &rings_and_sides(spec, &counts),
-            self.seed,
-        )?;
         let sides = match component {
             Component::Multiple => Vec::new(),
             _ => side_differences(spec, component, tallies, expectation, self.free_azimuth),

@@ -300,7 +300,7 @@ fn distances(
     model: &ModelOutcome,
     component: Component,
 ) -> CellDistances {
-    let compared = model.compared(component).unwrap_or(&model.total);
+    let compared = model.compared_or_all(component);
     let mesh = |entry: Entry| case.outcome.errors.at(entry).mesh.map_or(0.0, f64::abs);
     let material = case.outcome.case.material;
     let transmits = material.transmitting_index().is_some();

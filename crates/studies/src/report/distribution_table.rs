@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use asperity_analysis::{Comparison, SignFlipTest};
-use asperity_simulate::ErrorSource;
+use asperity_simulate::{ErrorSource, Quantity};
 use asperity_tally::Component;
 
 use crate::comparison::conclusion::{strongest_deviation, verdict_name};
@@ -105,7 +105,8 @@ pub(crate) fn distribution_table(
     {
         let heading = format!("total variation from {orders}");
         table = table.column(Column::new(heading, "", |row: &Row<'_>| {
-            distance(row.model.total.comparison.total_variation.observed)
+            let all = row.model.compared_or_all(Component::All);
+            distance(all.comparison.total_variation.observed)
         }));
     }
     table.transposed_text(models)
@@ -130,18 +131,18 @@ const fn sign_flips(case: &Judgement<'_>) -> &'static str {
     }
 }
 
-/// Models that were sampled, and by how many rays.
-pub(crate) fn sampled_models(case: &Judgement<'_>) -> Option<String> {
-    let sampled = |m: &&ModelOutcome| !m.expectation.is_exact();
-    let names: Vec<&str> = case
-        .models
-        .iter()
-        .filter(sampled)
-        .map(|m| m.model.name())
-        .collect();
-    let rays = case.models.iter().find(sampled)?.expectation.rays();
-    Some(format!(
-        "{} sampled by {rays} rays; their noise is part of the errors",
-        names.join(", ")
-    ))
+/// Models that were sampled, by how many rays, and their errors over the bins beside those of the explicit surfaces.
+pub(crate) fn sampled_models(case: &Judgement<'_>) -> Vec<String> {
+    let bins = Quantity::Bins;
+    let explicit = bins.error(&case.outcome.statistics);
+    let beside = explicit.map_or_else(String::new, |error| format!(", explicit {error:.1e}"));
+    let sampled = case.models.iter().filter(|m| !m.expectation.is_exact());
+    let line = |model: &ModelOutcome| {
+        let error = bins.error(model.expectation.statistics())?;
+        let (name, rays) = (model.model.name(), model.expectation.rays());
+        Some(format!(
+            "{name} sampled by {rays} rays: error over the bins {error:.1e}{beside}"
+        ))
+    };
+    sampled.filter_map(line).collect()
 }

@@ -59,7 +59,7 @@ fn every_definition_has_all_parts() {
 }
 
 /// Settings that change nothing unless they are given.
-const OPTIONAL: [&str; 20] = [
+const OPTIONAL: [&str; 21] = [
     "export.results",
     "model.name",
     "report.folders",
@@ -78,6 +78,7 @@ const OPTIONAL: [&str; 20] = [
     "medium.albedo",
     "medium.g",
     "light.directions",
+    "compare.model_rays",
     "run.target_error",
     "run.max_time",
 ];

@@ -18,11 +18,11 @@ use crate::comparison::judgement::Judgement;
 use crate::comparison::models::{Compared, compare_models};
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
-use crate::config::CompareConfig;
 use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
 use crate::config::isotropy::Isotropy;
 use crate::config::trace::TraceConfig;
+use crate::config::{CompareConfig, RunConfig};
 use crate::error::StudyError;
 use crate::given::{ComparedSurfaceError, GivenSurfaces};
 
@@ -184,16 +184,18 @@ impl PlannedComparison {
         &'a self,
         case: &Case,
         outcome: &'a Outcome,
-        seed: u64,
+        run: &RunConfig,
         observer: &dyn Observer,
     ) -> Result<TraceComparison<'a>, StudyError> {
         observer.begin("comparing", self.config.models.len() as u64);
         let compared = Compared {
             config: &self.config,
-            seed,
+            seed: run.seed,
             free_azimuth: false,
             surface: self.slopes.modelled(case),
             outcome,
+            is_tested: true,
+            of_target: run.of_target(),
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
         };

@@ -26,7 +26,7 @@ pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparis
             let _ = write!(out, "\n{table}");
         }
     }
-    if let Some(line) = sampled_models(compared) {
+    for line in sampled_models(compared) {
         let _ = writeln!(out, "  {line}");
     }
     let _ = writeln!(out, "\n{}", conclusion(compared));

@@ -185,7 +185,7 @@ pub(super) fn case_table(outcome: &VerifyOutcome, case: &Judgement<'_>) -> Strin
                 let _ = write!(out, "\n{table}");
             }
         }
-        if let Some(line) = sampled_models(case) {
+        for line in sampled_models(case) {
             let _ = writeln!(out, "  {line}");
         }
         let _ = writeln!(out, "\n{}", conclusion(case));

@@ -1,6 +1,7 @@
 //! Random surfaces whose slopes are not Gaussian, against models with their root mean square slopes and with all of their slopes.
 
-use asperity_simulate::{RandomSurfaces, Silent, simulate};
+use asperity_analysis::{Untested, sidak_level};
+use asperity_simulate::{Quantity, RandomSurfaces, Silent, simulate};
 use asperity_synthesis::{Psd, StudentSlopes};
 use asperity_tally::Component;
 
@@ -23,7 +24,7 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&Judgement<'_>) -> T) 
         plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }
     let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-    read(&judge_case(&config, &found[0], &Silent).unwrap())
+    read(&judge_case(&config, &found[0], true, &Silent).unwrap())
 }
 
 fn p_values(outcome: &Judgement<'_>) -> Vec<f64> {
@@ -78,7 +79,7 @@ fn light_of_level_facets_is_that_of_their_slopes() {
             let config = VerifyConfig::from_toml(&text).unwrap();
             let plan = config.plan().unwrap();
             let outcomes = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-            let p = p_values(&judge_case(&config, &outcomes[0], &Silent).unwrap())[0];
+            let p = p_values(&judge_case(&config, &outcomes[0], true, &Silent).unwrap())[0];
             println!("{light} {seed}: {p}");
             found.push(p);
         }
@@ -95,4 +96,57 @@ fn gaussian_surfaces_need_no_table() {
         [0, 1].map(|i| found.models[i].expectation.tallies()[0].clone())
     });
     assert_eq!(one, other);
+}
+
+/// What the models of `compare` find on a few small surfaces.
+fn compared<T>(compare: &str, run: &str, read: impl Fn(&Judgement<'_>) -> T) -> T {
+    let text = format!(
+        "[surface]\nsize = 64\ntau = 4\nsmoothness = 2\n[material]\neta = 1.5\n[light]\ntheta = 30\n[output]\nplots = false\n[run]\nbins = \"9x12\"\n{run}\n[compare]\n{compare}"
+    );
+    let config = VerifyConfig::from_toml(&text).unwrap();
+    let plan = config.plan().unwrap();
+    let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
+    read(&judge_case(&config, &found[0], true, &Silent).unwrap())
+}
+
+#[test]
+fn models_that_expect_the_same_are_one_test_and_unclaimed_light_is_none() {
+    let compare = "models = [\"xu-sun\", \"smith\", \"heitz\"]\nmodel_rays = 20000";
+    compared(compare, "realisations = 16\nrays = 50000", |found| {
+        let single = |i: usize| found.models[i].compared(Component::Single).unwrap();
+        assert_eq!(single(1).comparison, single(2).comparison);
+        assert_eq!(single(1).sides, single(2).sides);
+        assert!(single(2).comparison.test.is_ok());
+        assert_eq!(single(1).verdict, single(2).verdict);
+        assert_ne!(single(0).comparison, single(1).comparison);
+        // Single scattering of two kinds, multiple and all light of one model
+        assert_eq!(found.level, sidak_level(0.01, 4));
+        let all = |i: usize| found.models[i].compared(Component::All).unwrap();
+        for i in [0, 1] {
+            assert_eq!(all(i).comparison.test, Err(Untested::NotAsked));
+            assert_eq!(all(i).verdict, None);
+            assert!(all(i).comparison.total_variation.noise.is_some());
+        }
+        assert!(all(2).verdict.is_some());
+    });
+}
+
+/// The variance over the bins is half of that of the surfaces, or less where models follow as many rays as these. The pilot run and the model know
+/// that variance by a dozen batches each, over some ten bins that hold most of it: their ratio scatters by 0.2.
+#[test]
+fn models_follow_as_many_rays_as_a_target_error_asks_for() {
+    for (target, seed) in [(1e-3, 1), (1e-3, 2), (2e-2, 1)] {
+        let run = format!("target_error = {target}\nseed = {seed}");
+        let [rays, least, fraction] = compared("models = \"heitz\"", &run, |found| {
+            let error = |statistics| Quantity::Bins.error(statistics).unwrap();
+            let expectation = &found.models[0].expectation;
+            let ratio = error(expectation.statistics()) / error(&found.outcome.statistics);
+            let rays = [expectation.rays(), found.outcome.work.rays];
+            let [rays, least] = rays.map(|rays| rays as f64);
+            [rays, least, ratio * ratio]
+        });
+        println!("{target} {seed}: {rays} rays, {least} at least, fraction {fraction}");
+        assert!(rays >= least && fraction < 0.75);
+        assert!(rays < 1.1 * least.max(16_384.0) || fraction > 0.25);
+    }
 }

@@ -180,7 +180,7 @@ fn run() -> (VerifyConfig, Outcome) {
 fn the_numbers_of_a_cell_are_those_of_its_run() {
     let (config, outcome) = run();
     let spec = *outcome.statistics.spec();
-    let mut judged = judge_case(&config, &outcome, &Silent).unwrap();
+    let mut judged = judge_case(&config, &outcome, true, &Silent).unwrap();
     let found = CellResults::of(&judged);
     let case = &judged;
 
@@ -195,7 +195,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
         println!("mesh {} of {expected}", own.mesh);
         assert!(expected > 1e-4 && (own.mesh / expected - 1.0).abs() < 1e-12);
         let observed = match component {
-            Component::All => &case.models[model].total,
+            Component::All => case.models[model].compared_or_all(Component::All),
             _ => case.models[model].judged(),
         };
         let total = observed.comparison.total_variation;
@@ -231,7 +231,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
 #[test]
 fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let (config, outcome) = run();
-    let light = judge_case(&config, &outcome, &Silent).unwrap().models[1]
+    let light = judge_case(&config, &outcome, true, &Silent).unwrap().models[1]
         .judged()
         .sides
         .clone();
@@ -240,7 +240,7 @@ fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
             deviation_bound: Some(fraction * light[side].explicit),
             ..outcome.clone()
         };
-        let mut judged = judge_case(&config, &outcome, &Silent).unwrap();
+        let mut judged = judge_case(&config, &outcome, true, &Silent).unwrap();
         judged.outcome = &bounded;
         let known = CellResults::of(&judged);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)

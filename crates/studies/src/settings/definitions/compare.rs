@@ -24,7 +24,7 @@ pub(super) const COMPARE: &[Setting] = &table(
             .default("none"),
         setting("model_rays", Kind::Count)
             .help("Rays of a model that follows rays")
-            .default("1e6"),
+            .otherwise("1e6, or as many as a target error asks for"),
         setting("level", Kind::Number)
             .help("Significance level of the tests of one case together")
             .commands(TRACE.and(VERIFY))
