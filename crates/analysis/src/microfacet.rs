@@ -2,6 +2,7 @@
 
 pub(crate) mod beckmann;
 pub(crate) mod bsdf;
+pub(crate) mod bsdf_columns;
 pub(crate) mod facet_normals;
 pub(crate) mod ggx;
 pub(crate) mod half_vector;

@@ -10,10 +10,12 @@ use rayon::prelude::*;
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
 use crate::integrals::unshadowed::unshadowed_fluxes;
 use crate::microfacet::beckmann::{Beckmann, Masking};
+use crate::microfacet::bsdf_columns::{Directions, Unshadowed};
 use crate::microfacet::slope_mixture::SlopeMixture;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
-use crate::models::model::{ModelError, valid_interface};
+use crate::models::model::{BsdfModel, ModelError, valid_interface};
+use crate::models::smith::Smith;
 use asperity_numerics::quadrature::AllowedError;
 
 /// Fractions above this are set to one. There a visible ray, as nearly all are, cancels its control variate
@@ -136,13 +138,11 @@ fn ring_fluxes(
     spec: &TallySpec,
 ) -> Result<RingFluxes, ModelError> {
     let interface = valid_interface(*slopes, material)?;
-    let distribution = &interface.distribution;
-    let unshadowed = |wi, wo| interface.unshadowed_bsdf(wi, wo);
-    let masked = |wi, wo| {
-        interface.bsdf(wi, wo, |_| {
-            distribution.g2(wi, wo, Masking::HeightCorrelated)
-        })
+    let unshadowed = |wi, wo: Directions<'_>, values: &mut [f64]| {
+        interface.bsdf_columns(wi, wo, values, Unshadowed);
     };
+    let smith = Smith::new(*slopes, material, Masking::HeightCorrelated)?;
+    let masked = |wi, wo: Directions<'_>, values: &mut [f64]| smith.bsdf_columns(wi, wo, values);
     let scattering = Scattering {
         slopes: *slopes,
         long_tails: false,

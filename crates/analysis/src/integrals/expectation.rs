@@ -2,13 +2,12 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::{
-    Azimuth, Component, Mirror, Side, SideFluxes, Tally, TallySpec, TallyStatistics, TallyValues,
+    Azimuth, Component, Mirror, SideFluxes, Tally, TallySpec, TallyStatistics, TallyValues,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::integrals::energy::hemispherical_energy;
 use crate::integrals::flux::{bin_fluxes_of, in_plane_fluxes};
 use crate::integrals::tabulated::TabulatedTally;
 use crate::microfacet::lambda_map::MapSize;
@@ -191,18 +190,11 @@ fn single_scattering(
     let wi = incidence.wi();
     let mut expected = TallyValues::zeros(*spec);
     let bins = bin_fluxes_of(density, wi, &spec.grid(), density.sides());
-    let energy = hemispherical_energy(density, wi);
     for side in spec.sides().filter(|&side| density.sides().includes(side)) {
         let filter = spec.bin_filter(side);
         let of_side = bins[side.index() * filter.len()..][..filter.len()].to_vec();
         let in_plane = in_plane_fluxes(density, incidence, spec, side);
-        let fluxes = SideFluxes {
-            total: match side {
-                Side::Reflected => energy.reflected,
-                Side::Transmitted => energy.transmitted,
-            },
-            ..SideFluxes::from_bins(&filter, of_side, in_plane)
-        };
+        let fluxes = SideFluxes::from_bins(&filter, of_side, in_plane);
         expected.set_single_scattering(side, &fluxes);
     }
     expected

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
 use crate::integrals::slope_images::FacetLight;
 use crate::integrals::tabulated::{tabulated_bins, tabulated_flux};
+use crate::microfacet::bsdf_columns::Directions;
 use crate::models::model::BsdfModel;
 
 /// Flux fractions that `model` sends into the bins of `grid`, in the order of the grid.
@@ -41,7 +42,7 @@ pub(crate) fn bin_fluxes_of(
             .map(|part| bin_fluxes_of(*part, wi, grid, sides));
         return sum_of(of_parts);
     }
-    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    let bsdf = |wi, wo: Directions<'_>, values: &mut [f64]| model.bsdf_columns(wi, wo, values);
     fluxes_into_bins(&Scattering::of(model, &bsdf), wi, grid, sides)
 }
 
@@ -129,7 +130,7 @@ pub fn flux_into(
         let of_part = |part: &&dyn BsdfModel| flux_into(*part, wi, side, theta, phi);
         return parts.iter().map(of_part).sum();
     }
-    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    let bsdf = |wi, wo: Directions<'_>, values: &mut [f64]| model.bsdf_columns(wi, wo, values);
     FluxIntegral::new(&Scattering::of(model, &bsdf), wi, side)
         .map_or(0.0, |mut range| range.over(theta, phi))
 }
@@ -202,7 +203,7 @@ pub(crate) fn in_plane_fluxes(
         let of_part = |part: &&dyn BsdfModel| in_plane_fluxes(*part, incidence, spec, side);
         return sum_of(parts.iter().map(of_part));
     }
-    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    let bsdf = |wi, wo: Directions<'_>, values: &mut [f64]| model.bsdf_columns(wi, wo, values);
     in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, spec, side)
 }
 

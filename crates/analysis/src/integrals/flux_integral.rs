@@ -17,21 +17,29 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_numerics::elementary::{acos, asin, atan2, cos, hypot, sin_cos};
-use asperity_optics::{Material, from_spherical, polar_angle};
+use asperity_numerics::vector::{Instructions, Stage};
+use asperity_optics::{Material, polar_angle};
 use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 
 use crate::integrals::lobe::{Lobe, NEGLIGIBLE};
+use crate::microfacet::bsdf_columns::Directions;
 use crate::microfacet::half_vector::outgoing_direction;
 use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
-use asperity_numerics::quadrature::{AllowedError, Breaks, Pieces, integrate};
+use asperity_numerics::quadrature::{AllowedError, Breaks, Pieces, integrate, integrate_columns};
 
 /// Facet slopes in units of their deviation times the root of two whose images bound the first subdivisions; the slope density
 /// falls as `exp(-t^2)`.
 const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
+
+/// A BSDF as of [`BsdfModel::bsdf_columns`].
+pub(crate) type BsdfColumns<'a> = &'a (dyn Fn(DVec3, Directions<'_>, &mut [f64]) + Sync);
+
+/// Largest distance in azimuth, radians, of the middle of a range from the plane of incidence for which that is its own.
+const EVEN: f64 = 1e-12;
 
 /// The integrand, and its properties that place the subdivisions.
 #[derive(Clone, Copy)]
@@ -41,18 +49,15 @@ pub(crate) struct Scattering<'a> {
     pub(crate) long_tails: bool,
     pub(crate) material: Material,
     pub(crate) kinks: Kinks,
-    /// The BSDF of `wi` and `wo`, in 1/sr. It is isotropic if the slopes are, and negligible where these are rare, unless it has long tails.
-    pub(crate) bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
+    /// The BSDF of `wi` and columns of `wo`, in 1/sr. It is isotropic if the slopes are, and negligible where these are rare, unless it has long tails.
+    pub(crate) bsdf: BsdfColumns<'a>,
     /// Error allowed in the flux of one range.
     pub(crate) error: AllowedError,
 }
 
 impl<'a> Scattering<'a> {
     /// The scattering of a model; `bsdf` must be its BSDF.
-    pub(crate) fn of(
-        model: &dyn BsdfModel,
-        bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
-    ) -> Self {
+    pub(crate) fn of(model: &dyn BsdfModel, bsdf: BsdfColumns<'a>) -> Self {
         let slopes = model.slopes();
         Self {
             slopes: *slopes.ggx().beckmann(),
@@ -91,6 +96,10 @@ pub(crate) struct FluxIntegral<'a> {
     outer_pieces: Pieces,
     inner_pieces: Pieces,
     inner_breaks: Breaks,
+    /// Error allowed in the flux per radian of polar angle.
+    ring_error: AllowedError,
+    /// Directions of one column of azimuths.
+    directions: [Vec<f64>; 3],
 }
 
 impl<'a> FluxIntegral<'a> {
@@ -144,6 +153,8 @@ impl<'a> FluxIntegral<'a> {
             outer_pieces: Pieces::default(),
             inner_pieces: Pieces::default(),
             inner_breaks: Breaks::default(),
+            ring_error: Scattering::EXACT,
+            directions: Default::default(),
         })
     }
 
@@ -156,6 +167,22 @@ impl<'a> FluxIntegral<'a> {
         // turn of zero suffice
         let turns = ((0.5 * (phi[0] + phi[1]) - self.forward) / TAU).round() * TAU;
         let psi = [phi[0] - self.forward - turns, phi[1] - self.forward - turns];
+        if !self.scattering.slopes.is_isotropic() {
+            return self.over_azimuths(theta, psi);
+        }
+        // Scattering is symmetric about the plane of incidence: halve what lies evenly about it
+        let (middle, half) = (0.5 * (psi[0] + psi[1]).abs(), 0.5 * (psi[1] - psi[0]));
+        if middle < EVEN {
+            2.0 * self.over_azimuths(theta, [0.0, half])
+        } else if (middle - PI).abs() < EVEN {
+            2.0 * self.over_azimuths(theta, [PI - half, PI])
+        } else {
+            self.over_azimuths(theta, psi)
+        }
+    }
+
+    /// The flux fraction into the ranges `theta`, and `psi` from forward.
+    fn over_azimuths(&mut self, theta: [f64; 2], psi: [f64; 2]) -> f64 {
         let mut breaks = Breaks::new(theta[0], theta[1]);
         for &t in &self.lobe {
             breaks.add_smooth(t);
@@ -178,6 +205,10 @@ impl<'a> FluxIntegral<'a> {
         }
         breaks.finish();
         let tolerance = self.scattering.error.within(400);
+        self.ring_error = AllowedError {
+            absolute: 0.1 * tolerance.absolute / (theta[1] - theta[0]),
+            relative: 0.1 * tolerance.relative,
+        };
         let mut pieces = std::mem::take(&mut self.outer_pieces);
         let flux = integrate(&breaks, tolerance, &mut pieces, |t| self.ring(t, psi));
         self.outer_pieces = pieces;
@@ -185,7 +216,7 @@ impl<'a> FluxIntegral<'a> {
     }
 
     /// Flux fraction per radian of polar angle at `theta`, over the azimuths `psi` from forward.
-    fn ring(&mut self, theta: f64, psi: [f64; 2]) -> f64 {
+    fn ring(&mut self, theta: f64, mut psi: [f64; 2]) -> f64 {
         let (sin_theta, cos_theta) = sin_cos(theta);
         // Subdivide at the lobe, or return if it is elsewhere
         self.inner_breaks.reset(psi[0], psi[1]);
@@ -199,33 +230,56 @@ impl<'a> FluxIntegral<'a> {
             return 0.0;
         }
         if isotropic {
-            self.mark_isotropic_lobe(sin_theta, cos_theta);
+            let kappa = self.kappa(sin_theta, cos_theta);
+            if !self.scattering.long_tails && psi[0] >= -PI && psi[1] <= PI {
+                // Leave out azimuths beyond the lobe, where E = E(0) + kappa sin^2(psi / 2) is above its limit
+                let ahead = self.shape.exponent(theta, 0.0);
+                let sin_half = ((NEGLIGIBLE - ahead) / kappa).sqrt();
+                let end = 2.0 * asin(sin_half.min(1.0));
+                psi = psi.map(|psi| psi.clamp(-end, end));
+                self.inner_breaks.reset(psi[0], psi[1]);
+            }
+            self.mark_isotropic_lobe(kappa);
         }
         // Subdivide at edges and kinks
         self.mark_edges(sin_theta, cos_theta);
         self.mark_kinks(sin_theta, cos_theta);
         self.inner_breaks.finish();
         // Integrate over azimuth
-        let AllowedError { absolute, relative } = self.scattering.error;
-        let error = AllowedError {
-            absolute: 0.1 * absolute,
-            relative: 0.1 * relative,
-        };
         let (bsdf, wi, forward) = (self.scattering.bsdf, self.wi, self.forward);
         let weight = cos_theta.abs() * sin_theta;
-        integrate(
+        let [x, y, z] = &mut self.directions;
+        integrate_columns(
             &self.inner_breaks,
-            error.within(200),
+            self.ring_error.within(200),
             &mut self.inner_pieces,
-            |psi| weight * bsdf(wi, from_spherical(theta, forward + psi)),
+            |psi, values| {
+                x.resize(psi.len(), 0.0);
+                y.resize(psi.len(), 0.0);
+                z.clear();
+                z.resize(psi.len(), cos_theta);
+                Instructions::best().run(Azimuths {
+                    radius: sin_theta,
+                    from: forward,
+                    psi,
+                    x,
+                    y,
+                });
+                bsdf(wi, [&*x, &*y, &*z], values);
+                values.iter_mut().for_each(|value| *value *= weight);
+            },
         )
     }
 
-    /// Marks the forward azimuth, and the widths of the lobe of isotropic slopes about it.
-    fn mark_isotropic_lobe(&mut self, sin_theta: f64, cos_theta: f64) {
+    /// See the head of this file; `inf` or NaN do no harm.
+    fn kappa(&self, sin_theta: f64, cos_theta: f64) -> f64 {
         let h_z = self.cos_i + self.eta * cos_theta;
         let product = self.sin_i * sin_theta;
-        let kappa = 2.0 * self.eta * product / (self.scattering.slopes.xx() * h_z * h_z);
+        2.0 * self.eta * product / (self.scattering.slopes.xx() * h_z * h_z)
+    }
+
+    /// Marks the forward azimuth, and the widths of the lobe of isotropic slopes about it.
+    fn mark_isotropic_lobe(&mut self, kappa: f64) {
         for turn in [-TAU, 0.0, TAU] {
             self.inner_breaks.add_smooth(turn);
             for t in [2.0, 6.0] {
@@ -285,5 +339,24 @@ impl<'a> FluxIntegral<'a> {
             Some(centre - radius),
             Some(centre - radius + TAU),
         ]
+    }
+}
+
+/// Horizontal components of directions at azimuths `psi` past another one.
+struct Azimuths<'a> {
+    radius: f64,
+    from: f64,
+    psi: &'a [f64],
+    x: &'a mut [f64],
+    y: &'a mut [f64],
+}
+
+impl Stage for Azimuths<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for ((psi, x), y) in self.psi.iter().zip(self.x).zip(self.y) {
+            let (sin, cos) = sin_cos(self.from + psi);
+            (*x, *y) = (self.radius * cos, self.radius * sin);
+        }
     }
 }

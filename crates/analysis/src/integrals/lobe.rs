@@ -16,9 +16,9 @@ use crate::microfacet::slopes::SlopeCovariance;
 use asperity_numerics::elementary::{acos, atan, cos, hypot, sin, sin_cos, tan};
 use asperity_numerics::quadrature::Breaks;
 
-/// `E` above which there is no light: `exp(-80) = 2e-35` outweighs the product of the largest density of slopes
-/// and the largest `chi`, below 1e20.
-pub(crate) const NEGLIGIBLE: f64 = 80.0;
+/// `E` above which there is no light: facets with such slopes, all of them together, are `exp(-36) = 2e-16` of the mean plane, however
+/// narrow the range of directions that they send light to.
+pub(crate) const NEGLIGIBLE: f64 = 36.0;
 
 /// Differences of `E` from its minimum at which the quadrature is subdivided.
 const LEVELS: [f64; 2] = [4.0, 36.0];

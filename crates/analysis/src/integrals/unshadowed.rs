@@ -13,6 +13,7 @@ use crate::integrals::energy::{Edges, over_facing_normals};
 use crate::integrals::flux::{fluxes_into_bins, in_plane_fluxes_of};
 use crate::integrals::flux_integral::Scattering;
 use crate::microfacet::beckmann::Beckmann;
+use crate::microfacet::bsdf_columns::{Directions, Unshadowed};
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::{ModelError, valid_interface};
@@ -37,7 +38,9 @@ pub fn unshadowed_fluxes(
     spec: &TallySpec,
 ) -> Result<UnshadowedFluxes, ModelError> {
     let interface = valid_interface(*slopes, material)?;
-    let bsdf = |wi, wo| interface.unshadowed_bsdf(wi, wo);
+    let bsdf = |wi, wo: Directions<'_>, values: &mut [f64]| {
+        interface.bsdf_columns(wi, wo, values, Unshadowed);
+    };
     let scattering = Scattering {
         slopes: *slopes,
         long_tails: false,

@@ -51,6 +51,7 @@ pub enum Masking {
 
 impl Masking {
     /// Joint shadowing and masking by Smith's Lambda of `wi` and of `wo`, of any distribution of slopes; see [`Beckmann::g2`].
+    #[inline(always)]
     pub(crate) fn g2(self, [lambda_i, lambda_o]: [f64; 2], is_reflected: bool) -> f64 {
         match self {
             Self::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
@@ -83,6 +84,7 @@ impl Beckmann {
     /// Beckmann and Spizzichino 1963; Xu and Sun 2008, the slope factor of Eq. 25; Heitz 2014, Sec.
     /// 5.4, for two variances and a correlation.
     #[must_use]
+    #[inline(always)]
     pub fn d(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -177,8 +179,14 @@ impl Beckmann {
 }
 
 impl FacetNormals for Beckmann {
+    #[inline(always)]
     fn d(&self, m: DVec3) -> f64 {
         self.d(m)
+    }
+
+    #[inline(always)]
+    fn lambda(&self, w: DVec3) -> f64 {
+        self.lambda(w)
     }
 }
 

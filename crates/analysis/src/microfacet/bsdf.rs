@@ -17,7 +17,7 @@ pub(crate) struct MicrofacetInterface<D = Beckmann> {
 }
 
 impl<D: FacetNormals> MicrofacetInterface<D> {
-    /// The BSDF in 1/sr: [`Self::unshadowed_bsdf`] times `masking`, the fraction of the facets with the half
+    /// The BSDF in 1/sr: the unshadowed one times `masking`, the fraction of the facets with the half
     /// vector as normal that are neither shadowed nor masked.
     ///
     /// `masking` is called only where the unshadowed BSDF is above zero.
@@ -29,17 +29,11 @@ impl<D: FacetNormals> MicrofacetInterface<D> {
         }
     }
 
-    /// The BSDF in 1/sr without shadowing and masking: `(wi . m) F D(m) chi / (wi.z |wo.z|)`, with `F`
+    /// The unshadowed BSDF where it is above zero, and the facet that scatters the light: `(wi . m) F D(m) chi / (wi.z |wo.z|)`, with `F`
     /// reflected or transmitted by the side of `wo`.
     ///
     /// # Source
     /// Xu and Sun 2008, Eq. 25 without its visibilities; Walter et al. 2007, Eqs. 20 and 21 without G.
-    #[inline]
-    pub(crate) fn unshadowed_bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        self.scatter(wi, wo).map_or(0.0, |(bsdf, _)| bsdf)
-    }
-
-    /// The unshadowed BSDF where it is above zero, and the facet that scatters the light.
     fn scatter(&self, wi: DVec3, wo: DVec3) -> Option<(f64, Facet)> {
         let facet = scattering_facet(&self.material, wi, wo)?;
         // Evaluate D and F at it
@@ -53,7 +47,13 @@ impl<D: FacetNormals> MicrofacetInterface<D> {
         } else {
             fresnel.transmitted
         };
-        let bsdf = facet.cos_theta_i * f * d * facet.chi / (wi.z * wo.z.abs());
+        let bsdf = by_facet(wi, wo, &facet, d, f);
         (bsdf != 0.0).then_some((bsdf, facet))
     }
+}
+
+/// The unshadowed BSDF by the facet between both directions, of density `d` and Fresnel term `f`.
+#[inline(always)]
+pub(super) fn by_facet(wi: DVec3, wo: DVec3, facet: &Facet, d: f64, f: f64) -> f64 {
+    facet.cos_theta_i * f * d * facet.chi / (wi.z * wo.z.abs())
 }

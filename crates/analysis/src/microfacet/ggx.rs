@@ -64,6 +64,7 @@ impl Ggx {
     /// # Source
     /// Walter et al. 2007, Eq. 33: `alpha^2 / (pi cos^4(theta_m) (alpha^2 + tan^2(theta_m))^2)`.
     #[must_use]
+    #[inline(always)]
     pub fn d(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -77,13 +78,17 @@ impl Ggx {
     /// # Source
     /// Walter et al. 2007, Eq. 34; Heitz 2014, Eq. 72.
     #[must_use]
+    #[inline(always)]
     pub fn lambda(&self, w: DVec3) -> f64 {
         let t = (2.0 * self.beckmann.variance_along(w.truncate())).sqrt() / w.z.abs();
-        if t > 1.0 {
-            return 0.5 * (hypot(t, 1.0) - 1.0);
-        }
+        let root = (1.0 + t * t).sqrt();
         // The same without the difference
-        0.5 * t * t / (1.0 + hypot(t, 1.0))
+        let of_gentle = 0.5 * t * t / (1.0 + root);
+        if t > 1.0 {
+            0.5 * (root - 1.0)
+        } else {
+            of_gentle
+        }
     }
 
     /// Samples a visible facet normal, with the density `max(0, w . m) D(m)` up to a factor.
@@ -117,8 +122,14 @@ impl Ggx {
 }
 
 impl FacetNormals for Ggx {
+    #[inline(always)]
     fn d(&self, m: DVec3) -> f64 {
         self.d(m)
+    }
+
+    #[inline(always)]
+    fn lambda(&self, w: DVec3) -> f64 {
+        self.lambda(w)
     }
 }
 

@@ -23,6 +23,7 @@ pub struct Facet {
 /// # Source
 /// Torrance and Sparrow 1967; Walter et al. 2007, Eqs. 13 and 14.
 #[must_use]
+#[inline(always)]
 pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
     let m = (wi + wo).try_normalize()?;
     let cos_theta_i = wi.dot(m);
@@ -44,6 +45,7 @@ pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
 /// # Source
 /// Xu and Sun 2008, Eq. A.14, simplified; identical to Walter et al. 2007, Eqs. 16 and 17.
 #[must_use]
+#[inline(always)]
 pub fn refracting_facet(wi: DVec3, wo: DVec3, eta: f64) -> Option<Facet> {
     let half = if eta > 1.0 {
         -(wi + eta * wo)

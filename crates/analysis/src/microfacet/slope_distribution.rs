@@ -120,4 +120,8 @@ impl FacetNormals for SlopeDistribution {
             Self::Table { table, .. } => table.d(m),
         }
     }
+
+    fn lambda(&self, w: DVec3) -> f64 {
+        self.lambda(w)
+    }
 }

@@ -117,6 +117,7 @@ impl SlopeCovariance {
         self.xx == self.yy && self.xy == 0.0
     }
     /// `v^T C^-1 v / 2`: the exponent of the density of slopes at `v`.
+    #[inline(always)]
     pub(crate) fn exponent(&self, v: DVec2) -> f64 {
         0.5 * self.inverse_form(v, v)
     }

@@ -52,4 +52,8 @@ impl FacetNormals for SmithNormals {
             Self::Ggx(ggx) => ggx.d(m),
         }
     }
+
+    fn lambda(&self, w: DVec3) -> f64 {
+        self.lambda(w)
+    }
 }

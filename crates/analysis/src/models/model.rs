@@ -105,6 +105,13 @@ pub trait BsdfModel: ScatteringModel {
     /// Both are unit vectors; zero unless `wi.z > 0`.
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64;
 
+    /// [`Self::bsdf`] of columns of directions `wo`: their components x, y and z. All of them are on one side.
+    fn bsdf_columns(&self, wi: DVec3, [x, y, z]: [&[f64]; 3], values: &mut [f64]) {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = self.bsdf(wi, DVec3::new(x[i], y[i], z[i]));
+        }
+    }
+
     /// The BSDF of polarised light in 1/sr, as a Mueller matrix; its first element is [`Self::bsdf`].
     ///
     /// It takes the Stokes vector in the axes of the incident ray, [`reference_axes`](asperity_optics::reference_axes) of

@@ -11,12 +11,15 @@
 //! Single scattering on any Gaussian or GGX slopes, with heights and slopes of all facets independent.
 
 use asperity_optics::Material;
-use asperity_tally::Sides;
+use asperity_tally::{Side, Sides};
 use glam::DVec3;
 
 use crate::microfacet::beckmann::{Beckmann, Masking};
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::bsdf_columns::{Directions, Visibility};
+use crate::microfacet::facet_normals::FacetNormals;
 use crate::microfacet::ggx::Ggx;
+use crate::microfacet::half_vector::Facet;
 use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::smith_normals::SmithNormals;
@@ -152,6 +155,26 @@ impl Smith {
         })
     }
 
+    /// [`BsdfModel::bsdf_columns`], with the `distribution` of this model.
+    fn columns<D: FacetNormals + Copy>(
+        &self,
+        distribution: D,
+        wi: DVec3,
+        wo: Directions<'_>,
+        values: &mut [f64],
+    ) {
+        let interface = MicrofacetInterface {
+            distribution,
+            material: self.interface.material,
+        };
+        let visibility = SmithVisibility {
+            lambda_i: distribution.lambda(wi),
+            distribution,
+            masking: self.masking,
+        };
+        interface.bsdf_columns(wi, wo, values, visibility);
+    }
+
     pub(crate) const fn normals(&self) -> SmithNormals {
         self.interface.distribution
     }
@@ -186,6 +209,28 @@ impl BsdfModel for Smith {
             let lambdas = [wi, wo].map(|w| self.interface.distribution.lambda(w));
             self.masking.g2(lambdas, wo.z > 0.0)
         })
+    }
+
+    fn bsdf_columns(&self, wi: DVec3, wo: [&[f64]; 3], values: &mut [f64]) {
+        match self.interface.distribution {
+            SmithNormals::Beckmann(beckmann) => self.columns(beckmann, wi, wo, values),
+            SmithNormals::Ggx(ggx) => self.columns(ggx, wi, wo, values),
+        }
+    }
+}
+
+/// Smith's shadowing and masking of light from one direction.
+struct SmithVisibility<D> {
+    lambda_i: f64,
+    distribution: D,
+    masking: Masking,
+}
+
+impl<D: FacetNormals> Visibility for SmithVisibility<D> {
+    #[inline(always)]
+    fn fraction(&self, wo: DVec3, _: &Facet, side: Side) -> f64 {
+        let lambdas = [self.lambda_i, self.distribution.lambda(wo)];
+        self.masking.g2(lambdas, side == Side::Reflected)
     }
 }
 

@@ -11,12 +11,14 @@
 //! counts facets that face away from the light a second time. The model is kept as published, since this is
 //! what users compare with.
 
-use asperity_numerics::elementary::{exp, hypot};
+use asperity_numerics::elementary::exp;
 use asperity_optics::Material;
-use asperity_tally::Sides;
+use asperity_tally::{Side, Sides};
 use glam::DVec3;
 
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::bsdf_columns::Visibility;
+use crate::microfacet::half_vector::Facet;
 use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
@@ -75,13 +77,15 @@ impl XuSun {
 /// Xu and Sun 2008, Eq. 24. Its inner exponent must be read this way: the other grouping makes the visibility
 /// one at grazing.
 #[must_use]
+#[inline(always)]
 pub fn xu_sun_visibility(w: DVec3, smoothness: f64) -> f64 {
     exp(-negative_log_visibility(w, smoothness))
 }
 
 /// `K = -ln V(0, theta)` of Eq. 24.
+#[inline(always)]
 pub(crate) fn negative_log_visibility(w: DVec3, smoothness: f64) -> f64 {
-    let x = hypot(w.x, w.y) / (w.z.abs() * smoothness);
+    let x = w.truncate().length() / (w.z.abs() * smoothness);
     K0 * x * exp(-0.25 / (x * x))
 }
 
@@ -105,14 +109,31 @@ impl ScatteringModel for XuSun {
 
 impl BsdfModel for XuSun {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        // Shadowing
-        let visible = |_: &_| xu_sun_visibility(wi, self.smoothness);
-        let shadowed = self.interface.bsdf(wi, wo, visible);
-        if shadowed == 0.0 {
-            return 0.0;
-        }
-        // Masking
-        shadowed * xu_sun_visibility(wo, self.smoothness)
+        let shadowing = xu_sun_visibility(wi, self.smoothness);
+        self.interface.bsdf(wi, wo, |_| {
+            shadowing * xu_sun_visibility(wo, self.smoothness)
+        })
+    }
+
+    fn bsdf_columns(&self, wi: DVec3, wo: [&[f64]; 3], values: &mut [f64]) {
+        let visibility = XuSunVisibility {
+            shadowing: xu_sun_visibility(wi, self.smoothness),
+            smoothness: self.smoothness,
+        };
+        self.interface.bsdf_columns(wi, wo, values, visibility);
+    }
+}
+
+/// Visibility of light from one direction.
+struct XuSunVisibility {
+    shadowing: f64,
+    smoothness: f64,
+}
+
+impl Visibility for XuSunVisibility {
+    #[inline(always)]
+    fn fraction(&self, wo: DVec3, _: &Facet, _: Side) -> f64 {
+        self.shadowing * xu_sun_visibility(wo, self.smoothness)
     }
 }
 

@@ -24,6 +24,7 @@ mod layer {
     mod flat_stack;
 }
 mod models {
+    mod columns;
     mod ggx;
     mod heitz;
     mod heitz_explicit;

@@ -1,6 +1,7 @@
 //! Adaptive Gauss-Kronrod quadrature on pieces between known special points.
 
-use crate::elementary::pow;
+/// Points of the Kronrod rule.
+const POINTS: usize = 15;
 
 /// Nodes of the 15-point Kronrod rule on `[0, 1]` of the half interval; odd ones are Gauss's.
 const NODES: [f64; 8] = [
@@ -139,26 +140,44 @@ struct Piece {
 }
 
 impl Piece {
-    fn evaluate(&mut self, f: &mut impl FnMut(f64) -> f64) {
-        let centre = 0.5 * (self.u0 + self.u1);
-        let half = 0.5 * (self.u1 - self.u0);
-        let (lo, width, rooted) = (self.lo, self.width, self.rooted);
-        let mut at = |u: f64| {
-            if rooted {
-                width * 6.0 * u * (1.0 - u) * f(lo + width * (u * u * (3.0 - 2.0 * u)))
-            } else {
-                width * f(lo + width * u)
-            }
+    /// The 15 nodes: pairs about the centre from the outside in, then the centre.
+    fn nodes(&self) -> [f64; POINTS] {
+        let (centre, half) = self.extent();
+        let x_of = |u: f64| match self.rooted {
+            true => self.lo + self.width * (u * u * (3.0 - 2.0 * u)),
+            false => self.lo + self.width * u,
         };
-        let mut pairs = [(0.0, 0.0); 8];
-        for (pair, node) in pairs.iter_mut().zip(NODES).take(7) {
-            *pair = (at(centre - half * node), at(centre + half * node));
+        self.abscissae(centre, half).map(x_of)
+    }
+
+    fn extent(&self) -> (f64, f64) {
+        (0.5 * (self.u0 + self.u1), 0.5 * (self.u1 - self.u0))
+    }
+
+    fn abscissae(&self, centre: f64, half: f64) -> [f64; POINTS] {
+        std::array::from_fn(|i| match i % 2 {
+            0 => centre - half * NODES[i / 2],
+            _ => centre + half * NODES[i / 2],
+        })
+    }
+
+    /// Takes the values of the integrand at the nodes.
+    fn take(&mut self, values: &[f64]) {
+        let (centre, half) = self.extent();
+        let mut at = [0.0; POINTS];
+        let abscissae = self.abscissae(centre, half);
+        for ((at, value), u) in at.iter_mut().zip(values).zip(abscissae) {
+            *at = match self.rooted {
+                true => self.width * 6.0 * u * (1.0 - u) * value,
+                false => self.width * value,
+            };
         }
-        let middle = at(centre);
+        let middle = at[POINTS - 1];
+        let pairs = || at.chunks_exact(2).map(|pair| (pair[0], pair[1]));
         let mut kronrod = KRONROD[7] * middle;
         let mut gauss = GAUSS[3] * middle;
         let mut absolute = KRONROD[7] * middle.abs();
-        for (i, (a, b)) in pairs.iter().enumerate().take(7) {
+        for (i, (a, b)) in pairs().enumerate() {
             kronrod += KRONROD[i] * (a + b);
             absolute += KRONROD[i] * (a.abs() + b.abs());
             if i % 2 == 1 {
@@ -167,13 +186,14 @@ impl Piece {
         }
         let mean = 0.5 * kronrod;
         let mut spread = KRONROD[7] * (middle - mean).abs();
-        for (i, (a, b)) in pairs.iter().enumerate().take(7) {
+        for (i, (a, b)) in pairs().enumerate() {
             spread += KRONROD[i] * ((a - mean).abs() + (b - mean).abs());
         }
         // The error estimate of QUADPACK; the difference of both rules is the error of the poorer one.
         let difference = (kronrod - gauss).abs();
         let mut error = if spread > 0.0 {
-            spread * pow(200.0 * difference / spread, 1.5).min(1.0)
+            let ratio = 200.0 * difference / spread;
+            spread * (ratio * ratio.sqrt()).min(1.0)
         } else {
             difference
         };
@@ -193,11 +213,54 @@ pub fn integrate(
     pieces: &mut Pieces,
     mut f: impl FnMut(f64) -> f64,
 ) -> f64 {
-    let pieces = &mut pieces.0;
+    let of_column = |x: &[f64], values: &mut [f64]| {
+        for (value, x) in values.iter_mut().zip(x) {
+            *value = f(*x);
+        }
+    };
+    of_columns::<1>(breaks, tolerance, pieces, of_column)
+}
+
+/// Integral as of [`integrate`], of a function that fills a column of values at a column of points, in lanes.
+///
+/// The last point is repeated up to a multiple of 16, so that vector instructions leave no rest.
+pub fn integrate_columns(
+    breaks: &Breaks,
+    tolerance: Tolerance,
+    pieces: &mut Pieces,
+    f: impl FnMut(&[f64], &mut [f64]),
+) -> f64 {
+    of_columns::<16>(breaks, tolerance, pieces, f)
+}
+
+/// [`integrate_columns`], with lengths that are multiples of `MULTIPLE`.
+fn of_columns<const MULTIPLE: usize>(
+    breaks: &Breaks,
+    tolerance: Tolerance,
+    pieces: &mut Pieces,
+    mut f: impl FnMut(&[f64], &mut [f64]),
+) -> f64 {
+    let Pieces {
+        pieces,
+        nodes,
+        values,
+    } = pieces;
+    let mut evaluate = |pieces: &mut [Piece]| {
+        nodes.clear();
+        nodes.extend(pieces.iter().flat_map(Piece::nodes));
+        if let Some(last) = nodes.last().copied() {
+            nodes.resize(nodes.len().next_multiple_of(MULTIPLE), last);
+        }
+        values.resize(nodes.len(), 0.0);
+        f(nodes, values);
+        for (piece, values) in pieces.iter_mut().zip(values.chunks_exact(POINTS)) {
+            piece.take(values);
+        }
+    };
     pieces.clear();
-    for pair in breaks.points.windows(2) {
+    pieces.extend(breaks.points.windows(2).map(|pair| {
         let ((lo, root_lo), (hi, root_hi)) = (pair[0], pair[1]);
-        let mut piece = Piece {
+        Piece {
             lo,
             width: hi - lo,
             rooted: root_lo || root_hi,
@@ -205,10 +268,9 @@ pub fn integrate(
             u1: 1.0,
             value: 0.0,
             error: 0.0,
-        };
-        piece.evaluate(&mut f);
-        pieces.push(piece);
-    }
+        }
+    }));
+    evaluate(pieces);
     loop {
         let value: f64 = pieces.iter().map(|p| p.value).sum();
         let error: f64 = pieces.iter().map(|p| p.error).sum();
@@ -223,20 +285,22 @@ pub fn integrate(
         if error <= allowed || error.is_nan() || pieces.len() >= tolerance.max_pieces {
             return value;
         }
-        let mut left = pieces[worst];
-        let mut right = left;
-        left.u1 = 0.5 * (left.u0 + left.u1);
-        right.u0 = left.u1;
-        left.evaluate(&mut f);
-        right.evaluate(&mut f);
-        pieces[worst] = left;
-        pieces.push(right);
+        let mut halves = [pieces[worst]; 2];
+        halves[0].u1 = halves[0].extent().0;
+        halves[1].u0 = halves[0].u1;
+        evaluate(&mut halves);
+        pieces[worst] = halves[0];
+        pieces.push(halves[1]);
     }
 }
 
 /// Buffer for the pieces of one integral, reused by the next.
 #[derive(Clone, Debug, Default)]
-pub struct Pieces(Vec<Piece>);
+pub struct Pieces {
+    pieces: Vec<Piece>,
+    nodes: Vec<f64>,
+    values: Vec<f64>,
+}
 
 #[cfg(test)]
 mod tests {

@@ -40,19 +40,19 @@ fn every_view_of_a_closed_form_agrees() {
             (Side::Reflected, energy.reflected),
             (Side::Transmitted, energy.transmitted),
         ] {
-            assert_eq!(
-                tally[spec.flux_entry(side, Component::All)],
-                energy,
-                "{name} {side}"
+            // 108 bins, each to some 1e-12
+            let total = tally[spec.flux_entry(side, Component::All)];
+            assert!(
+                (total - energy).abs() < 1e-10,
+                "{name} {side}: {total} {energy}"
             );
-            assert_eq!(tally[spec.order_entry(side, 1)], energy);
+            assert_eq!(tally[spec.order_entry(side, 1)], total);
             assert_eq!(tally[spec.flux_entry(side, Component::Multiple)], 0.0);
             for class in [Component::Single, Component::All] {
                 let rings: f64 = tally[spec.ring_entries(side, class)].iter().sum();
-                // 108 bins, each to some 1e-12.
                 assert!(
-                    (rings - energy).abs() < 1e-9,
-                    "{name} {side}: {rings} {energy}"
+                    (rings - total).abs() < 1e-15,
+                    "{name} {side}: {rings} {total}"
                 );
             }
             // A slice of 0.1 to either side of the plane of incidence holds some of the light, not all.
