@@ -99,27 +99,40 @@ fn paint(picture: &Picture, buffer: &mut [u8], width: usize, scale: f64) {
     }
 }
 
+/// Pixels of the result that are averaged, or found blank, together.
+const TOGETHER: usize = 16;
+
 /// Averages blocks of `N` by `N` pixels of an RGB buffer with `stride` bytes to a row.
 fn average_blocks<const N: usize>(pixels: &[u8], stride: usize) -> Vec<u8> {
     // Sums of a block fit into 16 bits
     const { assert!(N <= 16) };
     let count = (N * N) as u16;
-    let mut averaged = vec![0; pixels.len() / (N * N)];
-    let mut sums = vec![0_u16; stride];
+    let mut averaged = vec![255; pixels.len() / (N * N)];
+    let mut sums = [0_u16; 3 * TOGETHER * 16];
     let blocks = averaged.chunks_exact_mut(stride / N);
     for (averaged, rows) in blocks.zip(pixels.chunks_exact(stride * N)) {
-        sums.fill(0);
-        // Each shift by a pixel adds the next column of a block at its first one.
-        for row in rows.chunks_exact(stride) {
-            for column in 0..N {
-                for (sum, value) in sums.iter_mut().zip(&row[3 * column..]) {
-                    *sum += u16::from(*value);
+        for (i, averaged) in averaged.chunks_mut(3 * TOGETHER).enumerate() {
+            let start = i * 3 * TOGETHER * N;
+            let sums = &mut sums[..averaged.len() * N];
+            let rows = rows.chunks_exact(stride).map(|row| &row[start..]);
+            // Most of a page is blank
+            let is_blank = |row: &[u8]| row[..sums.len()].iter().fold(255, |all, v| all & v) == 255;
+            if rows.clone().all(is_blank) {
+                continue;
+            }
+            sums.fill(0);
+            // Each shift by a pixel adds the next column of a block at its first one.
+            for row in rows {
+                for column in 0..N {
+                    for (sum, value) in sums.iter_mut().zip(&row[3 * column..]) {
+                        *sum += u16::from(*value);
+                    }
                 }
             }
-        }
-        for (pixel, sums) in averaged.chunks_exact_mut(3).zip(sums.chunks_exact(3 * N)) {
-            for (mean, sum) in pixel.iter_mut().zip(sums) {
-                *mean = ((sum + count / 2) / count) as u8;
+            for (pixel, sums) in averaged.chunks_exact_mut(3).zip(sums.chunks_exact(3 * N)) {
+                for (mean, sum) in pixel.iter_mut().zip(sums) {
+                    *mean = ((sum + count / 2) / count) as u8;
+                }
             }
         }
     }
