@@ -3,7 +3,8 @@
 //! Light paths are reversible: the radiance along a camera ray is that which arrives on all paths that begin with
 //! this ray, followed backwards to the light sources. Radiance changes by the square of the index at each
 //! interface. For paths that begin and end above the surface these factors cancel, so that a path is followed as
-//! light is ([`asperity_tracer::PathIntegrator`]).
+//! light is: many at a time ([`asperity_tracer::Tracer::given_rays`]), or one by one where paths are connected to a sun
+//! ([`asperity_tracer::PathIntegrator`]).
 //!
 //! Random paths hardly ever hit a sun. Where a path is scattered diffusely, by a Lambertian face or a medium, it is connected to
 //! the sun ([`asperity_tracer::Sunlight`]): above a surface by a ray to a point of the disc, below it by the
@@ -34,8 +35,8 @@ use std::time::Instant;
 use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
 use asperity_tracer::{
-    BuildAccelerator, FlightSearch, Geometry, LightBeams, MeshSurface, PathIntegrator,
-    Polarisation, Surface, TracedStack, can_traverse, tiles_crossed,
+    Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace, LightBeams, MeshSurface,
+    PathIntegrator, Polarisation, Surface, TracedStack, Tracer, can_traverse, tiles_crossed,
 };
 
 pub use denoise::denoise;
@@ -48,6 +49,9 @@ pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
 pub use tone::{LOG_DECADES, Tone, ToneCurve};
 pub use view::{Projection, View, ViewError};
+
+/// Flux of a branch below which roulette decides where all are followed: a bright sun may stand behind it.
+const WEAKEST: f64 = 1e-3;
 
 /// A picture, and how it came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,17 +191,22 @@ fn scene<'a, G: Geometry>(
     let (geometry, accelerator) = (top.geometry, top.accelerator);
     let most = settings.most_scatterings;
     let stack = TracedStack::new(top, matter.layers, bottoms, most)?;
-    let integrator = PathIntegrator::new(
-        geometry,
-        accelerator,
-        matter.material,
-        settings.paths.with_polarisation(Polarisation::Averaged),
-    )
-    .over(stack);
+    let paths = settings.paths.with_polarisation(Polarisation::Averaged);
+    let material = matter.material;
+    let integrator = PathIntegrator::new(geometry, accelerator, material, paths).over(stack);
+    // Nothing scatters diffusely, and light that leaves depends on its direction alone
+    let is_plain = matter.layers.is_empty()
+        && !material.is_diffuse()
+        && !settings.lights.sun().is_some_and(Sun::is_limited);
+    let tracer = is_plain.then(|| {
+        let paths = paths.with(Branching::Split, WEAKEST);
+        Tracer::new(geometry, accelerator, material, HalfSpace::Above, paths)
+    });
     Ok(Scene {
         camera: settings.view.camera(settings.size, frame.highest())?,
         lights: settings.lights,
         integrator: integrator.with_flight_search(FlightSearch::Nearby),
+        tracer,
         frame,
         size: settings.size,
     })

@@ -143,6 +143,11 @@ impl Sun {
         })
     }
 
+    /// Returns `true` if it shines on a rectangle alone.
+    pub(crate) const fn is_limited(&self) -> bool {
+        self.patch.is_some()
+    }
+
     /// Polar angle of the middle of the disc, radians.
     pub(crate) fn theta(&self) -> f64 {
         acos(self.towards.z.clamp(-1.0, 1.0))

@@ -4,11 +4,12 @@ use asperity_io::Picture;
 use asperity_optics::Material;
 use asperity_simulate::{Observer, StoppedBy};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, LightBeams};
+use asperity_tracer::{Geometry, LightBeams, Sunlight};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::scene::{Losses, Row, SEQUENCES, Sample, Scene};
+use crate::lights::Sun;
+use crate::scene::{Losses, SEQUENCES, Sample, Scene, Strip};
 use crate::sequence::shared_numbers;
 use crate::settings::RenderSettings;
 
@@ -35,21 +36,20 @@ impl Film {
         }
     }
 
-    /// Adds a pass: the rows of all sequences.
-    fn add_pass(&mut self, sequences: Vec<Vec<Row>>) {
+    /// Adds a pass: the strips of all sequences, from the first row to the last.
+    fn add_pass(&mut self, sequences: Vec<Vec<Strip>>) {
         let add = |sums: &mut [f64], values: &[f64]| {
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += value;
             }
         };
-        let columns = self.size[0];
-        for (rows, radiance) in sequences.into_iter().zip(&mut self.radiance) {
-            let sums = radiance.chunks_exact_mut(columns);
-            let sums = sums.zip(self.coverage.chunks_exact_mut(columns));
-            for (row, (radiance, coverage)) in rows.into_iter().zip(sums) {
-                add(radiance, &row.radiance);
-                add(coverage, &row.coverage);
-                self.losses.add(&row.losses);
+        for (strips, radiance) in sequences.into_iter().zip(&mut self.radiance) {
+            let mut first = 0;
+            for strip in strips {
+                add(&mut radiance[first..], &strip.radiance);
+                add(&mut self.coverage[first..], &strip.coverage);
+                self.losses.add(&strip.losses);
+                first += strip.radiance.len();
             }
         }
         self.passes += 1;
@@ -84,6 +84,7 @@ pub(crate) fn expose<G: Geometry>(
     progress: &dyn Observer,
 ) -> Film {
     let rows = settings.size[1];
+    let height = scene.rows_of_strip();
     let mut film = Film::new(settings.size);
     let total = passes.saturating_mul(SEQUENCES * rows as u64);
     progress.begin("rendering", total);
@@ -93,37 +94,45 @@ pub(crate) fn expose<G: Geometry>(
             Some(_) => pass > 0 || progress.gives_up_first(),
             None => false,
         };
-        let in_sequence = |sequence| {
-            let sample = Sample {
-                seed: settings.seed,
-                sequence,
-                number: pass,
-            };
-            let sunlight = settings.lights.sun().map(|sun| {
-                let sunlight = sun.sunlight();
-                match &mut beams {
-                    Some(beams) => {
-                        let number = pass.wrapping_mul(SEQUENCES).wrapping_add(sequence);
-                        let numbers = shared_numbers(settings.seed, number);
-                        sunlight.with_beams(beams.geometry, beams.aimed(sun.point(numbers)))
-                    }
-                    None => sunlight,
+        let samples = (0..SEQUENCES).map(|sequence| Sample {
+            seed: settings.seed,
+            sequence,
+            number: pass,
+        });
+        let samples: Vec<Sample> = samples.collect();
+        let follow = |sample: &Sample, sunlight: Option<&Sunlight<'_, G>>| {
+            let strips = (0..rows.div_ceil(height)).into_par_iter().with_max_len(1);
+            let strips = strips.map(|strip| {
+                let rows = strip * height..rows.min((strip + 1) * height);
+                if rows.clone().any(|_| stops()) {
+                    return None;
                 }
+                let done = rows.len() as u64;
+                let strip = scene.strip(rows, sample, sunlight);
+                progress.advance(done);
+                Some(strip)
             });
-            (0..rows)
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|row| {
-                    if stops() {
-                        return None;
-                    }
-                    let row = scene.row(row, &sample, sunlight.as_ref());
-                    progress.advance(1);
-                    Some(row)
-                })
-                .collect()
+            strips.collect::<Option<Vec<Strip>>>()
         };
-        let done: Option<Vec<Vec<Row>>> = (0..SEQUENCES).map(in_sequence).collect();
+        let sun = settings.lights.sun();
+        let done: Option<Vec<_>> = match (sun, &mut beams) {
+            (Some(sun), Some(beams)) => {
+                let geometry = beams.geometry;
+                let followed = samples.iter().map(|sample| {
+                    let numbers = shared_numbers(settings.seed, sample.stream());
+                    let aimed = beams.aimed(sun.point(numbers));
+                    follow(sample, Some(&sun.sunlight().with_beams(geometry, aimed)))
+                });
+                followed.collect()
+            }
+            _ => {
+                let sunlight = sun.map(Sun::sunlight);
+                let followed = samples.par_iter();
+                followed
+                    .map(|sample| follow(sample, sunlight.as_ref()))
+                    .collect()
+            }
+        };
         let Some(done) = done else { break };
         film.add_pass(done);
     }

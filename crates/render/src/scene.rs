@@ -1,10 +1,15 @@
-//! Scene: follows the camera rays of one row of a picture.
+//! Scene: follows the camera rays of some rows of a picture.
+
+use std::ops::Range;
 
 use asperity_simulate::picture_stream;
+use asperity_tally::Side;
 use asperity_tracer::{
-    CameraContribution, Geometry, PathEnd, PathIntegrator, PathResult, SunContribution, Sunlight,
+    CameraContribution, Geometry, Heading, PathEnd, PathIntegrator, PathResult, PathStream,
+    SunContribution, Sunlight, Tracer,
 };
-use rand::RngExt;
+use glam::DVec2;
+use rand::{Rng, RngExt};
 
 use crate::lights::Lights;
 use crate::sequence::{SampleNumbers, scrambles};
@@ -13,6 +18,9 @@ use crate::view::{Camera, CameraRay};
 
 /// Independent sequences of samples, whose scatter gives the errors.
 pub(crate) const SEQUENCES: u64 = 4;
+
+/// Camera rays that are followed together, unless a row has more.
+const RAYS_AT_ONCE: usize = 4096;
 
 /// Sample of all pixels.
 pub(crate) struct Sample {
@@ -23,8 +31,23 @@ pub(crate) struct Sample {
     pub(crate) number: u64,
 }
 
-/// One row of one pass in one sequence.
-pub(crate) struct Row {
+impl Sample {
+    /// Number of its random numbers, among those of all samples.
+    pub(crate) const fn stream(&self) -> u64 {
+        self.number
+            .wrapping_mul(SEQUENCES)
+            .wrapping_add(self.sequence)
+    }
+
+    /// Random numbers of a row that are not spread evenly.
+    fn generator(&self, row: usize) -> impl Rng + use<> {
+        picture_stream(self.seed, self.stream(), row as u64)
+    }
+}
+
+/// Some rows of one pass in one sequence.
+pub(crate) struct Strip {
+    /// By pixel, row by row.
     pub(crate) radiance: Vec<f64>,
     pub(crate) coverage: Vec<f64>,
     pub(crate) losses: Losses,
@@ -51,58 +74,119 @@ pub(crate) struct Scene<'a, G: Geometry> {
     pub(crate) camera: Camera,
     pub(crate) lights: Lights,
     pub(crate) integrator: PathIntegrator<'a, G>,
+    /// Follows camera rays where no path is connected to the sun.
+    pub(crate) tracer: Option<Tracer<'a, G>>,
     pub(crate) frame: TileFrame,
     /// Columns and rows.
     pub(crate) size: [usize; 2],
 }
 
 impl<G: Geometry> Scene<'_, G> {
-    /// Follows a camera ray through each pixel of a row.
-    pub(crate) fn row(
+    /// Rows that are followed in one call of [`Scene::strip`]: as many as keep the lanes of a tracer full.
+    pub(crate) fn rows_of_strip(&self) -> usize {
+        match &self.tracer {
+            Some(_) => (RAYS_AT_ONCE / self.size[0]).max(1),
+            None => 1,
+        }
+    }
+
+    /// Follows a camera ray through each pixel of some rows.
+    pub(crate) fn strip(
         &self,
-        row: usize,
+        rows: Range<usize>,
         sample: &Sample,
         sunlight: Option<&Sunlight<'_, G>>,
-    ) -> Row {
+    ) -> Strip {
+        match &self.tracer {
+            Some(tracer) => self.strip_at_once(tracer, rows, sample),
+            None => self.strip_one_by_one(rows, sample, sunlight),
+        }
+    }
+
+    /// Follows all camera rays of some rows together.
+    fn strip_at_once(&self, tracer: &Tracer<'_, G>, rows: Range<usize>, sample: &Sample) -> Strip {
         let columns = self.size[0];
-        let mut out = Row {
-            radiance: Vec::with_capacity(columns),
-            coverage: Vec::with_capacity(columns),
+        let mut rays = Vec::with_capacity(rows.len() * columns);
+        for row in rows.clone() {
+            self.for_each_ray((row, sample.generator(row)), sample, |ray, _| {
+                rays.push(Heading {
+                    origin: ray.origin,
+                    direction: ray.direction,
+                    mirrored: [false; 2],
+                });
+            });
+        }
+        let first = (rows.start * columns) as u64;
+        let stream = PathStream::new(sample.seed, sample.stream()).from_path(first);
+        let mut radiance = vec![0.0; rays.len()];
+        let found = tracer.given_rays(&rays, stream, |ray, exit| {
+            let light = match exit.side {
+                Side::Reflected => self.lights.above(exit.wo, || DVec2::ZERO),
+                Side::Transmitted => self.lights.below(),
+            };
+            radiance[ray as usize] += exit.flux * light;
+        });
+        Strip {
+            radiance,
+            coverage: found.met.into_iter().map(f64::from).collect(),
+            losses: Losses {
+                truncated: found.truncated,
+                left_patch: found.left_patch,
+                lost: found.lost,
+            },
+        }
+    }
+
+    /// Follows camera rays of some rows one after the other.
+    fn strip_one_by_one(
+        &self,
+        rows: Range<usize>,
+        sample: &Sample,
+        sunlight: Option<&Sunlight<'_, G>>,
+    ) -> Strip {
+        let pixels = rows.len() * self.size[0];
+        let mut out = Strip {
+            radiance: Vec::with_capacity(pixels),
+            coverage: Vec::with_capacity(pixels),
             losses: Losses::default(),
         };
-        let &Sample {
-            seed,
-            sequence,
-            number,
-        } = sample;
-        let scrambles = scrambles(seed, sequence, row);
-        let mut rng = picture_stream(
-            seed,
-            number.wrapping_mul(SEQUENCES).wrapping_add(sequence),
-            row as u64,
-        );
-        for (column, scramble) in (0..columns).zip(scrambles) {
-            let mut numbers = SampleNumbers::new(number, scramble, &mut rng);
-            let place = [numbers.random(), numbers.random()];
-            let ray = self.camera_ray([column, row], place);
-            let (mut radiance, mut is_hit) = (0.0, false);
-            self.integrator.trace_camera_ray(
-                ray.origin,
-                ray.direction,
-                sunlight,
-                &mut numbers,
-                |contribution| match contribution {
-                    CameraContribution::Path(path) => {
-                        is_hit |= path.path.order() > 0;
-                        radiance += self.radiance(&path, &mut out.losses);
-                    }
-                    CameraContribution::Sun(lit) => radiance += self.sunlit(&lit),
-                },
-            );
-            out.radiance.push(radiance);
-            out.coverage.push(f64::from(u8::from(is_hit)));
+        for row in rows {
+            self.for_each_ray((row, sample.generator(row)), sample, |ray, numbers| {
+                let (mut radiance, mut is_hit) = (0.0, false);
+                self.integrator.trace_camera_ray(
+                    ray.origin,
+                    ray.direction,
+                    sunlight,
+                    numbers,
+                    |contribution| match contribution {
+                        CameraContribution::Path(path) => {
+                            is_hit |= path.path.order() > 0;
+                            radiance += self.radiance(&path, &mut out.losses);
+                        }
+                        CameraContribution::Sun(lit) => radiance += self.sunlit(&lit),
+                    },
+                );
+                out.radiance.push(radiance);
+                out.coverage.push(f64::from(u8::from(is_hit)));
+            });
         }
         out
+    }
+
+    /// Makes a ray through each pixel of a row, with the random numbers of its path.
+    fn for_each_ray<R: Rng>(
+        &self,
+        (row, mut rng): (usize, R),
+        sample: &Sample,
+        mut follow: impl FnMut(CameraRay, &mut SampleNumbers<'_, R>),
+    ) {
+        let columns = self.size[0];
+        let scrambles = scrambles(sample.seed, sample.sequence, row);
+        for (column, scramble) in (0..columns).zip(scrambles) {
+            let mut numbers = SampleNumbers::new(sample.number, scramble, &mut rng);
+            let place = [numbers.random(), numbers.random()];
+            follow(self.camera_ray([column, row], place), &mut numbers);
+        }
     }
 
     /// The ray through the point `[u, v]` of a pixel, its origin in tile coordinates.

@@ -169,6 +169,149 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
     }
 }
 
+/// Pictures that a tracer makes of many rays at a time are those of the reference, pixel by pixel: radiance, coverage and losses.
+#[test]
+fn pictures_are_those_of_the_reference() {
+    let gold = Material::conductor(0.4, 2.4).unwrap();
+    let sun = Incidence::from_degrees(40.0, 200.0).unwrap();
+    let sun = Sun::new(sun, 0.5, 0.4, None).unwrap();
+    let lights = Lights::new(0.8, 0.6, Some(sun)).unwrap();
+    let lights = lights.with_horizon(0.2).unwrap();
+    let body = |border| match border {
+        // Glass that floats over nothing, with overhangs
+        None => Shape::triangle_mesh(octahedron()),
+        Some(border) => facets(rough(border)),
+    };
+    let rounded = |border| smooth(&rough(border));
+    for (name, shape, material, projection, theta) in [
+        ("glass", body(Some(Border::Periodic)), GLASS, PINHOLE, 75.0),
+        ("open glass", body(Some(Border::Open)), GLASS, PINHOLE, 55.0),
+        (
+            "gold",
+            body(Some(Border::Mirrored)),
+            gold,
+            ORTHOGRAPHIC,
+            60.0,
+        ),
+        ("mesh", body(None), GLASS, PINHOLE, 50.0),
+        (
+            "smooth",
+            rounded(Border::Periodic),
+            GLASS,
+            ORTHOGRAPHIC,
+            30.0,
+        ),
+        (
+            "smooth gold",
+            rounded(Border::Mirrored),
+            gold,
+            PINHOLE,
+            60.0,
+        ),
+        ("open smooth", rounded(Border::Open), GLASS, PINHOLE, 55.0),
+    ] {
+        let settings = RenderSettings {
+            samples: 16,
+            paths: PathSettings::new(Branching::Pick, 0.2, 5).unwrap(),
+            ..settings(theta, projection, lights)
+        };
+        let towards = Incidence::from_degrees(theta, 250.0).unwrap();
+        let view = View::new(projection, towards, [16.0, 16.0], 60.0);
+        let settings = RenderSettings {
+            view: view.unwrap(),
+            ..settings
+        };
+        let [engine, reference] = [0, 1].map(|which| {
+            let mut sums = BatchStatistics::new(2 * 16 * 12 + 3);
+            for seed in 0..24 {
+                let seed = 100 * which + seed + 1;
+                let settings = RenderSettings { seed, ..settings };
+                let found = match (which, &shape) {
+                    (0, _) => render(&shape, material, &[], &settings, &Silent).unwrap(),
+                    (_, Shape::HeightField { top, .. }) => {
+                        by_reference(&**top, material, &settings)
+                    }
+                    (_, Shape::Smooth { top, .. }) => by_reference(&**top, material, &settings),
+                    (_, Shape::TriangleMesh { top, .. }) => {
+                        by_reference(&**top, material, &settings)
+                    }
+                };
+                let Picture {
+                    radiance, coverage, ..
+                } = found.picture;
+                let losses = vec![found.truncated, found.left_patch, found.lost];
+                sums.push(&[radiance, coverage, losses].concat());
+            }
+            let squares: Vec<f64> = sums.error_squares().collect();
+            (sums.means().to_vec(), squares)
+        });
+        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0_f64);
+        for i in 0..engine.0.len() {
+            let difference = engine.0[i] - reference.0[i];
+            let variance = engine.1[i] + reference.1[i];
+            if variance < 1e-20 {
+                assert!(difference.abs() < 1e-9, "{name}, {i}: {difference}");
+                continue;
+            }
+            let z = difference / variance.sqrt();
+            (sum, squares, count) = (sum + z, squares + z * z, count + 1.0);
+            if i >= 2 * 16 * 12 {
+                println!("{name}: loss {} {z:.2}", engine.0[i]);
+                assert!(z.abs() < 4.5, "{name}: loss {i} of z = {z}");
+            }
+        }
+        let (mean, square) = (sum / count.sqrt(), squares / count);
+        println!("{name}: {count} z, their sum over its error {mean:.2}, mean square {square:.3}");
+        // Of t with 46 degrees of freedom 46 / 44 is expected, with an error of sqrt(2.4 / count) where light is not rare.
+        assert!(count > 50.0 && mean.abs() < 4.0, "{name}: {mean}");
+        assert!((0.5..1.6).contains(&square), "{name}: {square}");
+    }
+}
+
+/// An octahedron in the place of the tile of [`rough`].
+fn octahedron() -> MeshSurface {
+    let corners = [
+        [32, 16, 12],
+        [16, 32, 12],
+        [0, 16, 12],
+        [16, 0, 12],
+        [16, 16, 20],
+        [16, 16, 4],
+    ];
+    let vertices = corners.map(|corner| corner.map(f64::from));
+    let sides = (0..4).flat_map(|i| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]]);
+    MeshSurface::new(&vertices, sides.collect(), Border::Open).unwrap()
+}
+
+/// The picture that one path after the other makes.
+fn by_reference<G: BuildAccelerator>(
+    surface: &G,
+    material: Material,
+    settings: &RenderSettings,
+) -> RenderOutcome {
+    let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let top = SearchedSurface {
+        geometry: surface,
+        accelerator: &*hits,
+    };
+    let matter = Matter {
+        material,
+        layers: &[],
+    };
+    let scene = Scene {
+        tracer: None,
+        ..scene(top, &[], matter, settings).unwrap()
+    };
+    let film = expose(
+        &scene,
+        None,
+        settings.samples / SEQUENCES,
+        settings,
+        &Silent,
+    );
+    outcome(film, [0.0; 2], None)
+}
+
 /// A uniform sky is seen with the radiance that is the fraction of light from the camera that goes back up:
 /// Helmholtz. The one comes from camera rays, the other from light paths over the whole tile.
 #[test]
@@ -333,14 +476,18 @@ fn thread_count_changes_no_byte() {
     let lights = Lights::new(0.5, 0.0, Some(sun)).unwrap();
     let layer = slab(0.9, 14.0, Bottom::ABSORBING);
     let settings = settings(60.0, PINHOLE, lights);
-    let [one, three] = [1, 3].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let field = rough(Border::Periodic);
-        pool.unwrap()
-            .install(|| render(&facets(field), GLASS, &[layer], &settings, &Silent))
-            .unwrap()
-    });
-    assert_eq!(one.picture, three.picture);
+    // Rays of a surface alone are followed thousands at a time.
+    for (layers, size) in [(&[layer][..], [16, 12]), (&[], [100, 90])] {
+        let settings = RenderSettings { size, ..settings };
+        let [one, three] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let field = rough(Border::Periodic);
+            pool.unwrap()
+                .install(|| render(&facets(field), GLASS, layers, &settings, &Silent))
+                .unwrap()
+        });
+        assert_eq!(one.picture, three.picture);
+    }
 }
 
 /// Stops at the question after so many.

@@ -59,7 +59,9 @@ pub use interaction::stack::{DEFAULT_MAX_SCATTERINGS, TracedLayerError, TracedSt
 pub use interaction::unshadowed::{
     sum_over_facets, sum_over_facets_of_conductors, unshadowed_fluxes,
 };
-pub use path::{AbsorbedCells, Illumination, MAX_CONDUCTORS, Starts, Tracer, Window, Work};
+pub use path::{
+    AbsorbedCells, GivenRays, Illumination, MAX_CONDUCTORS, Starts, Tracer, Window, Work,
+};
 pub use periodic::{
     Heading, MAX_TILES, MAX_TILES_AT_45_DEGREES, TraversalEnd, TraversalResult, can_traverse,
     tiles_crossed, traverse,

@@ -12,12 +12,13 @@
 //! | find the segments that escape, and tally them | `leave` |
 //!
 //! Rare segments are traced one by one (`travel/single.rs`): those beyond their first tile, and those that a control
-//! variate needs (`leave/masking.rs`). `state` holds everything that passes between the stages. Random
+//! variate needs (`leave/masking.rs`). `given_rays.rs` takes rays of a camera through these stages. `state` holds everything that passes between the stages. Random
 //! numbers are functions of path and step ([`crate::random`]), so that no order of work changes them. The same
 //! light, one path at a time, is in `reference`.
 
 mod absorbed_cells;
 mod beam;
+mod given_rays;
 mod illumination;
 mod layer;
 mod leave;
@@ -28,6 +29,7 @@ mod tracer;
 mod travel;
 
 pub use absorbed_cells::AbsorbedCells;
+pub use given_rays::GivenRays;
 pub use illumination::{Illumination, Starts, Window};
 pub use state::conductors::MAX_CONDUCTORS;
 pub use state::work::Work;

@@ -225,6 +225,14 @@ impl ExitColumns {
         DVec3::new(x[i], y[i], z[i])
     }
 
+    /// Removes all exits, and hands each over with the number of its batch, in their order.
+    pub fn drain(&mut self, mut take: impl FnMut(u32, &Exit)) {
+        for (i, &batch) in self.batch.iter().enumerate() {
+            take(batch, &self.exit(i));
+        }
+        self.clear();
+    }
+
     pub(crate) fn clear(&mut self) {
         self.wo.iter_mut().for_each(Vec::clear);
         self.flux.clear();

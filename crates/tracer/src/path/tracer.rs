@@ -15,6 +15,7 @@ use crate::path::beam::Beam;
 use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::batch::Batch;
 use crate::path::state::conductors::{Conductors, MAX_CONDUCTORS};
+use crate::path::state::segments::Kept;
 use crate::path::state::work::Work;
 use crate::random::PathStream;
 use crate::ray::HalfSpace;
@@ -58,8 +59,8 @@ pub struct Tracer<'a, G: Geometry> {
     /// Sums of the flux that facets of the upper surface absorb, if they are recorded.
     pub(super) absorbed: Option<&'a AbsorbedCells>,
     /// Indices `[eta, kappa]` of the conductors that are traced together; empty for a single material.
-    conductors: Vec<[f64; 2]>,
-    instructions: Instructions,
+    pub(super) conductors: Vec<[f64; 2]>,
+    pub(super) instructions: Instructions,
 }
 
 impl<'a, G: Geometry> Tracer<'a, G> {
@@ -271,15 +272,19 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Conductors::new(&self.conductors, tallies, polarisation)
         });
         let batches = if conductors.is_some() { 0 } else { batches };
-        let mut batch = Batch::new(
-            Tallies::new(tally, batches),
-            conductors,
-            stream,
-            self.instructions,
-            illumination,
+        let kept = Kept {
+            turn: turns,
             polarisation,
-            self.stack.layers().len(),
-        );
+            slot: conductors.is_some(),
+        };
+        let tallies = Tallies::new(tally, batches);
+        let layers = self.stack.layers().len();
+        let mut batch = Batch {
+            conductors,
+            stokes: illumination.stokes,
+            traces_shadows: control.is_some() && illumination.starts == Starts::FromAbove,
+            ..Batch::new(tallies, stream, self.instructions, kept, layers)
+        };
         loop {
             self.start_paths(&beam, illumination, &mut places, &mut batch);
             if batch.is_finished() {

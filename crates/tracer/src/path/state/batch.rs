@@ -3,7 +3,6 @@
 use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 
 use crate::geometry::CullingClass;
-use crate::path::illumination::{Illumination, Starts};
 use crate::path::state::arrivals::{Arrivals, BottomArrivals};
 use crate::path::state::conductors::Conductors;
 use crate::path::state::flights::Flights;
@@ -16,7 +15,6 @@ use crate::path::state::work::Work;
 use crate::random::PathStream;
 use crate::ray::{Hit, RayBatch};
 use crate::sampling::Start;
-use crate::settings::Polarisation;
 use crate::vector::Instructions;
 
 /// New paths start while fewer segments are in flight: enough to fill lanes in every stage, few enough for them and
@@ -125,30 +123,22 @@ pub(crate) struct Batch<'r, F> {
 }
 
 impl<'r, F: Copy> Batch<'r, F> {
+    /// No light yet, of a single material.
     pub(crate) fn new(
         tallies: Tallies<'r>,
-        conductors: Option<Conductors<'r>>,
         stream: PathStream,
         instructions: Instructions,
-        illumination: &Illumination,
-        polarisation: Polarisation,
+        kept: Kept,
         layers: usize,
     ) -> Self {
-        let kept = Kept {
-            turn: illumination.turns(polarisation),
-            polarisation,
-            slot: conductors.is_some(),
-        };
-        let traces_shadows =
-            tallies.control_variate().is_some() && illumination.starts == Starts::FromAbove;
         Self {
             tallies,
-            conductors,
+            conductors: None,
             work: Work::default(),
             stream,
             instructions,
-            stokes: illumination.stokes,
-            traces_shadows,
+            stokes: [0.0; 3],
+            traces_shadows: false,
             segments: Segments::new(kept),
             searched: Vec::new(),
             singles: Vec::new(),
@@ -156,7 +146,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             starts: Vec::new(),
             arrivals: Arrivals::new(kept),
             layers: (0..layers).map(|_| LightInLayer::new(kept)).collect(),
-            exits: ExitColumns::new(polarisation.polarimetry()),
+            exits: ExitColumns::new(kept.polarisation.polarimetry()),
             classes: Vec::new(),
             hits: Vec::new(),
             met: Vec::new(),
@@ -177,11 +167,11 @@ impl<'r, F: Copy> Batch<'r, F> {
         self.tallies.of(PathStream::batch_of(ray))
     }
 
-    /// What stands for the number of the batch of an exit: that number, or the row of a path of several conductors.
+    /// What stands for the number of the batch of an exit: that number, or the slot of the path where one is kept.
     pub(crate) const fn number_of(&self, path: &PathState) -> u32 {
-        match self.conductors {
-            Some(_) => path.slot,
-            None => PathStream::batch_of(path.ray),
+        match self.segments.kept.slot {
+            true => path.slot,
+            false => PathStream::batch_of(path.ray),
         }
     }
 

@@ -22,7 +22,7 @@ pub(crate) struct PathState {
     pub(crate) scatterings: u32,
     /// Number of the path in its batch.
     pub(crate) ray: u32,
-    /// Row of the path among those of several conductors, from its first interaction on.
+    /// Row of the path among those of several conductors, from its first interaction on, or number of its given ray.
     pub(crate) slot: u32,
     /// Cosine and sine of the angle by which exit directions are turned about the vertical.
     pub(crate) turn: DVec2,

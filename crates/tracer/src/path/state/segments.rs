@@ -20,7 +20,7 @@ pub(crate) struct Kept {
     pub(crate) turn: bool,
     /// Polarisation that paths carry.
     pub(crate) polarisation: Polarisation,
-    /// Rows of a table that holds the light of several conductors.
+    /// Rows of a table that holds the light of several conductors, or numbers of given rays.
     pub(crate) slot: bool,
 }
 
@@ -61,7 +61,8 @@ pub(crate) struct Segments {
     pub(crate) scatterings: Vec<u32>,
     /// Number of the path in its batch.
     pub(crate) ray: Vec<u32>,
-    /// Row of a path among those of several conductors, from its first interaction on; without rows for a single material.
+    /// Row of a path among those of several conductors, from its first interaction on, or number of its given ray; without rows for
+    /// other light.
     pub(crate) slot: Vec<u32>,
     /// Axes that are mirrored against the world, a bit each.
     pub(crate) mirrored: Vec<u32>,
