@@ -12,7 +12,7 @@
 //! that smooth facets reflect, or that interacts with several of them, and all of it below smooth cells, which have no facets.
 //!
 //! A picture is made in passes of four samples per pixel, one of each of four independent sequences. A sequence fills the
-//! pixel and the first decisions of its paths evenly; errors come from the scatter between sequences.
+//! pixel, and the first decisions of paths that are followed one by one, evenly; errors come from the scatter between sequences.
 
 mod denoise;
 mod error;
@@ -50,7 +50,7 @@ use tile_frame::TileFrame;
 pub use tone::{LOG_DECADES, Tone, ToneCurve};
 pub use view::{Projection, View, ViewError};
 
-/// Flux of a branch below which roulette decides where all are followed: a bright sun may stand behind it.
+/// Roulette threshold of branches: low, since a bright sun may lie at their end.
 const WEAKEST: f64 = 1e-3;
 
 /// A picture, and how it came about.

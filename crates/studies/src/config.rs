@@ -274,11 +274,6 @@ impl RunConfig {
         self.bins.named().unwrap_or_default()
     }
 
-    /// Quantity of the target error, if there is one.
-    pub(crate) fn of_target(&self) -> Option<Quantity> {
-        self.target_error.map(|_| self.of.unwrap_or_default())
-    }
-
     /// The settings of a simulation without a medium.
     ///
     /// # Errors

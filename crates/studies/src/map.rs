@@ -23,6 +23,7 @@ use self::json::map_summary;
 pub use self::outcome::{MapCell, MapOutcome};
 use self::summary::map_table;
 
+use crate::comparison::models::Testing;
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
 use crate::report::views::Views;
@@ -108,7 +109,7 @@ impl Study for MapStudy {
         let verification = self.config.as_verification()?;
         let derive = |outcome: &Outcome| {
             // A map judges by distances
-            let judged = judge_case(&verification, outcome, false, observer)?;
+            let judged = judge_case(&verification, outcome, Testing::Distances, observer)?;
             let is_judged = !judged.models.is_empty();
             Ok::<_, StudyError>(is_judged.then(|| json!(CellResults::of(&judged))))
         };

@@ -19,7 +19,7 @@ use self::files::verify_summary;
 pub use self::outcome::VerifyOutcome;
 
 use crate::comparison::judgement::Judgement;
-use crate::comparison::models::{Compared, compare_models};
+use crate::comparison::models::{Compared, Testing, compare_models};
 use crate::comparison::other_slopes::OtherSlopes;
 use crate::comparison::slope_tables::SlopeSymmetry;
 use crate::config::VerifyConfig;
@@ -127,7 +127,7 @@ impl Study for VerifyStudy {
         let cases = cases
             .into_par_iter()
             .map(|one| {
-                let judged = judge_case(&self.config, &one.outcome, true, observer);
+                let judged = judge_case(&self.config, &one.outcome, Testing::Tests, observer);
                 observer.advance(1);
                 judged
             })
@@ -191,7 +191,7 @@ fn other_slopes(
 pub(crate) fn judge_case<'a>(
     config: &VerifyConfig,
     outcome: &'a Outcome,
-    is_tested: bool,
+    testing: Testing,
     observer: &dyn Observer,
 ) -> Result<Judgement<'a>, StudyError> {
     let free_azimuth = config.free_azimuth(&outcome.case);
@@ -209,8 +209,8 @@ pub(crate) fn judge_case<'a>(
         free_azimuth,
         surface,
         outcome,
-        is_tested,
-        of_target: config.run.of_target(),
+        testing,
+        has_target: config.run.target_error.is_some(),
         regions: None,
         tables: other.as_ref().and_then(OtherSlopes::tables),
     };

@@ -33,7 +33,7 @@ pub struct BinComparison {
     pub standard_error: Option<f64>,
     /// Flux that the model expects, or its mean over batches.
     pub model: f64,
-    /// `true` if the bin holds enough rays to enter the test, and there is one.
+    /// `true` if the bin is tested, for which it must hold enough rays.
     pub tested: bool,
 }
 
@@ -148,7 +148,7 @@ fn distances(
         bins,
         surfaces: surfaces.len(),
         total_variation: total_variation(&residuals, &offsets, seed),
-        test: Err(Untested::NotAsked),
+        test: Err(Untested::NotRequested),
     };
     Ok((comparison, residuals))
 }

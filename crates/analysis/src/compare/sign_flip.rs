@@ -98,9 +98,9 @@ pub(crate) struct Scale<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Untested {
-    /// No test is asked for.
-    #[error("no test is asked for")]
-    NotAsked,
+    /// No test was requested.
+    #[error("no test was requested")]
+    NotRequested,
     /// One surface has no scatter between surfaces.
     #[error("one surface has no scatter between surfaces, so its deviation cannot be tested")]
     OneSurface,

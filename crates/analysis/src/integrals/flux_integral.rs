@@ -38,7 +38,7 @@ const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
 /// A BSDF as of [`BsdfModel::bsdf_columns`].
 pub(crate) type BsdfColumns<'a> = &'a (dyn Fn(DVec3, Directions<'_>, &mut [f64]) + Sync);
 
-/// Largest distance in azimuth, radians, of the middle of a range from the plane of incidence for which that is its own.
+/// Tolerance in azimuth, radians, for a range that is symmetric about the plane of incidence.
 const EVEN: f64 = 1e-12;
 
 /// The integrand, and its properties that place the subdivisions.
@@ -271,7 +271,7 @@ impl<'a> FluxIntegral<'a> {
         )
     }
 
-    /// See the head of this file; `inf` or NaN do no harm.
+    /// Growth of `E` with `sin^2(psi / 2)`, as at the head of this file; it may be infinite or NaN.
     fn kappa(&self, sin_theta: f64, cos_theta: f64) -> f64 {
         let h_z = self.cos_i + self.eta * cos_theta;
         let product = self.sin_i * sin_theta;

@@ -40,26 +40,10 @@ impl<D: FacetNormals + Copy> MicrofacetInterface<D> {
         let is_reflected = wo[2].first().is_some_and(|z| *z > 0.0);
         match (self.material, is_reflected) {
             (Material::Dielectric { eta }, true) if wi.z > 0.0 => {
-                let column = Column::<_, _, true> {
-                    distribution: self.distribution,
-                    eta,
-                    wi,
-                    wo,
-                    values,
-                    visibility,
-                };
-                Instructions::best().run(column);
+                self.in_lanes::<_, true>(eta, (wi, wo), values, visibility);
             }
             (Material::Dielectric { eta }, false) if wi.z > 0.0 => {
-                let column = Column::<_, _, false> {
-                    distribution: self.distribution,
-                    eta,
-                    wi,
-                    wo,
-                    values,
-                    visibility,
-                };
-                Instructions::best().run(column);
+                self.in_lanes::<_, false>(eta, (wi, wo), values, visibility);
             }
             _ => {
                 let side = side_of(is_reflected);
@@ -70,6 +54,23 @@ impl<D: FacetNormals + Copy> MicrofacetInterface<D> {
                 }
             }
         }
+    }
+
+    fn in_lanes<V: Visibility, const IS_REFLECTED: bool>(
+        &self,
+        eta: f64,
+        (wi, wo): (DVec3, Directions<'_>),
+        values: &mut [f64],
+        visibility: V,
+    ) {
+        Instructions::best().run(Column::<_, _, IS_REFLECTED> {
+            distribution: self.distribution,
+            eta,
+            wi,
+            wo,
+            values,
+            visibility,
+        });
     }
 }
 

@@ -1,6 +1,6 @@
 //! Models against the explicit surfaces of a case.
 
-use asperity_simulate::{Observer, Outcome, Quantity};
+use asperity_simulate::{Observer, Outcome};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use asperity_analysis::{
 };
 use asperity_optics::Incidence;
 use asperity_tally::{
-    Azimuth, Component, Estimate, Mirror, Side, TallyResult, TallySpec, TallyValues,
+    Azimuth, Component, Entry, Estimate, Mirror, Side, TallyResult, TallySpec, TallyValues,
 };
 use rayon::prelude::*;
 
@@ -63,7 +63,7 @@ impl ModelOutcome {
     /// A component of the light, or all light where it is not compared.
     ///
     /// # Panics
-    /// If nothing is compared, which no case is.
+    /// If no component is compared, which is never the case: all light is always the last.
     #[must_use]
     pub fn compared_or_all(&self, component: Component) -> &ComparedComponent {
         let found = self.compared(component);
@@ -123,19 +123,21 @@ impl ExpectedLight<'_> {
     /// Returns `true` if both models claim or do not claim the component, and expect exactly the same of it on the same tallies.
     fn equals(&self, other: &Self, component: Component) -> bool {
         let spec = self.expectation.spec();
-        let [one, two] = [self, other].map(|light| light.expectation.statistics().means());
         let bins = spec.recorded_entries(component);
-        let sides = spec.sides().map(|side| spec.flux_entry(side, component));
+        let sides: Vec<Entry> = spec
+            .sides()
+            .map(|side| spec.flux_entry(side, component))
+            .collect();
+        let is_same = |one: &TallyValues, two: &TallyValues| {
+            one[bins] == two[bins] && sides.iter().all(|&entry| one[entry] == two[entry])
+        };
+        let [one, two] = [self, other].map(|light| light.expectation.statistics().means());
+        let mut tallies = self.tallies.iter().zip(&*other.tallies);
+        let samples = [self, other].map(|light| light.expectation.samples(component));
         self.claims(component) == other.claims(component)
-            && matches!(
-                (&self.tallies, &other.tallies),
-                (Cow::Borrowed(_), Cow::Borrowed(_))
-            )
-            && ![self, other]
-                .iter()
-                .any(|light| light.expectation.samples(component))
-            && one[bins] == two[bins]
-            && sides.into_iter().all(|entry| one[entry] == two[entry])
+            && samples == [false; 2]
+            && is_same(one, two)
+            && tallies.all(|(one, two)| is_same(one, two))
     }
 }
 
@@ -185,7 +187,7 @@ pub(crate) fn compare_models(
     // Share the level among the tests
     let tested = found.iter_mut().zip(&unique);
     let tested = tested.filter(|(_, (number, component))| {
-        compared.is_tested && models[*number].claims(*component)
+        compared.testing == Testing::Tests && models[*number].claims(*component)
     });
     let mut tested: Vec<&mut ComparedComponent> = tested.map(|(found, _)| found).collect();
     let comparisons: Vec<&Comparison> = tested.iter().map(|one| &one.comparison).collect();
@@ -205,6 +207,15 @@ pub(crate) fn compare_models(
     Ok((outcomes.collect(), level))
 }
 
+/// Purpose of a comparison.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Testing {
+    /// Distances and tests: p values and verdicts.
+    Tests,
+    /// Distances alone.
+    Distances,
+}
+
 /// Light that models are compared with.
 pub(crate) struct Compared<'a> {
     pub(crate) config: &'a CompareConfig,
@@ -215,10 +226,9 @@ pub(crate) struct Compared<'a> {
     /// Surface that models are made for.
     pub(crate) surface: ModelledSurface,
     pub(crate) outcome: &'a Outcome,
-    /// `false` if nothing is tested: all verdicts and p values are absent.
-    pub(crate) is_tested: bool,
-    /// Quantity of the target error, if there is one: models follow as many rays as its error asks for.
-    pub(crate) of_target: Option<Quantity>,
+    pub(crate) testing: Testing,
+    /// `true` if the run has a target error: models follow as many rays as the error of the result asks for.
+    pub(crate) has_target: bool,
     /// Slopes of the regions of a given surface, which take the place of surfaces.
     pub(crate) regions: Option<&'a RegionShifts>,
     /// Slopes of surfaces or regions, where models are made for a table of them.
@@ -273,11 +283,11 @@ impl Compared<'_> {
             })
         };
         let given = self.config.model_rays.map(|rays| rays.0);
-        let expectation = match (given, self.of_target) {
-            (None, Some(of)) => {
+        let expectation = match (given, self.has_target) {
+            (None, true) => {
                 let pilot = expect(&model, model_rays::PILOT)?;
-                let planned = model_rays::planned(&pilot, self.outcome, of);
-                match pilot.rays() >= planned {
+                let planned = model_rays::planned(&pilot, self.outcome);
+                match pilot.is_exact() || pilot.rays() >= planned {
                     true => pilot,
                     false => expect(&model, planned)?,
                 }
@@ -347,7 +357,7 @@ impl Compared<'_> {
         } else {
             Expected::Exact(&expectation.statistics().means()[bins])
         };
-        let comparison = if self.is_tested && light.claims(component) {
+        let comparison = if self.testing == Testing::Tests && light.claims(component) {
             let counts = RayCounts {
                 outcome: self.outcome,
                 expectation,

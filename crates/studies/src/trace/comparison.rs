@@ -15,7 +15,7 @@ use super::region_plan::RegionPlan;
 use crate::comparison::AVERAGED_LAYERS;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::judgement::Judgement;
-use crate::comparison::models::{Compared, compare_models};
+use crate::comparison::models::{Compared, Testing, compare_models};
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::case_model::{CaseModel, ModelledSurface};
@@ -194,8 +194,8 @@ impl PlannedComparison {
             free_azimuth: false,
             surface: self.slopes.modelled(case),
             outcome,
-            is_tested: true,
-            of_target: run.of_target(),
+            testing: Testing::Tests,
+            has_target: run.target_error.is_some(),
             regions: Some(&self.slopes.shifts),
             tables: self.slopes.tables.as_ref(),
         };

@@ -24,7 +24,7 @@ fn outcome<T>(settings: &str, is_ggx: bool, read: impl Fn(&Judgement<'_>) -> T) 
         plan.cases[0].surface = SurfaceSource::random(surfaces.unwrap());
     }
     let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-    read(&judge_case(&config, &found[0], true, &Silent).unwrap())
+    read(&judge_case(&config, &found[0], Testing::Tests, &Silent).unwrap())
 }
 
 fn p_values(outcome: &Judgement<'_>) -> Vec<f64> {
@@ -79,7 +79,8 @@ fn light_of_level_facets_is_that_of_their_slopes() {
             let config = VerifyConfig::from_toml(&text).unwrap();
             let plan = config.plan().unwrap();
             let outcomes = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-            let p = p_values(&judge_case(&config, &outcomes[0], true, &Silent).unwrap())[0];
+            let p =
+                p_values(&judge_case(&config, &outcomes[0], Testing::Tests, &Silent).unwrap())[0];
             println!("{light} {seed}: {p}");
             found.push(p);
         }
@@ -106,7 +107,7 @@ fn compared<T>(compare: &str, run: &str, read: impl Fn(&Judgement<'_>) -> T) -> 
     let config = VerifyConfig::from_toml(&text).unwrap();
     let plan = config.plan().unwrap();
     let found = simulate(&plan.cases, &plan.settings, &Silent).unwrap();
-    read(&judge_case(&config, &found[0], true, &Silent).unwrap())
+    read(&judge_case(&config, &found[0], Testing::Tests, &Silent).unwrap())
 }
 
 #[test]
@@ -123,7 +124,7 @@ fn models_that_expect_the_same_are_one_test_and_unclaimed_light_is_none() {
         assert_eq!(found.level, sidak_level(0.01, 4));
         let all = |i: usize| found.models[i].compared(Component::All).unwrap();
         for i in [0, 1] {
-            assert_eq!(all(i).comparison.test, Err(Untested::NotAsked));
+            assert_eq!(all(i).comparison.test, Err(Untested::NotRequested));
             assert_eq!(all(i).verdict, None);
             assert!(all(i).comparison.total_variation.noise.is_some());
         }

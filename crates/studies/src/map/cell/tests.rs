@@ -1,6 +1,7 @@
 //! Tests of the verdicts on a cell, against numbers put in by hand.
 
 use super::*;
+use crate::comparison::models::Testing;
 use crate::config::VerifyConfig;
 use crate::config::values::Number;
 use crate::verify::judge_case;
@@ -180,7 +181,7 @@ fn run() -> (VerifyConfig, Outcome) {
 fn the_numbers_of_a_cell_are_those_of_its_run() {
     let (config, outcome) = run();
     let spec = *outcome.statistics.spec();
-    let mut judged = judge_case(&config, &outcome, true, &Silent).unwrap();
+    let mut judged = judge_case(&config, &outcome, Testing::Tests, &Silent).unwrap();
     let found = CellResults::of(&judged);
     let case = &judged;
 
@@ -231,7 +232,9 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
 #[test]
 fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let (config, outcome) = run();
-    let light = judge_case(&config, &outcome, true, &Silent).unwrap().models[1]
+    let light = judge_case(&config, &outcome, Testing::Tests, &Silent)
+        .unwrap()
+        .models[1]
         .judged()
         .sides
         .clone();
@@ -240,7 +243,7 @@ fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
             deviation_bound: Some(fraction * light[side].explicit),
             ..outcome.clone()
         };
-        let mut judged = judge_case(&config, &outcome, true, &Silent).unwrap();
+        let mut judged = judge_case(&config, &outcome, Testing::Tests, &Silent).unwrap();
         judged.outcome = &bounded;
         let known = CellResults::of(&judged);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)

@@ -123,7 +123,7 @@ pub(crate) struct Batch<'r, F> {
 }
 
 impl<'r, F: Copy> Batch<'r, F> {
-    /// No light yet, of a single material.
+    /// Empty batch for one material.
     pub(crate) fn new(
         tallies: Tallies<'r>,
         stream: PathStream,
