@@ -251,7 +251,7 @@ impl Compared<'_> {
         self.outcome.work.folded.then(mirror).flatten()
     }
 
-    /// What one model expects, unless the run gives it up.
+    /// Expectation of one model, with the tallies to compare it with, unless the run gives it up.
     fn expect(
         &self,
         model: CaseModel,

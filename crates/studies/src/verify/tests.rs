@@ -99,7 +99,7 @@ fn gaussian_surfaces_need_no_table() {
     assert_eq!(one, other);
 }
 
-/// What the models of `compare` find on a few small surfaces.
+/// Reading of the comparison of a few small surfaces with the models of `compare`.
 fn compared<T>(compare: &str, run: &str, read: impl Fn(&Judgement<'_>) -> T) -> T {
     let text = format!(
         "[surface]\nsize = 64\ntau = 4\nsmoothness = 2\n[material]\neta = 1.5\n[light]\ntheta = 30\n[output]\nplots = false\n[run]\nbins = \"9x12\"\n{run}\n[compare]\n{compare}"

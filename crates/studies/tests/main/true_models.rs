@@ -62,6 +62,7 @@ fn true_models_are_rejected_as_often_as_their_level_says() {
     ];
     for case in cases {
         let p = p_values(&case, 0..SEEDS);
+        assert_eq!(p.len() as u64, SEEDS, "{}", case.name);
         for level in [0.01, 0.1] {
             let rejected = p.iter().filter(|p| **p < level).count() as f64;
             let due = p.len() as f64 * level;

@@ -102,7 +102,7 @@ impl<G: Geometry> Tracer<'_, G> {
             }
         }
         let budget = batch.tallies.into_fractions(1).swap_remove(0).budget();
-        // Rays that miss an open patch are none of its light
+        // Rays that miss an open patch do not count as lost
         let beside = match self.geometry.border() {
             Border::Open => missed as f64,
             Border::Periodic | Border::Mirrored => 0.0,

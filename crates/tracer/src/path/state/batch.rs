@@ -167,7 +167,7 @@ impl<'r, F: Copy> Batch<'r, F> {
         self.tallies.of(PathStream::batch_of(ray))
     }
 
-    /// What stands for the number of the batch of an exit: that number, or the slot of the path where one is kept.
+    /// Number under which an exit is tallied: that of its batch, or the slot of its path where one is kept.
     pub(crate) const fn number_of(&self, path: &PathState) -> u32 {
         match self.segments.kept.slot {
             true => path.slot,
