@@ -92,17 +92,22 @@ pub trait Geometry: Sized + Send + Sync {
     /// A ray above passes a facet only against its normal, a ray below only along it.
     fn intersect(&self, facet: Self::Facet, ray: &TileRay, half_space: HalfSpace) -> Option<f64>;
 
+    /// Returns `true` if bounds tell that a ray in `half_space` hits nothing before `t` exceeds `reach`.
+    fn is_clear_nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> bool {
+        is_outside(self.z_range(), ray, half_space, reach)
+    }
+
     /// The facet that a ray in `half_space` hits before `t` exceeds `reach`, if that can be decided without a search. A
-    /// hit is the one that a search would find.
+    /// hit is the one that a search would find. Of many rays at a time, a search finds them faster.
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Self::Facet> {
-        if is_outside(self.z_range(), ray, half_space, reach) {
+        if self.is_clear_nearby(ray, half_space, reach) {
             Nearby::Clear
         } else {
             Nearby::Unknown
         }
     }
 
-    /// Prepares the bounds that [`Geometry::nearby`] uses; once is enough.
+    /// Prepares the bounds that [`Geometry::is_clear_nearby`] and [`Geometry::nearby`] use; once is enough.
     fn prepare_nearby(&self) {}
 
     /// Returns `true` if a point at the border of the tile lies on the other side of the surface than `half_space`, and

@@ -9,11 +9,31 @@ use super::height_bounds::{Cells, HeightBounds};
 /// Columns or rows of cells that are tested one by one.
 const FEW: u32 = 2;
 
-/// Columns or rows under a stretch beyond which a search, of many at once, is faster.
+/// Columns or rows under a stretch beyond which a search is faster.
 const FAR: u32 = 8;
 
-/// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
-/// stretch is short, half by half, down to the cells.
+/// Returns `true` if the heights of blocks of cells under the stretch, or slopes, tell that a ray hits nothing before `t` exceeds `reach`.
+#[inline]
+pub(super) fn is_clear_nearby<S: Grid>(
+    surface: &S,
+    ray: &TileRay,
+    half_space: HalfSpace,
+    reach: f64,
+) -> bool {
+    if is_outside(surface.z_range(), ray, half_space, reach) {
+        return true;
+    }
+    let cells = cells_under(surface, ray, [0.0, reach]);
+    surface
+        .height_bounds()
+        .zip(cells)
+        .is_some_and(|(heights, cells)| {
+            let z = nearest(ray, half_space, [0.0, reach]);
+            heights.is_clear(cells, half_space, z) || surface.escapes(ray, half_space).is_some()
+        })
+}
+
+/// By [`is_clear_nearby`]; where that does not tell and the stretch is short, half by half, down to the cells.
 #[inline]
 pub(super) fn find_nearby<S: Grid>(
     surface: &S,
@@ -21,25 +41,16 @@ pub(super) fn find_nearby<S: Grid>(
     half_space: HalfSpace,
     reach: f64,
 ) -> Nearby<S::Facet> {
-    if is_outside(surface.z_range(), ray, half_space, reach) {
+    if is_clear_nearby(surface, ray, half_space, reach) {
         return Nearby::Clear;
     }
-    let (Some(height_bounds), Some(cells)) = (
-        surface.height_bounds(),
-        cells_under(surface, ray, [0.0, reach]),
-    ) else {
-        return Nearby::Unknown;
-    };
-    if height_bounds.is_clear(cells, half_space, nearest(ray, half_space, [0.0, reach]))
-        || surface.escapes(ray, half_space).is_some()
-    {
-        return Nearby::Clear;
+    let cells = cells_under(surface, ray, [0.0, reach]);
+    match surface.height_bounds().zip(cells) {
+        Some((heights, [[x0, x1], [y0, y1]])) if x1 - x0 <= FAR && y1 - y0 <= FAR => {
+            nearby_by_halves(surface, heights, ray, half_space, reach)
+        }
+        _ => Nearby::Unknown,
     }
-    let [[x0, x1], [y0, y1]] = cells;
-    if x1 - x0 > FAR || y1 - y0 > FAR {
-        return Nearby::Unknown;
-    }
-    nearby_by_halves(surface, height_bounds, ray, half_space, reach)
 }
 
 /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.

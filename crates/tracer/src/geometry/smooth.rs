@@ -28,7 +28,7 @@ use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::horizon_bounds::HorizonBounds;
-use crate::geometry::nearby::find_nearby;
+use crate::geometry::nearby::{find_nearby, is_clear_nearby};
 use crate::geometry::{CullingClass, Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
@@ -305,6 +305,11 @@ impl Geometry for SmoothSurface {
         let ranges = |iy, ranges: &mut Vec<_>| self.row_ranges(iy, ranges);
         let height_bounds = || HeightBounds::new(self.spline.cells(), ranges);
         self.height_bounds.get_or_init(height_bounds);
+    }
+
+    #[inline]
+    fn is_clear_nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> bool {
+        is_clear_nearby(self, ray, half_space, reach)
     }
 
     #[inline]

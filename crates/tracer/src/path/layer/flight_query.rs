@@ -1,13 +1,14 @@
 //! Flight query: the facets that flights inside the layer hit before they end.
 //!
-//! The heights nearby tell for most flights that they hit nothing; the others are searched together. Few flights go on beyond their
+//! The heights nearby tell for most flights that they hit nothing; the others are searched together, in lanes, which is faster than
+//! looking at the cells below each. Few flights go on beyond their
 //! tile. They are traced one by one ([`Tracer::advance_inside`]).
 
 use asperity_tally::Loss;
 use glam::DVec3;
 
 use crate::accelerators::SearchedSurface;
-use crate::geometry::{Geometry, Nearby, is_outside};
+use crate::geometry::{Geometry, is_outside};
 use crate::interaction::stack::{Interface, TracedLayer};
 use crate::path::state::batch::Batch;
 use crate::path::state::flights::Flights;
@@ -29,9 +30,8 @@ struct FlightQuery<'a, 'g, G: Geometry> {
 }
 
 /// Result for a flight and one of the interfaces, by the heights nearby.
-enum Ahead<F> {
+enum Ahead {
     Clear,
-    Hit(Hit<F>),
     /// A search must tell.
     Unknown,
     Lost,
@@ -122,7 +122,7 @@ impl<G: Geometry> Tracer<'_, G> {
                     rank,
                     which: &which,
                 };
-                self.query_nearby(&query, flights, batch);
+                self.find_searched(&query, flights, batch);
                 if !batch.searched_flights.is_empty() {
                     self.search_flights(&query, flights, batch);
                 }
@@ -131,8 +131,8 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.elsewhere = which;
     }
 
-    /// Finds the facets nearby that flights hit; `batch.searched_flights` then holds the flights that need a search.
-    fn query_nearby(
+    /// Finds the flights that the heights nearby do not tell to hit nothing: `batch.searched_flights` then holds them.
+    fn find_searched(
         &self,
         query: &FlightQuery<'_, '_, G>,
         flights: &mut Flights,
@@ -145,7 +145,6 @@ impl<G: Geometry> Tracer<'_, G> {
             ..
         } = query;
         let half_space = layer.side_of(interface);
-        batch.met.clear();
         batch.searched_flights.clear();
         for &number in query.which {
             let i = number as usize;
@@ -164,10 +163,6 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             match ahead {
                 Ahead::Clear => {}
-                Ahead::Hit(hit) => {
-                    batch.work.segments_skipped += 1;
-                    self.end_at_interface(query, (number, hit), flights, batch);
-                }
                 Ahead::Unknown => batch.searched_flights.push(number),
                 Ahead::Lost => {
                     batch.work.segments += 1;
@@ -177,7 +172,6 @@ impl<G: Geometry> Tracer<'_, G> {
                 }
             }
         }
-        take_met(flights, batch);
     }
 
     /// Ends a flight at the facet that it hits; at the upper surface with all others, by [`take_met`].
@@ -214,7 +208,7 @@ impl<G: Geometry> Tracer<'_, G> {
         flights.at.flux[i] = 0.0;
     }
 
-    /// Searches the flights for which the heights nearby do not suffice.
+    /// Searches these flights.
     fn search_flights(
         &self,
         query: &FlightQuery<'_, '_, G>,
@@ -222,6 +216,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let geometry = query.surface.geometry;
+        batch.met.clear();
         let searched = std::mem::take(&mut batch.searched_flights);
         let mut hits = std::mem::take(&mut batch.hits);
         if query.interface == Interface::TOP {
@@ -388,16 +383,15 @@ fn ahead<G: Geometry>(
     half_space: HalfSpace,
     heading: &mut Heading,
     reach: f64,
-) -> Ahead<G::Facet> {
+) -> Ahead {
     let query = heading.query(geometry, half_space);
-    match geometry.nearby(&query.ray, query.half_space, reach) {
-        Nearby::Clear => Ahead::Clear,
-        Nearby::Met(hit) => Ahead::Hit(hit),
-        Nearby::Unknown => match begin(geometry, heading, half_space) {
-            None => Ahead::Unknown,
-            Some(TraversalEnd::Lost) => Ahead::Lost,
-            Some(_) => Ahead::Clear,
-        },
+    if geometry.is_clear_nearby(&query.ray, half_space, reach) {
+        return Ahead::Clear;
+    }
+    match begin(geometry, heading, half_space) {
+        None => Ahead::Unknown,
+        Some(TraversalEnd::Lost) => Ahead::Lost,
+        Some(_) => Ahead::Clear,
     }
 }
 
