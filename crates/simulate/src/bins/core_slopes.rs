@@ -7,6 +7,7 @@ use asperity_numerics::elementary::{ln, sin_cos};
 use asperity_surface::Border;
 use asperity_synthesis::SurfaceRecipe;
 use asperity_tracer::{Geometry, Shape};
+use rayon::prelude::*;
 
 use crate::input::surface_source::SurfaceSource;
 
@@ -90,8 +91,9 @@ impl CoreSlopes {
     fn of_facets<G: Geometry>(surface: &G) -> Self {
         let facets = surface.facet_count();
         let step = facets.div_ceil(MOST_FACETS).max(1);
-        let seen = (0..facets).step_by(step).filter_map(|index| {
-            let facet = surface.facet(index);
+        let counted = (0..facets.div_ceil(step)).into_par_iter();
+        let seen = counted.filter_map(|number| {
+            let facet = surface.facet(number * step);
             let [low, high] = surface.bounds(facet);
             let normal = surface.normal_at(facet, surface.snap(facet, 0.5 * (low + high)));
             let size = high - low;
