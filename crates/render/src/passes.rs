@@ -103,10 +103,10 @@ pub(crate) fn expose<G: Geometry>(
         let follow = |sample: &Sample, sunlight: Option<&Sunlight<'_, G>>| {
             let strips = (0..rows.div_ceil(height)).into_par_iter().with_max_len(1);
             let strips = strips.map(|strip| {
-                let rows = strip * height..rows.min((strip + 1) * height);
-                if rows.clone().any(|_| stops()) {
+                if stops() {
                     return None;
                 }
+                let rows = strip * height..rows.min((strip + 1) * height);
                 let done = rows.len() as u64;
                 let strip = scene.strip(rows, sample, sunlight);
                 progress.advance(done);

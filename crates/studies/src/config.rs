@@ -27,7 +27,7 @@ pub(crate) mod sweep;
 pub(crate) mod trace;
 pub(crate) mod values;
 
-use asperity_analysis::{CLOSED_FORMS, DEFAULT_LEVEL};
+use asperity_analysis::DEFAULT_LEVEL;
 use asperity_optics::{Incidence, Spread, SpreadError};
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
@@ -308,12 +308,6 @@ impl RunConfig {
     }
 }
 
-/// Expected time in which a model is evaluated and tested, seconds.
-const SECONDS_PER_MODEL: f64 = 0.05;
-
-/// Expected time of a ray that a model follows, seconds.
-const SECONDS_PER_MODEL_RAY: f64 = 1.5e-6;
-
 /// `[compare]`: with which models, and how strictly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CompareConfig {
@@ -330,15 +324,6 @@ pub struct CompareConfig {
 }
 
 impl CompareConfig {
-    /// Expected time of the comparison of a case, seconds of one thread.
-    pub(crate) fn expected_seconds(&self) -> f64 {
-        let walks = self.models.iter();
-        let walks = walks.filter(|name| !CLOSED_FORMS.contains(&name.as_str()));
-        let rays = self.model_rays.map_or(Effort::DEFAULT_RAYS, |rays| rays.0);
-        let rays = walks.count() as f64 * rays as f64;
-        SECONDS_PER_MODEL * self.models.len() as f64 + SECONDS_PER_MODEL_RAY * rays
-    }
-
     /// No comparison.
     pub(crate) const fn none() -> Self {
         Self {

@@ -23,6 +23,7 @@ use self::json::map_summary;
 pub use self::outcome::{MapCell, MapOutcome};
 use self::summary::map_table;
 
+use crate::comparison::model_rays::add_expected_seconds;
 use crate::comparison::models::Testing;
 use crate::config::error::ConfigError;
 use crate::error::StudyError;
@@ -125,8 +126,7 @@ impl Study for MapStudy {
             cases, settings, ..
         } = &self.plan;
         let mut work = found.plan_missing(cases, settings, observer)?;
-        let of_models = self.config.compare.expected_seconds();
-        work.iter_mut().for_each(|one| one.seconds += of_models);
+        add_expected_seconds(&mut work, &self.config.compare, &self.config.run);
         Ok(PlannedRow::of_cases(cases, work))
     }
 

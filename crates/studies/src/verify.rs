@@ -19,6 +19,7 @@ use self::files::verify_summary;
 pub use self::outcome::VerifyOutcome;
 
 use crate::comparison::judgement::Judgement;
+use crate::comparison::model_rays::add_expected_seconds;
 use crate::comparison::models::{Compared, Testing, compare_models};
 use crate::comparison::other_slopes::OtherSlopes;
 use crate::comparison::slope_tables::SlopeSymmetry;
@@ -111,8 +112,7 @@ impl Study for VerifyStudy {
             cases, settings, ..
         } = &self.plan;
         let mut work = found.plan_missing(cases, settings, observer)?;
-        let of_models = self.config.compare.expected_seconds();
-        work.iter_mut().for_each(|one| one.seconds += of_models);
+        add_expected_seconds(&mut work, &self.config.compare, &self.config.run);
         Ok(PlannedRow::of_cases(cases, work))
     }
 
