@@ -3,6 +3,7 @@
 pub(crate) mod closing;
 pub(crate) mod control_variate;
 pub(crate) mod joint;
+pub(crate) mod layout;
 
 use std::ops::AddAssign;
 

@@ -32,6 +32,11 @@ impl InPlaneSlice {
         }
     }
 
+    /// Azimuth of its forward half, and half width, radians.
+    pub(crate) const fn angles(&self) -> [f64; 2] {
+        [self.forward_azimuth, self.half_width]
+    }
+
     /// Half of the slice that contains `wo`, if one does: the result of [`InPlaneSlice::by_angles`], by
     /// products wherever no edge is near.
     #[inline]

@@ -55,6 +55,17 @@ pub struct SideEdges {
     sector_starts: Vec<f64>,
 }
 
+/// Angles from which on a direction belongs to the next bin, radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BinStarts {
+    /// Polar angles from +z at which the rings after the first begin.
+    pub rings: Vec<f64>,
+    /// Azimuths from the first edge at which the sectors after the first begin; the last one is the full turn.
+    pub sectors: Vec<f64>,
+    /// Azimuth of the first edge.
+    pub first_edge: f64,
+}
+
 /// No edge is `NaN`.
 impl Eq for SideEdges {}
 
@@ -90,6 +101,15 @@ impl SideEdges {
             theta,
             phi,
         })
+    }
+
+    /// Limits of the bins.
+    pub(crate) fn bin_starts(&self) -> BinStarts {
+        BinStarts {
+            rings: self.ring_starts.clone(),
+            sectors: self.sector_starts.clone(),
+            first_edge: self.phi[0],
+        }
     }
 
     /// Number of the ring that holds the polar angle `theta`.

@@ -10,7 +10,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::Side;
-use crate::spec::edges::{SideEdges, SideEdgesError, interned};
+use crate::spec::edges::{BinStarts, SideEdges, SideEdgesError, interned};
 
 /// Reason for which a grid of bins is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -132,6 +132,11 @@ impl HemisphereGrid {
     /// Edges of `side`, unless all bins are of equal angles.
     fn edges(&self, side: Side) -> Option<&'static SideEdges> {
         self.edges.map(|edges| &edges[side.index()])
+    }
+
+    /// Limits of the bins of both sides, unless all are of equal angles.
+    pub(crate) fn bin_starts(&self) -> Option<[BinStarts; 2]> {
+        Some(self.edges?.each_ref().map(SideEdges::bin_starts))
     }
 
     /// Bins of polar angle on one hemisphere.

@@ -1,0 +1,107 @@
+//! Layout: positions of entries and edges of bins, for an engine that sums light elsewhere, such as on a GPU.
+
+use super::Tallies;
+use crate::spec::edges::BinStarts;
+use crate::spec::offsets::BinOffsets;
+use crate::{Component, Polarimetry, Score, Side, TallySpec};
+
+/// Positions of the entries that an exit counts for, the edges that choose them, and the unit of sums.
+///
+/// An engine that adds exits by it, and sums by [`Tallies::add_sums`], has the bits of [`Tallies::add_located`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct TallyLayout {
+    /// Number of entries. Sums of one entry stand side by side, batch after batch.
+    pub entries: usize,
+    /// Rings and sectors of a side.
+    pub n_theta: usize,
+    /// Sectors of a ring.
+    pub n_phi: usize,
+    /// Limits of the bins of both sides, unless all are of equal angles.
+    pub edges: Option<[BinStarts; 2]>,
+    /// Azimuth and half width of the in-plane slice, radians; `None` where azimuths are free, and exits have neither sector nor slice.
+    pub slice: Option<[f64; 2]>,
+    /// Sides that are recorded.
+    pub records: [bool; 2],
+    /// First entries: orders and event paths of reflected light, rings and in-plane bins of its single scattering, bins and rays of single
+    /// scattering.
+    pub orders: usize,
+    /// Event paths.
+    pub paths: usize,
+    /// Rings.
+    pub rings: usize,
+    /// In-plane bins.
+    pub in_plane: usize,
+    /// Bins.
+    pub bins: usize,
+    /// Rays in bins.
+    pub hits: usize,
+    /// Entries of the budget.
+    pub absorbed: usize,
+    /// Flux on paths that were ended.
+    pub truncated: usize,
+    /// Flux on paths that failed.
+    pub lost: usize,
+    /// Flux of sides that are not recorded, a part of what was truncated.
+    pub not_recorded: usize,
+    /// High parts in a flux of one, of `2^62` units each.
+    pub scale: f64,
+}
+
+impl Tallies<'_> {
+    /// The layout of these tallies; `None` under a control variate, and with components, apertures or measures of polarised light, which
+    /// exits count for in other ways.
+    #[must_use]
+    pub fn layout(&self) -> Option<TallyLayout> {
+        let (tally, spec) = (&self.0, self.0.spec);
+        let is_plain = tally.control_variate.is_none()
+            && spec.components().is_empty()
+            && spec.apertures().is_empty()
+            && spec.polarimetry() == Polarimetry::Nothing;
+        if !is_plain {
+            return None;
+        }
+        let (grid, offsets, budget) = (spec.grid(), spec.offsets(), TallySpec::BUDGET);
+        let first = |score| {
+            let of_single = offsets.find(score, Side::Reflected, Component::Single);
+            of_single.map(|entries| entries.start)
+        };
+        Some(TallyLayout {
+            entries: spec.len(),
+            n_theta: grid.n_theta(),
+            n_phi: grid.n_phi(),
+            edges: grid.bin_starts(),
+            slice: tally.slice.map(|slice| slice.angles()),
+            records: Side::BOTH.map(|side| spec.records(side)),
+            orders: BinOffsets::orders(Side::Reflected).start,
+            paths: BinOffsets::paths(Side::Reflected).start,
+            rings: first(Score::RingFlux)?,
+            in_plane: first(Score::InPlaneFlux)?,
+            bins: first(Score::BinFlux)?,
+            hits: first(Score::BinHits)?,
+            absorbed: budget.absorbed.0,
+            truncated: budget.truncated.0,
+            lost: budget.lost.0,
+            not_recorded: budget.not_recorded.0,
+            scale: tally.scale,
+        })
+    }
+
+    /// The exact sums, in units of [`TallyLayout::scale`]: of each entry those of all batches side by side.
+    #[must_use]
+    pub fn sums(&self) -> &[i128] {
+        &self.0.sums
+    }
+
+    /// Adds sums of other rays of the same batches, in the order of [`Tallies::sums`].
+    ///
+    /// # Panics
+    /// If there are not as many.
+    pub fn add_sums(&mut self, sums: impl ExactSizeIterator<Item = i128>) {
+        assert_eq!(sums.len(), self.0.sums.len(), "sums of other tallies");
+        self.0
+            .sums
+            .iter_mut()
+            .zip(sums)
+            .for_each(|(sum, other)| *sum += other);
+    }
+}
