@@ -9,7 +9,7 @@ pub(crate) mod export;
 pub(crate) mod grid;
 mod height_bounds;
 pub(crate) mod height_field;
-mod horizon_bounds;
+pub(crate) mod horizon_bounds;
 pub(crate) mod mesh;
 mod nearby;
 pub(crate) mod shape;

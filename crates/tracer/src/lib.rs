@@ -47,10 +47,11 @@ pub use accelerators::chooser::BuildAccelerator;
 pub use accelerators::flat::Flat;
 pub use accelerators::kind::AcceleratorKind;
 pub use accelerators::mesh_bvh::MeshBvh;
-pub use accelerators::pyramid::Pyramid;
+pub use accelerators::pyramid::{Pyramid, PyramidTable};
 pub use engine::{BatchTracer, CpuEngine, Engine, PreparedSurface, TracedPaths};
 pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
+pub use geometry::horizon_bounds::HorizonTable;
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::shape::Shape;
 pub use geometry::smooth::{SmoothCell, SmoothSurface};
@@ -60,7 +61,7 @@ pub use interaction::unshadowed::{
     sum_over_facets, sum_over_facets_of_conductors, unshadowed_fluxes,
 };
 pub use path::{
-    AbsorbedCells, GivenRays, Illumination, MAX_CONDUCTORS, Starts, Tracer, Window, Work,
+    AbsorbedCells, Beam, GivenRays, Illumination, MAX_CONDUCTORS, Starts, Tracer, Window, Work,
 };
 pub use periodic::{
     Heading, MAX_TILES, MAX_TILES_AT_45_DEGREES, TraversalEnd, TraversalResult, can_traverse,

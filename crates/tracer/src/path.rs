@@ -29,6 +29,7 @@ mod tracer;
 mod travel;
 
 pub use absorbed_cells::AbsorbedCells;
+pub use beam::Beam;
 pub use given_rays::GivenRays;
 pub use illumination::{Illumination, Starts, Window};
 pub use state::conductors::MAX_CONDUCTORS;

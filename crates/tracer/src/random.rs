@@ -75,6 +75,12 @@ impl PathStream {
         }
     }
 
+    /// Seed and number of the surface, and number of its first path: all that its numbers depend on.
+    #[must_use]
+    pub const fn key(&self) -> ([u64; 2], u64) {
+        (self.key, self.first)
+    }
+
     /// Most paths of a batch that is traced together with others: those of batch `n` have numbers from `n` times this on.
     pub const MAX_PATHS_OF_BATCH: u64 = 1 << BATCH_DIGITS;
 

@@ -147,6 +147,12 @@ impl PathSettings {
         self.branching
     }
 
+    /// Interactions after which a path is ended.
+    #[must_use]
+    pub const fn max_order(&self) -> u32 {
+        self.max_order
+    }
+
     /// Flux below which Russian roulette decides.
     #[must_use]
     pub const fn roulette(&self) -> f64 {

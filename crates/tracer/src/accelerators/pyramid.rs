@@ -34,7 +34,7 @@ mod wide;
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-use self::bounds::Bounds;
+use self::bounds::{Bounds, MAX_LEVELS};
 use self::build::build;
 use self::cells::SearchedGrid;
 use self::load::Load;
@@ -86,6 +86,46 @@ impl<S: SearchedGrid> Pyramid<S> {
         Self {
             instructions,
             ..self
+        }
+    }
+}
+
+/// Bounds of a [`Pyramid`], for an engine that searches it elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct PyramidTable<'a> {
+    /// Bounds of all nodes in steps, level by level, row by row: that of rays above in the low half of a word, that of rays below in the
+    /// high half.
+    pub nodes: &'a [u32],
+    /// First node of each level.
+    pub first: [i32; MAX_LEVELS + 1],
+    /// Nodes in a row of each level.
+    pub width: [i32; MAX_LEVELS + 1],
+    /// Lowest level that has bounds, and the highest; level 0 is a cell.
+    pub levels: [usize; 2],
+    /// Lowest bound, and height of a step.
+    pub scale: [f64; 2],
+}
+
+impl<S> Pyramid<S> {
+    /// Bounds of all nodes.
+    #[must_use]
+    pub fn table(&self) -> PyramidTable<'_> {
+        let Bounds {
+            nodes,
+            top,
+            lowest_level,
+            first,
+            width,
+            lowest,
+            step,
+            ..
+        } = &self.bounds;
+        PyramidTable {
+            nodes,
+            first: *first,
+            width: *width,
+            levels: [*lowest_level, *top],
+            scale: [f64::from(*lowest), f64::from(*step)],
         }
     }
 }

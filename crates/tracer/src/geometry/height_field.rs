@@ -17,7 +17,7 @@ use crate::geometry::blocks::{Block, FINEST};
 use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
-use crate::geometry::horizon_bounds::HorizonBounds;
+use crate::geometry::horizon_bounds::{HorizonBounds, HorizonTable};
 use crate::geometry::nearby::{find_nearby, is_clear_nearby};
 use crate::geometry::{CullingClass, Escape, Geometry, Nearby, Triangles, bounds_of};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
@@ -129,6 +129,12 @@ impl Surface {
     #[cfg(test)]
     pub(in crate::geometry) const fn horizon_bounds(&self) -> &HorizonBounds {
         &self.horizon_bounds
+    }
+
+    /// Bounds on the horizon, by which rays escape without a search.
+    #[must_use]
+    pub fn horizon_table(&self) -> HorizonTable<'_> {
+        self.horizon_bounds.table()
     }
 
     /// Cells of the tile, `[columns, rows]`: its extent in tile coordinates.

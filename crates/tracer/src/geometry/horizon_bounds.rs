@@ -46,6 +46,24 @@ pub(crate) struct HorizonBounds {
     heights: Scale,
 }
 
+/// Numbers of the bounds on the horizon, for an engine that computes culling classes elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct HorizonTable<'a> {
+    /// Steepest rise of all facets in eight directions, 45 degrees apart from +x.
+    pub all: [f64; 8],
+    /// A block has two to this power cells along each side.
+    pub level: u32,
+    /// Numbers of the last block along x and y.
+    pub last: [u32; 2],
+    /// Bounds in steps, block by block, row by row: of each quadrant of directions those of rays above and those of rays below; three rises,
+    /// then heights on stretches of doubling length.
+    pub quadrants: &'a [[u16; BOUNDS]],
+    /// Lowest value and step of rises.
+    pub rises: [f64; 2],
+    /// Lowest value and step of heights.
+    pub heights: [f64; 2],
+}
+
 /// Values that are quantised in equal steps.
 #[derive(Clone, Copy, Debug)]
 struct Scale {
@@ -174,6 +192,19 @@ impl HorizonBounds {
             quadrants,
             rises,
             heights,
+        }
+    }
+
+    /// All numbers of these bounds.
+    pub(crate) fn table(&self) -> HorizonTable<'_> {
+        let of = |scale: &Scale| [scale.lowest, scale.step];
+        HorizonTable {
+            all: self.all.0,
+            level: self.level,
+            last: self.last,
+            quadrants: &self.quadrants,
+            rises: of(&self.rises),
+            heights: of(&self.heights),
         }
     }
 

@@ -27,7 +27,7 @@ use crate::geometry::blocks::{greatest, least};
 use crate::geometry::culling::{escapes_by, find_culling_classes};
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
-use crate::geometry::horizon_bounds::HorizonBounds;
+use crate::geometry::horizon_bounds::{HorizonBounds, HorizonTable};
 use crate::geometry::nearby::{find_nearby, is_clear_nearby};
 use crate::geometry::{CullingClass, Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
@@ -133,8 +133,14 @@ impl SmoothSurface {
         self.spline
     }
 
+    /// Bounds on the horizon, by which rays escape without a search.
+    #[must_use]
+    pub fn horizon_table(&self) -> HorizonTable<'_> {
+        self.horizon_bounds.table()
+    }
+
     /// All coefficients, in their order in the spline; tile coordinates.
-    pub(crate) fn coefficients(&self) -> impl Iterator<Item = f64> {
+    pub fn coefficients(&self) -> impl Iterator<Item = f64> {
         let heights = self.spline.coefficients().iter();
         heights.map(|height| (height - self.offset) * self.per_column)
     }

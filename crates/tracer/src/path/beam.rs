@@ -14,8 +14,8 @@ use crate::ray::HalfSpace;
 ///
 /// Its rays start where they pass the highest point of the surface (the lowest, if they come from
 /// below).
-#[derive(Clone, Copy)]
-pub(crate) struct Beam {
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
     incident: HalfSpace,
@@ -30,7 +30,9 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    pub(crate) fn new<G: Geometry>(
+    /// The light of `incidence` from the `incident` half space that falls on a window of `surface`.
+    #[must_use]
+    pub fn new<G: Geometry>(
         surface: &G,
         incident: HalfSpace,
         incidence: Incidence,
@@ -69,8 +71,21 @@ impl Beam {
         }
     }
 
+    /// Corner and size of the window along x and y, tile coordinates.
+    #[must_use]
+    pub const fn window(&self) -> [[f64; 2]; 2] {
+        [self.corner, self.size]
+    }
+
+    /// z of all starts, and the distance along a ray from there to the mean plane.
+    #[must_use]
+    pub const fn heights(&self) -> [f64; 2] {
+        [self.z, self.to_mean_plane]
+    }
+
     /// Unit vector towards the light, before it is turned by the azimuth of a start.
-    pub(crate) const fn wi(&self) -> DVec3 {
+    #[must_use]
+    pub const fn wi(&self) -> DVec3 {
         self.wi
     }
 

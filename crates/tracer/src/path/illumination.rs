@@ -57,7 +57,8 @@ impl Illumination {
 
     /// Returns `true` if each ray has an azimuth of its own. Vertical light has none to draw, except for the axes to
     /// which its polarisation or a Mueller matrix refers.
-    pub(crate) fn turns(&self, polarisation: Polarisation) -> bool {
+    #[must_use]
+    pub fn turns(&self, polarisation: Polarisation) -> bool {
         let has_axes = polarisation == Polarisation::Mueller || self.stokes != [0.0; 3];
         self.any_azimuth && (has_axes || !self.incidence.is_vertical())
     }
