@@ -1,0 +1,18 @@
+// Sums: exact fluxes, as integers of 128 bits in units of 2^-62 of a high part.
+#pragma once
+
+#include "tables.h"
+
+// Adds a flux to an entry of a batch. What is below one unit is cut off.
+DEVICE void add_flux(const Job &job, u32 entry, u32 batch, double flux) {
+    const double scaled = flux * job.scale;
+    const i64 high = (i64)scaled;
+    const i64 low = (i64)((scaled - (double)high) * 4611686018427387904.0);
+    // high 2^62 + low, as two words of a number in two's complement
+    const u64 shifted = (u64)high << 62;
+    const u64 word = shifted + (u64)low;
+    const u64 carry = (word < shifted ? 1 : 0) + (u64)(low >> 63) + (u64)(high >> 2);
+    u64 *sum = job.sums + 2 * ((u64)entry * job.batches + batch);
+    const u64 before = add_shared(sum, word);
+    add_shared(sum + 1, carry + (before + word < before ? 1 : 0));
+}

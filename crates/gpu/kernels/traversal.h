@@ -1,0 +1,126 @@
+// Traversal: takes a ray from tile to tile of a periodic surface until it meets the surface or leaves it.
+#pragma once
+
+#include "horizon.h"
+#include "pyramid.h"
+#include "work.h"
+
+// What becomes of a path segment. OPEN: a search must tell.
+enum Outcome { OPEN, MET, ESCAPED, LOST };
+
+// Tiles that a ray may cross before it is given up as lost.
+#define MAX_TILES 100000
+
+// Interval of t, from zero, between the lowest and the highest point, a little widened; empty if start > end.
+DEVICE void between_heights(const Surface &s, const Ray &ray, double &start, double &end) {
+    double low = -s.reach, high = s.reach;
+    const double pad = 1e-6 * (1.0 + high - low);
+    low -= pad;
+    high += pad;
+    const double z = ray.o.z, rate = ray.d.z;
+    if (rate == 0.0) {
+        start = 0.0;
+        end = low <= z && z <= high ? INFINITE : -INFINITE;
+        return;
+    }
+    const double a = (low - z) / rate, b = (high - z) / rate;
+    start = greatest(least(a, b), 0.0);
+    end = greatest(a, b);
+}
+
+DEVICE Outcome nothing_met(const Ray &ray) { return ray.q * ray.d.z > 0.0 ? ESCAPED : LOST; }
+
+// Begins a segment anywhere: OPEN if it is to be searched, with its origin moved to the first tile.
+DEVICE Outcome begin(const Surface &s, Ray &ray, Work &work) {
+    const double sum = ray.o.x + ray.o.y + ray.o.z + ray.d.x + ray.d.y + ray.d.z;
+    if (!is_finite(sum)) {
+        work.add(SEGMENTS);
+        return LOST;
+    }
+    const int escape = escape_class(s, ray);
+    if (escape != UNKNOWN) {
+        work.add(SKIPPED);
+        if (escape == ABOVE_HORIZON) {
+            work.add(SKIPPED_NEARBY);
+        }
+        return ESCAPED;
+    }
+    const Vec3 o = ray.o;
+    const bool is_within = 0.0 <= o.x && o.x < s.extent[0] && 0.0 <= o.y && o.y < s.extent[1] && fabs(o.z) <= s.reach;
+    if (is_within) {
+        return OPEN;
+    }
+    double start, end;
+    between_heights(s, ray, start, end);
+    if (start > end) {
+        work.add(SEGMENTS);
+        return nothing_met(ray);
+    }
+    const Vec3 entry = at(ray, start);
+    ray.o.x = o.x - floor(entry.x / s.extent[0]) * s.extent[0];
+    ray.o.y = o.y - floor(entry.y / s.extent[1]) * s.extent[1];
+    return OPEN;
+}
+
+// True if a ray that moves away from the surface leaves the heights before it leaves the tile.
+DEVICE bool leaves_heights_in_tile(const Surface &s, const Ray &ray) {
+    const double high = s.reach + 1e-6 * (1.0 + 2.0 * s.reach);
+    const double rise = ray.q * ray.d.z;
+    if (!(rise > 0.0)) {
+        return false;
+    }
+    const Vec3 p = at(ray, (high - ray.q * ray.o.z) / rise);
+    return 0.0 < p.x && p.x < s.extent[0] && 0.0 < p.y && p.y < s.extent[1];
+}
+
+// Ray parameter at which a ray leaves tile number `tile` along an axis; infinite if it runs along the other.
+DEVICE double crossing(double o, double d, i64 tile, double size) {
+    const double k = (double)tile + (d > 0.0 ? 1.0 : 0.0);
+    return d == 0.0 ? INFINITE : (k * size - o) / d;
+}
+
+// Searches a segment tile by tile. Where it meets a facet, `p` is the point and `m` the unit normal there, upwards.
+template <class Cells>
+DEVICE Outcome search(const Surface &s, const Ray &first, Vec3 &p, Vec3 &m, Work &work) {
+    work.add(SEGMENTS);
+    Ray ray = first;
+    Hit hit = closest_hit<Cells>(s, ray);
+    if (!hit.is_none()) {
+        p = at(ray, hit.t);
+        Cells::arrive(s, hit.facet, p, m);
+        return MET;
+    }
+    if (leaves_heights_in_tile(s, ray)) {
+        return ESCAPED;
+    }
+    double entered, end;
+    between_heights(s, first, entered, end);
+    i64 tile_x = 0, tile_y = 0;
+    for (int searched = 1; searched < MAX_TILES; searched++) {
+        // The boundary that comes first
+        const double at_x = crossing(first.o.x, first.d.x, tile_x, s.extent[0]);
+        const double at_y = crossing(first.o.y, first.d.y, tile_y, s.extent[1]);
+        const bool is_along_y = at_y < at_x;
+        const double next = is_along_y ? at_y : at_x;
+        entered = greatest(next, entered);
+        if (!is_finite(next) || !(entered <= end)) {
+            return nothing_met(first);
+        }
+        if (is_along_y) {
+            tile_y += first.d.y > 0.0 ? 1 : -1;
+            ray.o.y = first.o.y - (double)tile_y * s.extent[1];
+        } else {
+            tile_x += first.d.x > 0.0 ? 1 : -1;
+            ray.o.x = first.o.x - (double)tile_x * s.extent[0];
+        }
+        hit = closest_hit<Cells>(s, ray);
+        if (!hit.is_none()) {
+            p = at(ray, hit.t);
+            Cells::arrive(s, hit.facet, p, m);
+            // The engine moves such arrivals once more, with all others of a round
+            Cells::arrive(s, hit.facet, p, m);
+            return MET;
+        }
+    }
+    return LOST;
+}

@@ -1,0 +1,32 @@
+// Vectors: three components, and operations in the order in which the Rust engine computes them.
+#pragma once
+
+#include "portable.h"
+
+struct Vec3 {
+    double x, y, z;
+};
+
+DEVICE Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+DEVICE Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+DEVICE Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
+
+DEVICE Vec3 operator*(double t, Vec3 a) { return {t * a.x, t * a.y, t * a.z}; }
+
+DEVICE double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Sum of the magnitudes of the components.
+DEVICE double extent_of(Vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
+
+// A direction turned about the vertical by the angle of cosine `cos` and sine `sin`.
+DEVICE Vec3 turned(Vec3 a, double cos, double sin) { return {cos * a.x - sin * a.y, sin * a.x + cos * a.y, a.z}; }
+
+// A ray in tile coordinates, and the sign of its half space.
+struct Ray {
+    Vec3 o, d;
+    double q;
+};
+
+DEVICE Vec3 at(const Ray &ray, double t) { return ray.o + t * ray.d; }

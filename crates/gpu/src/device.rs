@@ -1,0 +1,71 @@
+//! Device: where kernels run, and its memory.
+
+use std::ops::Range;
+
+/// Reason for which a device does not do its work.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// There is no driver.
+    #[error("no CUDA driver is installed")]
+    NoDriver,
+    /// The driver refuses.
+    #[error("the GPU driver reports: {0}")]
+    Driver(String),
+}
+
+/// Entry point of the kernels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// Paths over triangles.
+    Facets,
+}
+
+impl Kernel {
+    /// All kernels.
+    pub const ALL: [Self; 1] = [Self::Facets];
+
+    /// Name of the function, whose arguments are the address of a job, the first path and the end of paths.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Facets => "trace_facets",
+        }
+    }
+}
+
+/// A device that runs kernels. Called from any thread.
+pub trait Device: Send + Sync {
+    /// Name for messages.
+    fn name(&self) -> String;
+
+    /// Copies words to its memory.
+    ///
+    /// # Errors
+    /// [`DeviceError`], for instance if there is not enough memory.
+    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError>;
+
+    /// Reserves so many words of zero.
+    ///
+    /// # Errors
+    /// [`DeviceError`], for instance if there is not enough memory.
+    fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError>;
+
+    /// Runs a kernel over some paths of the job at an address, and waits for its end.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if it fails.
+    fn run(&self, kernel: Kernel, job: u64, paths: Range<u64>) -> Result<(), DeviceError>;
+}
+
+/// Words in the memory of a device, freed when dropped.
+pub trait Memory: Send + Sync {
+    /// Address that kernels use.
+    fn address(&self) -> u64;
+
+    /// Copies the words back.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if the device is lost.
+    fn read(&self) -> Result<Vec<u64>, DeviceError>;
+}

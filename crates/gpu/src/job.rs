@@ -1,0 +1,128 @@
+//! Job: the rays of one call, their light and material, and the tallies that they are added to, as kernels read them.
+
+use std::f64::consts::PI;
+
+use asperity_optics::Material;
+use asperity_tally::{Azimuth, Tallies, Tally, TallyLayout, TallySpec};
+use asperity_tracer::{
+    BatchedRays, Beam, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation,
+    Sampling, Shape, Starts,
+};
+
+use crate::tables::JobTable;
+
+/// A case that kernels trace: one material over no layers, and averaged light.
+#[derive(Clone, Copy)]
+pub(crate) struct Case {
+    pub(crate) material: Material,
+    pub(crate) incident: HalfSpace,
+    pub(crate) settings: PathSettings,
+}
+
+impl Case {
+    /// Returns `true` if kernels scatter light at this material, and follow paths by these settings.
+    pub(crate) fn is_supported(&self) -> bool {
+        let is_known = matches!(
+            self.material,
+            Material::Dielectric { .. } | Material::Conductor { .. } | Material::Mirror
+        );
+        is_known && self.settings.polarisation() == Polarisation::Averaged
+    }
+}
+
+/// Rays of several batches, and their light.
+#[derive(Clone, Copy)]
+pub(crate) struct Rays<'a> {
+    pub(crate) illumination: &'a Illumination,
+    pub(crate) rays: &'a BatchedRays,
+    pub(crate) stream: PathStream,
+}
+
+impl Rays<'_> {
+    /// Returns `true` if kernels start such rays.
+    pub(crate) fn are_supported(&self) -> bool {
+        let light = self.illumination;
+        light.spread.is_none()
+            && light.starts == Starts::FromAbove
+            && light.sampling == Sampling::Stratified
+    }
+
+    /// Number of rays.
+    pub(crate) fn count(&self) -> u64 {
+        u64::from(self.rays.batches()) * self.rays.part().len() as u64
+    }
+
+    /// Empty tallies, as those of the CPU engine.
+    pub(crate) fn tallies<'c>(&self, spec: TallySpec) -> Tallies<'c> {
+        let light = self.illumination;
+        let azimuth = if light.any_azimuth && !light.turns(Polarisation::Averaged) {
+            Azimuth::Free
+        } else {
+            Azimuth::From(light.incidence.phi() + PI)
+        };
+        Tallies::new(Tally::new(spec, azimuth), self.rays.batches() as usize)
+    }
+
+    /// The job of a case on a surface, without the addresses of memory.
+    pub(crate) fn job(&self, case: &Case, shape: &Shape, layout: &TallyLayout) -> JobTable {
+        let light = self.illumination;
+        let (incident, incidence, window) = (case.incident, light.incidence, light.window);
+        let beam = match shape {
+            Shape::HeightField { top, .. } => Beam::new(&**top, incident, incidence, window),
+            Shape::Smooth { top, .. } => Beam::new(&**top, incident, incidence, window),
+            Shape::TriangleMesh { top, .. } => Beam::new(&**top, incident, incidence, window),
+        };
+        let ([corner, size], [start_z, to_mean_plane]) = (beam.window(), beam.heights());
+        let (key, first_path) = self.stream.key();
+        let (material, eta, kappa) = match case.material {
+            Material::Dielectric { eta } => (0, eta, 0.0),
+            Material::Conductor { eta, kappa } => (1, eta, kappa),
+            _ => (2, 1.0, 0.0),
+        };
+        let edges = layout.edges.as_ref();
+        let [forward, half_width] = layout.slice.unwrap_or_default();
+        JobTable {
+            surface: 0,
+            ring_starts: 0,
+            sector_starts: 0,
+            sums: 0,
+            counts: 0,
+            key,
+            first_path,
+            strata: self.rays.strata(),
+            batches: self.rays.batches(),
+            first_stratum: self.rays.part().start,
+            turns: light.turns(Polarisation::Averaged).into(),
+            corner,
+            size,
+            wi: beam.wi().to_array(),
+            start_z,
+            to_mean_plane,
+            incident: incident.sign(),
+            roulette: case.settings.roulette(),
+            eta,
+            kappa,
+            material,
+            picks: (case.settings.branching() == Branching::Pick).into(),
+            max_order: case.settings.max_order(),
+            n_theta: layout.n_theta as u32,
+            n_phi: layout.n_phi as u32,
+            has_azimuths: layout.slice.is_some().into(),
+            records: layout.records.map(u32::from),
+            first_edge: edges.map_or([0.0; 2], |sides| sides.each_ref().map(|of| of.first_edge)),
+            forward,
+            half_width,
+            scale: layout.scale,
+            orders: layout.orders as u32,
+            paths: layout.paths as u32,
+            rings: layout.rings as u32,
+            in_plane: layout.in_plane as u32,
+            bins: layout.bins as u32,
+            hits: layout.hits as u32,
+            absorbed: layout.absorbed as u32,
+            truncated: layout.truncated as u32,
+            lost: layout.lost as u32,
+            not_recorded: layout.not_recorded as u32,
+        }
+    }
+}
