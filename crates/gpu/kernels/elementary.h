@@ -42,7 +42,7 @@ DEVICE void sin_cos_of_turn(double turn, double &sin, double &cos) {
 }
 
 // The angle of the point (x, y), from -pi to pi. Neither is infinite or no number.
-DEVICE double arc_tangent(double y, double x) {
+DEVICE_CALL double arc_tangent(double y, double x) {
     const double coefficients[9] = {1.0 / 3.0,   -1.0 / 5.0, 1.0 / 7.0,   -1.0 / 9.0, 1.0 / 11.0,
                                     -1.0 / 13.0, 1.0 / 15.0, -1.0 / 17.0, 1.0 / 19.0};
     // atan(k / 4), and what its nearest number leaves

@@ -1,9 +1,10 @@
 // Kernels: entry points on the device, and on a host that compiles this file as plain C++.
 #include "facet_cell.h"
 #include "path.h"
+#include "smooth_cell.h"
 
 #ifdef __CUDACC__
-#define KERNEL extern "C" __global__ void __launch_bounds__(128)
+#define KERNEL extern "C" __global__ void __launch_bounds__(128, 4)
 #define FIRST_THREAD (blockIdx.x * (u64)blockDim.x + threadIdx.x)
 #define THREADS (gridDim.x * (u64)blockDim.x)
 #else
@@ -24,6 +25,9 @@ DEVICE void trace(const Job &job, u64 first, u64 end) {
 
 // Over triangles.
 KERNEL trace_facets(const Job *job, u64 first, u64 end) { trace<FacetCells>(*job, first, end); }
+
+// Over cells of a spline.
+KERNEL trace_smooth(const Job *job, u64 first, u64 end) { trace<SmoothCells>(*job, first, end); }
 
 // Sizes of the tables, for a test that the host knows the same ones.
 KERNEL table_sizes(u64 *sizes) {

@@ -7,9 +7,12 @@
 
 #ifdef __CUDACC__
 #define DEVICE __device__ inline
+// A function that is called from several places, and large: one copy of it keeps the kernels small.
+#define DEVICE_CALL __device__ __noinline__
 #else
 #include <cmath>
 #define DEVICE inline
+#define DEVICE_CALL inline
 #endif
 
 typedef unsigned int u32;

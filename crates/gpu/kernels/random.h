@@ -36,7 +36,7 @@ DEVICE Pair threefry(const u64 key[2], u64 x, u64 y) {
 }
 
 // Pair number `pair` of a step of path number `ray` of the call: `number` interactions so far, `events` bit by bit.
-DEVICE Pair random_pair(const Job &job, u32 ray, u32 number, u32 events, u64 use, u64 pair) {
+DEVICE_CALL Pair random_pair(const Job &job, u32 ray, u32 number, u32 events, u64 use, u64 pair) {
     const u64 path = job.first_path + ray;
     return threefry(job.key, path | pair << 56 | use << 60, (u64)number | (u64)events << 32);
 }

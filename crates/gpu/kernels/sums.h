@@ -4,7 +4,7 @@
 #include "tables.h"
 
 // Adds a flux to an entry of a batch. What is below one unit is cut off.
-DEVICE void add_flux(const Job &job, u32 entry, u32 batch, double flux) {
+DEVICE_CALL void add_flux(const Job &job, u32 entry, u32 batch, double flux) {
     const double scaled = flux * job.scale;
     const i64 high = (i64)scaled;
     const i64 low = (i64)((scaled - (double)high) * 4611686018427387904.0);

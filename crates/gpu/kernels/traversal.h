@@ -84,20 +84,27 @@ template <class Cells>
 DEVICE Outcome search(const Surface &s, const Ray &first, Vec3 &p, Vec3 &m, Work &work) {
     work.add(SEGMENTS);
     Ray ray = first;
-    Hit hit = closest_hit<Cells>(s, ray);
-    if (!hit.is_none()) {
-        p = at(ray, hit.t);
-        Cells::arrive(s, hit.facet, p, m);
-        return MET;
-    }
-    if (leaves_heights_in_tile(s, ray)) {
-        return ESCAPED;
-    }
     double entered, end;
     between_heights(s, first, entered, end);
     i64 tile_x = 0, tile_y = 0;
-    for (int searched = 1; searched < MAX_TILES; searched++) {
-        // The boundary that comes first
+    for (int searched = 1;; searched++) {
+        const Hit hit = closest_hit<Cells>(s, ray);
+        if (!hit.is_none()) {
+            p = at(ray, hit.t);
+            Cells::arrive(s, hit.facet, p, m);
+            if (searched > 1) {
+                // The engine moves such arrivals once more, with all others of a round
+                Cells::arrive(s, hit.facet, p, m);
+            }
+            return MET;
+        }
+        if (searched == 1 && leaves_heights_in_tile(s, ray)) {
+            return ESCAPED;
+        }
+        if (searched == MAX_TILES) {
+            return LOST;
+        }
+        // Step across the boundary that comes first
         const double at_x = crossing(first.o.x, first.d.x, tile_x, s.extent[0]);
         const double at_y = crossing(first.o.y, first.d.y, tile_y, s.extent[1]);
         const bool is_along_y = at_y < at_x;
@@ -113,14 +120,5 @@ DEVICE Outcome search(const Surface &s, const Ray &first, Vec3 &p, Vec3 &m, Work
             tile_x += first.d.x > 0.0 ? 1 : -1;
             ray.o.x = first.o.x - (double)tile_x * s.extent[0];
         }
-        hit = closest_hit<Cells>(s, ray);
-        if (!hit.is_none()) {
-            p = at(ray, hit.t);
-            Cells::arrive(s, hit.facet, p, m);
-            // The engine moves such arrivals once more, with all others of a round
-            Cells::arrive(s, hit.facet, p, m);
-            return MET;
-        }
     }
-    return LOST;
 }

@@ -9,6 +9,14 @@ pub enum DeviceError {
     /// There is no driver.
     #[error("no CUDA driver is installed")]
     NoDriver,
+    /// The driver knows no such GPU.
+    #[error("there is no GPU number {ordinal}; the driver reports {count}")]
+    NoDevice {
+        /// Number asked for, from 0.
+        ordinal: usize,
+        /// GPUs that there are.
+        count: i32,
+    },
     /// The driver refuses.
     #[error("the GPU driver reports: {0}")]
     Driver(String),
@@ -19,17 +27,20 @@ pub enum DeviceError {
 pub enum Kernel {
     /// Paths over triangles.
     Facets,
+    /// Paths over cells of a spline.
+    Smooth,
 }
 
 impl Kernel {
     /// All kernels.
-    pub const ALL: [Self; 1] = [Self::Facets];
+    pub const ALL: [Self; 2] = [Self::Facets, Self::Smooth];
 
     /// Name of the function, whose arguments are the address of a job, the first path and the end of paths.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Facets => "trace_facets",
+            Self::Smooth => "trace_smooth",
         }
     }
 }

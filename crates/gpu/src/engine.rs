@@ -19,7 +19,7 @@ const PATHS_OF_RUN: u64 = 1 << 22;
 
 /// An engine on a device, with the bytes of [`CpuEngine`].
 ///
-/// It traces periodic height fields of triangles, dielectrics, conductors and mirrors, averaged light from above or below, and stratified starts there; bins of any
+/// It traces periodic height fields, as triangles or smooth, of dielectrics, conductors and mirrors, averaged light from above or below, and stratified starts there; bins of any
 /// edges, rings, in-plane slices, orders and event paths. Everything else is traced by [`CpuEngine`], as is every call after an error of
 /// the device: see [`GpuEngine::usage`].
 #[derive(Clone)]

@@ -1,13 +1,13 @@
 //! Surface: copies a prepared surface to a device.
 
 use asperity_surface::Border;
-use asperity_tracer::{Geometry, HorizonTable, Pyramid, PyramidTable, Shape, Surface};
+use asperity_tracer::{Geometry, HorizonTable, Pyramid, PyramidTable, Shape};
 
 use crate::device::{Device, DeviceError, Kernel, Memory};
 use crate::tables::{SurfaceTable, words};
 
 /// Most cells along a side: kernels begin their searches at one node.
-const MAX_CELLS: usize = 1 << 15;
+const MAX_CELLS: f64 = 32_768.0;
 
 /// A surface in the memory of a device.
 pub(crate) struct SurfaceOnDevice {
@@ -19,57 +19,59 @@ pub(crate) struct SurfaceOnDevice {
 }
 
 impl SurfaceOnDevice {
-    /// Returns `true` if kernels search surfaces of this shape.
-    pub(crate) fn supports(shape: &Shape) -> bool {
-        let is_alone = shape.surfaces() == 1;
-        is_alone
-            && match shape {
-                Shape::HeightField { top, .. } => {
-                    top.border() == Border::Periodic
-                        && top.field().turned_cells().is_none()
-                        && top.cells().into_iter().all(|cells| cells <= MAX_CELLS)
-                }
-                _ => false,
-            }
-    }
-
     /// Copies a surface; `None` if kernels do not search it.
     pub(crate) fn new(device: &dyn Device, shape: &Shape) -> Result<Option<Self>, DeviceError> {
-        if !Self::supports(shape) {
+        if shape.surfaces() > 1 {
             return Ok(None);
         }
-        match shape {
-            Shape::HeightField { top, .. } => Self::of_facets(device, top),
-            _ => Ok(None),
-        }
+        let copied = match shape {
+            Shape::HeightField { top, .. } => {
+                let is_searched = is_searched(&**top) && top.field().turned_cells().is_none();
+                let pyramid = is_searched.then(|| Pyramid::build(&**top).ok());
+                let Some(pyramid) = pyramid.flatten() else {
+                    return Ok(None);
+                };
+                let rows = 0..top.cells()[1];
+                let of = Grid {
+                    kernel: Kernel::Facets,
+                    stride: top.cells()[0],
+                    z: rows.flat_map(|iy| top.row(iy)).collect(),
+                };
+                of.upload(device, &**top, (pyramid.table(), top.horizon_table()))
+            }
+            Shape::Smooth { top, .. } => {
+                let pyramid = is_searched(&**top).then(|| Pyramid::build(&**top).ok());
+                let Some(pyramid) = pyramid.flatten() else {
+                    return Ok(None);
+                };
+                let of = Grid {
+                    kernel: Kernel::Smooth,
+                    stride: top.spline().stride(),
+                    z: top.coefficients().collect(),
+                };
+                of.upload(device, &**top, (pyramid.table(), top.horizon_table()))
+            }
+            _ => return Ok(None),
+        };
+        copied.map(Some)
     }
+}
 
-    fn of_facets(device: &dyn Device, surface: &Surface) -> Result<Option<Self>, DeviceError> {
-        let Ok(pyramid) = Pyramid::build(surface) else {
-            return Ok(None);
-        };
-        let [columns, rows] = surface.cells();
-        let heights: Vec<f64> = (0..rows).flat_map(|iy| surface.row(iy)).collect();
-        let bounds = (pyramid.table(), surface.horizon_table());
-        let of = Grid {
-            kernel: Kernel::Facets,
-            cells: [columns, rows],
-            stride: columns,
-            z: &heights,
-        };
-        of.upload(device, surface, bounds).map(Some)
-    }
+/// Returns `true` if kernels search a tile of this size and border.
+fn is_searched<G: Geometry>(surface: &G) -> bool {
+    let is_small = surface.extent().into_iter().all(|cells| cells <= MAX_CELLS);
+    is_small && surface.border() == Border::Periodic
 }
 
 /// The numbers of a surface over a grid.
-struct Grid<'a> {
+struct Grid {
     kernel: Kernel,
-    cells: [usize; 2],
+    /// Numbers in a row of z.
     stride: usize,
-    z: &'a [f64],
+    z: Vec<f64>,
 }
 
-impl Grid<'_> {
+impl Grid {
     fn upload<G: Geometry>(
         &self,
         device: &dyn Device,
@@ -77,7 +79,7 @@ impl Grid<'_> {
         (pyramid, horizon): (PyramidTable<'_>, HorizonTable<'_>),
     ) -> Result<SurfaceOnDevice, DeviceError> {
         let arrays = [
-            device.upload(bytemuck::cast_slice(self.z))?,
+            device.upload(bytemuck::cast_slice(&self.z))?,
             device.upload(&words(pyramid.nodes))?,
             device.upload(&words(horizon.quadrants))?,
         ];
@@ -86,7 +88,7 @@ impl Grid<'_> {
             z,
             nodes,
             quadrants,
-            cells: self.cells.map(|n| n as i32),
+            cells: geometry.extent().map(|n| n as i32),
             stride: self.stride as i32,
             lowest_level: pyramid.levels[0] as i32,
             top: pyramid.levels[1] as i32,

@@ -1,7 +1,7 @@
 //! Cases: surfaces, light and settings, plain and awkward, chosen by the digits of a number.
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::HeightField;
+use asperity_surface::{HeightField, SplineSurface};
 use asperity_tally::{HemisphereGrid, Side, SideEdges, Sides, TallySpec};
 use asperity_tracer::{
     BatchedRays, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation, Shape,
@@ -67,7 +67,11 @@ fn height_field(digits: &mut Digits) -> HeightField {
 }
 
 fn shape(digits: &mut Digits) -> Shape {
-    Shape::height_field(height_field(digits))
+    let field = height_field(digits);
+    match digits.below(2) {
+        0 => Shape::height_field(field),
+        _ => Shape::smooth(SplineSurface::through(&field)),
+    }
 }
 
 fn material(digits: &mut Digits) -> Material {
