@@ -8,18 +8,21 @@
 //! | file | what |
 //! |---|---|
 //! | `engine` | the engine: which calls run on the device |
-//! | `device` | where kernels run |
+//! | `device` | where kernels run, and its memory |
+//! | `cuda` | a GPU of NVIDIA, by its driver |
 //! | `surface`, `job`, `tables` | what kernels read: a surface, and the rays, light, material and bins of a call |
 //!
 //! # Tested without a GPU
 //! The same kernels compile as plain C++. The tests of this crate do so with the compiler of the system, and demand equal sums.
 
+mod cuda;
 mod device;
 mod engine;
 mod job;
 mod surface;
 mod tables;
 
+pub use cuda::Cuda;
 pub use device::{Device, DeviceError, Kernel, Memory};
 pub use engine::{GpuEngine, Usage};
 pub use tables::{COUNTS, TABLE_SIZES};

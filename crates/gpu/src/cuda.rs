@@ -1,0 +1,178 @@
+//! CUDA: a GPU of NVIDIA, by its driver alone, which is loaded when it is asked for.
+#![allow(
+    unsafe_code,
+    reason = "kernels are launched, whose arguments no compiler checks; `run` says what they are"
+)]
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use cudarc::driver::sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT;
+use cudarc::driver::{
+    CudaContext, CudaFunction, CudaSlice, CudaStream, DevicePtr, DriverError, LaunchConfig,
+    PushKernelArg, sys,
+};
+use cudarc::nvrtc::Ptx;
+
+use crate::device::{Device, DeviceError, Kernel, Memory};
+
+/// The kernels in the language that the driver compiles; made by `kernels/compile.py`.
+const PTX: &str = include_str!("../kernels/kernels.ptx");
+
+/// Threads of a block, and blocks at a time per multiprocessor: those of `__launch_bounds__` in `kernels.cu`.
+const THREADS: u32 = 128;
+const BLOCKS: u32 = 4;
+
+/// A GPU of NVIDIA with these kernels.
+pub struct Cuda {
+    context: Arc<CudaContext>,
+    stream: Arc<CudaStream>,
+    functions: [CudaFunction; Kernel::ALL.len()],
+    /// Blocks that run at a time; each takes paths until none is left.
+    blocks: u32,
+}
+
+impl Cuda {
+    /// GPU number `ordinal`. The driver compiles the kernels for it, which takes seconds the first time and is remembered.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if there is no driver or no such GPU, or the driver does not take the kernels.
+    pub fn open(ordinal: usize) -> Result<Self, DeviceError> {
+        // SAFETY: it looks for a library and calls nothing in it but its initialisers.
+        if !unsafe { sys::is_culib_present() } {
+            return Err(DeviceError::NoDriver);
+        }
+        let count = CudaContext::device_count().map_err(message)?;
+        if ordinal >= usize::try_from(count).unwrap_or(0) {
+            return Err(DeviceError::NoDevice { ordinal, count });
+        }
+        let context = CudaContext::new(ordinal).map_err(message)?;
+        let module = context.load_module(Ptx::from_src(PTX)).map_err(message)?;
+        let [facets, smooth] = Kernel::ALL.map(|kernel| module.load_function(kernel.name()));
+        let multiprocessors = context.attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT);
+        let multiprocessors = multiprocessors.map_err(message)?;
+        Ok(Self {
+            stream: context.default_stream(),
+            functions: [facets.map_err(message)?, smooth.map_err(message)?],
+            blocks: BLOCKS * u32::try_from(multiprocessors).unwrap_or(1).max(1),
+            context,
+        })
+    }
+}
+
+impl Device for Cuda {
+    fn name(&self) -> String {
+        self.context
+            .name()
+            .unwrap_or_else(|_| "a CUDA device".to_owned())
+    }
+
+    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
+        // No memory has no length
+        let words = if words.is_empty() { &[0] } else { words };
+        let slice = self.stream.clone_htod(words).map_err(message)?;
+        Ok(Box::new(Words {
+            slice,
+            stream: self.stream.clone(),
+        }))
+    }
+
+    fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
+        let slice = self.stream.alloc_zeros(words.max(1)).map_err(message)?;
+        Ok(Box::new(Words {
+            slice,
+            stream: self.stream.clone(),
+        }))
+    }
+
+    fn run(&self, kernel: Kernel, job: u64, paths: Range<u64>) -> Result<(), DeviceError> {
+        let blocks = (paths.end - paths.start).div_ceil(THREADS.into());
+        let config = LaunchConfig {
+            grid_dim: (
+                self.blocks.min(u32::try_from(blocks).unwrap_or(u32::MAX)),
+                1,
+                1,
+            ),
+            block_dim: (THREADS, 1, 1),
+            shared_mem_bytes: 0,
+        };
+        let mut launch = self.stream.launch_builder(&self.functions[kernel as usize]);
+        launch.arg(&job).arg(&paths.start).arg(&paths.end);
+        // SAFETY: kernels take the address of a job and two numbers. The engine made the job, and keeps its memory until this returns.
+        unsafe { launch.launch(config) }.map_err(message)?;
+        self.stream.synchronize().map_err(message)
+    }
+}
+
+/// Words in the memory of a GPU.
+struct Words {
+    slice: CudaSlice<u64>,
+    stream: Arc<CudaStream>,
+}
+
+impl Memory for Words {
+    fn address(&self) -> u64 {
+        self.slice.device_ptr(&self.stream).0
+    }
+
+    fn read(&self) -> Result<Vec<u64>, DeviceError> {
+        self.stream.clone_dtoh(&self.slice).map_err(message)
+    }
+}
+
+/// An error in the words of the driver.
+fn message(error: DriverError) -> DeviceError {
+    let words = error
+        .error_string()
+        .map(|text| text.to_string_lossy().into_owned());
+    DeviceError::Driver(words.unwrap_or_else(|_| format!("{error:?}")))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests fail as their helpers do")]
+
+    use asperity_numerics::fnv1a;
+
+    use super::*;
+
+    #[test]
+    fn a_missing_driver_or_device_is_said_in_a_sentence() {
+        let Err(error) = Cuda::open(1000) else {
+            return;
+        };
+        let text = error.to_string();
+        assert!(
+            text.contains("driver") || text.contains("no GPU number 1000"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn kernels_are_those_of_their_sources() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("kernels");
+        let files = std::fs::read_dir(&folder)
+            .unwrap()
+            .map(|file| file.unwrap().path());
+        let mut files: Vec<_> = files
+            .filter(|file| file.extension().is_some_and(|of| of == "h"))
+            .collect();
+        files.sort();
+        files.push(folder.join("kernels.cu"));
+        let sources = files.iter().flat_map(|file| std::fs::read(file).unwrap());
+        let expected = format!("// Sources: {:016x}", fnv1a(sources));
+        assert_eq!(
+            PTX.lines().next(),
+            Some(&*expected),
+            "run kernels/compile.py"
+        );
+    }
+
+    #[test]
+    fn kernels_have_their_names_and_no_fused_operations() {
+        for kernel in Kernel::ALL {
+            assert!(PTX.contains(&format!(".visible .entry {}(", kernel.name())));
+        }
+        assert!(!PTX.contains("fma."), "run kernels/compile.py");
+    }
+}
