@@ -79,6 +79,42 @@ DEVICE_CALL double arc_tangent(double y, double x) {
     return (bits_of(y) >> 63) != 0 ? -fabs(third) : fabs(third);
 }
 
+// The angle from -pi/2 to pi/2 of a sine within one. Source: asin of FreeBSD, by way of the crate libm.
+DEVICE double arc_sine(double x) {
+    const double half_pi = 1.57079632679489655800, rest = 6.12323399573676603587e-17;
+    const double ax = fabs(x);
+    const bool is_small = ax < 0.5;
+    if (ax >= 1.0) {
+        return x * half_pi;
+    }
+    if (ax < 1.4901161193847656e-8) {
+        return x;
+    }
+    const double z = is_small ? x * x : (1.0 - ax) * 0.5;
+    const double p = z * (1.66666666666666657415e-01 +
+                          z * (-3.25565818622400915405e-01 +
+                               z * (2.01212532134862925881e-01 +
+                                    z * (-4.00555345006794114027e-02 +
+                                         z * (7.91534994289814532176e-04 + z * 3.47933107596021167570e-05)))));
+    const double q = 1.0 + z * (-2.40339491173441421878 +
+                                z * (2.02094576023350569471 +
+                                     z * (-6.88283971605453293030e-01 + z * 7.70381505559019352791e-02)));
+    const double r = p / q;
+    if (is_small) {
+        return x + x * r;
+    }
+    const double s = sqrt(z);
+    double angle;
+    if ((bits_of(ax) >> 32) >= 0x3fef3333) {
+        angle = half_pi - (2. * (s + s * r) - rest);
+    } else {
+        const double f = number_of(bits_of(s) & 0xffffffff00000000ULL);
+        const double c = (z - f * f) / (s + f);
+        angle = 0.5 * half_pi - (2.0 * s * r - (rest - 2.0 * c) - (0.5 * half_pi - 2.0 * f));
+    }
+    return x < 0.0 ? -angle : angle;
+}
+
 // The square of a number, and what rounding left of it.
 DEVICE void split_square(double x, double &high, double &low) {
     const double xc = x * 134217729.0;

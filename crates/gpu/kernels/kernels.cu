@@ -33,5 +33,6 @@ KERNEL trace_smooth(const Job *job, u64 first, u64 end) { trace<SmoothCells>(*jo
 KERNEL table_sizes(u64 *sizes) {
     sizes[0] = sizeof(Surface);
     sizes[1] = sizeof(Job);
-    sizes[2] = COUNTS;
+    sizes[2] = sizeof(Aperture);
+    sizes[3] = COUNTS;
 }

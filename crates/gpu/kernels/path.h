@@ -1,6 +1,7 @@
 // Path: follows one path from its start to the end of all its branches.
 #pragma once
 
+#include "apertures.h"
 #include "bins.h"
 #include "scatter.h"
 #include "traversal.h"
@@ -47,7 +48,9 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
             outcome = search<Cells>(s, ray_of(s, segment), p, m, work);
         }
         if (outcome == ESCAPED) {
-            add_exit(job, exit_of(job, path, segment));
+            const Exit exit = exit_of(job, path, segment);
+            add_to_apertures(job, exit);
+            add_exit(job, exit);
         } else if (outcome == LOST) {
             add_flux(job, job.lost, path.batch, segment.flux);
         } else if (segment.order >= job.max_order) {

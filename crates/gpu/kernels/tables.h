@@ -40,12 +40,26 @@ struct Surface {
 // Kinds of materials.
 enum { DIELECTRIC, CONDUCTOR, MIRROR };
 
+// A narrow window about one direction.
+struct Aperture {
+    double side;
+    double centre[3];
+    // Least cosine of the angle to the centre.
+    double cos_reach;
+    double theta;
+    // 1 for a receptor, which takes light in part, by widths of source and receptor in the plane of incidence and across.
+    double is_receptor;
+    double in_plane[2];
+    double across[2];
+};
+
 // The rays of one call, the light, the material, and where exits are added.
 struct Job {
     const Surface *surface;
     // Limits of the rings and sectors of both sides; null if all bins are of equal angles.
     const double *ring_starts;
     const double *sector_starts;
+    const Aperture *apertures;
     // Sums of 128 bits: low and high words, of each entry those of all batches side by side.
     u64 *sums;
     // Counts of the work, see `work.h`.
@@ -97,4 +111,9 @@ struct Job {
     u32 truncated;
     u32 lost;
     u32 not_recorded;
+    u32 of_apertures;
+    u32 aperture_count;
+    // Horizontal directions along and across the plane of incidence.
+    double along[3];
+    double across[3];
 };

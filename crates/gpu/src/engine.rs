@@ -9,8 +9,8 @@ use asperity_tracer::{
     PathStream, PreparedSurface, Shape, TracedLayerError, TracedPaths, Work,
 };
 
-use crate::device::{Device, DeviceError, Memory};
-use crate::job::{Case, Rays};
+use crate::device::{Device, DeviceError};
+use crate::job::{Case, Rays, aperture};
 use crate::surface::SurfaceOnDevice;
 use crate::tables::COUNTS;
 
@@ -247,25 +247,34 @@ impl Call<'_> {
         gives_up: &dyn Fn() -> bool,
     ) -> Result<Traced, DeviceError> {
         let device = &*self.shared.device;
-        let edges = self.upload_edges()?;
-        let [ring_starts, sector_starts] = match &edges {
-            Some(starts) => starts.each_ref().map(|memory| memory.address()),
-            None => [0; 2],
+        let mut kept = Vec::new();
+        let mut upload = |words: &[u64]| -> Result<u64, DeviceError> {
+            let memory = device.upload(words)?;
+            let address = memory.address();
+            kept.push(memory);
+            Ok(address)
         };
         let sums = device.zeros(2 * tallies.sums().len())?;
         let counts = device.zeros(COUNTS)?;
         let mut job = self.rays.job(&self.case, self.shape, &self.layout);
+        if let Some([reflected, transmitted]) = &self.layout.edges {
+            let rings = [&*reflected.rings, &transmitted.rings].concat();
+            let sectors = [&*reflected.sectors, &transmitted.sectors].concat();
+            job.ring_starts = upload(bytemuck::cast_slice(&rings))?;
+            job.sector_starts = upload(bytemuck::cast_slice(&sectors))?;
+        }
+        let apertures: Vec<_> = self.layout.apertures.iter().map(aperture).collect();
+        job.apertures = upload(bytemuck::cast_slice(&apertures))?;
         job.surface = self.surface.table.address();
-        (job.ring_starts, job.sector_starts) = (ring_starts, sector_starts);
         (job.sums, job.counts) = (sums.address(), counts.address());
-        let job = device.upload(bytemuck::cast_slice(&[job]))?;
+        let job = upload(bytemuck::cast_slice(&[job]))?;
         let count = self.rays.count();
         for first in (0..count).step_by(PATHS_OF_RUN as usize) {
             if gives_up() {
                 return Ok(Traced::GivenUp);
             }
             let paths = first..count.min(first + PATHS_OF_RUN);
-            device.run(self.surface.kernel, job.address(), paths)?;
+            device.run(self.surface.kernel, job, paths)?;
         }
         let counts = counts.read()?;
         let &[
@@ -296,20 +305,5 @@ impl Call<'_> {
             ..Work::default()
         };
         Ok(Traced::Whole(work))
-    }
-
-    /// Limits of the rings and sectors of both sides, unless bins are of equal angles.
-    fn upload_edges(&self) -> Result<Option<[Box<dyn Memory>; 2]>, DeviceError> {
-        let Some([reflected, transmitted]) = &self.layout.edges else {
-            return Ok(None);
-        };
-        let both = |of: [&[f64]; 2]| {
-            let numbers = of.concat();
-            self.shared.device.upload(bytemuck::cast_slice(&numbers))
-        };
-        Ok(Some([
-            both([&reflected.rings, &transmitted.rings])?,
-            both([&reflected.sectors, &transmitted.sectors])?,
-        ]))
     }
 }

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, Tallies, Tally, TallyLayout, TallySpec};
+use asperity_tally::{ApertureWindow, Azimuth, Tallies, Tally, TallyLayout, TallySpec};
 use asperity_tracer::{
     BatchedRays, Beam, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation,
     Sampling, Shape, Starts,
 };
 
-use crate::tables::JobTable;
+use crate::tables::{ApertureTable, JobTable};
 
 /// A case that kernels trace: one material over no layers, and averaged light.
 #[derive(Clone, Copy)]
@@ -85,6 +85,7 @@ impl Rays<'_> {
             surface: 0,
             ring_starts: 0,
             sector_starts: 0,
+            apertures: 0,
             sums: 0,
             counts: 0,
             key,
@@ -123,6 +124,24 @@ impl Rays<'_> {
             truncated: layout.truncated as u32,
             lost: layout.lost as u32,
             not_recorded: layout.not_recorded as u32,
+            of_apertures: layout.of_apertures as u32,
+            aperture_count: layout.apertures.len() as u32,
+            along: layout.axes[0],
+            across: layout.axes[1],
         }
+    }
+}
+
+/// An aperture as kernels read it.
+pub(crate) fn aperture(window: &ApertureWindow) -> ApertureTable {
+    let [in_plane, across] = window.receptor.unwrap_or_default();
+    ApertureTable {
+        side: window.side.index() as f64,
+        centre: window.centre,
+        cos_reach: window.cos_reach,
+        theta: window.theta,
+        is_receptor: if window.receptor.is_some() { 1.0 } else { 0.0 },
+        in_plane,
+        across,
     }
 }

@@ -6,9 +6,10 @@ use bytemuck::{Pod, Zeroable};
 pub const COUNTS: usize = 5;
 
 /// Sizes of the tables in bytes, and the number of counts: those that the kernel `table_sizes` reports.
-pub const TABLE_SIZES: [u64; 3] = [
+pub const TABLE_SIZES: [u64; 4] = [
     size_of::<SurfaceTable>() as u64,
     size_of::<JobTable>() as u64,
+    size_of::<ApertureTable>() as u64,
     COUNTS as u64,
 ];
 
@@ -44,6 +45,7 @@ pub(crate) struct JobTable {
     pub(crate) surface: u64,
     pub(crate) ring_starts: u64,
     pub(crate) sector_starts: u64,
+    pub(crate) apertures: u64,
     pub(crate) sums: u64,
     pub(crate) counts: u64,
     pub(crate) key: [u64; 2],
@@ -82,6 +84,23 @@ pub(crate) struct JobTable {
     pub(crate) truncated: u32,
     pub(crate) lost: u32,
     pub(crate) not_recorded: u32,
+    pub(crate) of_apertures: u32,
+    pub(crate) aperture_count: u32,
+    pub(crate) along: [f64; 3],
+    pub(crate) across: [f64; 3],
+}
+
+/// A narrow window about one direction.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ApertureTable {
+    pub(crate) side: f64,
+    pub(crate) centre: [f64; 3],
+    pub(crate) cos_reach: f64,
+    pub(crate) theta: f64,
+    pub(crate) is_receptor: f64,
+    pub(crate) in_plane: [f64; 2],
+    pub(crate) across: [f64; 2],
 }
 
 /// Values in words, the last of which is filled with zeros.

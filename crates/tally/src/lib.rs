@@ -33,6 +33,7 @@ mod spec;
 mod statistics;
 mod values;
 
+pub use binning::aperture_windows::ApertureWindow;
 pub use binning::exit_columns::{ExitColumns, ExitRows};
 pub use exit::{Event, EventPath, Exit, Loss};
 pub use scoring::control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};

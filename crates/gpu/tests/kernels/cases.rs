@@ -2,7 +2,9 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{HeightField, SplineSurface};
-use asperity_tally::{HemisphereGrid, Side, SideEdges, Sides, TallySpec};
+use asperity_tally::{
+    Aperture, ApertureShape, Apertures, HemisphereGrid, Side, SideEdges, Sides, TallySpec,
+};
 use asperity_tracer::{
     BatchedRays, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation, Shape,
     Window,
@@ -108,7 +110,34 @@ fn light(digits: &mut Digits) -> Illumination {
     }
 }
 
-fn spec(digits: &mut Digits) -> TallySpec {
+/// Windows about the specular direction, on both sides, and all light of one.
+fn apertures(light: &Illumination) -> Apertures {
+    let (theta, phi) = (
+        light.incidence.theta(),
+        if light.any_azimuth { 0.0 } else { 1.0 },
+    );
+    // Azimuths that are free have vertical apertures alone
+    let theta = if light.incidence.is_vertical() {
+        0.0
+    } else {
+        theta
+    };
+    let receptor = ApertureShape::Receptor {
+        in_plane: [0.2, 0.3],
+        across: [0.4, 0.9 + phi],
+    };
+    let list = [
+        Aperture::whole(Side::Transmitted),
+        Aperture::cone(Side::Reflected, theta, 0.3),
+        Aperture {
+            shape: receptor,
+            ..Aperture::cone(Side::Reflected, theta, 0.0)
+        },
+    ];
+    list.into_iter().collect()
+}
+
+fn spec(digits: &mut Digits, light: &Illumination) -> TallySpec {
     let edges = || {
         let phi = vec![20.0, 150.0, 199.0, 201.0, 250.0, 380.0];
         let reflected = vec![0.0, 20.0, 29.0, 29.99, 30.01, 31.0, 90.0];
@@ -130,7 +159,11 @@ fn spec(digits: &mut Digits) -> TallySpec {
         Sides::Reflected,
         Sides::Transmitted,
     ]);
-    TallySpec::new(grid, half_width).unwrap().with_sides(sides)
+    let spec = TallySpec::new(grid, half_width).unwrap().with_sides(sides);
+    match digits.below(2) {
+        0 => spec,
+        _ => spec.with_apertures(apertures(light)),
+    }
 }
 
 fn settings(digits: &mut Digits) -> PathSettings {
@@ -168,14 +201,15 @@ pub(crate) fn case(number: u64) -> Case {
         1 => BatchedRays::new(16, 5, 37..201),
         _ => BatchedRays::new(13, 3, 0..169),
     };
+    let light = light(digits);
     Case {
         shape: shape(digits),
         material: material(digits),
         incident: digits.one_of(&[HalfSpace::Above, HalfSpace::Above, HalfSpace::Below]),
         settings: settings(digits),
-        light: light(digits),
+        spec: spec(digits, &light),
+        light,
         rays,
-        spec: spec(digits),
         stream: PathStream::new(number, 7).from_batch(number % 5),
     }
 }

@@ -19,6 +19,21 @@ pub(crate) struct ApertureWindows {
     across: DVec3,
 }
 
+/// One aperture, for an engine that sums light elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApertureWindow {
+    /// Side of the light.
+    pub side: Side,
+    /// Direction of its centre.
+    pub centre: [f64; 3],
+    /// Least cosine of the angle to the centre.
+    pub cos_reach: f64,
+    /// Polar angle of its centre, radians.
+    pub theta: f64,
+    /// Widths of source and receptor in the plane of incidence and across, radians; `None` for a cone, which takes all light within its reach.
+    pub receptor: Option<[[f64; 2]; 2]>,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Window {
     aperture: Aperture,
@@ -54,6 +69,22 @@ impl ApertureWindows {
             along,
             across,
         }
+    }
+
+    /// All windows, and the horizontal directions along and across the plane of incidence.
+    pub(crate) fn table(&self) -> (Vec<ApertureWindow>, [[f64; 3]; 2]) {
+        let window = |window: &Window| ApertureWindow {
+            side: window.aperture.side,
+            centre: window.centre.to_array(),
+            cos_reach: window.cos_reach,
+            theta: window.aperture.theta,
+            receptor: match window.aperture.shape {
+                ApertureShape::Cone { .. } => None,
+                ApertureShape::Receptor { in_plane, across } => Some([in_plane, across]),
+            },
+        };
+        let axes = [self.along, self.across].map(|axis| axis.to_array());
+        (self.each.iter().map(window).collect(), axes)
     }
 
     /// Finds the windows that many exits may fall into.

@@ -1,6 +1,7 @@
 //! Layout: positions of entries and edges of bins, for an engine that sums light elsewhere, such as on a GPU.
 
 use super::Tallies;
+use crate::binning::aperture_windows::ApertureWindow;
 use crate::spec::edges::BinStarts;
 use crate::spec::offsets::BinOffsets;
 use crate::{Component, Polarimetry, Score, Side, TallySpec};
@@ -22,6 +23,10 @@ pub struct TallyLayout {
     pub slice: Option<[f64; 2]>,
     /// Sides that are recorded.
     pub records: [bool; 2],
+    /// Apertures, in the order of their entries, and the horizontal directions along and across the plane of incidence.
+    pub apertures: Vec<ApertureWindow>,
+    /// Those directions.
+    pub axes: [[f64; 3]; 2],
     /// First entries: orders and event paths of reflected light, rings and in-plane bins of its single scattering, bins and rays of single
     /// scattering.
     pub orders: usize,
@@ -35,6 +40,8 @@ pub struct TallyLayout {
     pub bins: usize,
     /// Rays in bins.
     pub hits: usize,
+    /// Apertures.
+    pub of_apertures: usize,
     /// Entries of the budget.
     pub absorbed: usize,
     /// Flux on paths that were ended.
@@ -48,14 +55,13 @@ pub struct TallyLayout {
 }
 
 impl Tallies<'_> {
-    /// The layout of these tallies; `None` under a control variate, and with components, apertures or measures of polarised light, which
-    /// exits count for in other ways.
+    /// The layout of these tallies; `None` under a control variate, and with components of a medium or measures of polarised light,
+    /// which exits count for in other ways.
     #[must_use]
     pub fn layout(&self) -> Option<TallyLayout> {
         let (tally, spec) = (&self.0, self.0.spec);
         let is_plain = tally.control_variate.is_none()
             && spec.components().is_empty()
-            && spec.apertures().is_empty()
             && spec.polarimetry() == Polarimetry::Nothing;
         if !is_plain {
             return None;
@@ -65,7 +71,11 @@ impl Tallies<'_> {
             let of_single = offsets.find(score, Side::Reflected, Component::Single);
             of_single.map(|entries| entries.start)
         };
+        let (apertures, axes) = tally.windows.table();
         Some(TallyLayout {
+            apertures,
+            axes,
+            of_apertures: offsets.apertures_start(),
             entries: spec.len(),
             n_theta: grid.n_theta(),
             n_phi: grid.n_phi(),
