@@ -13,11 +13,12 @@
 #define MAX_LISTED_ORDER 64
 #define GROUPS 5
 
-// Light that leaves: side 0 is reflected, 1 transmitted.
+// Light that leaves: side 0 is reflected, 1 transmitted. Masked light would leave if nothing were in its way.
 struct Exit {
     Vec3 wo;
     double flux;
     u32 side, order, events, batch;
+    bool is_masked;
 };
 
 // Whole part of x >= 0, where anything within 1e-9 below a whole number counts as that number.
@@ -66,10 +67,28 @@ DEVICE int half_of_slice(const Job &job, const Exit &exit, double phi) {
     return off_plane <= job.half_width ? (is_backward ? -1 : 1) : 0;
 }
 
+// The factor with which light counts under the control variate that leaves through a ring, or would.
+DEVICE double weight_of(const Job &job, const Exit &exit, u32 ring) {
+    if (!job.fractions) {
+        return 1.0;
+    }
+    const double fraction = job.fractions[exit.side * job.n_theta + ring];
+    if (exit.is_masked) {
+        const bool is_away = exit.side == 0 ? exit.wo.z > 0.0 : exit.wo.z < 0.0;
+        return is_away ? -fraction : 0.0;
+    }
+    return exit.order == 1 ? 1.0 - fraction : 1.0;
+}
+
 // Adds light that leaves to all its entries, or to the flux that is not recorded.
-DEVICE void add_exit(const Job &job, const Exit &exit) {
+DEVICE_CALL void add_exit(const Job &job, const Exit &exit) {
     const u32 side = exit.side, order = exit.order, batch = exit.batch;
-    const double flux = exit.flux;
+    const u32 ring = ring_of(job, exit);
+    const double flux = weight_of(job, exit, ring) * exit.flux;
+    // Where the control variate cancels all of it, no ray of the bin is left either
+    if (flux == 0.0) {
+        return;
+    }
     if (!job.records[side]) {
         add_flux(job, job.truncated, batch, flux);
         add_flux(job, job.not_recorded, batch, flux);
@@ -78,7 +97,6 @@ DEVICE void add_exit(const Job &job, const Exit &exit) {
     const u32 before = order > 1 ? order - 1 : 0;
     const bool is_listed = order >= 1 && order <= MAX_LISTED_PATH;
     const u32 path = is_listed ? (1u << order) - 2 + exit.events : PATH_ENTRIES - 1;
-    const u32 ring = ring_of(job, exit);
     const u32 group = side * GROUPS + (before < 3 ? before : 3);
     add_flux(job, job.orders + side * MAX_LISTED_ORDER + (before < MAX_LISTED_ORDER ? before : MAX_LISTED_ORDER - 1), batch, flux);
     add_flux(job, job.paths + side * PATH_ENTRIES + path, batch, flux);

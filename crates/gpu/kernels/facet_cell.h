@@ -96,6 +96,12 @@ struct FacetCells {
         intersect(s, c, ix, iy, true, ray, closest);
     }
 
+    // The facet over a place of the tile.
+    DEVICE static u64 facet_over(const Surface &s, double x, double y) {
+        const int ix = cell_at(x, s.cells[0]), iy = cell_at(y, s.cells[1]);
+        return facet_number(ix, iy, !(x - ix > y - iy));
+    }
+
     // The point of a facet above or below p, moved into its cell, and the unit normal there, upwards.
     DEVICE static void arrive(const Surface &s, u64 facet, Vec3 &p, Vec3 &m) {
         const int ix = column_of(facet), iy = row_of(facet);

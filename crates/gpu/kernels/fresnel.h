@@ -1,9 +1,9 @@
-// Fresnel: fractions that an interface reflects and transmits of unpolarised light, and the directions.
+// Fresnel: fractions that an interface reflects and transmits, their matrices for polarised light, and the directions.
 //
 // Source: Born and Wolf, Principles of Optics, Secs. 1.5 and 14.2, rearranged as in `asperity_optics`.
 #pragma once
 
-#include "vectors.h"
+#include "polarisation.h"
 
 struct Fresnel {
     double reflected, transmitted, cos_theta_t;
@@ -41,8 +41,29 @@ DEVICE Fresnel dielectric(double cos_theta_i, double eta) {
     return {1.0 - transmitted, transmitted, capped};
 }
 
-// Fraction that an absorbing conductor of relative index eta + i kappa reflects.
-DEVICE double conductor(double cos_theta_i, double eta, double kappa) {
+// The elements of both matrices of a dielectric interface that are not fractions of unpolarised light.
+DEVICE void polarise_dielectric(double cos_theta_i, double eta, FacetMueller &reflected, FacetMueller &transmitted) {
+    const double delta = (eta - 1.0) * (eta + 1.0);
+    // g is imaginary under total reflection
+    const double g_squared = delta + cos_theta_i * cos_theta_i;
+    const bool is_total = g_squared <= 0.0, is_matched = delta == 0.0;
+    const double root = sqrt(fabs(g_squared));
+    const double g_re = is_total ? 0.0 : root, g_im = is_total ? root : 0.0;
+    const double s_sum = cos_theta_i + g_re;
+    const double s_squared = s_sum * s_sum;
+    const double r_s = -delta / s_squared;
+    const double reflectance_s = is_matched ? 0.0 : (is_total ? 1.0 : r_s * r_s);
+    const FacetMueller of = reflection(reflectance_s, cos_theta_i, g_re, g_im);
+    reflected = {reflected.m00, of.m01, of.m22, of.m23};
+    // Transmitted light of both polarisations is in phase
+    const double t_s = 4.0 * cos_theta_i * g_re / s_squared;
+    const double sin2 = (1.0 - cos_theta_i) * (1.0 + cos_theta_i);
+    const double product = t_s * eta / (sin2 + cos_theta_i * g_re);
+    transmitted = {transmitted.m00, 0.0 - of.m01, is_matched ? 1.0 : (is_total ? 0.0 : product), 0.0};
+}
+
+// Reflection by an absorbing conductor of relative index eta + i kappa.
+DEVICE FacetMueller conductor(double cos_theta_i, double eta, double kappa) {
     // g, the root of g^2 = m^2 - 1 + c^2 in the first quadrant
     const double re = (eta - 1.0) * (eta + 1.0) - kappa * kappa + cos_theta_i * cos_theta_i;
     const double im = 2.0 * eta * kappa;
@@ -55,15 +76,11 @@ DEVICE double conductor(double cos_theta_i, double eta, double kappa) {
     const double s_sum = cos_theta_i + g_re;
     const double s_squared = s_sum * s_sum + g_im * g_im;
     const double reflectance_s = delta_squared == 0.0 ? 0.0 : delta_squared / (s_squared * s_squared);
-    // Mean of s and p, and half their difference, by the ratio (sin2 - c g) / (sin2 + c g)
-    const double sin2 = (1.0 - cos_theta_i) * (1.0 + cos_theta_i);
-    const double cg_re = cos_theta_i * g_re, cg_im = cos_theta_i * g_im;
-    const double sum = sin2 + cg_re;
-    const double scale = reflectance_s / (sum * sum + cg_im * cg_im);
-    const double mean = scale * (sin2 * sin2 + (cg_re * cg_re + cg_im * cg_im));
-    const double difference = scale * (2.0 * sin2 * cg_re);
-    const double absorbed = 4.0 * cos_theta_i * g_re / s_squared + difference;
-    return mean < 0.5 ? mean : 1.0 - absorbed;
+    FacetMueller reflected = reflection(reflectance_s, cos_theta_i, g_re, g_im);
+    // The smaller fraction keeps its relative accuracy
+    const double absorbed = 4.0 * cos_theta_i * g_re / s_squared + reflected.m01;
+    reflected.m00 = reflected.m00 < 0.5 ? reflected.m00 : 1.0 - absorbed;
+    return reflected;
 }
 
 // The mirrored direction 2 (wi . m) m - wi, renormalised.

@@ -10,6 +10,9 @@ DEVICE int column_of(u64 facet) { return (int)((u32)facet >> 1); }
 
 DEVICE int row_of(u64 facet) { return (int)(facet >> 32); }
 
+// Number of the cell at a place along an axis of `count` cells.
+DEVICE int cell_at(double place, int count) { return (int)place < count ? (int)place : count - 1; }
+
 struct Hit {
     double t;
     u64 facet;

@@ -1,8 +1,7 @@
 // Path: follows one path from its start to the end of all its branches.
 #pragma once
 
-#include "apertures.h"
-#include "bins.h"
+#include "exits.h"
 #include "scatter.h"
 #include "traversal.h"
 
@@ -15,22 +14,66 @@ DEVICE Ray ray_of(const Surface &s, const Segment &segment) {
     return {segment.o, {segment.k.x, segment.k.y * s.aspect, segment.k.z}, segment.q};
 }
 
-DEVICE u32 side_of(const Job &job, const Segment &segment) { return segment.q == job.incident ? 0 : 1; }
-
-// The exit of a segment that leaves, with +z on the side of the light and its azimuth turned back.
-DEVICE Exit exit_of(const Job &job, const Path &path, const Segment &segment) {
-    Vec3 wo = {segment.k.x, segment.k.y, segment.k.z * job.incident};
-    wo = job.turns ? turned(wo, path.cos, path.sin) : wo;
-    return {wo, segment.flux, side_of(job, segment), segment.order, segment.events, path.batch};
+// Finds what a ray meets that begins anywhere. Its origin is moved to the first tile that is searched.
+template <class Cells>
+DEVICE Outcome meet(const Surface &s, Ray &ray, Meeting &at_facet, Work &work) {
+    const Outcome outcome = begin(s, ray, work);
+    return outcome == OPEN ? search<Cells>(s, ray, at_facet, work) : outcome;
 }
 
-// Begins a segment that leaves a facet: OPEN if it is to be searched.
-DEVICE Outcome leave_facet(const Job &job, Segment &segment, Work &work) {
+// Starts a path at the point of the surface below or above it, if the light reaches that: MET, or ENDED.
+template <class Cells>
+DEVICE Outcome start_on_surface(const Job &job, const Path &path, Segment &segment, Meeting &at_facet, Work &work) {
     const Surface &s = *job.surface;
-    Ray ray = ray_of(s, segment);
-    const Outcome outcome = begin(s, ray, work);
-    segment.o = ray.o;
-    return outcome;
+    at_facet.p = segment.o;
+    at_facet.facet = Cells::facet_over(s, segment.o.x, segment.o.y);
+    at_facet.is_far = false;
+    at_facet.template arrive_again<Cells>(s);
+    // The flux that falls there. Source: Xu and Sun 2008, the weight of Eq. 26
+    const Vec3 m = job.incident * at_facet.m;
+    const double facing = dot(-segment.k, m);
+    if (!(facing > 0.0)) {
+        return ENDED;
+    }
+    segment.flux = facing / (m.z * job.wi[2]);
+    segment.o = at_facet.p;
+    Segment towards_light = segment;
+    towards_light.k = -segment.k;
+    Ray ray = ray_of(s, towards_light);
+    Meeting other;
+    const Outcome outcome = meet<Cells>(s, ray, other, work);
+    if (outcome == ESCAPED) {
+        at_facet.template arrive_again<Cells>(s);
+        return MET;
+    }
+    tally_shadowed(job, path, segment, at_facet.m);
+    if (outcome == LOST) {
+        add_flux(job, job.lost, path.batch, segment.flux);
+    }
+    return ENDED;
+}
+
+// Follows the straight line of light behind the first facet that it has met, and tallies the facets there that it would light.
+template <class Cells>
+DEVICE void trace_shadows(const Job &job, const Path &path, Segment light, Work &work) {
+    const Surface &s = *job.surface;
+    const double u = random_pair(job, path.ray, light.order, light.events, USE_SHADOW, 0).first;
+    if (u >= job.shadow_probability) {
+        return;
+    }
+    light.flux /= job.shadow_probability;
+    for (;;) {
+        light.q = -light.q;
+        Ray ray = ray_of(s, light);
+        Meeting at_facet;
+        if (meet<Cells>(s, ray, at_facet, work) != MET) {
+            return;
+        }
+        light.o = at_facet.p;
+        if (light.q == job.incident) {
+            tally_shadowed(job, path, light, at_facet.m);
+        }
+    }
 }
 
 template <class Cells>
@@ -40,26 +83,35 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
     int count = 0;
     Path path;
     Segment segment = start(job, number, path);
-    Outcome outcome = OPEN;
+    Meeting at_facet;
+    Outcome outcome;
+    if (job.on_surface) {
+        outcome = start_on_surface<Cells>(job, path, segment, at_facet, work);
+    } else {
+        outcome = search<Cells>(s, ray_of(s, segment), at_facet, work);
+    }
     for (;;) {
-        // Find what the segment meets
-        Vec3 p, m;
-        if (outcome == OPEN) {
-            outcome = search<Cells>(s, ray_of(s, segment), p, m, work);
-        }
+        // Tally what has ended
         if (outcome == ESCAPED) {
-            const Exit exit = exit_of(job, path, segment);
-            add_to_apertures(job, exit);
-            add_exit(job, exit);
-        } else if (outcome == LOST) {
-            add_flux(job, job.lost, path.batch, segment.flux);
-        } else if (segment.order >= job.max_order) {
-            add_flux(job, job.truncated, path.batch, segment.flux);
+            leave(job, path, segment);
         } else {
-            // Scatter there, and keep the branches that live
-            segment.o = p;
+            tally_masked(job, path, segment);
+        }
+        if (outcome == LOST) {
+            add_flux(job, job.lost, path.batch, segment.flux);
+        } else if (outcome == MET && segment.order >= job.max_order) {
+            add_flux(job, job.truncated, path.batch, segment.flux);
+        } else if (outcome == MET) {
+            // Scatter what has met a facet, and keep the branches that live
+            if (at_facet.is_far) {
+                at_facet.template arrive_again<Cells>(s);
+            }
+            segment.o = at_facet.p;
+            if (job.fractions && !job.on_surface && segment.order == 0) {
+                trace_shadows<Cells>(job, path, segment, work);
+            }
             Segment branches[2];
-            scatter(job, path, segment, m, branches[0], branches[1]);
+            scatter(job, path, segment, at_facet.m, branches[0], branches[1]);
             const bool reflection_is_weaker = branches[0].flux < branches[1].flux;
             for (int k = 0; k < 2; k++) {
                 const Segment &branch = branches[reflection_is_weaker ? 1 - k : k];
@@ -73,7 +125,7 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
                 waiting[count++] = branch;
             }
         }
-        // Take the next branch; one that can only end on a side that is not recorded is not followed
+        // Follow the next branch, unless it can only end on a side that is not recorded
         for (;;) {
             if (count == 0) {
                 return;
@@ -82,10 +134,11 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
             if (segment.order < job.max_order || job.records[side_of(job, segment)]) {
                 break;
             }
-            add_flux(job, job.truncated, path.batch, segment.flux);
-            add_flux(job, job.not_recorded, path.batch, segment.flux);
+            end_unrecorded(job, path, segment);
             work.add(NOT_RECORDED);
         }
-        outcome = leave_facet(job, segment, work);
+        Ray ray = ray_of(s, segment);
+        outcome = meet<Cells>(s, ray, at_facet, work);
+        segment.o = ray.o;
     }
 }

@@ -6,6 +6,34 @@
 #include "starts.h"
 #include "sums.h"
 
+// A facet and the light that arrives at it.
+struct Arrival {
+    // Towards the light, unit normal on its side, and index of the other medium relative to its own.
+    Vec3 wi, m;
+    double eta;
+    double cos_theta_t;
+    FacetMueller reflected, transmitted;
+};
+
+// The facet of the unit normal `m`, upwards, and light along `k` in the half space of the sign `q`.
+DEVICE_CALL Arrival arrival_of(const Job &job, Vec3 k, Vec3 m, double q, bool is_polarised) {
+    Arrival at = {-k, q * m, 1.0, 0.0, {1.0, 0.0, -1.0, 0.0}, {0.0, 0.0, 0.0, 0.0}};
+    const double cos_theta_i = unit_interval(dot(at.wi, at.m));
+    if (job.material == DIELECTRIC) {
+        at.eta = q == job.incident ? job.eta : 1.0 / job.eta;
+        const Fresnel fresnel = dielectric(cos_theta_i, at.eta);
+        at.cos_theta_t = fresnel.cos_theta_t;
+        at.reflected.m00 = fresnel.reflected;
+        at.transmitted.m00 = fresnel.transmitted;
+        if (is_polarised) {
+            polarise_dielectric(cos_theta_i, at.eta, at.reflected, at.transmitted);
+        }
+    } else if (job.material == CONDUCTOR) {
+        at.reflected = conductor(cos_theta_i, job.eta, job.kappa);
+    }
+    return at;
+}
+
 // Russian roulette over a branch: what is left of its flux, by the random number u. The difference is tallied as truncated.
 DEVICE double roulette(const Job &job, const Path &path, double flux, double u) {
     if (!(flux > 0.0 && flux < job.roulette)) {
@@ -16,47 +44,43 @@ DEVICE double roulette(const Job &job, const Path &path, double flux, double u) 
     return kept;
 }
 
-// The transmitted branch of a segment that has arrived.
-DEVICE Segment transmitted_branch(const Segment &at, Vec3 k, double flux) {
-    const u32 bit = at.order < 32 ? 1u << at.order : 0;
-    return {at.o, k, -at.q, flux, at.order + 1, at.events | bit};
-}
-
 // Scatters light that has arrived at a facet of the unit normal `m`, upwards. A branch that ends has no flux.
 DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m, Segment &reflected, Segment &transmitted) {
-    m = at.q * m;
-    const Vec3 wi = -at.k;
-    const double cos_theta_i = unit_interval(dot(wi, m));
-    Fresnel fresnel = {1.0, 0.0, 0.0};
-    double eta = 1.0;
+    const Arrival facet = arrival_of(job, at.k, m, at.q, job.tracked);
+    const u32 bit = at.order < 32 ? 1u << at.order : 0;
+    reflected = {at.o, reflect(facet.wi, facet.m), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events};
+    transmitted = reflected;
+    transmitted.q = -at.q;
+    transmitted.flux = facet.transmitted.m00;
+    transmitted.events |= bit;
     if (job.material == DIELECTRIC) {
-        eta = at.q == job.incident ? job.eta : 1.0 / job.eta;
-        fresnel = dielectric(cos_theta_i, eta);
-    } else {
-        if (job.material == CONDUCTOR) {
-            fresnel.reflected = conductor(cos_theta_i, job.eta, job.kappa);
-        }
-        add_flux(job, job.absorbed, path.batch, at.flux * (1.0 - fresnel.reflected - fresnel.transmitted));
+        transmitted.k = refract(facet.wi, facet.m, facet.eta, facet.cos_theta_t);
     }
-    const bool picks = job.picks && job.material == DIELECTRIC;
-    double flux_reflected = fresnel.reflected * at.flux, flux_transmitted = fresnel.transmitted * at.flux;
-    const double weak = job.roulette;
-    const bool is_decided = !picks && (flux_reflected >= weak || flux_reflected == 0.0) && (flux_transmitted >= weak || flux_transmitted == 0.0);
-    if (!is_decided) {
+    if (job.tracked) {
+        const Vec3 axis = incidence_axis(at.k, facet.m);
+        reflected.flux = pass(reflected.light, at.k, reflected.k, axis, facet.reflected, job.incident);
+        transmitted.flux = pass(transmitted.light, at.k, transmitted.k, axis, facet.transmitted, job.incident);
+    }
+    if (job.material != DIELECTRIC) {
+        const double absorbed = at.flux * (1.0 - reflected.flux - transmitted.flux);
+        add_flux(job, job.absorbed, path.batch, at.order == 0 ? (1.0 - job.absorbed_fraction) * absorbed : absorbed);
+    }
+    // Under a control variate first branches cancel exactly, and roulette spares them
+    const bool is_spared = job.fractions && at.order == 0;
+    if (job.picks && job.material == DIELECTRIC) {
         const Pair numbers = random_pair(job, path.ray, at.order, at.events, USE_INTERACTION, 0);
-        if (picks) {
-            const double flux = roulette(job, path, at.flux, numbers.second);
-            const bool is_reflected = numbers.first < fresnel.reflected;
-            flux_reflected = is_reflected ? flux : 0.0;
-            flux_transmitted = is_reflected ? 0.0 : flux;
-        } else {
-            flux_transmitted = roulette(job, path, flux_transmitted, numbers.first);
-            flux_reflected = roulette(job, path, flux_reflected, numbers.second);
-        }
+        const bool is_reflected = numbers.first < reflected.flux;
+        const double flux = is_spared ? at.flux : roulette(job, path, at.flux, numbers.second);
+        reflected.flux = is_reflected ? flux : 0.0;
+        transmitted.flux = is_reflected ? 0.0 : flux;
+        return;
     }
-    reflected = {at.o, reflect(wi, m), at.q, flux_reflected, at.order + 1, at.events};
-    transmitted.flux = 0.0;
-    if (flux_transmitted > 0.0) {
-        transmitted = transmitted_branch(at, refract(wi, m, eta, fresnel.cos_theta_t), flux_transmitted);
+    reflected.flux *= at.flux;
+    transmitted.flux *= at.flux;
+    const bool is_weak = (reflected.flux > 0.0 && reflected.flux < job.roulette) || (transmitted.flux > 0.0 && transmitted.flux < job.roulette);
+    if (is_weak && !is_spared) {
+        const Pair numbers = random_pair(job, path.ray, at.order, at.events, USE_INTERACTION, 0);
+        transmitted.flux = roulette(job, path, transmitted.flux, numbers.first);
+        reflected.flux = roulette(job, path, reflected.flux, numbers.second);
     }
 }

@@ -102,6 +102,11 @@ struct SmoothCells {
         }
     }
 
+    // The cell over a place of the tile.
+    DEVICE static u64 facet_over(const Surface &s, double x, double y) {
+        return facet_number(cell_at(x, s.cells[0]), cell_at(y, s.cells[1]), false);
+    }
+
     // The point of a cell above or below p, and the unit normal there, upwards.
     DEVICE static void arrive(const Surface &s, u64 cell, Vec3 &p, Vec3 &m) {
         const int ix = column_of(cell), iy = row_of(cell);

@@ -9,6 +9,8 @@
 struct Segment {
     Vec3 o, k;
     double q, flux;
+    // Q, U and V over I.
+    double light[3];
     u32 order, events;
 };
 
@@ -44,7 +46,8 @@ DEVICE void stratum(u32 side, u32 number, u32 &column, u32 &row) {
 
 DEVICE double in_tile(double place, double size) { return place - floor(place / size) * size; }
 
-// Begins path number `number` of the call: batch after batch of each stratum.
+// Begins path number `number` of the call, batch after batch of each stratum: at the highest point, or over the place where it meets the
+// surface.
 DEVICE Segment start(const Job &job, u64 number, Path &path) {
     const Surface &s = *job.surface;
     const u32 stratum_number = job.first_stratum + (u32)(number / job.batches);
@@ -67,7 +70,10 @@ DEVICE Segment start(const Job &job, u64 number, Path &path) {
         path.sin = -sin;
     }
     const double x = job.corner[0] + u * job.size[0], y = job.corner[1] + v * job.size[1];
-    const Vec3 o = {in_tile(x - job.to_mean_plane * k.x, s.extent[0]),
-                    in_tile(y - job.to_mean_plane * k.y * s.aspect, s.extent[1]), job.start_z};
-    return {o, k, job.incident, 1.0, 0, 0};
+    Vec3 o = {x, y, 0.0};
+    if (!job.on_surface) {
+        o = {in_tile(x - job.to_mean_plane * k.x, s.extent[0]), in_tile(y - job.to_mean_plane * k.y * s.aspect, s.extent[1]),
+             job.start_z};
+    }
+    return {o, k, job.incident, 1.0, {job.stokes[0], job.stokes[1], job.stokes[2]}, 0, 0};
 }

@@ -60,6 +60,8 @@ struct Job {
     const double *ring_starts;
     const double *sector_starts;
     const Aperture *apertures;
+    // Visible fractions of the control variate, ring by ring of both sides; null without one.
+    const double *fractions;
     // Sums of 128 bits: low and high words, of each entry those of all batches side by side.
     u64 *sums;
     // Counts of the work, see `work.h`.
@@ -84,6 +86,14 @@ struct Job {
     double roulette;
     double eta;
     double kappa;
+    // Q, U and V over I of the light.
+    double stokes[3];
+    // Fraction of absorbed light that the control variate takes out, and the probability with which shadows are traced.
+    double absorbed_fraction;
+    double shadow_probability;
+    // 1 if paths carry their polarisation, and if they start at points of the surface that the light reaches.
+    u32 tracked;
+    u32 on_surface;
     u32 material;
     // 1 if one branch is picked.
     u32 picks;

@@ -5,8 +5,8 @@
 #include "pyramid.h"
 #include "work.h"
 
-// What becomes of a path segment. OPEN: a search must tell.
-enum Outcome { OPEN, MET, ESCAPED, LOST };
+// What becomes of a path segment. OPEN: a search must tell; ENDED: nothing is left to do.
+enum Outcome { OPEN, MET, ESCAPED, LOST, ENDED };
 
 // Tiles that a ray may cross before it is given up as lost.
 #define MAX_TILES 100000
@@ -31,7 +31,7 @@ DEVICE void between_heights(const Surface &s, const Ray &ray, double &start, dou
 DEVICE Outcome nothing_met(const Ray &ray) { return ray.q * ray.d.z > 0.0 ? ESCAPED : LOST; }
 
 // Begins a segment anywhere: OPEN if it is to be searched, with its origin moved to the first tile.
-DEVICE Outcome begin(const Surface &s, Ray &ray, Work &work) {
+DEVICE_CALL Outcome begin(const Surface &s, Ray &ray, Work &work) {
     const double sum = ray.o.x + ray.o.y + ray.o.z + ray.d.x + ray.d.y + ray.d.z;
     if (!is_finite(sum)) {
         work.add(SEGMENTS);
@@ -79,9 +79,23 @@ DEVICE double crossing(double o, double d, i64 tile, double size) {
     return d == 0.0 ? INFINITE : (k * size - o) / d;
 }
 
-// Searches a segment tile by tile. Where it meets a facet, `p` is the point and `m` the unit normal there, upwards.
+// A facet that a segment meets: the point, and the unit normal there, upwards.
+struct Meeting {
+    Vec3 p, m;
+    u64 facet;
+    // Beyond the first tile.
+    bool is_far;
+
+    // Moves the point to the facet once more, as the engine does with all arrivals that have been moved before.
+    template <class Cells>
+    DEVICE void arrive_again(const Surface &s) {
+        Cells::arrive(s, facet, p, m);
+    }
+};
+
+// Searches a segment tile by tile.
 template <class Cells>
-DEVICE Outcome search(const Surface &s, const Ray &first, Vec3 &p, Vec3 &m, Work &work) {
+DEVICE_CALL Outcome search(const Surface &s, const Ray &first, Meeting &at_facet, Work &work) {
     work.add(SEGMENTS);
     Ray ray = first;
     double entered, end;
@@ -90,12 +104,10 @@ DEVICE Outcome search(const Surface &s, const Ray &first, Vec3 &p, Vec3 &m, Work
     for (int searched = 1;; searched++) {
         const Hit hit = closest_hit<Cells>(s, ray);
         if (!hit.is_none()) {
-            p = at(ray, hit.t);
-            Cells::arrive(s, hit.facet, p, m);
-            if (searched > 1) {
-                // The engine moves such arrivals once more, with all others of a round
-                Cells::arrive(s, hit.facet, p, m);
-            }
+            at_facet.p = at(ray, hit.t);
+            at_facet.facet = hit.facet;
+            at_facet.is_far = searched > 1;
+            Cells::arrive(s, hit.facet, at_facet.p, at_facet.m);
             return MET;
         }
         if (searched == 1 && leaves_heights_in_tile(s, ray)) {

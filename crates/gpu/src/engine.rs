@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use asperity_tally::{ControlVariate, Tallies, TallyLayout, TallySpec};
+use asperity_tally::{ControlVariate, Tallies, TallyLayout, TallySpec, VisibleFractions};
 use asperity_tracer::{
     AcceleratorKind, BatchTracer, BatchedRays, BuildError, CpuEngine, Engine, Illumination,
     PathStream, PreparedSurface, Shape, TracedLayerError, TracedPaths, Work,
@@ -19,9 +19,9 @@ const PATHS_OF_RUN: u64 = 1 << 22;
 
 /// An engine on a device, with the bytes of [`CpuEngine`].
 ///
-/// It traces periodic height fields, as triangles or smooth, of dielectrics, conductors and mirrors, averaged light from above or below, and stratified starts there; bins of any
-/// edges, rings, in-plane slices, orders and event paths. Everything else is traced by [`CpuEngine`], as is every call after an error of
-/// the device: see [`GpuEngine::usage`].
+/// It traces periodic height fields, as triangles or smooth; dielectrics, conductors and mirrors; averaged and tracked polarisation; stratified
+/// starts from above and on the surface, with and without a control variate; bins of any edges, rings, in-plane slices, orders, event paths
+/// and apertures. Everything else is traced by [`CpuEngine`], as is every call after an error of the device: see [`GpuEngine::usage`].
 #[derive(Clone)]
 pub struct GpuEngine {
     shared: Arc<Shared>,
@@ -184,26 +184,26 @@ impl BatchTracer for GpuTracer<'_> {
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Vec<(Tallies<'c>, Work)>> {
-        let of_call = Rays {
-            illumination,
-            rays,
-            stream,
-        };
         let shared = &self.surface.shared;
         if let Some(case) = self.case
-            && matches!(controls, [None])
-            && of_call.are_supported()
+            && let &[control] = controls
+            && let rays = (Rays {
+                case,
+                shape: &self.surface.shape,
+                illumination,
+                rays,
+                stream,
+            })
+            && rays.are_supported()
             && !shared.has_failed()
-            && let mut tallies = of_call.tallies(spec)
+            && let mut tallies = rays.tallies(spec, control)
             && let Some(layout) = tallies.layout()
             && let Some(surface) = self.surface.surface()
         {
             let call = Call {
                 shared,
                 surface,
-                shape: &self.surface.shape,
-                case,
-                rays: of_call,
+                rays,
                 layout,
             };
             match call.trace(&mut tallies, gives_up) {
@@ -226,8 +226,6 @@ impl BatchTracer for GpuTracer<'_> {
 struct Call<'a> {
     shared: &'a Shared,
     surface: &'a SurfaceOnDevice,
-    shape: &'a Shape,
-    case: Case,
     rays: Rays<'a>,
     layout: TallyLayout,
 }
@@ -256,7 +254,7 @@ impl Call<'_> {
         };
         let sums = device.zeros(2 * tallies.sums().len())?;
         let counts = device.zeros(COUNTS)?;
-        let mut job = self.rays.job(&self.case, self.shape, &self.layout);
+        let mut job = self.rays.job(&self.layout, tallies.control_variate());
         if let Some([reflected, transmitted]) = &self.layout.edges {
             let rings = [&*reflected.rings, &transmitted.rings].concat();
             let sectors = [&*reflected.sectors, &transmitted.sectors].concat();
@@ -265,6 +263,10 @@ impl Call<'_> {
         }
         let apertures: Vec<_> = self.layout.apertures.iter().map(aperture).collect();
         job.apertures = upload(bytemuck::cast_slice(&apertures))?;
+        if let Some(control) = tallies.control_variate() {
+            let VisibleFractions { rings, .. } = control.fractions();
+            job.fractions = upload(bytemuck::cast_slice(&rings.concat()))?;
+        }
         job.surface = self.surface.table.address();
         (job.sums, job.counts) = (sums.address(), counts.address());
         let job = upload(bytemuck::cast_slice(&[job]))?;

@@ -3,15 +3,17 @@
 use std::f64::consts::PI;
 
 use asperity_optics::Material;
-use asperity_tally::{ApertureWindow, Azimuth, Tallies, Tally, TallyLayout, TallySpec};
+use asperity_tally::{
+    ApertureWindow, Azimuth, ControlVariate, Tallies, Tally, TallyLayout, TallySpec,
+};
 use asperity_tracer::{
-    BatchedRays, Beam, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation,
-    Sampling, Shape, Starts,
+    BatchedRays, Beam, Branching, Geometry, HalfSpace, Illumination, PathSettings, PathStream,
+    Polarisation, Sampling, Shape, Starts,
 };
 
 use crate::tables::{ApertureTable, JobTable};
 
-/// A case that kernels trace: one material over no layers, and averaged light.
+/// A case that kernels trace: one material over no layers.
 #[derive(Clone, Copy)]
 pub(crate) struct Case {
     pub(crate) material: Material,
@@ -26,13 +28,32 @@ impl Case {
             self.material,
             Material::Dielectric { .. } | Material::Conductor { .. } | Material::Mirror
         );
-        is_known && self.settings.polarisation() == Polarisation::Averaged
+        let is_followed = matches!(
+            self.settings.polarisation(),
+            Polarisation::Averaged | Polarisation::Tracked
+        );
+        is_known && is_followed
     }
 }
 
-/// Rays of several batches, and their light.
+/// The beam of a case on a surface, and an upper bound of the slope of its facets.
+fn beam(case: &Case, shape: &Shape, light: &Illumination) -> (Beam, f64) {
+    fn of<G: Geometry>(surface: &G, case: &Case, light: &Illumination) -> (Beam, f64) {
+        let beam = Beam::new(surface, case.incident, light.incidence, light.window);
+        (beam, surface.steepest_slope())
+    }
+    match shape {
+        Shape::HeightField { top, .. } => of(&**top, case, light),
+        Shape::Smooth { top, .. } => of(&**top, case, light),
+        Shape::TriangleMesh { top, .. } => of(&**top, case, light),
+    }
+}
+
+/// Rays of several batches of a case, and their light.
 #[derive(Clone, Copy)]
 pub(crate) struct Rays<'a> {
+    pub(crate) case: Case,
+    pub(crate) shape: &'a Shape,
     pub(crate) illumination: &'a Illumination,
     pub(crate) rays: &'a BatchedRays,
     pub(crate) stream: PathStream,
@@ -42,9 +63,13 @@ impl Rays<'_> {
     /// Returns `true` if kernels start such rays.
     pub(crate) fn are_supported(&self) -> bool {
         let light = self.illumination;
-        light.spread.is_none()
-            && light.starts == Starts::FromAbove
-            && light.sampling == Sampling::Stratified
+        // The polarisation of vertical light turns with the azimuth
+        let turns_light = self.turns() && light.incidence.is_vertical();
+        light.spread.is_none() && light.sampling == Sampling::Stratified && !turns_light
+    }
+
+    fn turns(&self) -> bool {
+        self.illumination.turns(self.case.settings.polarisation())
     }
 
     /// Number of rays.
@@ -53,25 +78,35 @@ impl Rays<'_> {
     }
 
     /// Empty tallies, as those of the CPU engine.
-    pub(crate) fn tallies<'c>(&self, spec: TallySpec) -> Tallies<'c> {
+    pub(crate) fn tallies<'c>(
+        &self,
+        spec: TallySpec,
+        control: Option<&'c ControlVariate>,
+    ) -> Tallies<'c> {
         let light = self.illumination;
-        let azimuth = if light.any_azimuth && !light.turns(Polarisation::Averaged) {
+        let azimuth = if light.any_azimuth && !self.turns() {
             Azimuth::Free
         } else {
             Azimuth::From(light.incidence.phi() + PI)
         };
-        Tallies::new(Tally::new(spec, azimuth), self.rays.batches() as usize)
+        let start = match light.starts {
+            Starts::FromAbove => 1.0,
+            Starts::OnSurface => {
+                let (beam, steepest) = beam(&self.case, self.shape, light);
+                beam.largest_flux_on(steepest)
+            }
+        };
+        let largest = start / control.map_or(1.0, ControlVariate::shadow_probability);
+        let tally = Tally::new(spec, azimuth)
+            .with_control_variate(control)
+            .with_largest_weight(largest);
+        Tallies::new(tally, self.rays.batches() as usize)
     }
 
-    /// The job of a case on a surface, without the addresses of memory.
-    pub(crate) fn job(&self, case: &Case, shape: &Shape, layout: &TallyLayout) -> JobTable {
-        let light = self.illumination;
-        let (incident, incidence, window) = (case.incident, light.incidence, light.window);
-        let beam = match shape {
-            Shape::HeightField { top, .. } => Beam::new(&**top, incident, incidence, window),
-            Shape::Smooth { top, .. } => Beam::new(&**top, incident, incidence, window),
-            Shape::TriangleMesh { top, .. } => Beam::new(&**top, incident, incidence, window),
-        };
+    /// The job of these rays, without the addresses of memory.
+    pub(crate) fn job(&self, layout: &TallyLayout, control: Option<&ControlVariate>) -> JobTable {
+        let (case, light) = (&self.case, self.illumination);
+        let (beam, _) = beam(case, self.shape, light);
         let ([corner, size], [start_z, to_mean_plane]) = (beam.window(), beam.heights());
         let (key, first_path) = self.stream.key();
         let (material, eta, kappa) = match case.material {
@@ -86,6 +121,7 @@ impl Rays<'_> {
             ring_starts: 0,
             sector_starts: 0,
             apertures: 0,
+            fractions: 0,
             sums: 0,
             counts: 0,
             key,
@@ -93,16 +129,21 @@ impl Rays<'_> {
             strata: self.rays.strata(),
             batches: self.rays.batches(),
             first_stratum: self.rays.part().start,
-            turns: light.turns(Polarisation::Averaged).into(),
+            turns: self.turns().into(),
             corner,
             size,
             wi: beam.wi().to_array(),
             start_z,
             to_mean_plane,
-            incident: incident.sign(),
+            incident: case.incident.sign(),
             roulette: case.settings.roulette(),
             eta,
             kappa,
+            stokes: light.stokes,
+            absorbed_fraction: control.map_or(0.0, ControlVariate::absorbed_fraction),
+            shadow_probability: control.map_or(1.0, ControlVariate::shadow_probability),
+            tracked: (case.settings.polarisation() == Polarisation::Tracked).into(),
+            on_surface: (light.starts == Starts::OnSurface).into(),
             material,
             picks: (case.settings.branching() == Branching::Pick).into(),
             max_order: case.settings.max_order(),

@@ -3,11 +3,12 @@
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{HeightField, SplineSurface};
 use asperity_tally::{
-    Aperture, ApertureShape, Apertures, HemisphereGrid, Side, SideEdges, Sides, TallySpec,
+    Aperture, ApertureShape, Apertures, ControlVariate, HemisphereGrid, Side, SideEdges, Sides,
+    TallySpec, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_tracer::{
     BatchedRays, Branching, HalfSpace, Illumination, PathSettings, PathStream, Polarisation, Shape,
-    Window,
+    Starts, Window,
 };
 
 /// One call of an engine.
@@ -20,6 +21,7 @@ pub(crate) struct Case {
     pub(crate) light: Illumination,
     pub(crate) rays: BatchedRays,
     pub(crate) spec: TallySpec,
+    pub(crate) control: Option<ControlVariate>,
     pub(crate) stream: PathStream,
 }
 
@@ -48,6 +50,12 @@ fn relief(kind: usize, [rows, columns]: [usize; 2], seed: u32) -> Vec<f64> {
             6 => f64::from(u8::from(i == rows * columns / 2)) * 12.0,
             // A slit
             7 => f64::from(u8::from(x != columns / 2)) * 8.0,
+            // Hills far apart, rough in places
+            8 => {
+                let across = |p: usize| 2.0 * (p % 40) as f64 / 39.0 - 1.0;
+                let [u, v] = [across(x), across(y)].map(|p| 1.0 - p * p);
+                9.0 * u * v + 0.4 * noise(seed, i)
+            }
             _ => 0.0,
         }
     });
@@ -58,8 +66,14 @@ const SHAPES: [[usize; 2]; 6] = [[16, 16], [20, 33], [9, 40], [64, 64], [2, 2], 
 
 /// A height field, its length unit and offset of any size.
 fn height_field(digits: &mut Digits) -> HeightField {
-    let shape = digits.one_of(&SHAPES);
-    let (kind, seed) = (digits.below(9), digits.below(1000) as u32);
+    let (kind, seed) = (
+        digits.one_of(&[0, 1, 2, 3, 4, 5, 6, 7, 8, 8, 9]),
+        digits.below(1000) as u32,
+    );
+    let shape = match kind {
+        8 => [96, 80],
+        _ => digits.one_of(&SHAPES),
+    };
     let unit = digits.one_of(&[1.0, 1.0, 1.0, 1e-9, 1e9]);
     let offset = digits.one_of(&[0.0, 0.0, 1e3]);
     let dy = digits.one_of(&[1.0, 1.0, 0.3, 2.5]);
@@ -104,9 +118,17 @@ fn light(digits: &mut Digits) -> Illumination {
         },
         _ => Window::WHOLE,
     };
+    let any_azimuth = digits.below(3) == 0;
+    let stokes = match digits.below(4) {
+        // Axes of vertical light from any azimuth are turned by the CPU engine alone
+        0 if !(any_azimuth && incidence.is_vertical()) => [0.3, -0.5, 0.7],
+        _ => [0.0; 3],
+    };
     Illumination {
         window,
-        ..Illumination::new(incidence, digits.below(3) == 0)
+        stokes,
+        starts: digits.one_of(&[Starts::FromAbove, Starts::OnSurface]),
+        ..Illumination::new(incidence, any_azimuth)
     }
 }
 
@@ -166,12 +188,28 @@ fn spec(digits: &mut Digits, light: &Illumination) -> TallySpec {
     }
 }
 
+/// A control variate with visible fractions of any size, and with shadows of some paths alone.
+fn control(digits: &mut Digits, spec: TallySpec) -> Option<ControlVariate> {
+    let seed = digits.below(1000) as u32;
+    let rings = |side: u32| {
+        let count = 0..spec.grid().n_theta();
+        count.map(|ring| noise(seed + side, ring)).collect()
+    };
+    let fractions = VisibleFractions {
+        rings: [rings(0), rings(1)],
+        absorbed: noise(seed, 0),
+    };
+    let control = ControlVariate::new(spec, fractions, &UnshadowedFluxes::zeros(&spec));
+    let probability = digits.one_of(&[1.0, 0.4]);
+    (digits.below(2) == 0).then(|| control.with_shadow_probability(probability))
+}
+
 fn settings(digits: &mut Digits) -> PathSettings {
     let branching = digits.one_of(&[Branching::Split, Branching::Pick]);
     let roulette = digits.one_of(&[0.01, 0.01, 1e-3, 0.3, 1.0]);
     let max_order = digits.one_of(&[200, 200, 40, 3, 1]);
     let settings = PathSettings::new(branching, roulette, max_order).unwrap();
-    settings.with_polarisation(Polarisation::Averaged)
+    settings.with_polarisation(digits.one_of(&[Polarisation::Averaged, Polarisation::Tracked]))
 }
 
 /// Digits of a number in changing bases, which choose a case.
@@ -197,17 +235,19 @@ pub(crate) fn case(number: u64) -> Case {
     let digits = &mut Digits(number);
     digits.below(2);
     let rays = match digits.below(3) {
-        0 => BatchedRays::of_one(24),
-        1 => BatchedRays::new(16, 5, 37..201),
-        _ => BatchedRays::new(13, 3, 0..169),
+        0 => BatchedRays::of_one(12),
+        1 => BatchedRays::new(16, 5, 37..101),
+        _ => BatchedRays::new(13, 3, 109..169),
     };
     let light = light(digits);
+    let spec = spec(digits, &light);
     Case {
+        control: control(digits, spec),
         shape: shape(digits),
         material: material(digits),
         incident: digits.one_of(&[HalfSpace::Above, HalfSpace::Above, HalfSpace::Below]),
         settings: settings(digits),
-        spec: spec(digits, &light),
+        spec,
         light,
         rays,
         stream: PathStream::new(number, 7).from_batch(number % 5),

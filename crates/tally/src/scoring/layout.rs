@@ -55,14 +55,12 @@ pub struct TallyLayout {
 }
 
 impl Tallies<'_> {
-    /// The layout of these tallies; `None` under a control variate, and with components of a medium or measures of polarised light,
-    /// which exits count for in other ways.
+    /// The layout of these tallies; `None` with components of a medium or measures of polarised light, which exits count for in other ways.
+    /// Weights under a control variate are those of [`Tallies::control_variate`].
     #[must_use]
     pub fn layout(&self) -> Option<TallyLayout> {
         let (tally, spec) = (&self.0, self.0.spec);
-        let is_plain = tally.control_variate.is_none()
-            && spec.components().is_empty()
-            && spec.polarimetry() == Polarimetry::Nothing;
+        let is_plain = spec.components().is_empty() && spec.polarimetry() == Polarimetry::Nothing;
         if !is_plain {
             return None;
         }

@@ -123,9 +123,10 @@ impl Beam {
         [x + u * width, y + v * depth]
     }
 
-    /// Upper bound of [`Beam::flux_on`] for facets up to a slope: `1 + slope tan theta_i`, since `m / cos theta_m` is
+    /// Upper bound of the flux that falls on facets up to a slope: `1 + slope tan theta_i`, since `m / cos theta_m` is
     /// `(-gradient, 1)`.
-    pub(crate) fn largest_flux_on(&self, slope: f64) -> f64 {
+    #[must_use]
+    pub fn largest_flux_on(&self, slope: f64) -> f64 {
         1.0 + slope * self.wi.truncate().length() / self.wi.z.abs()
     }
 
