@@ -3,19 +3,16 @@
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use asperity_tally::{ControlVariate, Tallies, TallyLayout, TallySpec, VisibleFractions};
+use asperity_tally::{ControlVariate, Tallies, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BatchTracer, BatchedRays, BuildError, CpuEngine, Engine, Illumination,
     PathStream, PreparedSurface, Shape, TracedLayerError, TracedPaths, Work,
 };
 
+use crate::call::{Call, CallEnd};
 use crate::device::{Device, DeviceError};
-use crate::job::{Case, Rays, aperture};
+use crate::job::{Case, Rays};
 use crate::surface::SurfaceOnDevice;
-use crate::tables::COUNTS;
-
-/// Paths of one run of a kernel, after which a call may be given up: some tenths of a second at most.
-const PATHS_OF_RUN: u64 = 1 << 22;
 
 /// An engine on a device, with the bytes of [`CpuEngine`].
 ///
@@ -108,7 +105,10 @@ impl OnGpu {
     fn surface(&self) -> Option<&SurfaceOnDevice> {
         let copied = || {
             let found = SurfaceOnDevice::new(&*self.shared.device, &self.shape);
-            found.unwrap_or_else(|error| self.shared.fail(error))
+            found.unwrap_or_else(|error| {
+                self.shared.fail(error);
+                None
+            })
         };
         self.surface.get_or_init(copied).as_ref()
     }
@@ -116,10 +116,9 @@ impl OnGpu {
 
 impl Shared {
     /// Notes the first error of the device.
-    fn fail<T>(&self, error: DeviceError) -> Option<T> {
+    fn fail(&self, error: DeviceError) {
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure.get_or_insert(error);
-        None
     }
 
     fn has_failed(&self) -> bool {
@@ -150,28 +149,72 @@ impl PreparedSurface for OnGpu {
             layers,
             ..
         } = *case;
-        let of_device = match materials {
-            &[material] if layers.is_empty() => Some(Case {
-                material,
-                incident,
-                settings,
-            }),
-            _ => None,
-        };
+        let cases = materials.iter().map(|&material| Case {
+            material,
+            incident,
+            settings,
+        });
+        let is_supported = layers.is_empty() && cases.clone().all(|case| case.is_supported());
         Ok(Box::new(GpuTracer {
             cpu: self.cpu.tracer(case)?,
             surface: self,
-            case: of_device.filter(Case::is_supported),
+            cases: if is_supported {
+                cases.collect()
+            } else {
+                Vec::new()
+            },
         }))
     }
 }
 
-/// The tracer of a case.
+/// The tracer of a case, or of cases that differ in a conductor.
 struct GpuTracer<'a> {
     cpu: Box<dyn BatchTracer + 'a>,
     surface: &'a OnGpu,
-    /// `None` if kernels do not trace it.
-    case: Option<Case>,
+    /// One for each material; empty if kernels do not trace them.
+    cases: Vec<Case>,
+}
+
+/// Reason for which a call has no result of the device.
+enum NotTraced {
+    /// It was given up.
+    GivenUp,
+    /// The CPU engine traces it: kernels do not support it, some branch had no room to wait, or the device has failed.
+    HandedOver,
+}
+
+impl GpuTracer<'_> {
+    /// Traces rays of one material on the device.
+    fn on_device<'c>(
+        &self,
+        rays: &Rays<'_>,
+        spec: TallySpec,
+        control: Option<&'c ControlVariate>,
+        gives_up: &dyn Fn() -> bool,
+    ) -> Result<(Tallies<'c>, Work), NotTraced> {
+        let shared = &self.surface.shared;
+        if !rays.are_supported() || shared.has_failed() {
+            return Err(NotTraced::HandedOver);
+        }
+        let mut tallies = rays.tallies(spec, control);
+        let layout = tallies.layout().ok_or(NotTraced::HandedOver)?;
+        let surface = self.surface.surface().ok_or(NotTraced::HandedOver)?;
+        let call = Call {
+            device: &*shared.device,
+            surface,
+            rays,
+            layout,
+        };
+        match call.trace(&mut tallies, gives_up) {
+            Ok(CallEnd::Whole(work)) => Ok((tallies, work)),
+            Ok(CallEnd::GivenUp) => Err(NotTraced::GivenUp),
+            Ok(CallEnd::WithoutRoom) => Err(NotTraced::HandedOver),
+            Err(error) => {
+                shared.fail(error);
+                Err(NotTraced::HandedOver)
+            }
+        }
+    }
 }
 
 impl BatchTracer for GpuTracer<'_> {
@@ -184,128 +227,29 @@ impl BatchTracer for GpuTracer<'_> {
         stream: PathStream,
         gives_up: &dyn Fn() -> bool,
     ) -> Option<Vec<(Tallies<'c>, Work)>> {
-        let shared = &self.surface.shared;
-        if let Some(case) = self.case
-            && let &[control] = controls
-            && let rays = (Rays {
-                case,
+        // Several conductors one by one, which have the bytes of all together
+        let each = self.cases.iter().zip(controls).map(|(case, control)| {
+            let rays = Rays {
+                case: *case,
                 shape: &self.surface.shape,
                 illumination,
                 rays,
                 stream,
-            })
-            && rays.are_supported()
-            && !shared.has_failed()
-            && let mut tallies = rays.tallies(spec, control)
-            && let Some(layout) = tallies.layout()
-            && let Some(surface) = self.surface.surface()
-        {
-            let call = Call {
-                shared,
-                surface,
-                rays,
-                layout,
             };
-            match call.trace(&mut tallies, gives_up) {
-                Ok(Traced::Whole(work)) => {
-                    shared.on_device.fetch_add(1, Relaxed);
-                    return Some(vec![(tallies, work)]);
-                }
-                Ok(Traced::GivenUp) => return None,
-                Ok(Traced::WithoutRoom) => {}
-                Err(error) => shared.fail(error).unwrap_or_default(),
+            self.on_device(&rays, spec, *control, gives_up)
+        });
+        let shared = &self.surface.shared;
+        match each.collect::<Result<Vec<_>, _>>() {
+            Ok(found) if !found.is_empty() => {
+                shared.on_device.fetch_add(1, Relaxed);
+                Some(found)
+            }
+            Err(NotTraced::GivenUp) => None,
+            Ok(_) | Err(NotTraced::HandedOver) => {
+                shared.on_cpu.fetch_add(1, Relaxed);
+                self.cpu
+                    .batches(illumination, rays, spec, controls, stream, gives_up)
             }
         }
-        shared.on_cpu.fetch_add(1, Relaxed);
-        self.cpu
-            .batches(illumination, rays, spec, controls, stream, gives_up)
-    }
-}
-
-/// A call that is traced on the device.
-struct Call<'a> {
-    shared: &'a Shared,
-    surface: &'a SurfaceOnDevice,
-    rays: Rays<'a>,
-    layout: TallyLayout,
-}
-
-/// End of a call.
-enum Traced {
-    Whole(Work),
-    GivenUp,
-    /// Some path split so often that a branch had no room to wait.
-    WithoutRoom,
-}
-
-impl Call<'_> {
-    fn trace(
-        &self,
-        tallies: &mut Tallies<'_>,
-        gives_up: &dyn Fn() -> bool,
-    ) -> Result<Traced, DeviceError> {
-        let device = &*self.shared.device;
-        let mut kept = Vec::new();
-        let mut upload = |words: &[u64]| -> Result<u64, DeviceError> {
-            let memory = device.upload(words)?;
-            let address = memory.address();
-            kept.push(memory);
-            Ok(address)
-        };
-        let sums = device.zeros(2 * tallies.sums().len())?;
-        let counts = device.zeros(COUNTS)?;
-        let mut job = self.rays.job(&self.layout, tallies.control_variate());
-        if let Some([reflected, transmitted]) = &self.layout.edges {
-            let rings = [&*reflected.rings, &transmitted.rings].concat();
-            let sectors = [&*reflected.sectors, &transmitted.sectors].concat();
-            job.ring_starts = upload(bytemuck::cast_slice(&rings))?;
-            job.sector_starts = upload(bytemuck::cast_slice(&sectors))?;
-        }
-        let apertures: Vec<_> = self.layout.apertures.iter().map(aperture).collect();
-        job.apertures = upload(bytemuck::cast_slice(&apertures))?;
-        if let Some(control) = tallies.control_variate() {
-            let VisibleFractions { rings, .. } = control.fractions();
-            job.fractions = upload(bytemuck::cast_slice(&rings.concat()))?;
-        }
-        job.surface = self.surface.table.address();
-        (job.sums, job.counts) = (sums.address(), counts.address());
-        let job = upload(bytemuck::cast_slice(&[job]))?;
-        let count = self.rays.count();
-        for first in (0..count).step_by(PATHS_OF_RUN as usize) {
-            if gives_up() {
-                return Ok(Traced::GivenUp);
-            }
-            let paths = first..count.min(first + PATHS_OF_RUN);
-            device.run(self.surface.kernel, job, paths)?;
-        }
-        let counts = counts.read()?;
-        let &[
-            segments,
-            segments_skipped,
-            segments_skipped_nearby,
-            branches_not_recorded,
-            without_room,
-        ] = counts.as_slice()
-        else {
-            return Err(DeviceError::Driver(format!(
-                "{} counts of work",
-                counts.len()
-            )));
-        };
-        if without_room > 0 {
-            return Ok(Traced::WithoutRoom);
-        }
-        let sums = sums.read()?;
-        let of_words = |&[low, high]: &[u64; 2]| i128::from(high as i64) << 64 | i128::from(low);
-        tallies.add_sums(sums.as_chunks().0.iter().map(of_words));
-        let work = Work {
-            rays: count,
-            segments,
-            segments_skipped,
-            segments_skipped_nearby,
-            branches_not_recorded,
-            ..Work::default()
-        };
-        Ok(Traced::Whole(work))
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `engine` | the engine: which calls run on the device |
+//! | `engine`, `call` | the engine: which calls run on the device, and how one does |
 //! | `device` | where kernels run, and its memory |
 //! | `cuda` | a GPU of NVIDIA, by its driver |
 //! | `surface`, `job`, `tables` | what kernels read: a surface, and the rays, light, material and bins of a call |
@@ -15,6 +15,7 @@
 //! # Tested without a GPU
 //! The same kernels compile as plain C++. The tests of this crate do so with the compiler of the system, and demand equal sums.
 
+mod call;
 mod cuda;
 mod device;
 mod engine;

@@ -15,7 +15,8 @@ use asperity_tracer::{
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
     pub(crate) shape: Shape,
-    pub(crate) material: Material,
+    /// One, or several conductors.
+    pub(crate) materials: Vec<Material>,
     pub(crate) incident: HalfSpace,
     pub(crate) settings: PathSettings,
     pub(crate) light: Illumination,
@@ -90,15 +91,23 @@ fn shape(digits: &mut Digits) -> Shape {
     }
 }
 
-fn material(digits: &mut Digits) -> Material {
-    match digits.below(8) {
-        0 => return Material::conductor(0.21, 3.27).unwrap(),
-        1 => return Material::conductor(1.5, 1e-3).unwrap(),
-        2 => return Material::Mirror,
+fn materials(digits: &mut Digits) -> Vec<Material> {
+    let conductor = |eta, kappa| Material::conductor(eta, kappa).unwrap();
+    match digits.below(10) {
+        0 => return vec![conductor(0.21, 3.27)],
+        1 => return vec![conductor(1.5, 1e-3)],
+        2 => return vec![Material::Mirror],
+        3 => {
+            return vec![
+                conductor(0.21, 3.27),
+                conductor(2.9, 3.0),
+                conductor(1.0, 0.5),
+            ];
+        }
         _ => {}
     }
     let eta = digits.one_of(&[1.5, 1.5, 1.0 / 1.5, 1.0, 4.0, 1.0 + 1e-9, 0.25]);
-    Material::dielectric(eta).unwrap()
+    vec![Material::dielectric(eta).unwrap()]
 }
 
 /// Light from any direction; now and then along one line, through a vertex or along edges and diagonals.
@@ -244,7 +253,7 @@ pub(crate) fn case(number: u64) -> Case {
     Case {
         control: control(digits, spec),
         shape: shape(digits),
-        material: material(digits),
+        materials: materials(digits),
         incident: digits.one_of(&[HalfSpace::Above, HalfSpace::Above, HalfSpace::Below]),
         settings: settings(digits),
         spec,

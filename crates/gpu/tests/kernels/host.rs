@@ -144,10 +144,10 @@ impl Device for Host {
 }
 
 /// Words of the heap, at least one.
-struct HostMemory(Box<[AtomicU64]>);
+pub(crate) struct HostMemory(Box<[AtomicU64]>);
 
 impl HostMemory {
-    fn zeros(words: usize) -> Self {
+    pub(crate) fn zeros(words: usize) -> Self {
         Self((0..words.max(1)).map(|_| AtomicU64::new(0)).collect())
     }
 }

@@ -11,33 +11,48 @@ mod host;
 
 use std::ops::Range;
 
-use asperity_gpu::GpuEngine;
-use asperity_tracer::{AcceleratorKind, CpuEngine, Engine, TracedPaths, Work};
+use asperity_gpu::{Device, DeviceError, GpuEngine, Kernel, Memory, Usage};
+use asperity_optics::Material;
+use asperity_surface::{Border, HeightField};
+use asperity_tally::TallySpec;
+use asperity_tracer::{
+    AcceleratorKind, BatchedRays, CpuEngine, Engine, Illumination, Polarisation, Sampling, Shape,
+    TracedPaths, Work,
+};
 
 use self::cases::{Case, case};
-use self::host::Host;
+use self::host::{Host, HostMemory};
 
-/// Sums and work of a case, traced by an engine.
-fn traced(engine: &dyn Engine, case: &Case) -> (Vec<i128>, Work) {
+/// Sums and work of each material of a case, traced by an engine; `None` if it is given up at once.
+fn results(engine: &dyn Engine, case: &Case, gives_up: bool) -> Option<Vec<(Vec<i128>, Work)>> {
     let surface = engine.prepare(&case.shape, AcceleratorKind::Auto).unwrap();
     let paths = TracedPaths {
-        materials: &[case.material],
+        materials: &case.materials,
         incident: case.incident,
         settings: case.settings,
         layers: &[],
         max_scatterings: 1,
     };
     let tracer = surface.tracer(&paths).unwrap();
+    let controls = vec![case.control.as_ref(); case.materials.len()];
     let found = tracer.batches(
         &case.light,
         &case.rays,
         case.spec,
-        &[case.control.as_ref()],
+        &controls,
         case.stream,
-        &|| false,
+        &|| gives_up,
     );
-    let (tallies, work) = found.unwrap().remove(0);
-    (tallies.sums().to_vec(), work)
+    let results = found?.into_iter();
+    Some(
+        results
+            .map(|(tallies, work)| (tallies.sums().to_vec(), work))
+            .collect(),
+    )
+}
+
+fn traced(engine: &dyn Engine, case: &Case) -> Vec<(Vec<i128>, Work)> {
+    results(engine, case, false).unwrap()
 }
 
 /// Asserts that kernels and CPU engine agree on some cases, all of which are traced by kernels.
@@ -47,13 +62,15 @@ fn compare(cases: Range<u64>) {
     let mut different = Vec::new();
     for number in cases.clone() {
         let case = case(number);
-        let (sums, work) = traced(&engine, &case);
-        let (expected, expected_work) = traced(&CpuEngine, &case);
-        let entries = sums.iter().zip(&expected).filter(|(a, b)| a != b).count();
-        if entries > 0 || work != expected_work {
-            println!("case {number}: {entries} sums differ, {work:?} for {expected_work:?}");
-            println!("{case:?}");
-            different.push(number);
+        for ((sums, work), (expected, expected_work)) in
+            traced(&engine, &case).iter().zip(traced(&CpuEngine, &case))
+        {
+            let entries = sums.iter().zip(&expected).filter(|(a, b)| a != b).count();
+            if entries > 0 || *work != expected_work {
+                println!("case {number}: {entries} sums differ, {work:?} for {expected_work:?}");
+                println!("{case:?}");
+                different.push(number);
+            }
         }
     }
     assert!(different.is_empty(), "cases that differ: {different:?}");
@@ -131,4 +148,108 @@ fn another_rounding_is_seen() {
 #[ignore = "compiles the kernels many times"]
 fn changes_of_the_kernels_are_seen() {
     find_changes(&CHANGES[1..]);
+}
+
+#[test]
+fn calls_are_given_up() {
+    let Some(host) = Host::get() else { return };
+    assert_eq!(results(&GpuEngine::new(host), &case(0), true), None);
+}
+
+/// The CPU engine traces calls of which some branch had no room to wait.
+#[test]
+fn branches_without_room_are_not_lost() {
+    let less_room = ["path.h", "#define MAX_WAITING 32", "#define MAX_WAITING 1"];
+    let Some(host) = Host::with_change(Some(less_room)) else {
+        return;
+    };
+    let engine = GpuEngine::new(host);
+    for number in 0..40 {
+        let case = case(number);
+        assert_eq!(
+            traced(&engine, &case),
+            traced(&CpuEngine, &case),
+            "{number}"
+        );
+    }
+    let Usage {
+        on_device,
+        on_cpu,
+        failure,
+    } = engine.usage();
+    assert!(on_device > 5 && on_cpu > 5 && failure.is_none());
+}
+
+#[test]
+fn the_cpu_engine_traces_what_kernels_do_not() {
+    let Some(host) = Host::get() else { return };
+    let engine = GpuEngine::new(host);
+    let lambertian = Material::lambertian(0.5).unwrap();
+    let others: [&dyn Fn(&mut Case); 4] = [
+        &|case| case.materials = vec![lambertian],
+        &|case| case.settings = case.settings.with_polarisation(Polarisation::Mueller),
+        &|case| case.light.sampling = Sampling::Random,
+        &|case| {
+            let field = HeightField::new(
+                vec![0.0, 1.0, 2.0, 4.0, 1.0, 3.0, 0.0, 1.0, 2.0],
+                [3, 3],
+                [1.0; 2],
+            );
+            case.shape = Shape::height_field(field.unwrap().with_border(Border::Mirrored));
+        },
+    ];
+    for (number, change) in others.iter().enumerate() {
+        let mut case = case(0);
+        case.rays = BatchedRays::of_one(8);
+        case.light = Illumination::new(case.light.incidence, false);
+        case.control = None;
+        change(&mut case);
+        let polarimetry = case.settings.polarisation().polarimetry();
+        case.spec = TallySpec::default().with_polarimetry(polarimetry);
+        assert_eq!(
+            traced(&engine, &case),
+            traced(&CpuEngine, &case),
+            "{number}"
+        );
+    }
+    let usage = engine.usage();
+    assert_eq!((usage.on_device, usage.on_cpu), (0, others.len() as u64));
+}
+
+/// A device that breaks down when kernels run.
+struct Broken;
+
+impl Device for Broken {
+    fn name(&self) -> String {
+        "broken".to_owned()
+    }
+
+    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
+        self.zeros(words.len())
+    }
+
+    fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
+        Ok(Box::new(HostMemory::zeros(words)))
+    }
+
+    fn run(&self, _: Kernel, _: u64, _: Range<u64>) -> Result<(), DeviceError> {
+        Err(DeviceError::Driver("the context is lost".to_owned()))
+    }
+}
+
+#[test]
+fn the_cpu_engine_goes_on_where_a_device_breaks_down() {
+    let engine = GpuEngine::new(Broken);
+    for number in 0..3 {
+        let case = case(number);
+        assert_eq!(
+            traced(&engine, &case),
+            traced(&CpuEngine, &case),
+            "{number}"
+        );
+    }
+    let usage = engine.usage();
+    assert_eq!((usage.on_device, usage.on_cpu), (0, 3));
+    let failure = usage.failure.unwrap().to_string();
+    assert_eq!(failure, "the GPU driver reports: the context is lost");
 }
