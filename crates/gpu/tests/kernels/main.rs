@@ -8,10 +8,11 @@
 
 mod cases;
 mod host;
+mod simulation;
 
 use std::ops::Range;
 
-use asperity_gpu::{Device, DeviceError, GpuEngine, Kernel, Memory, Usage};
+use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Kernel, Memory, Usage};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::TallySpec;
@@ -55,15 +56,13 @@ fn traced(engine: &dyn Engine, case: &Case) -> Vec<(Vec<i128>, Work)> {
     results(engine, case, false).unwrap()
 }
 
-/// Asserts that kernels and CPU engine agree on some cases, all of which are traced by kernels.
-fn compare(cases: Range<u64>) {
-    let Some(host) = Host::get() else { return };
-    let engine = GpuEngine::new(host);
+/// Asserts that an engine and the CPU engine agree on some cases, all of which are traced by kernels.
+fn compare(engine: &GpuEngine, cases: Range<u64>) {
     let mut different = Vec::new();
     for number in cases.clone() {
         let case = case(number);
         for ((sums, work), (expected, expected_work)) in
-            traced(&engine, &case).iter().zip(traced(&CpuEngine, &case))
+            traced(engine, &case).iter().zip(traced(&CpuEngine, &case))
         {
             let entries = sums.iter().zip(&expected).filter(|(a, b)| a != b).count();
             if entries > 0 || *work != expected_work {
@@ -79,13 +78,25 @@ fn compare(cases: Range<u64>) {
 
 #[test]
 fn kernels_give_the_integers_of_the_cpu_engine() {
-    compare(0..250);
+    if let Some(host) = Host::get() {
+        compare(&GpuEngine::new(host), 0..250);
+    }
+}
+
+#[test]
+fn a_gpu_gives_the_integers_of_the_cpu_engine() {
+    match Cuda::open(0) {
+        Ok(gpu) => compare(&GpuEngine::new(gpu), 0..250),
+        Err(error) => println!("skipped: {error}"),
+    }
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn kernels_give_the_integers_of_the_cpu_engine_in_many_more_cases() {
-    compare(250..4000);
+    if let Some(host) = Host::get() {
+        compare(&GpuEngine::new(host), 250..4000);
+    }
 }
 
 /// Changes of the kernels that must be seen: a file, a text in it, and what takes its place.
