@@ -72,8 +72,7 @@ def ptx(nvrtc):
 def main():
     nvrtc = library()
     if nvrtc is None:
-        print("skipped: NVRTC is not installed; see the text of this script")
-        return
+        sys.exit("NVRTC is not installed: see the text of this script")
     major, minor = ctypes.c_int(), ctypes.c_int()
     nvrtc.nvrtcVersion(ctypes.byref(major), ctypes.byref(minor))
     if (major.value, minor.value) != RELEASE:

@@ -119,7 +119,7 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
                     continue;
                 }
                 if (count == MAX_WAITING) {
-                    work.add(WITHOUT_ROOM);
+                    work.add(LEFT_TO_CPU);
                     continue;
                 }
                 waiting[count++] = branch;

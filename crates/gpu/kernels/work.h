@@ -3,8 +3,8 @@
 
 #include "tables.h"
 
-// Numbers of the counts in `Job::counts`.
-enum { SEGMENTS, SKIPPED, SKIPPED_NEARBY, NOT_RECORDED, WITHOUT_ROOM, COUNTS };
+// Numbers of the counts in `Job::counts`. The last one is of events for which the CPU engine is to trace the call.
+enum { SEGMENTS, SKIPPED, SKIPPED_NEARBY, NOT_RECORDED, LEFT_TO_CPU, COUNTS };
 
 struct Work {
     u32 counts[COUNTS];

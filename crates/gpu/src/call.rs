@@ -3,13 +3,14 @@
 use asperity_tally::{Tallies, TallyLayout, VisibleFractions};
 use asperity_tracer::Work;
 
-use crate::device::{Device, DeviceError};
+use crate::device::{Device, DeviceError, Job};
 use crate::job::{Rays, aperture};
 use crate::surface::SurfaceOnDevice;
 use crate::tables::COUNTS;
 
-/// Paths of one run of a kernel, after which a call may be given up: some tenths of a second at most.
-const PATHS_OF_RUN: u64 = 1 << 22;
+/// Paths of one run of a kernel, between which a call may be given up. On a GPU of few f64 units a run takes some tenths of a second, and
+/// displays are not blocked for long.
+const PATHS_OF_RUN: u64 = 1 << 18;
 
 /// A call that is traced on a device.
 pub(crate) struct Call<'a> {
@@ -23,8 +24,8 @@ pub(crate) struct Call<'a> {
 pub(crate) enum CallEnd {
     Whole(Work),
     GivenUp,
-    /// Some path split so often that a branch had no room to wait.
-    WithoutRoom,
+    /// Some branch had no room to wait, or some flux was no number that sums hold: the CPU engine is to trace the call.
+    LeftToCpu,
 }
 
 impl Call<'_> {
@@ -59,7 +60,7 @@ impl Call<'_> {
         }
         job.surface = self.surface.table.address();
         (job.sums, job.counts) = (sums.address(), counts.address());
-        let job = upload(bytemuck::cast_slice(&[job]))?;
+        let job = Job(upload(bytemuck::cast_slice(&[job]))?);
         let count = self.rays.count();
         for first in (0..count).step_by(PATHS_OF_RUN as usize) {
             if gives_up() {
@@ -74,7 +75,7 @@ impl Call<'_> {
             segments_skipped,
             segments_skipped_nearby,
             branches_not_recorded,
-            without_room,
+            left_to_cpu,
         ] = counts.as_slice()
         else {
             return Err(DeviceError::Driver(format!(
@@ -82,8 +83,8 @@ impl Call<'_> {
                 counts.len()
             )));
         };
-        if without_room > 0 {
-            return Ok(CallEnd::WithoutRoom);
+        if left_to_cpu > 0 {
+            return Ok(CallEnd::LeftToCpu);
         }
         let sums = sums.read()?;
         let of_words = |&[low, high]: &[u64; 2]| i128::from(high as i64) << 64 | i128::from(low);

@@ -14,10 +14,14 @@ use cudarc::driver::{
 };
 use cudarc::nvrtc::Ptx;
 
-use crate::device::{Device, DeviceError, Kernel, Memory};
+use crate::device::{Device, DeviceError, Job, Kernel, Memory};
 
 /// The kernels in the language that the driver compiles; made by `kernels/compile.py`.
 const PTX: &str = include_str!("../kernels/kernels.ptx");
+
+/// Oldest release of CUDA whose drivers take that PTX, as the driver numbers it, and the oldest GPUs that it is for.
+const CUDA: i32 = 12_010;
+const COMPUTE_CAPABILITY: (i32, i32) = (7, 5);
 
 /// Threads of a block, and blocks at a time per multiprocessor: those of `__launch_bounds__` in `kernels.cu`.
 const THREADS: u32 = 128;
@@ -36,17 +40,35 @@ impl Cuda {
     /// GPU number `ordinal`. The driver compiles the kernels for it, which takes seconds the first time and is remembered.
     ///
     /// # Errors
-    /// [`DeviceError`] if there is no driver or no such GPU, or the driver does not take the kernels.
+    /// [`DeviceError`] if there is no driver or no such GPU, or one of them is too old.
     pub fn open(ordinal: usize) -> Result<Self, DeviceError> {
         // SAFETY: it looks for a library and calls nothing in it but its initialisers.
         if !unsafe { sys::is_culib_present() } {
             return Err(DeviceError::NoDriver);
+        }
+        let mut release = 0;
+        // SAFETY: it writes a number there.
+        let asked = unsafe { sys::cuDriverGetVersion(&raw mut release) };
+        asked.result().map_err(message)?;
+        if release < CUDA {
+            let (major, minor) = (release / 1000, release % 1000 / 10);
+            return Err(DeviceError::TooOld {
+                what: format!("the GPU driver supports CUDA {major}.{minor}"),
+                needed: "12.1",
+            });
         }
         let count = CudaContext::device_count().map_err(message)?;
         if ordinal >= usize::try_from(count).unwrap_or(0) {
             return Err(DeviceError::NoDevice { ordinal, count });
         }
         let context = CudaContext::new(ordinal).map_err(message)?;
+        let (major, minor) = context.compute_capability().map_err(message)?;
+        if (major, minor) < COMPUTE_CAPABILITY {
+            return Err(DeviceError::TooOld {
+                what: format!("the GPU has compute capability {major}.{minor}"),
+                needed: "7.5",
+            });
+        }
         let module = context.load_module(Ptx::from_src(PTX)).map_err(message)?;
         let [facets, smooth] = Kernel::ALL.map(|kernel| module.load_function(kernel.name()));
         let multiprocessors = context.attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT);
@@ -68,9 +90,11 @@ impl Device for Cuda {
     }
 
     fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
-        // No memory has no length
+        // CUDA refuses allocations of no bytes
         let words = if words.is_empty() { &[0] } else { words };
         let slice = self.stream.clone_htod(words).map_err(message)?;
+        // Copies need not be done when they return
+        self.stream.synchronize().map_err(message)?;
         Ok(Box::new(Words {
             slice,
             stream: self.stream.clone(),
@@ -85,7 +109,8 @@ impl Device for Cuda {
         }))
     }
 
-    fn run(&self, kernel: Kernel, job: u64, paths: Range<u64>) -> Result<(), DeviceError> {
+    fn run(&self, kernel: Kernel, job: Job, paths: Range<u64>) -> Result<(), DeviceError> {
+        let job = job.address();
         let blocks = (paths.end - paths.start).div_ceil(THREADS.into());
         let config = LaunchConfig {
             grid_dim: (
@@ -116,12 +141,17 @@ impl Memory for Words {
     }
 
     fn read(&self) -> Result<Vec<u64>, DeviceError> {
-        self.stream.clone_dtoh(&self.slice).map_err(message)
+        let words = self.stream.clone_dtoh(&self.slice).map_err(message)?;
+        self.stream.synchronize().map_err(message)?;
+        Ok(words)
     }
 }
 
-/// An error in the words of the driver.
+/// An error of the driver, with its own message.
 fn message(error: DriverError) -> DeviceError {
+    if error.0 == sys::CUresult::CUDA_ERROR_OUT_OF_MEMORY {
+        return DeviceError::OutOfMemory;
+    }
     let words = error
         .error_string()
         .map(|text| text.to_string_lossy().into_owned());
@@ -141,10 +171,14 @@ mod tests {
         let Err(error) = Cuda::open(1000) else {
             return;
         };
-        let text = error.to_string();
         assert!(
-            text.contains("driver") || text.contains("no GPU number 1000"),
-            "{text}"
+            matches!(
+                error,
+                DeviceError::NoDriver
+                    | DeviceError::TooOld { .. }
+                    | DeviceError::NoDevice { ordinal: 1000, .. }
+            ),
+            "{error}"
         );
     }
 
@@ -173,6 +207,9 @@ mod tests {
         for kernel in Kernel::ALL {
             assert!(PTX.contains(&format!(".visible .entry {}(", kernel.name())));
         }
-        assert!(!PTX.contains("fma."), "run kernels/compile.py");
+        // Without a rounding mode sums and products may be fused
+        for fused in ["fma.", "mad.f", "add.f64", "sub.f64", "mul.f64"] {
+            assert!(!PTX.contains(fused), "{fused}: run kernels/compile.py");
+        }
     }
 }

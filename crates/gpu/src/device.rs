@@ -17,7 +17,18 @@ pub enum DeviceError {
         /// GPUs that there are.
         count: i32,
     },
-    /// The driver refuses.
+    /// The driver or the GPU is too old.
+    #[error("{what}, but the kernels need {needed} or later")]
+    TooOld {
+        /// What was found.
+        what: String,
+        /// Oldest release that serves.
+        needed: &'static str,
+    },
+    /// There is not enough memory for a surface or a call.
+    #[error("the GPU has not enough free memory")]
+    OutOfMemory,
+    /// The driver reports another error.
     #[error("the GPU driver reports: {0}")]
     Driver(String),
 }
@@ -45,6 +56,18 @@ impl Kernel {
     }
 }
 
+/// Address of a job in the memory of a device, which a [`GpuEngine`](crate::GpuEngine) makes and keeps until [`Device::run`] returns.
+#[derive(Clone, Copy, Debug)]
+pub struct Job(pub(crate) u64);
+
+impl Job {
+    /// Address that kernels use.
+    #[must_use]
+    pub const fn address(self) -> u64 {
+        self.0
+    }
+}
+
 /// A device that runs kernels. Called from any thread.
 pub trait Device: Send + Sync {
     /// Name for messages.
@@ -56,17 +79,17 @@ pub trait Device: Send + Sync {
     /// [`DeviceError`], for instance if there is not enough memory.
     fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError>;
 
-    /// Reserves so many words of zero.
+    /// Allocates `words` words of zero.
     ///
     /// # Errors
     /// [`DeviceError`], for instance if there is not enough memory.
     fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError>;
 
-    /// Runs a kernel over some paths of the job at an address, and waits for its end.
+    /// Runs a kernel over some paths of a job, and waits for its end.
     ///
     /// # Errors
     /// [`DeviceError`] if it fails.
-    fn run(&self, kernel: Kernel, job: u64, paths: Range<u64>) -> Result<(), DeviceError>;
+    fn run(&self, kernel: Kernel, job: Job, paths: Range<u64>) -> Result<(), DeviceError>;
 }
 
 /// Words in the memory of a device, freed when dropped.

@@ -1,7 +1,7 @@
 //! Engine: traces on a device what kernels support, and hands the rest to the CPU engine.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use asperity_tally::{ControlVariate, Tallies, TallySpec};
 use asperity_tracer::{
@@ -18,13 +18,30 @@ use crate::surface::SurfaceOnDevice;
 ///
 /// It traces periodic height fields, as triangles or smooth; dielectrics, conductors and mirrors; averaged and tracked polarisation; stratified
 /// starts from above and on the surface, with and without a control variate; bins of any edges, rings, in-plane slices, orders, event paths
-/// and apertures. Everything else is traced by [`CpuEngine`], as is every call after an error of the device: see [`GpuEngine::usage`].
+/// and apertures. Everything else is traced by [`CpuEngine`], as is what the device has no memory for, and every call after another error of it: see
+/// [`GpuEngine::usage`].
+///
+/// # Examples
+/// ```no_run
+/// use std::sync::Arc;
+///
+/// use asperity_gpu::{Cuda, GpuEngine};
+/// use asperity_simulate::{Case, Settings, Silent, Simulation};
+///
+/// # fn traced(cases: &[Case], settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
+/// let engine = GpuEngine::new(Cuda::open(0)?); // the first GPU
+/// let simulation = Simulation::new(cases, settings)?.on(Arc::new(engine.clone()));
+/// let outcomes = simulation.run(&Silent)?;
+/// println!("{:?}", engine.usage());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone)]
 pub struct GpuEngine {
     shared: Arc<Shared>,
 }
 
-/// What the surfaces of an engine share.
+/// State that the surfaces of an engine share.
 struct Shared {
     device: Box<dyn Device>,
     on_device: AtomicU64,
@@ -85,38 +102,39 @@ impl Engine for GpuEngine {
     ) -> Result<Box<dyn PreparedSurface>, BuildError> {
         Ok(Box::new(OnGpu {
             cpu: CpuEngine.prepare(shape, accelerator)?,
+            surface: self.shared.surface(shape),
             shape: shape.clone(),
             shared: self.shared.clone(),
-            surface: OnceLock::new(),
         }))
     }
 }
 
-/// A surface on the CPU, and on the device once it is traced there.
+/// A surface on the CPU and on the device.
 struct OnGpu {
     cpu: Box<dyn PreparedSurface>,
+    /// `None` if kernels do not search it, the device has no room for it, or has failed.
+    surface: Option<SurfaceOnDevice>,
     shape: Shape,
     shared: Arc<Shared>,
-    surface: OnceLock<Option<SurfaceOnDevice>>,
-}
-
-impl OnGpu {
-    /// The surface on the device; `None` if kernels do not search it, or the device has failed.
-    fn surface(&self) -> Option<&SurfaceOnDevice> {
-        let copied = || {
-            let found = SurfaceOnDevice::new(&*self.shared.device, &self.shape);
-            found.unwrap_or_else(|error| {
-                self.shared.fail(error);
-                None
-            })
-        };
-        self.surface.get_or_init(copied).as_ref()
-    }
 }
 
 impl Shared {
-    /// Notes the first error of the device.
+    /// Copies a surface to the device. Not when it is first needed: threads that wait for each other then may be one, since its bounds are computed by many.
+    fn surface(&self, shape: &Shape) -> Option<SurfaceOnDevice> {
+        if self.has_failed() {
+            return None;
+        }
+        SurfaceOnDevice::new(&*self.device, shape).unwrap_or_else(|error| {
+            self.fail(error);
+            None
+        })
+    }
+
+    /// Notes the first error of the device but a lack of memory, which others may not have.
     fn fail(&self, error: DeviceError) {
+        if error == DeviceError::OutOfMemory {
+            return;
+        }
         let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
         failure.get_or_insert(error);
     }
@@ -179,7 +197,7 @@ struct GpuTracer<'a> {
 enum NotTraced {
     /// It was given up.
     GivenUp,
-    /// The CPU engine traces it: kernels do not support it, some branch had no room to wait, or the device has failed.
+    /// The CPU engine traces it: kernels do not support it, the device has no room for it, or has failed.
     HandedOver,
 }
 
@@ -198,7 +216,8 @@ impl GpuTracer<'_> {
         }
         let mut tallies = rays.tallies(spec, control);
         let layout = tallies.layout().ok_or(NotTraced::HandedOver)?;
-        let surface = self.surface.surface().ok_or(NotTraced::HandedOver)?;
+        let surface = self.surface.surface.as_ref();
+        let surface = surface.ok_or(NotTraced::HandedOver)?;
         let call = Call {
             device: &*shared.device,
             surface,
@@ -208,7 +227,7 @@ impl GpuTracer<'_> {
         match call.trace(&mut tallies, gives_up) {
             Ok(CallEnd::Whole(work)) => Ok((tallies, work)),
             Ok(CallEnd::GivenUp) => Err(NotTraced::GivenUp),
-            Ok(CallEnd::WithoutRoom) => Err(NotTraced::HandedOver),
+            Ok(CallEnd::LeftToCpu) => Err(NotTraced::HandedOver),
             Err(error) => {
                 shared.fail(error);
                 Err(NotTraced::HandedOver)

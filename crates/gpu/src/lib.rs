@@ -24,6 +24,6 @@ mod surface;
 mod tables;
 
 pub use cuda::Cuda;
-pub use device::{Device, DeviceError, Kernel, Memory};
+pub use device::{Device, DeviceError, Job, Kernel, Memory};
 pub use engine::{GpuEngine, Usage};
 pub use tables::{COUNTS, TABLE_SIZES};

@@ -14,7 +14,7 @@ pub(crate) struct SurfaceOnDevice {
     pub(crate) kernel: Kernel,
     /// A [`SurfaceTable`].
     pub(crate) table: Box<dyn Memory>,
-    /// What the table refers to.
+    /// Arrays that the table refers to.
     _arrays: [Box<dyn Memory>; 3],
 }
 

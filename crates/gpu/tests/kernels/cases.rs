@@ -242,7 +242,6 @@ impl Digits {
 /// Case number `number`.
 pub(crate) fn case(number: u64) -> Case {
     let digits = &mut Digits(number);
-    digits.below(2);
     let rays = match digits.below(3) {
         0 => BatchedRays::of_one(12),
         1 => BatchedRays::new(16, 5, 37..101),

@@ -11,7 +11,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use asperity_gpu::{Device, DeviceError, Kernel, Memory, TABLE_SIZES};
+use asperity_gpu::{Device, DeviceError, Job, Kernel, Memory, TABLE_SIZES};
 use libloading::Library;
 
 /// Entry point of a kernel: a job, the first path and the end of paths.
@@ -92,12 +92,6 @@ fn compile(folder: &Path) -> Option<std::path::PathBuf> {
                 "-shared",
                 "-fPIC",
             ])
-            .args([
-                "-Wall",
-                "-Wextra",
-                "-Werror",
-                "-Wno-pragma-once-outside-header",
-            ])
             .arg(folder.join("kernels.cu"))
             .arg("-o")
             .arg(&library)
@@ -131,13 +125,13 @@ impl Device for Host {
     }
 
     /// Some paths at a time, the last ones first: the order is of no consequence.
-    fn run(&self, kernel: Kernel, job: u64, paths: Range<u64>) -> Result<(), DeviceError> {
+    fn run(&self, kernel: Kernel, job: Job, paths: Range<u64>) -> Result<(), DeviceError> {
         const PATHS: usize = 100;
         let first_of_parts: Vec<u64> = paths.clone().step_by(PATHS).collect();
         for first in first_of_parts.into_iter().rev() {
             let end = paths.end.min(first + PATHS as u64);
             // SAFETY: the engine gives the address of a job, whose memory lives until the call returns.
-            unsafe { self.kernels[kernel as usize](job, first, end) };
+            unsafe { self.kernels[kernel as usize](job.address(), first, end) };
         }
         Ok(())
     }

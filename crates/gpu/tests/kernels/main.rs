@@ -12,7 +12,7 @@ mod simulation;
 
 use std::ops::Range;
 
-use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Kernel, Memory, Usage};
+use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Job, Kernel, Memory, Usage};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::TallySpec;
@@ -92,8 +92,8 @@ fn a_gpu_gives_the_integers_of_the_cpu_engine() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
-fn kernels_give_the_integers_of_the_cpu_engine_in_many_more_cases() {
+#[ignore = "full size, takes minutes: run by hand, see CONTRIBUTING.md"]
+fn kernels_give_the_integers_of_the_cpu_engine_at_full_size() {
     if let Some(host) = Host::get() {
         compare(&GpuEngine::new(host), 250..4000);
     }
@@ -156,7 +156,7 @@ fn another_rounding_is_seen() {
 }
 
 #[test]
-#[ignore = "compiles the kernels many times"]
+#[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn changes_of_the_kernels_are_seen() {
     find_changes(&CHANGES[1..]);
 }
@@ -227,8 +227,8 @@ fn the_cpu_engine_traces_what_kernels_do_not() {
     assert_eq!((usage.on_device, usage.on_cpu), (0, others.len() as u64));
 }
 
-/// A device that breaks down when kernels run.
-struct Broken;
+/// A device that answers every run with an error.
+struct Broken(DeviceError);
 
 impl Device for Broken {
     fn name(&self) -> String {
@@ -243,24 +243,45 @@ impl Device for Broken {
         Ok(Box::new(HostMemory::zeros(words)))
     }
 
-    fn run(&self, _: Kernel, _: u64, _: Range<u64>) -> Result<(), DeviceError> {
-        Err(DeviceError::Driver("the context is lost".to_owned()))
+    fn run(&self, _: Kernel, _: Job, _: Range<u64>) -> Result<(), DeviceError> {
+        Err(self.0.clone())
     }
 }
 
 #[test]
 fn the_cpu_engine_goes_on_where_a_device_breaks_down() {
-    let engine = GpuEngine::new(Broken);
-    for number in 0..3 {
-        let case = case(number);
-        assert_eq!(
-            traced(&engine, &case),
-            traced(&CpuEngine, &case),
-            "{number}"
-        );
+    let lost = DeviceError::Driver("the context is lost".to_owned());
+    for (error, failure) in [
+        (lost, Some("the GPU driver reports: the context is lost")),
+        (DeviceError::OutOfMemory, None),
+    ] {
+        let engine = GpuEngine::new(Broken(error));
+        for number in 0..3 {
+            let case = case(number);
+            assert_eq!(
+                traced(&engine, &case),
+                traced(&CpuEngine, &case),
+                "{number}"
+            );
+        }
+        let usage = engine.usage();
+        assert_eq!((usage.on_device, usage.on_cpu), (0, 3));
+        let found = usage.failure.map(|error| error.to_string());
+        assert_eq!(found.as_deref(), failure);
     }
-    let usage = engine.usage();
-    assert_eq!((usage.on_device, usage.on_cpu), (0, 3));
-    let failure = usage.failure.unwrap().to_string();
-    assert_eq!(failure, "the GPU driver reports: the context is lost");
+}
+
+#[test]
+fn calls_of_several_threads_have_the_same_integers() {
+    let Some(host) = Host::get() else { return };
+    let engine = GpuEngine::new(host);
+    let case = case(0);
+    let expected = traced(&CpuEngine, &case);
+    std::thread::scope(|scope| {
+        let threads = [(); 8].map(|()| scope.spawn(|| traced(&engine, &case)));
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), expected);
+        }
+    });
+    assert_eq!(engine.usage().on_device, 8);
 }

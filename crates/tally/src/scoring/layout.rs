@@ -6,14 +6,13 @@ use crate::spec::edges::BinStarts;
 use crate::spec::offsets::BinOffsets;
 use crate::{Component, Polarimetry, Score, Side, TallySpec};
 
-/// Positions of the entries that an exit counts for, the edges that choose them, and the unit of sums.
+/// Positions of the entries that an exit counts for, the edges that choose them, and the unit of sums. An entry is given where the first of its kind
+/// stands: that of reflected light, and of its single scattering where there are several components.
 ///
 /// An engine that adds exits by it, and sums by [`Tallies::add_sums`], has the bits of [`Tallies::add_located`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TallyLayout {
-    /// Number of entries. Sums of one entry stand side by side, batch after batch.
-    pub entries: usize,
-    /// Rings and sectors of a side.
+    /// Rings of a side.
     pub n_theta: usize,
     /// Sectors of a ring.
     pub n_phi: usize,
@@ -23,12 +22,11 @@ pub struct TallyLayout {
     pub slice: Option<[f64; 2]>,
     /// Sides that are recorded.
     pub records: [bool; 2],
-    /// Apertures, in the order of their entries, and the horizontal directions along and across the plane of incidence.
+    /// Apertures, in the order of their entries.
     pub apertures: Vec<ApertureWindow>,
-    /// Those directions.
+    /// Horizontal unit vectors along and across the plane of incidence.
     pub axes: [[f64; 3]; 2],
-    /// First entries: orders and event paths of reflected light, rings and in-plane bins of its single scattering, bins and rays of single
-    /// scattering.
+    /// Orders of scattering.
     pub orders: usize,
     /// Event paths.
     pub paths: usize,
@@ -42,7 +40,7 @@ pub struct TallyLayout {
     pub hits: usize,
     /// Apertures.
     pub of_apertures: usize,
-    /// Entries of the budget.
+    /// Absorbed flux.
     pub absorbed: usize,
     /// Flux on paths that were ended.
     pub truncated: usize,
@@ -74,7 +72,6 @@ impl Tallies<'_> {
             apertures,
             axes,
             of_apertures: offsets.apertures_start(),
-            entries: spec.len(),
             n_theta: grid.n_theta(),
             n_phi: grid.n_phi(),
             edges: grid.bin_starts(),
@@ -94,7 +91,7 @@ impl Tallies<'_> {
         })
     }
 
-    /// The exact sums, in units of [`TallyLayout::scale`]: of each entry those of all batches side by side.
+    /// The exact sums, in units of `2^-62 / scale` of the incident flux ([`TallyLayout::scale`]): of each entry those of all batches side by side.
     #[must_use]
     pub fn sums(&self) -> &[i128] {
         &self.0.sums
