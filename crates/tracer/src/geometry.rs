@@ -98,7 +98,7 @@ pub trait Geometry: Sized + Send + Sync {
     }
 
     /// The facet that a ray in `half_space` hits before `t` exceeds `reach`, if that can be decided without a search. A
-    /// hit is the one that a search would find. Of many rays at a time, a search finds them faster.
+    /// hit is the one that a search would find. For many rays at a time a search is faster.
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Self::Facet> {
         if self.is_clear_nearby(ray, half_space, reach) {
             Nearby::Clear

@@ -131,7 +131,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.elsewhere = which;
     }
 
-    /// Finds the flights that the heights nearby do not tell to hit nothing: `batch.searched_flights` then holds them.
+    /// Collects in `batch.searched_flights` the flights that the height bounds cannot clear.
     fn find_searched(
         &self,
         query: &FlightQuery<'_, '_, G>,
