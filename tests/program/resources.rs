@@ -399,8 +399,8 @@ fn every_command_ends_soon_after_its_time_limit() {
         let output = folder.run(format!("{line} --max-time 1s"));
         let (seconds, errors) = (began.elapsed().as_secs_f64(), errors_of(&output));
         println!("{seconds:.2} s: {line}: {errors}");
-        // Half a second to finish what is under way, and what a busy machine takes to write files
-        assert!(seconds < 6.0, "{line}: {seconds} s");
+        // Half a second to finish what is under way, and what a busy machine takes; without a limit most of these runs take hours
+        assert!(seconds < 20.0, "{line}: {seconds} s");
         errors.must_contain("the time is over");
         let has_results = !errors.contains("stopped before");
         assert_eq!(
