@@ -518,8 +518,8 @@ fn render_until(
 fn a_picture_that_is_stopped_has_whole_passes_and_at_least_one() {
     let lights = Lights::new(1.0, 0.0, None).unwrap();
     let settings = settings(30.0, ORTHOGRAPHIC, lights);
-    // Questions are asked before each of 12 rows of four sequences; in the first pass only interrupts are heeded.
-    for (patience, samples) in [(0, 4), (48 * 3, 12), (48 * 16, 64)] {
+    // Questions are asked before the strip of each of four sequences; in the first pass only interrupts are heeded.
+    for (patience, samples) in [(0, 4), (4 * 3, 12), (4 * 16, 64)] {
         let progress = Patience(AtomicU64::new(patience), StoppedBy::Time);
         let outcome = render_until(&settings, &progress).unwrap();
         assert_eq!(outcome.samples, samples);
@@ -538,7 +538,7 @@ fn passes_are_short_however_many_samples_are_asked_for_and_an_interrupt_ends_one
         };
         let in_no_time = Patience(AtomicU64::new(0), StoppedBy::Time);
         assert_eq!(render_until(&settings, &in_no_time).unwrap().samples, 4);
-        let interrupted = Patience(AtomicU64::new(8), StoppedBy::Interrupt);
+        let interrupted = Patience(AtomicU64::new(2), StoppedBy::Interrupt);
         let none = render_until(&settings, &interrupted);
         assert_eq!(none, Err(RenderError::Interrupted));
         assert!(interrupted.0.load(Ordering::Relaxed) == 0);
