@@ -1,4 +1,4 @@
-//! CUDA: a GPU of NVIDIA, by its driver alone, which is loaded when it is asked for.
+//! CUDA: an NVIDIA GPU. Only the driver is needed; its library is loaded at run time.
 #![allow(
     unsafe_code,
     reason = "kernels are launched, whose arguments no compiler checks; `run` says what they are"
@@ -27,7 +27,7 @@ const COMPUTE_CAPABILITY: (i32, i32) = (7, 5);
 const THREADS: u32 = 128;
 const BLOCKS: u32 = 4;
 
-/// A GPU of NVIDIA with these kernels.
+/// An NVIDIA GPU with these kernels.
 pub struct Cuda {
     context: Arc<CudaContext>,
     stream: Arc<CudaStream>,

@@ -12,15 +12,15 @@ pub enum DeviceError {
     /// The driver knows no such GPU.
     #[error("there is no GPU number {ordinal}; the driver reports {count}")]
     NoDevice {
-        /// Number asked for, from 0.
+        /// Number of the requested GPU, from 0.
         ordinal: usize,
-        /// GPUs that there are.
+        /// Number of GPUs on this machine.
         count: i32,
     },
     /// The driver or the GPU is too old.
     #[error("{what}, but the kernels need {needed} or later")]
     TooOld {
-        /// What was found.
+        /// Subject of the message, with its version.
         what: String,
         /// Oldest release that serves.
         needed: &'static str,

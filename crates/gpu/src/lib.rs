@@ -9,11 +9,12 @@
 //! |---|---|
 //! | `engine`, `call` | the engine: which calls run on the device, and how one does |
 //! | `device` | where kernels run, and its memory |
-//! | `cuda` | a GPU of NVIDIA, by its driver |
+//! | `cuda` | an NVIDIA GPU, through its driver |
 //! | `surface`, `job`, `tables` | what kernels read: a surface, and the rays, light, material and bins of a call |
 //!
 //! # Tested without a GPU
-//! The same kernels compile as plain C++. The tests of this crate do so with the compiler of the system, and demand equal sums.
+//! The kernels also compile as plain C++. The tests of this crate compile them with the system's compiler, run them on the CPU, and require the same sums as
+//! the CPU engine.
 
 mod call;
 mod cuda;
