@@ -59,6 +59,7 @@ const ALLOWED: [(&str, &[&str]); 18] = [
             "synthesis",
             "tally",
             "tracer",
+            "gpu",
             "analysis",
             "io",
             "plot",
@@ -291,13 +292,14 @@ const SIMULATE: [(&str, &[&str]); 14] = [
 ];
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 26] = [
+const STUDIES: [(&str, &[&str]); 27] = [
     ("surface_lengths", &[]),
     ("validity", &["surface_lengths"]),
     ("settings", &[]),
     ("config", &["settings"]),
     ("given", &["config", "settings", "surface_lengths"]),
     ("error", &["config", "given", "settings"]),
+    ("engine", &["error", "settings"]),
     ("output", &["config"]),
     ("comparison", &["config", "error", "output"]),
     ("report", &["comparison", "config", "output", "validity"]),

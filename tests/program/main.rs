@@ -16,6 +16,7 @@ mod cells;
 mod commands;
 mod converge;
 mod coverage;
+mod engines;
 mod estimators;
 mod exactness;
 mod examples;

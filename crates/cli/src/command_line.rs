@@ -243,7 +243,7 @@ impl TypedValueParser for Offered {
     }
 }
 
-/// The command about the command line itself, if it is one.
+/// The command without settings, if it is one.
 fn chosen_tool(matches: &ArgMatches) -> Option<ToolRun> {
     let (name, matches) = matches.subcommand()?;
     let tool = Tool::ALL.into_iter().find(|tool| tool.name() == name)?;

@@ -116,13 +116,14 @@ impl Help {
 
     /// The help of `tool`.
     pub(crate) fn tool(self, tool: Tool) -> String {
-        let (name, about) = tool.positional();
-        let mut text = format!(
-            "{}\n\nUsage: asperity {} <{name}>\n\n",
-            self.wrapped(tool.about(), 0),
-            tool.name()
-        );
-        text.push_str(&self.row(&format!("  <{name}>"), about, COMMAND_INDENT));
+        let about = self.wrapped(tool.about(), 0);
+        let mut text = format!("{about}\n\nUsage: asperity {}", tool.name());
+        if let Some((name, about)) = tool.positional() {
+            text.push_str(&format!(" <{name}>\n\n"));
+            text.push_str(&self.row(&format!("  <{name}>"), about, COMMAND_INDENT));
+        } else {
+            text.push('\n');
+        }
         text.push('\n');
         text.push_str(&self.row("  -h, --help", "Print help", INDENT));
         text

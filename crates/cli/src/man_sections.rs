@@ -64,6 +64,7 @@ pub(crate) fn man_sections(name: &str, pages: &[String]) -> String {
         (Some(command), _) => examples(command).to_vec(),
         (None, Some("completions")) => vec!["asperity completions bash > asperity.bash"],
         (None, Some("man")) => vec!["asperity man ~/.local/share/man/man1"],
+        (None, Some("devices")) => vec!["asperity devices"],
         _ => Command::ALL
             .into_iter()
             .flat_map(self::examples)

@@ -5,8 +5,8 @@ use asperity_results::Container;
 use asperity_simulate::{Deadline, Observer, Share, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    Findings, ShardFolders, Study, StudyError, Views, WorkPlan, is_plan_only, open_results,
-    share_of, time_limit, trace_shard,
+    ChosenEngine, Findings, ShardFolders, Study, StudyError, Views, WorkPlan, is_plan_only,
+    open_results, share_of, time_limit, trace_shard,
 };
 
 use crate::common::{Common, Results};
@@ -51,6 +51,7 @@ fn run_from<S: Study>(
             return Err(Failure::usage(reason));
         }
     }
+    let engine = ChosenEngine::open(document).map_err(refused)?;
     let progress = Progress::new(common);
     let time = time_limit(document).map_err(Failure::usage)?;
     let observer = Deadline::new(&progress, time);
@@ -74,10 +75,11 @@ fn run_from<S: Study>(
     let folder = folder.transpose()?;
 
     progress.begin_run();
-    let mut found = match &folder {
+    let found = match &folder {
         Some(folder) => open_results(&study, document, folder).map_err(refused)?,
         None => Container::in_memory(study.header().map_err(|error| refused(error.into()))?),
     };
+    let mut found = found.on(engine.engine());
     say_notes(found.notes());
     if let Some(shards) = shards {
         say_notes(&shards.merge_into::<S>(&mut found).map_err(refused)?);
@@ -100,6 +102,8 @@ fn run_from<S: Study>(
         Some(share) => run_shard(&study, share, &mut found, &shown),
         None => run_and_show(&study, &mut found, &shown),
     };
+    common.say_if(engine.work());
+    say_notes(engine.note().as_slice());
     let error = match ran {
         Err(Stop::Study(error)) => error,
         Err(Stop::Failure(failure)) => return Err(failure),

@@ -1,8 +1,10 @@
-//! Commands about the command line itself: completion scripts and man pages, from its one definition.
+//! Commands without settings: completion scripts and man pages, from the one definition of the command line, and devices.
 
 use std::path::{Path, PathBuf};
 
 use asperity_io::{FolderLock, exists, read_text, shown_path, write_bytes};
+use asperity_numerics::vector::Instructions;
+use asperity_studies::gpu_list;
 use clap::builder::{PossibleValuesParser, ValueHint};
 use clap::{Arg, ArgMatches};
 use clap_complete::{Shell, generate};
@@ -29,23 +31,27 @@ pub(crate) enum Tool {
     Completions,
     /// Writes man pages.
     Man,
+    /// Lists what light can be traced on.
+    Devices,
 }
 
 /// A tool and what it works on.
 pub(crate) enum ToolRun {
     Completions(Shell),
     Man(PathBuf),
+    Devices,
 }
 
 impl Tool {
     /// All of them, in the order of the help.
-    pub(crate) const ALL: [Self; 2] = [Self::Completions, Self::Man];
+    pub(crate) const ALL: [Self; 3] = [Self::Completions, Self::Man, Self::Devices];
 
     /// Its name on the command line.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Completions => "completions",
             Self::Man => "man",
+            Self::Devices => "devices",
         }
     }
 
@@ -54,35 +60,38 @@ impl Tool {
         match self {
             Self::Completions => "Print a completion script for a shell",
             Self::Man => "Write the man pages of all commands",
+            Self::Devices => "List the CPU and the GPUs on which light can be traced",
         }
     }
 
-    /// Name and description of its argument.
-    pub(crate) const fn positional(self) -> (&'static str, &'static str) {
+    /// Name and description of its argument, if it has one.
+    pub(crate) const fn positional(self) -> Option<(&'static str, &'static str)> {
         match self {
-            Self::Completions => ("SHELL", "bash, zsh or fish"),
-            Self::Man => ("DIR", "Folder for the pages"),
+            Self::Completions => Some(("SHELL", "bash, zsh or fish")),
+            Self::Man => Some(("DIR", "Folder for the pages")),
+            Self::Devices => None,
         }
     }
 
     /// The definition for clap, without its help.
     pub(crate) fn command(self) -> clap::Command {
-        let (name, about) = self.positional();
-        let argument = Arg::new(ARGUMENT)
-            .value_name(name)
-            .help(about)
-            .required(true);
-        let argument = match self {
-            Self::Completions => {
-                argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
+        let argument = self.positional().map(|(name, about)| {
+            let argument = Arg::new(ARGUMENT)
+                .value_name(name)
+                .help(about)
+                .required(true);
+            match self {
+                Self::Completions => {
+                    argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
+                }
+                Self::Man | Self::Devices => argument
+                    .value_parser(clap::value_parser!(PathBuf))
+                    .value_hint(ValueHint::DirPath),
             }
-            Self::Man => argument
-                .value_parser(clap::value_parser!(PathBuf))
-                .value_hint(ValueHint::DirPath),
-        };
+        });
         clap::Command::new(self.name())
             .about(self.about())
-            .arg(argument)
+            .args(argument)
     }
 
     /// The requested run; `None` if its argument is missing.
@@ -97,6 +106,7 @@ impl Tool {
                 let folder = matches.get_one::<PathBuf>(ARGUMENT)?;
                 Some(ToolRun::Man(folder.clone()))
             }
+            Self::Devices => Some(ToolRun::Devices),
         }
     }
 }
@@ -107,8 +117,19 @@ impl ToolRun {
         match self {
             Self::Completions(shell) => print(&completions(shell, program)),
             Self::Man(folder) => write_pages(&folder, program),
+            Self::Devices => print(&devices()),
         }
     }
+}
+
+/// What light can be traced on, a line each.
+fn devices() -> String {
+    let threads = rayon::current_num_threads();
+    let instructions = Instructions::best();
+    let cpu = format!("CPU: {threads} threads, {instructions} instructions");
+    [vec![cpu], gpu_list(), vec![String::new()]]
+        .concat()
+        .join("\n")
 }
 
 /// The completion script for `shell`.

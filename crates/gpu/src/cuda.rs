@@ -42,23 +42,8 @@ impl Cuda {
     /// # Errors
     /// [`DeviceError`] if there is no driver or no such GPU, or one of them is too old.
     pub fn open(ordinal: usize) -> Result<Self, DeviceError> {
-        // SAFETY: it looks for a library and calls nothing in it but its initialisers.
-        if !unsafe { sys::is_culib_present() } {
-            return Err(DeviceError::NoDriver);
-        }
-        let mut release = 0;
-        // SAFETY: it writes a number there.
-        let asked = unsafe { sys::cuDriverGetVersion(&raw mut release) };
-        asked.result().map_err(message)?;
-        if release < CUDA {
-            let (major, minor) = (release / 1000, release % 1000 / 10);
-            return Err(DeviceError::TooOld {
-                what: format!("the GPU driver supports CUDA {major}.{minor}"),
-                needed: "12.1",
-            });
-        }
-        let count = CudaContext::device_count().map_err(message)?;
-        if ordinal >= usize::try_from(count).unwrap_or(0) {
+        let count = Self::count()?;
+        if ordinal >= count {
             return Err(DeviceError::NoDevice { ordinal, count });
         }
         let context = CudaContext::new(ordinal).map_err(message)?;
@@ -79,6 +64,42 @@ impl Cuda {
             blocks: BLOCKS * u32::try_from(multiprocessors).unwrap_or(1).max(1),
             context,
         })
+    }
+
+    /// Name, memory and compute capability.
+    #[must_use]
+    pub fn description(&self) -> String {
+        let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
+        let memory = self.context.total_mem().map(gibibytes).unwrap_or_default();
+        let (major, minor) = self.context.compute_capability().unwrap_or_default();
+        format!(
+            "{}, {memory:.0} GiB, compute capability {major}.{minor}",
+            self.name()
+        )
+    }
+
+    /// Number of GPUs that the driver reports.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if there is no driver, it is too old, or reports an error.
+    pub fn count() -> Result<usize, DeviceError> {
+        // SAFETY: it looks for a library and calls nothing in it but its initialisers.
+        if !unsafe { sys::is_culib_present() } {
+            return Err(DeviceError::NoDriver);
+        }
+        let mut release = 0;
+        // SAFETY: it writes a number there.
+        let asked = unsafe { sys::cuDriverGetVersion(&raw mut release) };
+        asked.result().map_err(message)?;
+        if release < CUDA {
+            let (major, minor) = (release / 1000, release % 1000 / 10);
+            return Err(DeviceError::TooOld {
+                what: format!("the GPU driver supports CUDA {major}.{minor}"),
+                needed: "12.1",
+            });
+        }
+        let count = CudaContext::device_count().map_err(message)?;
+        Ok(usize::try_from(count).unwrap_or(0))
     }
 }
 

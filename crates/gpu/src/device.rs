@@ -15,7 +15,7 @@ pub enum DeviceError {
         /// Number of the requested GPU, from 0.
         ordinal: usize,
         /// Number of GPUs on this machine.
-        count: i32,
+        count: usize,
     },
     /// The driver or the GPU is too old.
     #[error("{what}, but the kernels need {needed} or later")]
@@ -25,6 +25,9 @@ pub enum DeviceError {
         /// Oldest release that serves.
         needed: &'static str,
     },
+    /// The first results of the device are not those of the CPU engine.
+    #[error("the GPU computes other results than the CPU")]
+    Differs,
     /// There is not enough memory for a surface or a call.
     #[error("the GPU has not enough free memory")]
     OutOfMemory,

@@ -1,5 +1,6 @@
 //! Engine: traces on a device what kernels support, and hands the rest to the CPU engine.
 
+use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -44,6 +45,8 @@ pub struct GpuEngine {
 /// State that the surfaces of an engine share.
 struct Shared {
     device: Box<dyn Device>,
+    /// Number of the first calls that both engines trace.
+    compared: u64,
     on_device: AtomicU64,
     on_cpu: AtomicU64,
     failure: Mutex<Option<DeviceError>>,
@@ -61,17 +64,30 @@ pub struct Usage {
 }
 
 impl GpuEngine {
-    /// An engine on a device.
+    /// An engine on a device that is trusted.
     #[must_use]
     pub fn new(device: impl Device + 'static) -> Self {
+        Self::compared(device, 0)
+    }
+
+    /// An engine on a device whose first `calls` are traced by the CPU engine too. Should their results differ, everything after is traced by the CPU engine.
+    #[must_use]
+    pub fn compared(device: impl Device + 'static, calls: u64) -> Self {
         Self {
             shared: Arc::new(Shared {
                 device: Box::new(device),
+                compared: calls,
                 on_device: AtomicU64::new(0),
                 on_cpu: AtomicU64::new(0),
                 failure: Mutex::new(None),
             }),
         }
+    }
+
+    /// Name of the device.
+    #[must_use]
+    pub fn device_name(&self) -> String {
+        self.shared.device.name()
     }
 
     /// Use of the device so far.
@@ -91,6 +107,12 @@ impl GpuEngine {
                 .unwrap_or_else(PoisonError::into_inner)
                 .clone(),
         }
+    }
+}
+
+impl fmt::Debug for GpuEngine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "GpuEngine({:?})", self.usage())
     }
 }
 
@@ -258,17 +280,37 @@ impl BatchTracer for GpuTracer<'_> {
             self.on_device(&rays, spec, *control, gives_up)
         });
         let shared = &self.surface.shared;
+        let on_cpu = || {
+            self.cpu
+                .batches(illumination, rays, spec, controls, stream, gives_up)
+        };
         match each.collect::<Result<Vec<_>, _>>() {
             Ok(found) if !found.is_empty() => {
-                shared.on_device.fetch_add(1, Relaxed);
-                Some(found)
+                if shared.on_device.fetch_add(1, Relaxed) >= shared.compared {
+                    return Some(found);
+                }
+                let expected = on_cpu()?;
+                if !are_equal(&found, &expected) {
+                    shared.fail(DeviceError::Differs);
+                }
+                Some(expected)
             }
             Err(NotTraced::GivenUp) => None,
             Ok(_) | Err(NotTraced::HandedOver) => {
                 shared.on_cpu.fetch_add(1, Relaxed);
-                self.cpu
-                    .batches(illumination, rays, spec, controls, stream, gives_up)
+                on_cpu()
             }
         }
     }
+}
+
+/// Returns `true` if all sums and counts are equal.
+fn are_equal(one: &[(Tallies<'_>, Work)], other: &[(Tallies<'_>, Work)]) -> bool {
+    let numbers = |all: &[(Tallies<'_>, Work)]| {
+        let each = all
+            .iter()
+            .map(|(tallies, work)| (tallies.sums().to_vec(), *work));
+        each.collect::<Vec<_>>()
+    };
+    numbers(one) == numbers(other)
 }

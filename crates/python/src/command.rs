@@ -11,11 +11,11 @@ use asperity_results::Container;
 use asperity_simulate::{Deadline, Observer};
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{
-    AlbedoStudy, AttenuationStudy, ConvergeStudy, ExportConfig, Findings, GeneratePlan, GonioStudy,
-    InspectConfig, MapStudy, MaterialsConfig, MeshConfig, ModelConfig, OneOrMany, RenderConfig,
-    RenderPlan, Resolution, ShardFolders, Study, TraceStudy, VerifyStudy, Views, WorkPlan,
-    evaluate_model, is_plan_only, material_list, material_list_text, model_list, open_results,
-    share_of, time_limit, trace_shard,
+    AlbedoStudy, AttenuationStudy, ChosenEngine, ConvergeStudy, ExportConfig, Findings,
+    GeneratePlan, GonioStudy, InspectConfig, MapStudy, MaterialsConfig, MeshConfig, ModelConfig,
+    OneOrMany, RenderConfig, RenderPlan, Resolution, ShardFolders, Study, TraceStudy, VerifyStudy,
+    Views, WorkPlan, evaluate_model, is_plan_only, material_list, material_list_text, model_list,
+    open_results, share_of, time_limit, trace_shard,
 };
 use asperity_surface::RawHeightMap;
 use pyo3::prelude::*;
@@ -179,6 +179,7 @@ impl StudyRun<'_> {
     fn study<S: Study>(&self) -> Result<Found, Failure> {
         let document = self.document;
         let refused = |error| Failure::of_study(document, error);
+        let engine = ChosenEngine::open(document).map_err(refused)?;
         let observer = &Deadline::new(self.observer, time_limit(document)?);
         let study = S::plan(document, observer).map_err(refused)?;
         let is_plan_only = is_plan_only(document);
@@ -198,7 +199,8 @@ impl StudyRun<'_> {
         let folder =
             ResultFolder::open(output(self.output)?, command, &inputs)?.with_arguments(arguments);
         folder.check(names)?;
-        let mut results = open_results(&study, document, &folder).map_err(refused)?;
+        let results = open_results(&study, document, &folder).map_err(refused)?;
+        let mut results = results.on(engine.engine());
         let mut notes = [study.notes(), results.notes()].concat();
         if let Some(shards) = self.shards {
             notes.extend(shards.merge_into::<S>(&mut results).map_err(refused)?);
@@ -227,6 +229,7 @@ impl StudyRun<'_> {
         {
             folder.finish(false)?;
         }
+        notes.extend(engine.note());
         Ok(Found { notes, ..found? })
     }
 }

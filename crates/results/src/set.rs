@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use asperity_io::{ResultFolder, exists, write_bytes};
 use asperity_simulate::{Division, Observer, Share, SimulateError, StoppedBy, SurfaceSource};
 use asperity_surface::LengthUnit;
+use asperity_tracer::{CpuEngine, Engine};
 use serde_json::{Value, json};
 
 use crate::case_result::{CaseResult, Stored};
@@ -67,6 +68,7 @@ pub struct Container<'a, C> {
     resumed: Resumed,
     notes: Vec<String>,
     division: Division,
+    engine: Arc<dyn Engine>,
     stopped_by: Option<StoppedBy>,
     opened: Instant,
     began: Instant,
@@ -145,11 +147,24 @@ impl<'a, C: Stored> Container<'a, C> {
                 share: header.shards.as_ref().map_or(Share::WHOLE, Shards::share),
                 seconds: Vec::new(),
             },
+            engine: Arc::new(CpuEngine),
             stopped_by: None,
             opened: Instant::now(),
             began: Instant::now(),
             header,
         }
+    }
+
+    /// Traces what is missing on another engine, which gives the same bytes.
+    #[must_use]
+    pub fn on(self, engine: Arc<dyn Engine>) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// The engine that traces what is missing.
+    #[must_use]
+    pub fn engine(&self) -> Arc<dyn Engine> {
+        self.engine.clone()
     }
 
     /// The share of what is missing that is traced.

@@ -1,6 +1,7 @@
 //! Reasons for which a study is refused or fails.
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeError, SlopeTableError};
+use asperity_gpu::DeviceError;
 use asperity_plot::PlotError;
 use asperity_render::RenderError;
 use asperity_results::ResultsError;
@@ -39,6 +40,9 @@ pub enum StudyError {
     /// The surfaces cannot be simulated.
     #[error(transparent)]
     Simulate(SimulateError),
+    /// There is no GPU, or none that serves.
+    #[error("--engine gpu: {0}; --engine auto takes the CPU then")]
+    NoGpu(DeviceError),
     /// Results cannot be kept.
     #[error(transparent)]
     Results(#[from] ResultsError),
@@ -140,7 +144,8 @@ impl StudyError {
             ),
             Self::SurfaceFile(error) => matches!(error, SurfaceFileError::Unknown { .. }),
             Self::Given(error) => error.is_usage(),
-            Self::Results(_)
+            Self::NoGpu(_)
+            | Self::Results(_)
             | Self::Shards(_)
             | Self::Comparison(_)
             | Self::HeightField(_)

@@ -10,6 +10,7 @@ mod attenuation;
 mod comparison;
 mod config;
 mod converge;
+mod engine;
 mod error;
 mod export;
 mod generate;
@@ -68,6 +69,7 @@ pub use converge::{
     ConvergedCase, ConvergenceConfig, Efficiency, Fit, Measurement, Method, MethodOutcome,
     Reference, RepeatedError, SecondsTo,
 };
+pub use engine::{ChosenEngine, gpu_list};
 pub use error::StudyError;
 pub use export::{ExportConfig, ExportError, Exported, labelled_results};
 pub use generate::{GeneratePlan, GeneratedSurface};

@@ -3,6 +3,7 @@
 //! Everything above it knows surfaces by their [`Shape`] and tracers by these traits. A second engine is a crate of its own that
 //! implements the three.
 
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use asperity_optics::{Layer, Material};
@@ -22,7 +23,7 @@ use crate::sampling::BatchedRays;
 use crate::settings::PathSettings;
 
 /// Prepares surfaces for light. Called from any thread, for several surfaces at a time.
-pub trait Engine: Send + Sync {
+pub trait Engine: Debug + Send + Sync {
     /// Prepares a surface, and those below it that have a shape of their own, for any number of cases.
     ///
     /// Clones of `shape` are dropped with what is returned: the memory of a surface serves the next one.

@@ -227,8 +227,8 @@ fn the_cpu_engine_traces_what_kernels_do_not() {
     assert_eq!((usage.on_device, usage.on_cpu), (0, others.len() as u64));
 }
 
-/// A device that answers every run with an error.
-struct Broken(DeviceError);
+/// A device that computes nothing, and answers every run like this.
+struct Broken(Result<(), DeviceError>);
 
 impl Device for Broken {
     fn name(&self) -> String {
@@ -244,7 +244,7 @@ impl Device for Broken {
     }
 
     fn run(&self, _: Kernel, _: Job, _: Range<u64>) -> Result<(), DeviceError> {
-        Err(self.0.clone())
+        self.0.clone()
     }
 }
 
@@ -255,7 +255,7 @@ fn the_cpu_engine_goes_on_where_a_device_breaks_down() {
         (lost, Some("the GPU driver reports: the context is lost")),
         (DeviceError::OutOfMemory, None),
     ] {
-        let engine = GpuEngine::new(Broken(error));
+        let engine = GpuEngine::new(Broken(Err(error)));
         for number in 0..3 {
             let case = case(number);
             assert_eq!(
@@ -269,6 +269,18 @@ fn the_cpu_engine_goes_on_where_a_device_breaks_down() {
         let found = usage.failure.map(|error| error.to_string());
         assert_eq!(found.as_deref(), failure);
     }
+}
+
+#[test]
+fn a_device_with_other_results_is_not_used() {
+    let engine = GpuEngine::compared(Broken(Ok(())), 1);
+    for number in 0..2 {
+        let case = case(number);
+        assert_eq!(traced(&engine, &case), traced(&CpuEngine, &case));
+    }
+    let usage = engine.usage();
+    assert_eq!((usage.on_device, usage.on_cpu), (1, 1));
+    assert_eq!(usage.failure, Some(DeviceError::Differs));
 }
 
 #[test]

@@ -154,7 +154,8 @@ impl<'a> ResultSet<'a> {
             self.attach(number, case);
         }
         let is_complete = |case| self.is_complete(first + case);
-        Simulation::of_missing(cases, settings, &self.division, is_complete)
+        let simulation = Simulation::of_missing(cases, settings, &self.division, is_complete)?;
+        Ok(simulation.on(self.engine()))
     }
 
     /// Runs a simulation of the cases with these `numbers`. `held`: number of cases whose surfaces are in memory at the end.

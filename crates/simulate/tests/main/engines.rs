@@ -19,7 +19,7 @@ use crate::resuming::numbers;
 use crate::support::{Rough, effort, glass, target};
 
 /// Surfaces that were prepared, rays of all cases, and rays that were traced for them.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Counts([AtomicU64; 3]);
 
 impl Counts {
@@ -29,6 +29,7 @@ impl Counts {
 }
 
 /// A part of an engine, and what it counts.
+#[derive(Debug)]
 pub(crate) struct Counted<T>(pub(crate) T, pub(crate) Arc<Counts>);
 
 impl Engine for Counted<CpuEngine> {

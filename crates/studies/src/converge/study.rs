@@ -1,5 +1,6 @@
 //! Run time against error as a study.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_results::{CaseResult, Header, ResultSet};
@@ -7,6 +8,7 @@ use asperity_simulate::{
     Observer, Outcome, PlannedWork, SimulateError, Simulation, StoppedBy, SurfaceSource, counted,
 };
 use asperity_surface::LengthUnit;
+use asperity_tracer::Engine;
 use serde::Serialize;
 use serde_json::json;
 
@@ -96,7 +98,7 @@ impl Study for ConvergeStudy {
             let known = prepared.iter().position(|one| one.serves(run));
             let place = known.unwrap_or(prepared.len());
             if known.is_none() {
-                prepared.push(Prepared::new(&self.config, run)?);
+                prepared.push(Prepared::new(&self.config, run, found.engine())?);
             }
             rays += prepared[place].simulation(run).rays();
         }
@@ -196,12 +198,16 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(config: &ConvergeConfig, run: &'a ConvergeRun) -> Result<Self, StudyError> {
+    fn new(
+        config: &ConvergeConfig,
+        run: &'a ConvergeRun,
+        engine: Arc<dyn Engine>,
+    ) -> Result<Self, StudyError> {
         let settings = config.settings(&run.method)?;
         let clock = Instant::now();
         Ok(Self {
             run,
-            simulation: Simulation::new(std::slice::from_ref(&run.case), &settings)?,
+            simulation: Simulation::new(std::slice::from_ref(&run.case), &settings)?.on(engine),
             seconds: clock.elapsed().as_secs_f64(),
         })
     }

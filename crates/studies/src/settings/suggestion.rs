@@ -44,6 +44,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("reflectance", "rho diffuse reflectivity"),
     ("seed", "random-seed"),
     ("threads", "jobs cores cpus j workers"),
+    ("engine", "device gpu cuda backend"),
     ("output", "out o outdir output-dir dir folder"),
     ("assume-unit", "units length-unit input-unit"),
     ("surface", "geometry heightmap height-map file input"),

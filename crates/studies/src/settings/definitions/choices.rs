@@ -267,6 +267,15 @@ pub(super) const ACCELERATOR: Kind = Kind::Choice(&[
     choice("brute-force", "all facets"),
 ]);
 
+pub(super) const ENGINE: Kind = Kind::Choice(&[
+    choice("auto", "a GPU if there is one, otherwise the CPU"),
+    choice("cpu", "the CPU"),
+    choice(
+        "gpu",
+        "the first NVIDIA GPU; what it does not trace goes to the CPU",
+    ),
+]);
+
 pub(super) const ESTIMATOR: Kind = Kind::Choice(&[
     choice("auto", "the one expected to need the least time"),
     choice("plain", "rays from above"),

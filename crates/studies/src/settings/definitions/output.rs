@@ -1,9 +1,9 @@
 //! `[output]`, where results are written, and the settings of every command.
 
-use super::choices::{COHERENT, FOR_FORMAT, SCALE};
+use super::choices::{COHERENT, ENGINE, FOR_FORMAT, SCALE};
 use super::commands::{
-    ALBEDO, ATTENUATION, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MERGE, MESH, MODEL,
-    REPORT, STUDIES, SWEEPS, TRACE, VERIFY,
+    ALBEDO, ATTENUATION, CONVERGE, EXPORT, GENERATE, GONIO, INSPECT, MAP, MATERIALS, MERGE, MESH,
+    MODEL, REPORT, STUDIES, SWEEPS, TRACE, TRACING, VERIFY,
 };
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -116,6 +116,10 @@ pub(super) const RESULTS: &[Setting] = &flags(
             .help("Part of the run to trace, for merge, such as 2/7")
             .value_name("K/N")
             .otherwise("all of it"),
+        setting("engine", ENGINE)
+            .help("Where light is traced, which changes no results")
+            .commands(TRACING.and(ALBEDO).and(CONVERGE))
+            .default("cpu"),
         setting("extendable", Kind::Switch)
             .help("Keep what a run with more surfaces or rays needs"),
         setting("plan_only", Kind::Switch)

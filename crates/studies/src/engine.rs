@@ -1,0 +1,96 @@
+//! Engine: where a document has its light traced.
+
+use std::sync::Arc;
+
+use asperity_gpu::{Cuda, DeviceError, GpuEngine, Usage};
+use asperity_simulate::counted;
+use asperity_tracer::{CpuEngine, Engine};
+use serde_json::Value;
+
+use crate::error::StudyError;
+use crate::settings::Document;
+
+/// Calls of a run that the CPU traces too, to see whether a GPU computes the same.
+const COMPARED_CALLS: u64 = 2;
+
+/// The engine of a run, which results do not depend on.
+#[derive(Debug)]
+pub enum ChosenEngine {
+    /// The CPU alone; the reason, where a GPU was looked for.
+    Cpu(Option<DeviceError>),
+    /// A GPU, and the CPU for what it does not trace.
+    Gpu(GpuEngine),
+}
+
+impl ChosenEngine {
+    /// Opens the engine that a document chooses.
+    ///
+    /// # Errors
+    /// [`StudyError::NoGpu`] if it asks for a GPU, and there is none that serves.
+    pub fn open(document: &Document) -> Result<Self, StudyError> {
+        let choice = document.value("results.engine");
+        let choice = choice.as_ref().and_then(Value::as_str);
+        if !matches!(choice, Some("auto" | "gpu")) {
+            return Ok(Self::Cpu(None));
+        }
+        match Cuda::open(0) {
+            Ok(gpu) => Ok(Self::Gpu(GpuEngine::compared(gpu, COMPARED_CALLS))),
+            Err(error) if choice == Some("auto") => Ok(Self::Cpu(Some(error))),
+            Err(error) => Err(StudyError::NoGpu(error)),
+        }
+    }
+
+    /// The engine, for a container of results.
+    #[must_use]
+    pub fn engine(&self) -> Arc<dyn Engine> {
+        match self {
+            Self::Cpu(_) => Arc::new(CpuEngine),
+            Self::Gpu(engine) => Arc::new(engine.clone()),
+        }
+    }
+
+    /// Line that says where light was traced; `None` if nothing else than the CPU was asked for.
+    #[must_use]
+    pub fn work(&self) -> Option<String> {
+        match self {
+            Self::Cpu(reason) => {
+                let reason = reason.as_ref()?;
+                Some(format!("light was traced on the CPU: {reason}"))
+            }
+            Self::Gpu(engine) => {
+                let Usage {
+                    on_device, on_cpu, ..
+                } = engine.usage();
+                let (gpu, on_device) = (engine.device_name(), counted(on_device, "batch"));
+                Some(format!(
+                    "{gpu} traced {on_device}, the CPU {on_cpu} that it does not support or had no memory for"
+                ))
+            }
+        }
+    }
+
+    /// Note for the user on a GPU that failed.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let Self::Gpu(engine) = self else { return None };
+        let failure = engine.usage().failure?;
+        let gpu = engine.device_name();
+        Some(format!(
+            "{gpu} was given up, and the CPU traced the rest, with the same results: {failure}"
+        ))
+    }
+}
+
+/// The GPUs of this machine, a line each: those that serve, and why others do not.
+#[must_use]
+pub fn gpu_list() -> Vec<String> {
+    let described = |ordinal| match Cuda::open(ordinal) {
+        Ok(gpu) => format!("GPU {ordinal}: {}, ready", gpu.description()),
+        Err(error) => format!("GPU {ordinal}: not usable, {error}"),
+    };
+    match Cuda::count() {
+        Ok(0) => vec!["GPU: none; the driver reports no GPU".to_owned()],
+        Ok(count) => (0..count).map(described).collect(),
+        Err(error) => vec![format!("GPU: none; {error}")],
+    }
+}
