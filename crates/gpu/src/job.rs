@@ -1,11 +1,7 @@
 //! Job: the rays of one call, their light and material, and the tallies that they are added to, as kernels read them.
 
-use std::f64::consts::PI;
-
 use asperity_optics::Material;
-use asperity_tally::{
-    ApertureWindow, Azimuth, ControlVariate, Tallies, Tally, TallyLayout, TallySpec,
-};
+use asperity_tally::{ApertureWindow, ControlVariate, Tallies, TallyLayout, TallySpec};
 use asperity_tracer::{
     BatchedRays, Beam, Branching, Geometry, HalfSpace, Illumination, PathSettings, PathStream,
     Polarisation, Sampling, Shape, Starts,
@@ -84,22 +80,9 @@ impl Rays<'_> {
         control: Option<&'c ControlVariate>,
     ) -> Tallies<'c> {
         let light = self.illumination;
-        let azimuth = if light.any_azimuth && !self.turns() {
-            Azimuth::Free
-        } else {
-            Azimuth::From(light.incidence.phi() + PI)
-        };
-        let start = match light.starts {
-            Starts::FromAbove => 1.0,
-            Starts::OnSurface => {
-                let (beam, steepest) = beam(&self.case, self.shape, light);
-                beam.largest_flux_on(steepest)
-            }
-        };
-        let largest = start / control.map_or(1.0, ControlVariate::shadow_probability);
-        let tally = Tally::new(spec, azimuth)
-            .with_control_variate(control)
-            .with_largest_weight(largest);
+        let (beam, steepest) = beam(&self.case, self.shape, light);
+        let polarisation = self.case.settings.polarisation();
+        let tally = beam.tally(light, polarisation, steepest, spec, control);
         Tallies::new(tally, self.rays.batches() as usize)
     }
 

@@ -1,14 +1,18 @@
 //! Beam: the collimated light that falls on a surface, and the start points of its rays.
 
+use std::f64::consts::PI;
+
 use asperity_optics::Incidence;
 use asperity_surface::Border;
+use asperity_tally::{Azimuth, ControlVariate, Tally, TallySpec};
 use glam::{DVec2, DVec3};
 
 use crate::geometry::Geometry;
-use crate::path::illumination::Window;
+use crate::path::illumination::{Illumination, Starts, Window};
 use crate::path::state::path_state::turned;
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;
+use crate::settings::Polarisation;
 
 /// Light that falls evenly on a window of one period of a surface.
 ///
@@ -59,6 +63,35 @@ impl Beam {
             z,
             to_mean_plane: (z - surface.mean_plane()) / wi.z,
         }
+    }
+
+    /// Empty tally of the paths of this light over facets of slopes up to `steepest`.
+    ///
+    /// Exits have no azimuth where vertical light may come from any. No path adds more flux to an entry at a time than that with which it
+    /// starts, which branches share and Russian roulette raises to one at the most. Shadowed facets that are traced count for those
+    /// that are not.
+    #[must_use]
+    pub fn tally<'c>(
+        &self,
+        illumination: &Illumination,
+        polarisation: Polarisation,
+        steepest: f64,
+        spec: TallySpec,
+        control: Option<&'c ControlVariate>,
+    ) -> Tally<'c> {
+        let azimuth = if illumination.any_azimuth && !illumination.turns(polarisation) {
+            Azimuth::Free
+        } else {
+            Azimuth::From(illumination.incidence.phi() + PI)
+        };
+        let start = match illumination.starts {
+            Starts::FromAbove => 1.0,
+            Starts::OnSurface => self.largest_flux_on(steepest),
+        };
+        let largest = start / control.map_or(1.0, ControlVariate::shadow_probability);
+        Tally::new(spec, azimuth)
+            .with_control_variate(control)
+            .with_largest_weight(largest)
     }
 
     /// This beam from another direction of the same half space; `wi` has `z > 0`.
@@ -126,7 +159,7 @@ impl Beam {
     /// Upper bound of the flux that falls on facets up to a slope: `1 + slope tan theta_i`, since `m / cos theta_m` is
     /// `(-gradient, 1)`.
     #[must_use]
-    pub fn largest_flux_on(&self, slope: f64) -> f64 {
+    pub(crate) fn largest_flux_on(&self, slope: f64) -> f64 {
         1.0 + slope * self.wi.truncate().length() / self.wi.z.abs()
     }
 
@@ -141,5 +174,59 @@ impl Beam {
         let facing = wi.dot(m);
         let flux = facing / (m.z * self.wi.z);
         if facing > 0.0 { flux } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_surface::HeightField;
+    use asperity_tally::{Tallies, UnshadowedFluxes, VisibleFractions};
+
+    use super::*;
+    use crate::geometry::height_field::Surface;
+
+    #[test]
+    fn tallies_bound_the_weight_of_starts_and_have_azimuths_unless_all_are_alike() {
+        let field = HeightField::new(vec![0.0; 9], [3, 3], [1.0; 2]).unwrap();
+        let surface = Surface::new(field);
+        let spec = TallySpec::default();
+        let fractions = VisibleFractions {
+            rings: [0, 1].map(|_| vec![1.0; spec.grid().n_theta()]),
+            absorbed: 1.0,
+        };
+        let control = ControlVariate::new(spec, fractions, &UnshadowedFluxes::zeros(&spec))
+            .with_shadow_probability(0.4);
+        let layout = |light: &Illumination, polarisation, control| {
+            let beam = Beam::new(&surface, HalfSpace::Above, light.incidence, light.window);
+            let tally = beam.tally(light, polarisation, 3.0, spec, control);
+            Tallies::new(tally, 1).layout().unwrap()
+        };
+
+        // A flux of one is 2^13 high parts, less the digits of the largest weight: 1, 1 / 0.4, and 1 + 3 tan 60 degrees
+        let from_above = Illumination::new(Incidence::from_degrees(60.0, 0.0).unwrap(), true);
+        let on_surface = Illumination {
+            starts: Starts::OnSurface,
+            ..from_above
+        };
+        let averaged = Polarisation::Averaged;
+        for (light, control, scale) in [
+            (from_above, None, 8192.0),
+            (from_above, Some(&control), 2048.0),
+            (on_surface, None, 1024.0),
+            (on_surface, Some(&control), 512.0),
+        ] {
+            assert_eq!(layout(&light, averaged, control).scale, scale);
+        }
+
+        // Of vertical light from any azimuth only that of its axes is left
+        let vertical = Illumination::new(Incidence::from_degrees(0.0, 0.0).unwrap(), true);
+        let polarised = Illumination {
+            stokes: [0.5, 0.0, 0.0],
+            ..vertical
+        };
+        for (light, has_azimuths) in [(from_above, true), (vertical, false), (polarised, true)] {
+            let slice = layout(&light, averaged, None).slice;
+            assert_eq!(slice.is_some(), has_azimuths);
+        }
     }
 }

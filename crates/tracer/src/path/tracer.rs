@@ -1,11 +1,7 @@
 //! Tracer: follows the light of batches on a surface, round by round.
 
-use std::f64::consts::PI;
-
 use asperity_optics::Material;
-use asperity_tally::{
-    Azimuth, ControlVariate, JointTallies, Tallies, Tally, TallySpec, TallyValues,
-};
+use asperity_tally::{ControlVariate, JointTallies, Tallies, TallySpec, TallyValues};
 
 use crate::accelerators::{Accelerator, SearchedSurface};
 use crate::geometry::Geometry;
@@ -252,21 +248,14 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             "the tally keeps other measures of polarised light than paths carry"
         );
         let incidence = illumination.incidence;
-        // Of vertical light from any azimuth the azimuths of exits have no meaning.
         let turns = illumination.turns(self.settings.polarisation);
-        let azimuth = if illumination.any_azimuth && !turns {
-            Azimuth::Free
-        } else {
-            Azimuth::From(incidence.phi() + PI)
-        };
         let mut places = Positions::new(illumination.sampling, rays, turns, stream);
         let window = illumination.window;
         let beam = Beam::new(self.geometry, self.incident, incidence, window);
-        let tally = Tally::new(spec, azimuth)
-            .with_control_variate(control)
-            .with_largest_weight(self.largest_weight(&beam, illumination.starts, control));
-        let batches = rays.batches() as usize;
         let polarisation = self.settings.polarisation;
+        let steepest = self.geometry.steepest_slope();
+        let tally = beam.tally(illumination, polarisation, steepest, spec, control);
+        let batches = rays.batches() as usize;
         let conductors = (!self.conductors.is_empty()).then(|| {
             let tallies = JointTallies::new(tally.clone(), batches, controls.to_vec());
             Conductors::new(&self.conductors, tallies, polarisation)
@@ -305,16 +294,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
         self.tally_exits(&mut batch);
         Some(batch.into_tallies())
-    }
-
-    /// Upper bound of the flux that a path adds to an entry at a time: that with which it starts, which branches share and Russian
-    /// roulette raises to one at the most. Shadowed facets that are traced count for those that are not.
-    fn largest_weight(&self, beam: &Beam, starts: Starts, control: Option<&ControlVariate>) -> f64 {
-        let start = match starts {
-            Starts::FromAbove => 1.0,
-            Starts::OnSurface => beam.largest_flux_on(self.geometry.steepest_slope()),
-        };
-        start / control.map_or(1.0, ControlVariate::shadow_probability)
     }
 
     /// The surface that is an interface, and how hits on it are found; `None` for a flat bottom.
