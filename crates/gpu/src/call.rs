@@ -1,12 +1,12 @@
 //! Call: traces the rays of one call on a device.
 
-use asperity_tally::{Tallies, TallyLayout, VisibleFractions};
+use asperity_tally::{BinStarts, ControlVariate, Tallies, TallyLayout};
 use asperity_tracer::Work;
 
-use crate::device::{Device, DeviceError, Job};
+use crate::device::{Device, DeviceError, Job, Memory};
 use crate::job::{Rays, aperture};
 use crate::surface::SurfaceOnDevice;
-use crate::tables::COUNTS;
+use crate::tables::{COUNTS, JobTable, upload};
 
 /// Paths of one run of a kernel, between which a call may be given up. On a GPU of few f64 units a run takes some tenths of a second, and
 /// displays are not blocked for long.
@@ -36,31 +36,9 @@ impl Call<'_> {
         gives_up: &dyn Fn() -> bool,
     ) -> Result<CallEnd, DeviceError> {
         let device = self.device;
-        let mut kept = Vec::new();
-        let mut upload = |words: &[u64]| -> Result<u64, DeviceError> {
-            let memory = device.upload(words)?;
-            let address = memory.address();
-            kept.push(memory);
-            Ok(address)
-        };
-        let sums = device.zeros(2 * tallies.sums().len())?;
-        let counts = device.zeros(COUNTS)?;
-        let mut job = self.rays.job(&self.layout, tallies.control_variate());
-        if let Some([reflected, transmitted]) = &self.layout.edges {
-            let rings = [&*reflected.rings, &transmitted.rings].concat();
-            let sectors = [&*reflected.sectors, &transmitted.sectors].concat();
-            job.ring_starts = upload(bytemuck::cast_slice(&rings))?;
-            job.sector_starts = upload(bytemuck::cast_slice(&sectors))?;
-        }
-        let apertures: Vec<_> = self.layout.apertures.iter().map(aperture).collect();
-        job.apertures = upload(bytemuck::cast_slice(&apertures))?;
-        if let Some(control) = tallies.control_variate() {
-            let VisibleFractions { rings, .. } = control.fractions();
-            job.fractions = upload(bytemuck::cast_slice(&rings.concat()))?;
-        }
-        job.surface = self.surface.table.address();
-        (job.sums, job.counts) = (sums.address(), counts.address());
-        let job = Job(upload(bytemuck::cast_slice(&[job]))?);
+        let sums = device.zeros(COUNTS + 2 * tallies.sums().len())?;
+        let tables = self.upload(sums.address(), tallies.control_variate())?;
+        let job = Job(tables.address());
         let count = self.rays.count();
         for first in (0..count).step_by(PATHS_OF_RUN as usize) {
             if gives_up() {
@@ -69,24 +47,20 @@ impl Call<'_> {
             let paths = first..count.min(first + PATHS_OF_RUN);
             device.run(self.surface.kernel, job, paths)?;
         }
-        let counts = counts.read()?;
-        let &[
+        let words = sums.read()?;
+        let Some((&counts, sums)) = words.split_first_chunk::<COUNTS>() else {
+            return Err(DeviceError::Driver("no counts of work".to_owned()));
+        };
+        let [
             segments,
             segments_skipped,
             segments_skipped_nearby,
             branches_not_recorded,
             left_to_cpu,
-        ] = counts.as_slice()
-        else {
-            return Err(DeviceError::Driver(format!(
-                "{} counts of work",
-                counts.len()
-            )));
-        };
+        ] = counts;
         if left_to_cpu > 0 {
             return Ok(CallEnd::LeftToCpu);
         }
-        let sums = sums.read()?;
         let of_words = |&[low, high]: &[u64; 2]| i128::from(high as i64) << 64 | i128::from(low);
         tallies.add_sums(sums.as_chunks().0.iter().map(of_words));
         let work = Work {
@@ -98,5 +72,40 @@ impl Call<'_> {
             ..Work::default()
         };
         Ok(CallEnd::Whole(work))
+    }
+
+    /// Copies the job of a call and its tables to the device. `counts`: address of the counts of work, which stand before the sums.
+    fn upload(
+        &self,
+        counts: u64,
+        control: Option<&ControlVariate>,
+    ) -> Result<Box<dyn Memory>, DeviceError> {
+        let of_sides = |get: fn(&BinStarts) -> &[f64]| {
+            let sides = self.layout.edges.as_ref();
+            sides.map_or_else(Vec::new, |sides| sides.each_ref().map(get).concat())
+        };
+        let rings = of_sides(|side| &side.rings);
+        let sectors = of_sides(|side| &side.sectors);
+        let apertures: Vec<_> = self.layout.apertures.iter().map(aperture).collect();
+        let fractions = control.map_or_else(Vec::new, |one| one.fractions().rings.concat());
+        let arrays = [
+            bytemuck::cast_slice(&rings),
+            bytemuck::cast_slice(&sectors),
+            bytemuck::cast_slice(&apertures),
+            bytemuck::cast_slice(&fractions),
+        ];
+        upload(self.device, arrays, |arrays| {
+            let [ring_starts, sector_starts, apertures, fractions] = arrays;
+            JobTable {
+                surface: self.surface.table.address(),
+                ring_starts,
+                sector_starts,
+                apertures,
+                fractions,
+                counts,
+                sums: counts + size_of::<[u64; COUNTS]>() as u64,
+                ..self.rays.job(&self.layout, control)
+            }
+        })
     }
 }

@@ -27,10 +27,10 @@ const COMPUTE_CAPABILITY: (i32, i32) = (7, 5);
 const THREADS: u32 = 128;
 const BLOCKS: u32 = 4;
 
-/// An NVIDIA GPU with these kernels.
+/// An NVIDIA GPU with these kernels. Each thread has a stream of its own, so that copies and kernels of several threads overlap, and waits without
+/// keeping a processor busy.
 pub struct Cuda {
     context: Arc<CudaContext>,
-    stream: Arc<CudaStream>,
     functions: [CudaFunction; Kernel::ALL.len()],
     /// Blocks that run at a time; each takes paths until none is left.
     blocks: u32,
@@ -47,6 +47,7 @@ impl Cuda {
             return Err(DeviceError::NoDevice { ordinal, count });
         }
         let context = CudaContext::new(ordinal).map_err(message)?;
+        context.set_blocking_synchronize().map_err(message)?;
         let (major, minor) = context.compute_capability().map_err(message)?;
         if (major, minor) < COMPUTE_CAPABILITY {
             return Err(DeviceError::TooOld {
@@ -59,7 +60,6 @@ impl Cuda {
         let multiprocessors = context.attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT);
         let multiprocessors = multiprocessors.map_err(message)?;
         Ok(Self {
-            stream: context.default_stream(),
             functions: [facets.map_err(message)?, smooth.map_err(message)?],
             blocks: BLOCKS * u32::try_from(multiprocessors).unwrap_or(1).max(1),
             context,
@@ -110,24 +110,11 @@ impl Device for Cuda {
             .unwrap_or_else(|_| "a CUDA device".to_owned())
     }
 
-    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
-        // CUDA refuses allocations of no bytes
-        let words = if words.is_empty() { &[0] } else { words };
-        let slice = self.stream.clone_htod(words).map_err(message)?;
-        // Copies need not be done when they return
-        self.stream.synchronize().map_err(message)?;
-        Ok(Box::new(Words {
-            slice,
-            stream: self.stream.clone(),
-        }))
-    }
-
     fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
-        let slice = self.stream.alloc_zeros(words.max(1)).map_err(message)?;
-        Ok(Box::new(Words {
-            slice,
-            stream: self.stream.clone(),
-        }))
+        let stream = self.context.per_thread_stream();
+        // CUDA refuses allocations of no bytes
+        let slice = stream.alloc_zeros(words.max(1)).map_err(message)?;
+        Ok(Box::new(Words { slice, stream }))
     }
 
     fn run(&self, kernel: Kernel, job: Job, paths: Range<u64>) -> Result<(), DeviceError> {
@@ -142,23 +129,33 @@ impl Device for Cuda {
             block_dim: (THREADS, 1, 1),
             shared_mem_bytes: 0,
         };
-        let mut launch = self.stream.launch_builder(&self.functions[kernel as usize]);
+        let stream = self.context.per_thread_stream();
+        let mut launch = stream.launch_builder(&self.functions[kernel as usize]);
         launch.arg(&job).arg(&paths.start).arg(&paths.end);
         // SAFETY: kernels take the address of a job and two numbers. The engine made the job, and keeps its memory until this returns.
         unsafe { launch.launch(config) }.map_err(message)?;
-        self.stream.synchronize().map_err(message)
+        stream.synchronize().map_err(message)
     }
 }
 
 /// Words in the memory of a GPU.
 struct Words {
     slice: CudaSlice<u64>,
+    /// That of the calling thread.
     stream: Arc<CudaStream>,
 }
 
 impl Memory for Words {
     fn address(&self) -> u64 {
         self.slice.device_ptr(&self.stream).0
+    }
+
+    fn write(&mut self, words: &[u64]) -> Result<(), DeviceError> {
+        self.stream
+            .memcpy_htod(words, &mut self.slice)
+            .map_err(message)?;
+        // Copies need not be done when they return
+        self.stream.synchronize().map_err(message)
     }
 
     fn read(&self) -> Result<Vec<u64>, DeviceError> {

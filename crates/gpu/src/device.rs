@@ -76,13 +76,7 @@ pub trait Device: Send + Sync {
     /// Name for messages.
     fn name(&self) -> String;
 
-    /// Copies words to its memory.
-    ///
-    /// # Errors
-    /// [`DeviceError`], for instance if there is not enough memory.
-    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError>;
-
-    /// Allocates `words` words of zero.
+    /// Allocates `words` words of zero, for the calling thread until [`Memory::write`] has returned.
     ///
     /// # Errors
     /// [`DeviceError`], for instance if there is not enough memory.
@@ -99,6 +93,12 @@ pub trait Device: Send + Sync {
 pub trait Memory: Send + Sync {
     /// Address that kernels use.
     fn address(&self) -> u64;
+
+    /// Copies `words` to its beginning.
+    ///
+    /// # Errors
+    /// [`DeviceError`] if the device is lost.
+    fn write(&mut self, words: &[u64]) -> Result<(), DeviceError>;
 
     /// Copies the words back.
     ///

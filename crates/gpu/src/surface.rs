@@ -4,7 +4,7 @@ use asperity_surface::Border;
 use asperity_tracer::{Geometry, HorizonTable, Pyramid, PyramidTable, Shape};
 
 use crate::device::{Device, DeviceError, Kernel, Memory};
-use crate::tables::{SurfaceTable, words};
+use crate::tables::{SurfaceTable, upload};
 
 /// Most cells along a side: kernels begin their searches at one node.
 const MAX_CELLS: f64 = 32_768.0;
@@ -12,10 +12,8 @@ const MAX_CELLS: f64 = 32_768.0;
 /// A surface in the memory of a device.
 pub(crate) struct SurfaceOnDevice {
     pub(crate) kernel: Kernel,
-    /// A [`SurfaceTable`].
+    /// A [`SurfaceTable`], and behind it the arrays to which it refers.
     pub(crate) table: Box<dyn Memory>,
-    /// Arrays that the table refers to.
-    _arrays: [Box<dyn Memory>; 3],
 }
 
 impl SurfaceOnDevice {
@@ -79,12 +77,11 @@ impl Grid {
         (pyramid, horizon): (PyramidTable<'_>, HorizonTable<'_>),
     ) -> Result<SurfaceOnDevice, DeviceError> {
         let arrays = [
-            device.upload(bytemuck::cast_slice(&self.z))?,
-            device.upload(&words(pyramid.nodes))?,
-            device.upload(&words(horizon.quadrants))?,
+            bytemuck::cast_slice(&self.z),
+            bytemuck::cast_slice(pyramid.nodes),
+            bytemuck::cast_slice(horizon.quadrants),
         ];
-        let [z, nodes, quadrants] = arrays.each_ref().map(|memory| memory.address());
-        let table = SurfaceTable {
+        let table = upload(device, arrays, |[z, nodes, quadrants]| SurfaceTable {
             z,
             nodes,
             quadrants,
@@ -104,11 +101,10 @@ impl Grid {
             reach: geometry.z_range()[1],
             extent: geometry.extent(),
             aspect: geometry.aspect(),
-        };
+        })?;
         Ok(SurfaceOnDevice {
             kernel: self.kernel,
-            table: device.upload(bytemuck::cast_slice(&[table]))?,
-            _arrays: arrays,
+            table,
         })
     }
 }

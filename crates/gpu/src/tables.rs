@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::device::{Device, DeviceError, Memory};
+
 /// Numbers of counts of work.
 pub const COUNTS: usize = 5;
 
@@ -109,10 +111,25 @@ pub(crate) struct ApertureTable {
     pub(crate) across: [f64; 2],
 }
 
-/// Values in words, the last of which is filled with zeros.
-pub(crate) fn words<T: Pod>(values: &[T]) -> Vec<u64> {
-    let bytes: &[u8] = bytemuck::cast_slice(values);
-    let mut words = vec![0_u64; bytes.len().div_ceil(8)];
-    bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
-    words
+/// Copies a table to a device, and behind it the arrays to which it refers: `table` is given their addresses, which are zero for empty ones.
+pub(crate) fn upload<T: Pod, const N: usize>(
+    device: &dyn Device,
+    arrays: [&[u8]; N],
+    table: impl FnOnce([u64; N]) -> T,
+) -> Result<Box<dyn Memory>, DeviceError> {
+    const WORD: usize = size_of::<u64>();
+    let mut words = vec![0_u64; size_of::<T>().div_ceil(WORD)];
+    let offsets = arrays.map(|array| {
+        let first = words.len();
+        words.resize(first + array.len().div_ceil(WORD), 0);
+        bytemuck::cast_slice_mut(&mut words[first..])[..array.len()].copy_from_slice(array);
+        (!array.is_empty()).then_some(first * WORD)
+    });
+    let mut memory = device.zeros(words.len())?;
+    let address = |offset: usize| memory.address() + offset as u64;
+    let table = table(offsets.map(|offset| offset.map_or(0, address)));
+    bytemuck::cast_slice_mut(&mut words)[..size_of::<T>()]
+        .copy_from_slice(bytemuck::bytes_of(&table));
+    memory.write(&words)?;
+    Ok(memory)
 }

@@ -112,14 +112,6 @@ impl Device for Host {
         "the kernels as plain C++".to_owned()
     }
 
-    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
-        let memory = HostMemory::zeros(words.len());
-        for (into, word) in memory.0.iter().zip(words) {
-            into.store(*word, Relaxed);
-        }
-        Ok(Box::new(memory))
-    }
-
     fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
         Ok(Box::new(HostMemory::zeros(words)))
     }
@@ -149,6 +141,13 @@ impl HostMemory {
 impl Memory for HostMemory {
     fn address(&self) -> u64 {
         self.0.as_ptr() as u64
+    }
+
+    fn write(&mut self, words: &[u64]) -> Result<(), DeviceError> {
+        for (into, word) in self.0.iter().zip(words) {
+            into.store(*word, Relaxed);
+        }
+        Ok(())
     }
 
     fn read(&self) -> Result<Vec<u64>, DeviceError> {

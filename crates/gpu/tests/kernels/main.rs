@@ -235,10 +235,6 @@ impl Device for Broken {
         "broken".to_owned()
     }
 
-    fn upload(&self, words: &[u64]) -> Result<Box<dyn Memory>, DeviceError> {
-        self.zeros(words.len())
-    }
-
     fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
         Ok(Box::new(HostMemory::zeros(words)))
     }
