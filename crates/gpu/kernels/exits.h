@@ -9,7 +9,8 @@ DEVICE u32 side_of(const Job &job, const Segment &segment) { return segment.q ==
 
 // The exit of a segment that leaves, with +z on the side of the light and its azimuth turned back.
 DEVICE Exit exit_of(const Job &job, const Path &path, const Segment &segment) {
-    Vec3 wo = {segment.k.x, segment.k.y, segment.k.z * job.incident};
+    Vec3 wo = mirrored(segment.k, segment.mirrored);
+    wo.z *= job.incident;
     wo = job.turns ? turned(wo, path.cos, path.sin) : wo;
     return {wo, segment.flux, side_of(job, segment), segment.order, segment.events, path.batch, false};
 }

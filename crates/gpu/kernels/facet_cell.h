@@ -15,10 +15,8 @@ struct FacetCells {
     };
 
     DEVICE static Cell cell(const Surface &s, int ix, int iy) {
-        const int right = ix + 1 < s.cells[0] ? ix + 1 : 0;
-        const double *near = s.z + (u64)iy * s.stride;
-        const double *far = iy + 1 < s.cells[1] ? near + s.stride : s.z;
-        return {near[ix], near[right], far[ix], far[right]};
+        const double *near = s.z + (u64)iy * s.stride + ix, *far = near + s.stride;
+        return {near[0], near[1], far[0], far[1]};
     }
 
     DEVICE static Plane plane(const Cell &c, bool is_upper) {

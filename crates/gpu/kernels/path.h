@@ -11,14 +11,22 @@
 
 // The ray of a segment in tile coordinates.
 DEVICE Ray ray_of(const Surface &s, const Segment &segment) {
-    return {segment.o, {segment.k.x, segment.k.y * s.aspect, segment.k.z}, segment.q};
+    return {segment.o, {segment.k.x, segment.k.y * s.aspect, segment.k.z}, segment.q, 0};
 }
 
-// Finds what a ray meets that begins anywhere. Its origin is moved to the first tile that is searched.
+// Finds what a segment meets that begins anywhere.
 template <class Cells>
-DEVICE Outcome meet(const Surface &s, Ray &ray, Meeting &at_facet, Work &work) {
-    const Outcome outcome = begin(s, ray, work);
+DEVICE Outcome meet(const Surface &s, const Segment &segment, Meeting &at_facet, Work &work) {
+    Ray ray = ray_of(s, segment);
+    const Outcome outcome = begin<Cells>(s, ray, work);
     return outcome == OPEN ? search<Cells>(s, ray, at_facet, work) : outcome;
+}
+
+// Moves a segment to the facet that it meets, in the orientation of the tile there.
+DEVICE void move_to(const Meeting &at_facet, Segment &segment) {
+    segment.o = at_facet.p;
+    segment.k = mirrored(segment.k, at_facet.flips);
+    segment.mirrored ^= at_facet.flips;
 }
 
 // Starts a path at the point of the surface below or above it, if the light reaches that: MET, or ENDED.
@@ -27,6 +35,7 @@ DEVICE Outcome start_on_surface(const Job &job, const Path &path, Segment &segme
     const Surface &s = *job.surface;
     at_facet.p = segment.o;
     at_facet.facet = Cells::facet_over(s, segment.o.x, segment.o.y);
+    at_facet.flips = 0;
     at_facet.is_far = false;
     at_facet.template arrive_again<Cells>(s);
     // The flux that falls there. Source: Xu and Sun 2008, the weight of Eq. 26
@@ -39,15 +48,14 @@ DEVICE Outcome start_on_surface(const Job &job, const Path &path, Segment &segme
     segment.o = at_facet.p;
     Segment towards_light = segment;
     towards_light.k = -segment.k;
-    Ray ray = ray_of(s, towards_light);
     Meeting other;
-    const Outcome outcome = meet<Cells>(s, ray, other, work);
+    const Outcome outcome = meet<Cells>(s, towards_light, other, work);
     if (outcome == ESCAPED) {
         at_facet.template arrive_again<Cells>(s);
         return MET;
     }
     tally_shadowed(job, path, segment, at_facet.m);
-    if (outcome == LOST) {
+    if (outcome == LEFT || outcome == LOST) {
         add_flux(job, job.lost, path.batch, segment.flux);
     }
     return ENDED;
@@ -64,12 +72,11 @@ DEVICE void trace_shadows(const Job &job, const Path &path, Segment light, Work 
     light.flux /= job.shadow_probability;
     for (;;) {
         light.q = -light.q;
-        Ray ray = ray_of(s, light);
         Meeting at_facet;
-        if (meet<Cells>(s, ray, at_facet, work) != MET) {
+        if (meet<Cells>(s, light, at_facet, work) != MET) {
             return;
         }
-        light.o = at_facet.p;
+        move_to(at_facet, light);
         if (light.q == job.incident) {
             tally_shadowed(job, path, light, at_facet.m);
         }
@@ -88,7 +95,7 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
     if (job.on_surface) {
         outcome = start_on_surface<Cells>(job, path, segment, at_facet, work);
     } else {
-        outcome = search<Cells>(s, ray_of(s, segment), at_facet, work);
+        outcome = meet<Cells>(s, segment, at_facet, work);
     }
     for (;;) {
         // Tally what has ended
@@ -99,6 +106,9 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
         }
         if (outcome == LOST) {
             add_flux(job, job.lost, path.batch, segment.flux);
+        } else if (outcome == LEFT) {
+            add_flux(job, job.truncated, path.batch, segment.flux);
+            add_flux(job, job.left_patch, path.batch, segment.flux);
         } else if (outcome == MET && segment.order >= job.max_order) {
             add_flux(job, job.truncated, path.batch, segment.flux);
         } else if (outcome == MET) {
@@ -106,7 +116,7 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
             if (at_facet.is_far) {
                 at_facet.template arrive_again<Cells>(s);
             }
-            segment.o = at_facet.p;
+            move_to(at_facet, segment);
             if (job.fractions && !job.on_surface && segment.order == 0) {
                 trace_shadows<Cells>(job, path, segment, work);
             }
@@ -137,8 +147,6 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
             end_unrecorded(job, path, segment);
             work.add(NOT_RECORDED);
         }
-        Ray ray = ray_of(s, segment);
-        outcome = meet<Cells>(s, ray, at_facet, work);
-        segment.o = ray.o;
+        outcome = meet<Cells>(s, segment, at_facet, work);
     }
 }

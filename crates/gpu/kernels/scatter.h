@@ -48,7 +48,7 @@ DEVICE double roulette(const Job &job, const Path &path, double flux, double u) 
 DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m, Segment &reflected, Segment &transmitted) {
     const Arrival facet = arrival_of(job, at.k, m, at.q, job.tracked);
     const u32 bit = at.order < 32 ? 1u << at.order : 0;
-    reflected = {at.o, reflect(facet.wi, facet.m), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events};
+    reflected = {at.o, reflect(facet.wi, facet.m), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events, at.mirrored};
     transmitted = reflected;
     transmitted.q = -at.q;
     transmitted.flux = facet.transmitted.m00;
@@ -58,8 +58,10 @@ DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m,
     }
     if (job.tracked) {
         const Vec3 axis = incidence_axis(at.k, facet.m);
-        reflected.flux = pass(reflected.light, at.k, reflected.k, axis, facet.reflected, job.incident);
-        transmitted.flux = pass(transmitted.light, at.k, transmitted.k, axis, facet.transmitted, job.incident);
+        // Images that are mirrored along both axes are turned, not mirrored
+        const double handedness = at.mirrored == 1 || at.mirrored == 2 ? -job.incident : job.incident;
+        reflected.flux = pass(reflected.light, at.k, reflected.k, axis, facet.reflected, handedness);
+        transmitted.flux = pass(transmitted.light, at.k, transmitted.k, axis, facet.transmitted, handedness);
     }
     if (job.material != DIELECTRIC) {
         const double absorbed = at.flux * (1.0 - reflected.flux - transmitted.flux);

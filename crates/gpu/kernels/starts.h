@@ -12,6 +12,8 @@ struct Segment {
     // Q, U and V over I.
     double light[3];
     u32 order, events;
+    // Axes of the tile that are mirrored against the world.
+    u32 mirrored;
 };
 
 // Of a path: its number among those of the call, and the angle by which its exits are turned back.
@@ -44,8 +46,6 @@ DEVICE void stratum(u32 side, u32 number, u32 &column, u32 &row) {
     }
 }
 
-DEVICE double in_tile(double place, double size) { return place - floor(place / size) * size; }
-
 // Begins path number `number` of the call, batch after batch of each stratum: at the highest point, or over the place where it meets the
 // surface.
 DEVICE Segment start(const Job &job, u64 number, Path &path) {
@@ -71,9 +71,13 @@ DEVICE Segment start(const Job &job, u64 number, Path &path) {
     }
     const double x = job.corner[0] + u * job.size[0], y = job.corner[1] + v * job.size[1];
     Vec3 o = {x, y, 0.0};
+    u32 images = 0;
     if (!job.on_surface) {
-        o = {in_tile(x - job.to_mean_plane * k.x, s.extent[0]), in_tile(y - job.to_mean_plane * k.y * s.aspect, s.extent[1]),
-             job.start_z};
+        o = {x - job.to_mean_plane * k.x, y - job.to_mean_plane * k.y * s.aspect, job.start_z};
+    } else if (s.border == MIRRORED) {
+        images = (x >= s.extent[0] ? 1 : 0) | (y >= s.extent[1] ? 2 : 0);
+        o.x = images & 1 ? 2.0 * s.extent[0] - x : x;
+        o.y = images & 2 ? 2.0 * s.extent[1] - y : y;
     }
-    return {o, k, job.incident, 1.0, {job.stokes[0], job.stokes[1], job.stokes[2]}, 0, 0};
+    return {o, mirrored(k, images), job.incident, 1.0, {job.stokes[0], job.stokes[1], job.stokes[2]}, 0, 0, images};
 }

@@ -3,7 +3,10 @@
 
 #include "portable.h"
 
-// One period of a surface, in tile coordinates.
+// Borders: the tile repeats, alternates with its mirror images, or has nothing beside it.
+enum { PERIODIC, MIRRORED, OPEN_PATCH };
+
+// One tile of a surface, in tile coordinates.
 struct Surface {
     // Heights of the grid points, or coefficients of the spline, row by row.
     const double *z;
@@ -11,6 +14,8 @@ struct Surface {
     const u32 *nodes;
     // Bounds on the horizon, eight for each block, quadrant of directions and half space, in steps.
     const unsigned short *quadrants;
+    // How the surface continues beyond the tile.
+    u64 border;
     // Cells of the tile along x and y, and numbers in a row of z.
     int cells[2];
     int stride;
@@ -121,6 +126,8 @@ struct Job {
     u32 truncated;
     u32 lost;
     u32 not_recorded;
+    u32 left_patch;
+    u32 unused;
     u32 of_apertures;
     u32 aperture_count;
     // Horizontal directions along and across the plane of incidence.

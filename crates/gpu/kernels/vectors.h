@@ -23,10 +23,14 @@ DEVICE double extent_of(Vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 // A direction turned about the vertical by the angle of cosine `cos` and sine `sin`.
 DEVICE Vec3 turned(Vec3 a, double cos, double sin) { return {cos * a.x - sin * a.y, sin * a.x + cos * a.y, a.z}; }
 
-// A ray in tile coordinates, and the sign of its half space.
+// A direction with some axes mirrored: those along x by bit 0, along y by bit 1.
+DEVICE Vec3 mirrored(Vec3 a, u32 axes) { return {axes & 1 ? -a.x : a.x, axes & 2 ? -a.y : a.y, a.z}; }
+
+// A ray in tile coordinates, the sign of its half space, and the axes along which it has been mirrored on its way.
 struct Ray {
     Vec3 o, d;
     double q;
+    u32 flips;
 };
 
 DEVICE Vec3 at(const Ray &ray, double t) { return ray.o + t * ray.d; }

@@ -148,6 +148,8 @@ impl Rays<'_> {
             truncated: layout.truncated as u32,
             lost: layout.lost as u32,
             not_recorded: layout.not_recorded as u32,
+            left_patch: layout.left_patch as u32,
+            unused: 0,
             of_apertures: layout.of_apertures as u32,
             aperture_count: layout.apertures.len() as u32,
             along: layout.axes[0],

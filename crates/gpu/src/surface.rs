@@ -29,11 +29,13 @@ impl SurfaceOnDevice {
                 let Some(pyramid) = pyramid.flatten() else {
                     return Ok(None);
                 };
-                let rows = 0..top.cells()[1];
+                // With the far corners of the last cells
+                let [columns, rows] = top.cells();
+                let row = |iy| top.row(iy).chain([top.z(columns, iy)]);
                 let of = Grid {
                     kernel: Kernel::Facets,
-                    stride: top.cells()[0],
-                    z: rows.flat_map(|iy| top.row(iy)).collect(),
+                    stride: columns + 1,
+                    z: (0..=rows).flat_map(row).collect(),
                 };
                 of.upload(device, &**top, (pyramid.table(), top.horizon_table()))
             }
@@ -55,10 +57,9 @@ impl SurfaceOnDevice {
     }
 }
 
-/// Returns `true` if kernels search a tile of this size and border.
+/// Returns `true` if kernels search a tile of this size.
 fn is_searched<G: Geometry>(surface: &G) -> bool {
-    let is_small = surface.extent().into_iter().all(|cells| cells <= MAX_CELLS);
-    is_small && surface.border() == Border::Periodic
+    surface.extent().into_iter().all(|cells| cells <= MAX_CELLS)
 }
 
 /// The numbers of a surface over a grid.
@@ -85,6 +86,11 @@ impl Grid {
             z,
             nodes,
             quadrants,
+            border: match geometry.border() {
+                Border::Periodic => 0,
+                Border::Mirrored => 1,
+                Border::Open => 2,
+            },
             cells: geometry.extent().map(|n| n as i32),
             stride: self.stride as i32,
             lowest_level: pyramid.levels[0] as i32,

@@ -15,13 +15,14 @@ pub const TABLE_SIZES: [u64; 4] = [
     COUNTS as u64,
 ];
 
-/// One period of a surface.
+/// One tile of a surface.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct SurfaceTable {
     pub(crate) z: u64,
     pub(crate) nodes: u64,
     pub(crate) quadrants: u64,
+    pub(crate) border: u64,
     pub(crate) cells: [i32; 2],
     pub(crate) stride: i32,
     pub(crate) lowest_level: i32,
@@ -92,6 +93,8 @@ pub(crate) struct JobTable {
     pub(crate) truncated: u32,
     pub(crate) lost: u32,
     pub(crate) not_recorded: u32,
+    pub(crate) left_patch: u32,
+    pub(crate) unused: u32,
     pub(crate) of_apertures: u32,
     pub(crate) aperture_count: u32,
     pub(crate) along: [f64; 3],

@@ -1,7 +1,7 @@
 //! Cases: surfaces, light and settings, plain and awkward, chosen by the digits of a number.
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{HeightField, SplineSurface};
+use asperity_surface::{Border, HeightField, SplineSurface};
 use asperity_tally::{
     Aperture, ApertureShape, Apertures, ControlVariate, HemisphereGrid, Side, SideEdges, Sides,
     TallySpec, UnshadowedFluxes, VisibleFractions,
@@ -80,7 +80,13 @@ fn height_field(digits: &mut Digits) -> HeightField {
     let dy = digits.one_of(&[1.0, 1.0, 0.3, 2.5]);
     let heights = relief(kind, shape, seed);
     let heights = heights.into_iter().map(|height| unit * (height + offset));
-    HeightField::new(heights.collect(), shape, [unit, unit * dy]).unwrap()
+    let field = HeightField::new(heights.collect(), shape, [unit, unit * dy]).unwrap();
+    field.with_border(digits.one_of(&[
+        Border::Periodic,
+        Border::Periodic,
+        Border::Mirrored,
+        Border::Open,
+    ]))
 }
 
 fn shape(digits: &mut Digits) -> Shape {

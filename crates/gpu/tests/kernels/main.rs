@@ -11,10 +11,11 @@ mod host;
 mod simulation;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Job, Kernel, Memory, Usage};
 use asperity_optics::Material;
-use asperity_surface::{Border, HeightField};
+use asperity_surface::{HeightField, TurnedCells};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
     AcceleratorKind, BatchedRays, CpuEngine, Engine, Illumination, Polarisation, Sampling, Shape,
@@ -100,7 +101,7 @@ fn kernels_give_the_integers_of_the_cpu_engine_at_full_size() {
 }
 
 /// Changes of the kernels that must be seen: a file, a text in it, and what takes its place.
-const CHANGES: [[&str; 3]; 8] = [
+const CHANGES: [[&str; 3]; 13] = [
     // The order in which numbers are multiplied
     [
         "fresnel.h",
@@ -131,6 +132,24 @@ const CHANGES: [[&str; 3]; 8] = [
         "bins.h",
         "is_away ? -fraction : 0.0",
         "is_away ? -fraction : -fraction",
+    ],
+    // Borders
+    [
+        "exits.h",
+        "mirrored(segment.k, segment.mirrored)",
+        "segment.k",
+    ],
+    ["scatter.h", "? -job.incident :", "? job.incident :"],
+    ["starts.h", "2.0 * s.extent[0] - x", "x - s.extent[0]"],
+    [
+        "traversal.h",
+        "ray.q * (rim.z - on.z) < 0.0",
+        "ray.q * (rim.z - on.z) > 0.0",
+    ],
+    [
+        "path.h",
+        "add_flux(job, job.left_patch, path.batch, segment.flux);",
+        "",
     ],
 ];
 
@@ -206,7 +225,9 @@ fn the_cpu_engine_traces_what_kernels_do_not() {
                 [3, 3],
                 [1.0; 2],
             );
-            case.shape = Shape::height_field(field.unwrap().with_border(Border::Mirrored));
+            let turned = TurnedCells::new([3, 3], |ix, iy| ix == iy);
+            case.shape =
+                Shape::height_field(field.unwrap().with_turned_cells(Some(Arc::new(turned))));
         },
     ];
     for (number, change) in others.iter().enumerate() {

@@ -48,6 +48,8 @@ pub struct TallyLayout {
     pub lost: usize,
     /// Flux of sides that are not recorded, a part of what was truncated.
     pub not_recorded: usize,
+    /// Flux on paths that left an open patch, a part of what was truncated.
+    pub left_patch: usize,
     /// High parts in a flux of one, of `2^62` units each.
     pub scale: f64,
 }
@@ -87,6 +89,7 @@ impl Tallies<'_> {
             truncated: budget.truncated.0,
             lost: budget.lost.0,
             not_recorded: budget.not_recorded.0,
+            left_patch: budget.left_patch.0,
             scale: tally.scale,
         })
     }
