@@ -49,7 +49,7 @@ DEVICE_CALL void tally_shadowed(const Job &job, const Path &path, const Segment 
     for (int is_transmitted = 0; is_transmitted < 2; is_transmitted++) {
         const double fraction = is_transmitted ? facet.transmitted.m00 : facet.reflected.m00;
         if (fraction > 0.0) {
-            branch.k = is_transmitted ? refract(facet.wi, facet.m, facet.eta, facet.cos_theta_t) : reflect(facet.wi, facet.m);
+            branch.k = is_transmitted ? refract(facet.wi, facet.m, facet.eta, facet.cos_theta_t) : reflected_along(job, facet, {0.0, 0.0});
             branch.q = is_transmitted ? -at.q : at.q;
             branch.events = is_transmitted;
             branch.flux = at.flux * fraction;

@@ -6,7 +6,7 @@
 #include "tables.h"
 
 // Purposes of the random numbers of a step.
-enum { USE_START, USE_INTERACTION, USE_SHADOW = 3 };
+enum { USE_START, USE_INTERACTION, USE_DIFFUSE, USE_SHADOW };
 
 DEVICE u64 rotated(u64 word, int digits) { return word << digits | word >> (64 - digits); }
 

@@ -30,8 +30,30 @@ DEVICE_CALL Arrival arrival_of(const Job &job, Vec3 k, Vec3 m, double q, bool is
         }
     } else if (job.material == CONDUCTOR) {
         at.reflected = conductor(cos_theta_i, job.eta, job.kappa);
+    } else if (job.material == LAMBERTIAN) {
+        at.reflected.m00 = job.reflectance;
     }
     return at;
+}
+
+// A direction in the cosine distribution about a unit normal, from two random numbers.
+DEVICE Vec3 diffuse_direction(Vec3 m, const Pair &numbers) {
+    const double mu = sqrt(1.0 - numbers.first);
+    // Two unit vectors across the normal. Source: Duff et al. 2017, as `around` of `asperity_optics`
+    const double sign = bits_of(m.z) >> 63 ? -1.0 : 1.0;
+    const double a = -1.0 / (sign + m.z);
+    const double b = m.x * m.y * a;
+    const Vec3 s = {1.0 + sign * m.x * m.x * a, sign * b, -sign * m.x}, t = {b, sign + m.y * m.y * a, -m.y};
+    double sin_phi, cos_phi;
+    sin_cos_of_turn(numbers.second, sin_phi, cos_phi);
+    const double sin_theta = sqrt(greatest((1.0 - mu) * (1.0 + mu), 0.0));
+    const Vec3 w = sin_theta * (cos_phi * s + sin_phi * t) + mu * m;
+    return (1.5 - 0.5 * dot(w, w)) * w;
+}
+
+// The direction of reflected light. `numbers`: random numbers of diffuse facets.
+DEVICE Vec3 reflected_along(const Job &job, const Arrival &at, const Pair &numbers) {
+    return job.material == LAMBERTIAN ? diffuse_direction(at.m, numbers) : reflect(at.wi, at.m);
 }
 
 // Russian roulette over a branch: what is left of its flux, by the random number u. The difference is tallied as truncated.
@@ -48,7 +70,11 @@ DEVICE double roulette(const Job &job, const Path &path, double flux, double u) 
 DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m, Segment &reflected, Segment &transmitted) {
     const Arrival facet = arrival_of(job, at.k, m, at.q, job.tracked);
     const u32 bit = at.order < 32 ? 1u << at.order : 0;
-    reflected = {at.o, reflect(facet.wi, facet.m), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events, at.mirrored};
+    Pair diffuse = {0.0, 0.0};
+    if (job.material == LAMBERTIAN) {
+        diffuse = random_pair(job, path.ray, at.order, at.events, USE_DIFFUSE, 0);
+    }
+    reflected = {at.o, reflected_along(job, facet, diffuse), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events, at.mirrored};
     transmitted = reflected;
     transmitted.q = -at.q;
     transmitted.flux = facet.transmitted.m00;
@@ -56,7 +82,9 @@ DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m,
     if (job.material == DIELECTRIC) {
         transmitted.k = refract(facet.wi, facet.m, facet.eta, facet.cos_theta_t);
     }
-    if (job.tracked) {
+    if (job.tracked && job.material == LAMBERTIAN) {
+        reflected.light[0] = reflected.light[1] = reflected.light[2] = 0.0;
+    } else if (job.tracked) {
         const Vec3 axis = incidence_axis(at.k, facet.m);
         // Images that are mirrored along both axes are turned, not mirrored
         const double handedness = at.mirrored == 1 || at.mirrored == 2 ? -job.incident : job.incident;

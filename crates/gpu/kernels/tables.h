@@ -43,7 +43,7 @@ struct Surface {
 };
 
 // Kinds of materials.
-enum { DIELECTRIC, CONDUCTOR, MIRROR };
+enum { DIELECTRIC, CONDUCTOR, MIRROR, LAMBERTIAN };
 
 // A narrow window about one direction.
 struct Aperture {
@@ -91,6 +91,7 @@ struct Job {
     double roulette;
     double eta;
     double kappa;
+    double reflectance;
     // Q, U and V over I of the light.
     double stokes[3];
     // Fraction of absorbed light that the control variate takes out, and the probability with which shadows are traced.

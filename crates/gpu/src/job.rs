@@ -22,7 +22,10 @@ impl Case {
     pub(crate) fn is_supported(&self) -> bool {
         let is_known = matches!(
             self.material,
-            Material::Dielectric { .. } | Material::Conductor { .. } | Material::Mirror
+            Material::Dielectric { .. }
+                | Material::Conductor { .. }
+                | Material::Mirror
+                | Material::Lambertian { .. }
         );
         let is_followed = matches!(
             self.settings.polarisation(),
@@ -92,10 +95,11 @@ impl Rays<'_> {
         let (beam, _) = beam(case, self.shape, light);
         let ([corner, size], [start_z, to_mean_plane]) = (beam.window(), beam.heights());
         let (key, first_path) = self.stream.key();
-        let (material, eta, kappa) = match case.material {
-            Material::Dielectric { eta } => (0, eta, 0.0),
-            Material::Conductor { eta, kappa } => (1, eta, kappa),
-            _ => (2, 1.0, 0.0),
+        let (material, [eta, kappa, reflectance]) = match case.material {
+            Material::Dielectric { eta } => (0, [eta, 0.0, 0.0]),
+            Material::Conductor { eta, kappa } => (1, [eta, kappa, 0.0]),
+            Material::Lambertian { reflectance } => (3, [0.0, 0.0, reflectance]),
+            _ => (2, [0.0; 3]),
         };
         let edges = layout.edges.as_ref();
         let [forward, half_width] = layout.slice.unwrap_or_default();
@@ -122,6 +126,7 @@ impl Rays<'_> {
             roulette: case.settings.roulette(),
             eta,
             kappa,
+            reflectance,
             stokes: light.stokes,
             absorbed_fraction: control.map_or(0.0, ControlVariate::absorbed_fraction),
             shadow_probability: control.map_or(1.0, ControlVariate::shadow_probability),

@@ -67,6 +67,7 @@ pub(crate) struct JobTable {
     pub(crate) roulette: f64,
     pub(crate) eta: f64,
     pub(crate) kappa: f64,
+    pub(crate) reflectance: f64,
     pub(crate) stokes: [f64; 3],
     pub(crate) absorbed_fraction: f64,
     pub(crate) shadow_probability: f64,

@@ -99,7 +99,8 @@ fn shape(digits: &mut Digits) -> Shape {
 
 fn materials(digits: &mut Digits) -> Vec<Material> {
     let conductor = |eta, kappa| Material::conductor(eta, kappa).unwrap();
-    match digits.below(10) {
+    let lambertian = |reflectance| Material::lambertian(reflectance).unwrap();
+    match digits.below(12) {
         0 => return vec![conductor(0.21, 3.27)],
         1 => return vec![conductor(1.5, 1e-3)],
         2 => return vec![Material::Mirror],
@@ -110,6 +111,8 @@ fn materials(digits: &mut Digits) -> Vec<Material> {
                 conductor(1.0, 0.5),
             ];
         }
+        4 => return vec![lambertian(0.7)],
+        5 => return vec![lambertian(1.0)],
         _ => {}
     }
     let eta = digits.one_of(&[1.5, 1.5, 1.0 / 1.5, 1.0, 4.0, 1.0 + 1e-9, 0.25]);

@@ -14,7 +14,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Job, Kernel, Memory, Usage};
-use asperity_optics::Material;
+use asperity_optics::{Film, Films, Material};
 use asperity_surface::{HeightField, TurnedCells};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
@@ -101,7 +101,7 @@ fn kernels_give_the_integers_of_the_cpu_engine_at_full_size() {
 }
 
 /// Changes of the kernels that must be seen: a file, a text in it, and what takes its place.
-const CHANGES: [[&str; 3]; 13] = [
+const CHANGES: [[&str; 3]; 15] = [
     // The order in which numbers are multiplied
     [
         "fresnel.h",
@@ -132,6 +132,17 @@ const CHANGES: [[&str; 3]; 13] = [
         "bins.h",
         "is_away ? -fraction : 0.0",
         "is_away ? -fraction : -fraction",
+    ],
+    // Diffuse facets
+    [
+        "scatter.h",
+        "sqrt(1.0 - numbers.first)",
+        "sqrt(numbers.first)",
+    ],
+    [
+        "exits.h",
+        "reflected_along(job, facet, {0.0, 0.0})",
+        "reflect(facet.wi, facet.m)",
     ],
     // Borders
     [
@@ -214,9 +225,15 @@ fn branches_without_room_are_not_lost() {
 fn the_cpu_engine_traces_what_kernels_do_not() {
     let Some(host) = Host::get() else { return };
     let engine = GpuEngine::new(host);
-    let lambertian = Material::lambertian(0.5).unwrap();
+    let film = Film {
+        eta: 1.4,
+        kappa: 0.0,
+        phase: 1.0,
+    };
+    let films = Films::new(&[film]).unwrap();
+    let coated = Material::coated(films, 1.5, 0.0).unwrap();
     let others: [&dyn Fn(&mut Case); 4] = [
-        &|case| case.materials = vec![lambertian],
+        &|case| case.materials = vec![coated],
         &|case| case.settings = case.settings.with_polarisation(Polarisation::Mueller),
         &|case| case.light.sampling = Sampling::Random,
         &|case| {
