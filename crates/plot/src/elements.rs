@@ -1,6 +1,6 @@
 //! Elements that figures are made of. Nothing here knows a figure.
 //!
-//! From below: [`theme`] (sizes, colours), [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
+//! From below: [`theme`] (sizes, colours), [`rgb`], [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
 //! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`curve_axis`], [`legend`], [`colour_scale`]; [`panel`],
 //! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand, and [`tile_map`], which is most of one. [`series`], [`directions`], [`lobe_axes`], [`disc`],
 //! [`units`] and [`verdict`] show light and directions in the plane of incidence, light over a hemisphere, lengths and verdicts.
@@ -22,6 +22,7 @@ pub(crate) mod panel;
 pub(crate) mod panel_grid;
 pub(crate) mod polar;
 pub(crate) mod render;
+pub(crate) mod rgb;
 pub(crate) mod scene;
 pub(crate) mod series;
 pub(crate) mod text;

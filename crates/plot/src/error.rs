@@ -41,6 +41,10 @@ impl PlotError {
     pub(crate) fn nothing_to_draw(what: impl Into<String>) -> Self {
         PlotError::NothingToDraw { what: what.into() }
     }
+
+    pub(crate) fn backend(error: impl std::fmt::Display) -> Self {
+        PlotError::Backend(error.to_string())
+    }
 }
 
 /// The numbers that a quantity may take.

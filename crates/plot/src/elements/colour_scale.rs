@@ -1,10 +1,8 @@
 //! Values as colours, and the bar that says what the colours mean.
 
-use plotters::style::RGBColor;
-use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
-
 use super::axis::Axis;
 use super::geometry::Rect;
+use super::rgb::{Rgb, VIRIDIS};
 use super::scene::{Align, Level, Pen, Picture, Scene, TextStyle};
 use super::text::text_width;
 use super::theme;
@@ -22,34 +20,25 @@ pub(crate) enum Colours {
 }
 
 /// Colours at equal steps along [`Colours::Diverging`].
-const DIVERGING: [RGBColor; 5] = [
-    RGBColor(0, 24, 84),
-    RGBColor(30, 92, 166),
-    RGBColor(158, 158, 158),
-    RGBColor(240, 164, 60),
-    RGBColor(255, 228, 128),
+const DIVERGING: [Rgb; 5] = [
+    Rgb(0, 24, 84),
+    Rgb(30, 92, 166),
+    Rgb(158, 158, 158),
+    Rgb(240, 164, 60),
+    Rgb(255, 228, 128),
 ];
 
 impl Colours {
     /// The colour at a place from 0, the low end, to 1, the high end.
-    fn at(self, place: f64) -> RGBColor {
+    fn at(self, place: f64) -> Rgb {
         match self {
-            Colours::Viridis => ViridisRGB.get_color(place),
-            Colours::Diverging => {
-                let along = place * (DIVERGING.len() - 1) as f64;
-                let first = (along as usize).min(DIVERGING.len() - 2);
-                let (RGBColor(r, g, b), RGBColor(to_r, to_g, to_b)) =
-                    (DIVERGING[first], DIVERGING[first + 1]);
-                let t = along - first as f64;
-                let mix =
-                    |a: u8, b: u8| ((1.0 - t) * f64::from(a) + t * f64::from(b)).round() as u8;
-                RGBColor(mix(r, to_r), mix(g, to_g), mix(b, to_b))
-            }
+            Colours::Viridis => Rgb::along(&VIRIDIS, place),
+            Colours::Diverging => Rgb::along(&DIVERGING, place),
         }
     }
 
     /// `n` colours from the low end of a scale to the high end.
-    pub(crate) fn palette(self, n: usize) -> impl Iterator<Item = RGBColor> {
+    pub(crate) fn palette(self, n: usize) -> impl Iterator<Item = Rgb> {
         (0..n).map(move |i| self.at(i as f64 / (n - 1) as f64))
     }
 }
@@ -103,7 +92,7 @@ impl ColourScale {
         t.clamp(0.0, 1.0)
     }
 
-    pub(crate) fn colour(&self, value: f64) -> RGBColor {
+    pub(crate) fn colour(&self, value: f64) -> Rgb {
         self.colours.at(self.fraction(value))
     }
 
@@ -170,7 +159,7 @@ mod tests {
     use super::*;
 
     /// Luminance of sRGB (IEC 61966-2-1), 0 to 1.
-    fn luminance(RGBColor(r, g, b): RGBColor) -> f64 {
+    fn luminance(Rgb(r, g, b): Rgb) -> f64 {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
             if c <= 0.04045 {
@@ -184,12 +173,12 @@ mod tests {
 
     #[test]
     fn diverging_colours_lighten_over_the_whole_scale_and_are_neutral_in_the_middle() {
-        let colours: Vec<RGBColor> = Colours::Diverging.palette(255).collect();
+        let colours: Vec<Rgb> = Colours::Diverging.palette(255).collect();
         let light: Vec<f64> = colours.iter().map(|c| luminance(*c)).collect();
         assert!(light.is_sorted_by(|a, b| a <= b));
         let steps = light.windows(64).step_by(63).map(|part| part[63] - part[0]);
         assert!(steps.into_iter().all(|step| step > 0.05) && light[254] < 0.9);
-        let RGBColor(r, g, b) = ColourScale::RATIOS.colour(0.0);
+        let Rgb(r, g, b) = ColourScale::RATIOS.colour(0.0);
         assert!(r == g && g == b);
         assert_eq!(ColourScale::RATIOS.colour(-1.0), DIVERGING[0]);
         assert_eq!(ColourScale::RATIOS.colour(7.0), DIVERGING[4]);

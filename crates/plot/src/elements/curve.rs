@@ -1,10 +1,8 @@
 //! Curves and points over two axes, in any plane that gives values a place.
 
-use plotters::style::RGBColor;
-use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
-
 use super::geometry::Xy;
 use super::legend::{Entry, Key};
+use super::rgb::{Rgb, VIRIDIS};
 use super::scene::{Marker, Pen, Scene};
 use super::theme;
 use crate::PlotError;
@@ -323,31 +321,27 @@ impl Curve {
             let (low, high) = plane.at(point.x, low).zip(plane.at(point.x, high))?;
             plane.clip(low, high)
         };
+        let tint = theme::WHITE.mix(self.colour.rgb(), TINT);
         let pairs = self.points.windows(2);
         for pair in pairs.filter(|pair| pair.iter().any(|point| plane.shows(point))) {
             if let Some(((a, b), (d, c))) = ends(&pair[0]).zip(ends(&pair[1])) {
-                scene.polygon(vec![a, b, c, d], tint(self.colour.rgb()));
+                scene.polygon(vec![a, b, c, d], tint);
             }
         }
     }
 }
 
 impl Colour {
-    pub(crate) fn rgb(self) -> RGBColor {
-        let nth = |colours: &[RGBColor], i: usize| colours[i % colours.len()];
+    pub(crate) fn rgb(self) -> Rgb {
+        let nth = |colours: &[Rgb], i: usize| colours[i % colours.len()];
         match self {
             Colour::Component(i) => nth(&theme::COMPONENT_COLOURS, i),
             Colour::Model(i) => nth(&theme::MODEL_COLOURS, i),
             Colour::Nth(i) => nth(&theme::PLAIN_COLOURS, i),
-            Colour::Ramp(place) => ViridisRGB.get_color(RAMP_END * place.clamp(0.0, 1.0)),
-            Colour::Rgb([r, g, b]) => RGBColor(r, g, b),
+            Colour::Ramp(place) => Rgb::along(&VIRIDIS, RAMP_END * place.clamp(0.0, 1.0)),
+            Colour::Rgb([r, g, b]) => Rgb(r, g, b),
         }
     }
-}
-
-fn tint(RGBColor(r, g, b): RGBColor) -> RGBColor {
-    let mix = |c: u8| (TINT * f64::from(c) + (1.0 - TINT) * 255.0).round() as u8;
-    RGBColor(mix(r), mix(g), mix(b))
 }
 
 #[cfg(test)]

@@ -3,10 +3,9 @@
 use std::f64::consts::SQRT_2;
 use std::iter::once;
 
-use plotters::style::RGBColor;
-
 use super::colour_scale::ColourScale;
 use super::disc_bins::DiscBins;
+use super::rgb::Rgb;
 use super::theme;
 
 /// Fraction of the solid angle that may outshine the rest on a linear scale, and how many times brighter it then is: lobes that fill
@@ -80,7 +79,7 @@ pub(crate) fn is_shown(value: Option<f64>, scale: Option<ColourScale>) -> bool {
 }
 
 /// White for what lies outside of a disc or has no value, then the colours of the scale.
-pub(crate) fn palette(scale: &ColourScale) -> Vec<RGBColor> {
+pub(crate) fn palette(scale: &ColourScale) -> Vec<Rgb> {
     once(theme::WHITE)
         .chain(scale.colours.palette(COLOURS))
         .collect()

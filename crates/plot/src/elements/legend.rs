@@ -1,8 +1,7 @@
 //! Legend: names of curves and signs, next to the data and never over them.
 
-use plotters::style::RGBColor;
-
 use super::geometry::{Rect, Xy};
+use super::rgb::Rgb;
 use super::scene::{Align, Level, Marker, Pen, Scene, TextStyle};
 use super::text::{text_width, wrap};
 use super::theme;
@@ -14,11 +13,11 @@ pub(crate) enum Key {
     /// A point, with its error bar if it has one.
     Point {
         marker: Marker,
-        colour: RGBColor,
+        colour: Rgb,
         bar: bool,
     },
     /// A hollow point.
-    Hollow { marker: Marker, colour: RGBColor },
+    Hollow { marker: Marker, colour: Rgb },
     /// A point on its line.
     Joined { marker: Marker, pen: Pen },
     /// A line.
@@ -28,7 +27,7 @@ pub(crate) enum Key {
     /// Whatever the function draws about a place.
     Sign(fn(&mut Scene, Xy)),
     /// A filled rectangle.
-    Swatch(RGBColor),
+    Swatch(Rgb),
     /// Nothing: a remark in smaller type.
     Note,
 }

@@ -1,8 +1,7 @@
 //! Rendering: a laid-out figure, as SVG or PNG.
 
-mod joins;
 mod png;
-mod replay;
+mod raster;
 mod svg;
 
 use super::scene::Scene;
@@ -38,7 +37,12 @@ impl Figure {
     /// # Errors
     /// [`PlotError::Backend`] if the drawing library fails.
     pub fn rgb(&self) -> Result<Vec<u8>, PlotError> {
-        png::rgb(&self.scene, 1)
+        let mut pixels = Vec::new();
+        raster::draw(&self.scene, 1, |rows| {
+            pixels.extend_from_slice(rows);
+            Ok(())
+        })?;
+        Ok(pixels)
     }
 
     /// The figure as a PNG file, 8-bit RGB at two pixels per point.

@@ -2,22 +2,21 @@
 //!
 //! Figures are laid out once, into a [`Scene`]; both renderers draw its items as they are, so that SVG and PNG agree.
 
-use plotters::style::RGBColor;
-
 use super::geometry::{Rect, Xy, dashes};
+use super::rgb::Rgb;
 use super::theme;
 
 /// Colour, width and dash pattern of a line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pen {
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Rgb,
     pub(crate) width: f64,
     /// Lengths on and off in points; empty for a solid line.
     pub(crate) dash: &'static [f64],
 }
 
 impl Pen {
-    pub(crate) fn solid(colour: RGBColor, width: f64) -> Self {
+    pub(crate) fn solid(colour: Rgb, width: f64) -> Self {
         Pen {
             colour,
             width,
@@ -110,7 +109,7 @@ pub(crate) enum Level {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TextStyle {
     pub(crate) size: f64,
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Rgb,
     pub(crate) align: Align,
     pub(crate) level: Level,
 }
@@ -138,23 +137,23 @@ impl TextStyle {
 pub(crate) enum Item {
     Line {
         path: Vec<Xy>,
-        colour: RGBColor,
+        colour: Rgb,
         width: f64,
     },
     Polygon {
         corners: Vec<Xy>,
-        colour: RGBColor,
+        colour: Rgb,
     },
     Disc {
         centre: Xy,
         radius: f64,
-        colour: RGBColor,
+        colour: Rgb,
     },
     /// The outline of a disc.
     Circle {
         centre: Xy,
         radius: f64,
-        colour: RGBColor,
+        colour: Rgb,
         width: f64,
     },
     Text(TextItem),
@@ -165,6 +164,20 @@ pub(crate) enum Item {
     },
 }
 
+impl Item {
+    /// Its colour, if it is drawn.
+    pub(crate) fn colour(&self) -> Option<Rgb> {
+        match self {
+            Item::Line { colour, .. }
+            | Item::Polygon { colour, .. }
+            | Item::Disc { colour, .. }
+            | Item::Circle { colour, .. } => Some(*colour),
+            Item::Text(text) => Some(text.colour),
+            Item::Tooltip { .. } => None,
+        }
+    }
+}
+
 /// A text in its place.
 #[derive(Debug, Clone)]
 pub(crate) struct TextItem {
@@ -173,7 +186,7 @@ pub(crate) struct TextItem {
     pub(crate) anchor: Xy,
     pub(crate) align: Align,
     pub(crate) size: f64,
-    pub(crate) colour: RGBColor,
+    pub(crate) colour: Rgb,
     /// Runs upwards instead of to the right.
     pub(crate) upwards: bool,
 }
@@ -185,7 +198,7 @@ pub(crate) struct Picture {
     pub(crate) columns: usize,
     /// Palette indices, top row first, `columns` to a row.
     pub(crate) pixels: Vec<u8>,
-    pub(crate) palette: Vec<RGBColor>,
+    pub(crate) palette: Vec<Rgb>,
 }
 
 /// A laid-out figure.
@@ -265,15 +278,21 @@ impl Scene {
         }
     }
 
-    pub(crate) fn polygon(&mut self, corners: Vec<Xy>, colour: RGBColor) {
+    /// A filled area. Its corners are put in clockwise order: overlapping areas of opposite orders in one path would leave a hole.
+    pub(crate) fn polygon(&mut self, mut corners: Vec<Xy>, colour: Rgb) {
+        let next = corners.iter().cycle().skip(1);
+        let cross = |(a, b): (&Xy, &Xy)| a.0 * b.1 - a.1 * b.0;
+        if corners.iter().zip(next).map(cross).sum::<f64>() < 0.0 {
+            corners.reverse();
+        }
         self.items.push(Item::Polygon { corners, colour });
     }
 
-    pub(crate) fn rect(&mut self, rect: Rect, colour: RGBColor) {
+    pub(crate) fn rect(&mut self, rect: Rect, colour: Rgb) {
         self.polygon(rect.corners().to_vec(), colour);
     }
 
-    pub(crate) fn disc(&mut self, centre: Xy, radius: f64, colour: RGBColor) {
+    pub(crate) fn disc(&mut self, centre: Xy, radius: f64, colour: Rgb) {
         self.items.push(Item::Disc {
             centre,
             radius,
@@ -315,20 +334,20 @@ impl Scene {
     }
 
     /// A filled marker with a hairline of white around it, so that neighbours stay apart.
-    pub(crate) fn marker(&mut self, at: Xy, marker: Marker, colour: RGBColor) {
+    pub(crate) fn marker(&mut self, at: Xy, marker: Marker, colour: Rgb) {
         let r = theme::MARKER_RADIUS;
         self.shape(at, marker, r + 0.6, theme::WHITE);
         self.shape(at, marker, r, colour);
     }
 
     /// The outline of a marker, a little larger than a filled one.
-    pub(crate) fn hollow_marker(&mut self, at: Xy, marker: Marker, colour: RGBColor) {
+    pub(crate) fn hollow_marker(&mut self, at: Xy, marker: Marker, colour: Rgb) {
         let r = theme::MARKER_RADIUS;
         self.shape(at, marker, r + 0.8, colour);
         self.shape(at, marker, r - 0.6, theme::WHITE);
     }
 
-    fn shape(&mut self, at: Xy, marker: Marker, radius: f64, colour: RGBColor) {
+    fn shape(&mut self, at: Xy, marker: Marker, radius: f64, colour: Rgb) {
         // Corners of shapes of about equal area.
         let unit: &[Xy] = match marker {
             Marker::Circle => {

@@ -147,9 +147,9 @@ pub(crate) fn stacked<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<Curve
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::rgb::Rgb;
     use crate::elements::scene::Marker;
     use crate::elements::theme;
-    use plotters::style::RGBColor;
 
     fn model(number: usize) -> Curve {
         Series::model("m", number, Side::Reflected, vec![]).curve()
@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(alone, drawn_with(&others, Side::Transmitted));
         assert_ne!(alone.0, model(0).colour.rgb());
         let all = others[0].curve();
-        assert_eq!(all.colour.rgb(), plotters::style::RGBColor(0, 0, 0));
+        assert_eq!(all.colour.rgb(), Rgb(0, 0, 0));
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
     }
 
     /// CIE L*a*b* (D65) of a colour under a matrix on linear sRGB.
-    fn lab(RGBColor(r, g, b): RGBColor, vision: [[f64; 3]; 3]) -> [f64; 3] {
+    fn lab(Rgb(r, g, b): Rgb, vision: [[f64; 3]; 3]) -> [f64; 3] {
         let linear = [r, g, b].map(|c| {
             let c = f64::from(c) / 255.0;
             if c <= 0.04045 {
@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn models_and_components_differ_in_every_common_kind_of_colour_vision() {
         let models = (0..theme::MODEL_COLOURS.len()).map(Colour::Model);
-        let colours: Vec<RGBColor> = models
+        let colours: Vec<Rgb> = models
             .chain((0..4).map(Colour::Component))
             .map(Colour::rgb)
             .collect();

@@ -1,51 +1,54 @@
 //! The embedded font, and widths of texts.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use ttf_parser::{Face, GlyphId};
 
-use super::theme;
 use crate::PlotError;
 
-/// Ascent plus descent of DejaVu Sans over its em: what the rasteriser calls the size of a font.
-pub(crate) const LINE_HEIGHT_PER_EM: f64 = (1901.0 + 483.0) / 2048.0;
+/// Font units per em of DejaVu Sans.
+pub(crate) const UNITS_PER_EM: f64 = 2048.0;
 
-/// Makes the embedded font known to the drawing library, once in a process.
-pub(crate) fn ensure_font() -> Result<(), PlotError> {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered = REGISTERED.get_or_init(|| {
-        register_font(
-            theme::FONT_FAMILY,
-            FontStyle::Normal,
-            dejavu::sans::regular(),
-        )
-        .is_ok()
-    });
-    if *registered {
-        Ok(())
-    } else {
-        Err(PlotError::Backend("the embedded font is damaged".into()))
-    }
+/// The embedded font.
+pub(crate) fn font() -> Result<&'static Face<'static>, PlotError> {
+    static FONT: LazyLock<Option<Face<'static>>> =
+        LazyLock::new(|| Face::parse(dejavu::sans::regular(), 0).ok());
+    let damaged = || PlotError::backend("the embedded font is damaged");
+    FONT.as_ref().ok_or_else(damaged)
 }
 
-/// The embedded font, `size` as the respective renderer understands it.
-pub(crate) fn font(size: f64) -> FontDesc<'static> {
-    FontDesc::new(
-        FontFamily::Name(theme::FONT_FAMILY),
-        size,
-        FontStyle::Normal,
-    )
+/// A line of text in font units.
+pub(crate) struct TextLine {
+    /// Glyphs and their left ends.
+    pub(crate) glyphs: Vec<(GlyphId, i32)>,
+    pub(crate) width: i32,
+}
+
+impl TextLine {
+    /// Sets `text` with kerning.
+    pub(crate) fn new(text: &str) -> Result<Self, PlotError> {
+        let font = font()?;
+        let kerning = |left: GlyphId, right: GlyphId| {
+            let tables = font.tables().kern?.subtables.into_iter();
+            let mut tables = tables.filter(|table| table.horizontal && !table.variable);
+            tables.find_map(|table| table.glyphs_kerning(left, right))
+        };
+        let (mut glyphs, mut width, mut last) = (Vec::new(), 0, None);
+        for c in text.chars() {
+            // The first glyph of a font stands for missing ones.
+            let glyph = font.glyph_index(c).unwrap_or_default();
+            width += i32::from(last.and_then(|last| kerning(last, glyph)).unwrap_or(0));
+            glyphs.push((glyph, width));
+            width += i32::from(font.glyph_hor_advance(glyph).unwrap_or(0));
+            last = Some(glyph);
+        }
+        Ok(TextLine { glyphs, width })
+    }
 }
 
 /// Width in points of `text` set at `size` points.
 pub(crate) fn text_width(text: &str, size: f64) -> Result<f64, PlotError> {
-    ensure_font()?;
-    // Measured large, because the library rounds to whole pixels.
-    const EM: f64 = 1000.0;
-    let ((left, _), (right, _)) = font(EM * LINE_HEIGHT_PER_EM)
-        .layout_box(text)
-        .map_err(|e| PlotError::Backend(e.to_string()))?;
-    Ok(f64::from(right - left) * size / EM)
+    Ok(f64::from(TextLine::new(text)?.width) * size / UNITS_PER_EM)
 }
 
 /// Breaks `text` at spaces so that lines are at most `width` points wide; a longer word stays whole.
@@ -86,5 +89,18 @@ mod tests {
         for line in lines {
             assert!(text_width(&line, 13.0).unwrap() <= 150.0);
         }
+    }
+
+    /// Advances of A and V in the font are 1401 units each, and 131 less together.
+    #[test]
+    fn widths_are_those_of_the_font_with_kerning() {
+        let width = |text| text_width(text, UNITS_PER_EM).unwrap();
+        assert_eq!(
+            [width("A"), width("V"), width("AV")],
+            [1401.0, 1401.0, 2671.0]
+        );
+        // What the font lacks has a box.
+        assert!(width("\u{8868}") > 0.0);
+        assert_eq!(f64::from(font().unwrap().units_per_em()), UNITS_PER_EM);
     }
 }

@@ -1,11 +1,9 @@
 //! Sizes, colours and patterns shared by all figures. Lengths are in points of the figure: one SVG pixel, two PNG pixels.
 
-use plotters::style::RGBColor;
+use super::rgb::Rgb;
 
 /// PNG pixels per point: figures stay readable on dense screens and in print.
 pub(crate) const PNG_PIXELS_PER_POINT: u32 = 2;
-/// Pixels drawn per PNG pixel and axis, then averaged: smooths every edge alike.
-pub(crate) const PNG_OVERSAMPLING: u32 = 2;
 /// SVG coordinates are integers, which are short; a tenth of a point keeps curves smooth.
 pub(crate) const SVG_UNITS_PER_POINT: u32 = 10;
 
@@ -28,32 +26,32 @@ pub(crate) const CURVE_WIDTH: f64 = 1.8;
 pub(crate) const BAR_WIDTH: f64 = 1.2;
 pub(crate) const MARKER_RADIUS: f64 = 2.8;
 
-pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
-pub(crate) const INK: RGBColor = RGBColor(25, 25, 25);
-pub(crate) const MUTED: RGBColor = RGBColor(90, 90, 90);
-pub(crate) const GRID: RGBColor = RGBColor(222, 222, 222);
+pub(crate) const WHITE: Rgb = Rgb(255, 255, 255);
+pub(crate) const INK: Rgb = Rgb(25, 25, 25);
+pub(crate) const MUTED: Rgb = Rgb(90, 90, 90);
+pub(crate) const GRID: Rgb = Rgb(222, 222, 222);
 /// Faint guide lines, a little stronger than the grid.
-pub(crate) const FAINT: RGBColor = RGBColor(190, 190, 190);
+pub(crate) const FAINT: Rgb = Rgb(190, 190, 190);
 
 // Okabe and Ito (2008), "Color universal design": distinct for the common kinds of colour vision. Yellow is
 // left out, it vanishes on white.
-const BLACK: RGBColor = RGBColor(0, 0, 0);
-const ORANGE: RGBColor = RGBColor(230, 159, 0);
-const SKY_BLUE: RGBColor = RGBColor(86, 180, 233);
-const BLUISH_GREEN: RGBColor = RGBColor(0, 158, 115);
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const VERMILLION: RGBColor = RGBColor(213, 94, 0);
-const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
+const BLACK: Rgb = Rgb(0, 0, 0);
+const ORANGE: Rgb = Rgb(230, 159, 0);
+const SKY_BLUE: Rgb = Rgb(86, 180, 233);
+const BLUISH_GREEN: Rgb = Rgb(0, 158, 115);
+const BLUE: Rgb = Rgb(0, 114, 178);
+const VERMILLION: Rgb = Rgb(213, 94, 0);
+const REDDISH_PURPLE: Rgb = Rgb(204, 121, 167);
 // Apart from theirs, and from each other, in the common kinds of colour vision too.
-const BROWN: RGBColor = RGBColor(115, 62, 10);
-const VIOLET: RGBColor = RGBColor(112, 40, 190);
-const PLUM: RGBColor = RGBColor(150, 20, 110);
-const DARK_GREEN: RGBColor = RGBColor(0, 72, 48);
-const NAVY: RGBColor = RGBColor(24, 36, 110);
-const LEAF_GREEN: RGBColor = RGBColor(95, 185, 95);
+const BROWN: Rgb = Rgb(115, 62, 10);
+const VIOLET: Rgb = Rgb(112, 40, 190);
+const PLUM: Rgb = Rgb(150, 20, 110);
+const DARK_GREEN: Rgb = Rgb(0, 72, 48);
+const NAVY: Rgb = Rgb(24, 36, 110);
+const LEAF_GREEN: Rgb = Rgb(95, 185, 95);
 
 /// Colours of explicit results by component: black for all light. The first four are no colour of a model.
-pub(crate) const COMPONENT_COLOURS: [RGBColor; 8] = [
+pub(crate) const COMPONENT_COLOURS: [Rgb; 8] = [
     BLACK,
     ORANGE,
     SKY_BLUE,
@@ -64,7 +62,7 @@ pub(crate) const COMPONENT_COLOURS: [RGBColor; 8] = [
     BROWN,
 ];
 /// Colours of models. With the patterns of [`LINE_DASHES`] and as many markers, models that are close in a list differ in all three.
-pub(crate) const MODEL_COLOURS: [RGBColor; 9] = [
+pub(crate) const MODEL_COLOURS: [Rgb; 9] = [
     BLUE,
     BROWN,
     BLUISH_GREEN,
@@ -78,11 +76,10 @@ pub(crate) const MODEL_COLOURS: [RGBColor; 9] = [
 /// Colour of the model of that number, as in `#0072B2`; numbers wrap around.
 #[must_use]
 pub fn model_colour(number: usize) -> String {
-    let RGBColor(r, g, b) = MODEL_COLOURS[number % MODEL_COLOURS.len()];
-    format!("#{r:02X}{g:02X}{b:02X}")
+    MODEL_COLOURS[number % MODEL_COLOURS.len()].hex()
 }
 /// Colours of anything else that is counted.
-pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
+pub(crate) const PLAIN_COLOURS: [Rgb; 8] = [
     BLUE,
     VERMILLION,
     BLUISH_GREEN,

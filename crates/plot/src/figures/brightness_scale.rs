@@ -5,13 +5,12 @@ use crate::elements::geometry::Rect;
 use crate::elements::numbers::{exponent10, power_of_ten};
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
+use crate::elements::rgb::Rgb;
 use crate::elements::scene::Picture;
 use crate::elements::text::text_width;
 use crate::elements::theme;
 use crate::error::Valid;
 use crate::{Figure, PlotError};
-
-use plotters::style::RGBColor;
 
 const TOP: f64 = 12.0;
 const RAMP_HEIGHT: f64 = 18.0;
@@ -72,7 +71,7 @@ impl BrightnessScale<'_> {
             frame: ramp,
             columns: 256,
             pixels: (0..=255).collect(),
-            palette: (0..=255).map(|grey| RGBColor(grey, grey, grey)).collect(),
+            palette: (0..=255).map(|grey| Rgb(grey, grey, grey)).collect(),
         });
         let mut x_axis = Axis::linear(0.0, 1.0, 1, 0).with_label(self.title);
         x_axis.major = self.ticks(ramp.width())?;

@@ -1,10 +1,9 @@
 //! Surfaces side by side, shaded.
 
-use plotters::style::RGBColor;
-
 use crate::elements::geometry::Rect;
 use crate::elements::page::Page;
 use crate::elements::panel_grid::PanelGrid;
+use crate::elements::rgb::Rgb;
 use crate::elements::scene::{Align, Level, Picture, TextStyle};
 use crate::elements::theme;
 use crate::error::{Valid, check_length};
@@ -132,7 +131,7 @@ impl Relief {
             frame,
             columns: self.shape[1],
             pixels: slopes.iter().map(shade).collect(),
-            palette: (0..=255).map(|grey| RGBColor(grey, grey, grey)).collect(),
+            palette: (0..=255).map(|grey| Rgb(grey, grey, grey)).collect(),
         }
     }
 

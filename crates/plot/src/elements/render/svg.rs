@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use plotters::style::RGBColor;
 
-use super::replay::backend_error;
 use crate::PlotError;
 use crate::elements::geometry::{Xy, in_units};
+use crate::elements::rgb::Rgb;
 use crate::elements::scene::{Align, Item, Picture, Scene, TextItem};
 use crate::elements::theme;
 
@@ -64,7 +63,7 @@ impl Document {
                 let mut points = units(corners);
                 points.dedup();
                 if points.len() > 2 {
-                    self.path_of(fill(*colour)).area(&mut points);
+                    self.path_of(fill(*colour)).area(&points);
                 }
             }
             Item::Disc {
@@ -136,15 +135,7 @@ impl PathData {
         }
     }
 
-    /// An area, its corners put in clockwise order: overlapping areas of opposite orders would leave a hole.
-    fn area(&mut self, corners: &mut [(i32, i32)]) {
-        let next = corners.iter().cycle().skip(1);
-        let cross = |(a, b): (&(i32, i32), &(i32, i32))| {
-            i64::from(a.0) * i64::from(b.1) - i64::from(a.1) * i64::from(b.0)
-        };
-        if corners.iter().zip(next).map(cross).sum::<i64>() < 0 {
-            corners.reverse();
-        }
+    fn area(&mut self, corners: &[(i32, i32)]) {
         self.outline(corners);
         self.data.push('z');
         (self.command, self.at) = ('z', corners[0]);
@@ -187,18 +178,14 @@ fn length(length: f64) -> f64 {
     (length * f64::from(UNITS_PER_POINT)).round().max(1.0)
 }
 
-fn hex(RGBColor(r, g, b): RGBColor) -> String {
-    format!("#{r:02X}{g:02X}{b:02X}")
+fn fill(colour: Rgb) -> String {
+    format!(" fill=\"{}\"", colour.hex())
 }
 
-fn fill(colour: RGBColor) -> String {
-    format!(" fill=\"{}\"", hex(colour))
-}
-
-fn stroke(colour: RGBColor, width: f64) -> String {
+fn stroke(colour: Rgb, width: f64) -> String {
     format!(
         " stroke=\"{}\" stroke-width=\"{}\"",
-        hex(colour),
+        colour.hex(),
         length(width)
     )
 }
@@ -241,7 +228,7 @@ fn image(picture: &Picture) -> Result<String, PlotError> {
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&picture.pixels))
-        .map_err(backend_error)?;
+        .map_err(PlotError::backend)?;
     let frame = picture.frame;
     let scale = f64::from(UNITS_PER_POINT);
     Ok(format!(
