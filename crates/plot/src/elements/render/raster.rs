@@ -112,6 +112,7 @@ fn pixel((x, y): Xy, scale: f64) -> (f32, f32) {
     (pixel(x), pixel(y))
 }
 
+/// A path through pixels, from the first one on.
 fn polyline(corners: impl Iterator<Item = (f32, f32)>) -> PathBuilder {
     let mut builder = PathBuilder::new();
     for (x, y) in corners {
@@ -154,6 +155,7 @@ fn stroke(path: Option<Path>, width: f64) -> Option<Path> {
     path?.stroke(&stroke, 1.0)
 }
 
+/// Outlines of the glyphs of a text.
 fn text(item: &TextItem, scale: f64) -> Result<Option<Path>, PlotError> {
     let line = TextLine::new(&item.text)?;
     let before = match item.align {
@@ -210,7 +212,8 @@ impl OutlineBuilder for GlyphPen {
     }
 }
 
-/// Stretches a picture into rows of RGBA, `width` pixels each, from row `top` of the figure on; each pixel takes the colour below its centre.
+/// Stretches a picture into rows of RGBA, `width` pixels each, that begin at row `top` of the figure. Each pixel takes the colour below its
+/// centre.
 fn paint(picture: &Picture, canvas: &mut [u8], width: usize, top: usize, scale: f64) {
     let rows = picture.pixels.len() / picture.columns.max(1);
     let Picture { frame, columns, .. } = picture;
@@ -284,6 +287,7 @@ mod tests {
     #[test]
     fn paper_is_blank_and_areas_have_their_exact_colour() {
         let mut scene = scene(40, 300);
+        scene.line(&[(9.0, 9.0), (9.0, 9.0)], Pen::solid(theme::INK, 4.0));
         assert!(rows(&scene, 1).iter().flatten().all(|rgb| *rgb == PAPER));
         scene.rect(Rect::at((10.0, 20.0), 5.0, 250.0), Rgb(1, 128, 254));
         for (y, row) in rows(&scene, 1).iter().enumerate() {

