@@ -3,12 +3,6 @@
 /// A place in the figure, points.
 pub(crate) type Xy = (f64, f64);
 
-/// A place in whole units, `scale` per point. Saturates far outside the figure, where integer arithmetic is still safe.
-pub(crate) fn in_units((x, y): Xy, scale: f64) -> (i32, i32) {
-    let whole = |v: f64| (v * scale).round().clamp(-1e5, 1e5) as i32;
-    (whole(x), whole(y))
-}
-
 /// A rectangle in points; `top < bottom`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rect {

@@ -144,17 +144,12 @@ pub(crate) enum Item {
         corners: Vec<Xy>,
         colour: Rgb,
     },
-    Disc {
-        centre: Xy,
-        radius: f64,
-        colour: Rgb,
-    },
-    /// The outline of a disc.
+    /// A disc, or its outline of a width.
     Circle {
         centre: Xy,
         radius: f64,
         colour: Rgb,
-        width: f64,
+        width: Option<f64>,
     },
     Text(TextItem),
     /// A text that an SVG shows where the pointer rests.
@@ -170,7 +165,6 @@ impl Item {
         match self {
             Item::Line { colour, .. }
             | Item::Polygon { colour, .. }
-            | Item::Disc { colour, .. }
             | Item::Circle { colour, .. } => Some(*colour),
             Item::Text(text) => Some(text.colour),
             Item::Tooltip { .. } => None,
@@ -293,19 +287,19 @@ impl Scene {
     }
 
     pub(crate) fn disc(&mut self, centre: Xy, radius: f64, colour: Rgb) {
-        self.items.push(Item::Disc {
-            centre,
-            radius,
-            colour,
-        });
+        self.push_circle(centre, radius, colour, None);
     }
 
     pub(crate) fn circle(&mut self, centre: Xy, radius: f64, pen: Pen) {
+        self.push_circle(centre, radius, pen.colour, Some(pen.width));
+    }
+
+    fn push_circle(&mut self, centre: Xy, radius: f64, colour: Rgb, width: Option<f64>) {
         self.items.push(Item::Circle {
             centre,
             radius,
-            colour: pen.colour,
-            width: pen.width,
+            colour,
+            width,
         });
     }
 

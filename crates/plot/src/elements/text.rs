@@ -1,7 +1,5 @@
 //! The embedded font, and widths of texts.
 
-use std::sync::LazyLock;
-
 use ttf_parser::{Face, GlyphId};
 
 use crate::PlotError;
@@ -10,11 +8,8 @@ use crate::PlotError;
 pub(crate) const UNITS_PER_EM: f64 = 2048.0;
 
 /// The embedded font.
-pub(crate) fn font() -> Result<&'static Face<'static>, PlotError> {
-    static FONT: LazyLock<Option<Face<'static>>> =
-        LazyLock::new(|| Face::parse(dejavu::sans::regular(), 0).ok());
-    let damaged = || PlotError::backend("the embedded font is damaged");
-    FONT.as_ref().ok_or_else(damaged)
+pub(crate) fn font() -> Result<Face<'static>, PlotError> {
+    Face::parse(dejavu::sans::regular(), 0).map_err(PlotError::backend)
 }
 
 /// A line of text in font units.

@@ -1,5 +1,7 @@
 //! Rasteriser: draws a scene with smooth edges, in bands of rows that stay in the cache.
 
+use std::mem::discriminant;
+
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, PixmapMut, Stroke, Transform};
 use ttf_parser::OutlineBuilder;
 
@@ -57,18 +59,12 @@ struct Area {
     paint: Paint<'static>,
 }
 
-/// The areas that items cover. Consecutive lines of one colour are one area, which saves time, and so are consecutive polygons: filled
-/// one by one, neighbours would show paper along their common edges.
+/// The areas that items cover. Consecutive items of one kind and colour are one area, which saves time; neighbouring polygons that are
+/// filled one by one would show paper along their common edges.
 fn areas(items: &[Item], scale: f64) -> Result<Vec<Area>, PlotError> {
-    let is_one_area = |a: &Item, b: &Item| {
-        let is_one_kind = matches!(
-            (a, b),
-            (Item::Line { .. }, Item::Line { .. }) | (Item::Polygon { .. }, Item::Polygon { .. })
-        );
-        is_one_kind && a.colour() == b.colour()
-    };
+    let look = |item: &Item| (discriminant(item), item.colour());
     let mut areas = Vec::new();
-    for items in items.chunk_by(is_one_area) {
+    for items in items.chunk_by(|a, b| look(a) == look(b)) {
         let mut builder = PathBuilder::new();
         for item in items {
             if let Some(path) = outline(item, scale)? {
@@ -94,13 +90,19 @@ fn outline(item: &Item, scale: f64) -> Result<Option<Path>, PlotError> {
             builder.close();
             builder.finish()
         }
-        Item::Disc { centre, radius, .. } => circle(*centre, *radius, scale),
         Item::Circle {
             centre,
             radius,
             width,
             ..
-        } => stroke(circle(*centre, *radius, scale), width * scale),
+        } => {
+            let (x, y) = pixel(*centre, scale);
+            let disc = PathBuilder::from_circle(x, y, (radius * scale) as f32);
+            match width {
+                Some(width) => stroke(disc, width * scale),
+                None => disc,
+            }
+        }
         Item::Text(item) => text(item, scale)?,
         Item::Tooltip { .. } => None,
     })
@@ -140,11 +142,6 @@ fn line(corners: &[Xy], width: f64, scale: f64) -> Option<Path> {
     stroke(builder.finish(), width)
 }
 
-fn circle(centre: Xy, radius: f64, scale: f64) -> Option<Path> {
-    let (x, y) = pixel(centre, scale);
-    PathBuilder::from_circle(x, y, (radius * scale) as f32)
-}
-
 /// Outline of a line along a path, `width` pixels wide.
 fn stroke(path: Option<Path>, width: f64) -> Option<Path> {
     let stroke = Stroke {
@@ -157,7 +154,7 @@ fn stroke(path: Option<Path>, width: f64) -> Option<Path> {
 
 /// Outlines of the glyphs of a text.
 fn text(item: &TextItem, scale: f64) -> Result<Option<Path>, PlotError> {
-    let line = TextLine::new(&item.text)?;
+    let (font, line) = (font()?, TextLine::new(&item.text)?);
     let before = match item.align {
         Align::Left => 0.0,
         Align::Centre => 0.5,
@@ -169,7 +166,7 @@ fn text(item: &TextItem, scale: f64) -> Result<Option<Path>, PlotError> {
     };
     for (glyph, left) in line.glyphs {
         pen.left = left as f32 - before;
-        font()?.outline_glyph(glyph, &mut pen);
+        font.outline_glyph(glyph, &mut pen);
     }
     let (x, y) = pixel(item.anchor, scale);
     let size = (item.size * scale / UNITS_PER_EM) as f32;
@@ -314,9 +311,9 @@ mod tests {
         assert!((49..=50).contains(&top) && (149..=151).contains(&bottom));
     }
 
-    /// A frame and its ticks, consecutive lines of one colour, whichever way round each is drawn. The frame begins at a corner.
+    /// A frame and its ticks, whichever way round each is drawn, and a disc with its outline. The frame begins at a corner.
     #[test]
-    fn lines_of_one_colour_leave_no_hole_at_corners_and_where_they_cross() {
+    fn items_of_one_colour_leave_no_hole_at_corners_and_where_they_cross() {
         let mut corners = Rect::at((4.0, 4.0), 30.0, 30.0).corners().to_vec();
         corners.push(corners[0]);
         let pen = Pen::solid(theme::INK, 4.0);
@@ -326,8 +323,11 @@ mod tests {
             for ends in [[20.0, 45.0], [45.0, 20.0]] {
                 scene.line(&ends.map(|y| (ends[0] - 5.0, y)), pen);
             }
+            scene.disc((42.0, 10.0), 3.0, theme::INK);
+            scene.circle((42.0, 10.0), 3.0, Pen::solid(theme::INK, 2.0));
             let rows = rows(&scene, 1);
             let is_ink = |x: usize, y: usize| rows[y][x] == [25; 3];
+            assert!((40..45).all(|x| is_ink(x, 10)));
             assert!((3..34).all(|x| is_ink(x, 34) && is_ink(x, 3)));
             assert!((20..45).all(|y| is_ink(15, y)));
             corners.reverse();

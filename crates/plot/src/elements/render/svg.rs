@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::PlotError;
-use crate::elements::geometry::{Xy, in_units};
+use crate::elements::geometry::Xy;
 use crate::elements::rgb::Rgb;
 use crate::elements::scene::{Align, Item, Picture, Scene, TextItem};
 use crate::elements::theme;
@@ -66,17 +66,16 @@ impl Document {
                     self.path_of(fill(*colour)).area(&points);
                 }
             }
-            Item::Disc {
-                centre,
-                radius,
-                colour,
-            } => self.element(&circle(*centre, *radius, &fill(*colour))),
             Item::Circle {
                 centre,
                 radius,
                 colour,
                 width,
-            } => self.element(&circle(*centre, *radius, &stroke(*colour, *width))),
+            } => {
+                let attributes =
+                    width.map_or_else(|| fill(*colour), |width| stroke(*colour, width));
+                self.element(&circle(*centre, *radius, &attributes));
+            }
             Item::Text(item) => self.element(&text(item)),
             Item::Tooltip { rect, text } => {
                 let [(x, y), _, (right, bottom), _] = rect.corners().map(unit);
@@ -166,8 +165,10 @@ impl PathData {
     }
 }
 
-fn unit(at: Xy) -> (i32, i32) {
-    in_units(at, f64::from(UNITS_PER_POINT))
+/// A place in whole units. Saturates far outside the figure, where integer arithmetic is still safe.
+fn unit((x, y): Xy) -> (i32, i32) {
+    let whole = |v: f64| (v * f64::from(UNITS_PER_POINT)).round().clamp(-1e5, 1e5) as i32;
+    (whole(x), whole(y))
 }
 
 fn units(path: &[Xy]) -> Vec<(i32, i32)> {
