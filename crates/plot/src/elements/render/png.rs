@@ -15,7 +15,7 @@ pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Level 3 of deflate makes files two thirds as large, but takes three times as long, as long as drawing.
+    // Level 3 of deflate makes files two thirds as large, but takes three times as long, nearly as long as drawing.
     encoder.set_filter(png::Filter::Paeth);
     encoder.set_deflate_compression(png::DeflateCompression::FdeflateUltraFast);
     // A point is 1/96 inch, as in CSS.
