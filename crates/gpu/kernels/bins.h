@@ -12,6 +12,8 @@
 #define PATH_ENTRIES ((1 << (MAX_LISTED_PATH + 1)) - 1)
 #define MAX_LISTED_ORDER 64
 #define GROUPS 5
+// Most measures of polarised light: the elements of a Mueller matrix.
+#define MAX_MEASURES 16
 
 // Light that leaves: side 0 is reflected, 1 transmitted. Masked light would leave if nothing were in its way.
 struct Exit {
@@ -19,6 +21,8 @@ struct Exit {
     double flux;
     u32 side, order, events, batch;
     bool is_masked;
+    // Measures of polarised light, divided by the flux; null without any.
+    const double *measures;
 };
 
 // Whole part of x >= 0, where anything within 1e-9 below a whole number counts as that number.
@@ -80,13 +84,21 @@ DEVICE double weight_of(const Job &job, const Exit &exit, u32 ring) {
     return exit.order == 1 ? 1.0 - fraction : 1.0;
 }
 
+// Adds the measures of light that leaves to those of a flux entry, by its position among those that have measures.
+DEVICE void add_measures(const Job &job, const Exit &exit, u32 position) {
+    const u32 count = exit.measures ? (job.polarisation == MUELLER ? MAX_MEASURES : 1) : 0;
+    for (u32 k = 0; k < count; k++) {
+        add_flux(job, job.measures + position * count + k, exit.batch, exit.measures[k] * exit.flux);
+    }
+}
+
 // Adds light that leaves to all its entries, or to the flux that is not recorded.
 DEVICE_CALL void add_exit(const Job &job, const Exit &exit) {
     const u32 side = exit.side, order = exit.order, batch = exit.batch;
     const u32 ring = ring_of(job, exit);
     const double flux = weight_of(job, exit, ring) * exit.flux;
-    // Where the control variate cancels all of it, no ray of the bin is left either
-    if (flux == 0.0) {
+    // Where the control variate cancels all of it, no ray of the bin is left either. It has no part in measures
+    if (flux == 0.0 && !exit.measures) {
         return;
     }
     if (!job.records[side]) {
@@ -100,20 +112,26 @@ DEVICE_CALL void add_exit(const Job &job, const Exit &exit) {
     const u32 group = side * GROUPS + (before < 3 ? before : 3);
     add_flux(job, job.orders + side * MAX_LISTED_ORDER + (before < MAX_LISTED_ORDER ? before : MAX_LISTED_ORDER - 1), batch, flux);
     add_flux(job, job.paths + side * PATH_ENTRIES + path, batch, flux);
-    add_flux(job, job.rings + group * job.n_theta + ring, batch, flux);
+    const u32 ring_of_group = group * job.n_theta + ring;
+    add_flux(job, job.rings + ring_of_group, batch, flux);
+    add_measures(job, exit, group);
+    add_measures(job, exit, 2 * GROUPS + ring_of_group);
     const double phi = job.has_azimuths ? azimuth(exit.wo.x, exit.wo.y) : 0.0;
     const u32 sector = job.has_azimuths ? sector_of(job, exit, phi) : 0;
     const u32 bins_of_both = 2 * job.n_theta * job.n_phi;
-    const u32 bin = (order > 1 ? bins_of_both : 0) + (side * job.n_theta + ring) * job.n_phi + sector;
-    add_flux(job, job.hits + bin, batch, 1.0);
+    const u32 bin_of_all = (side * job.n_theta + ring) * job.n_phi + sector;
+    const u32 bin = (order > 1 ? bins_of_both : 0) + bin_of_all;
+    add_flux(job, job.hits + bin, batch, flux == 0.0 ? 0.0 : 1.0);
     if (!job.has_azimuths) {
         return;
     }
     add_flux(job, job.bins + bin, batch, flux);
+    add_measures(job, exit, 2 * GROUPS + job.hits - job.rings + bin_of_all);
     const int half = half_of_slice(job, exit, phi);
     if (half != 0) {
         const u32 n = job.n_theta, from_normal = side == 0 ? ring : n - 1 - ring;
-        const u32 number = half > 0 ? n + from_normal : n - 1 - from_normal;
-        add_flux(job, job.in_plane + group * 2 * n + number, batch, flux);
+        const u32 number = group * 2 * n + (half > 0 ? n + from_normal : n - 1 - from_normal);
+        add_flux(job, job.in_plane + number, batch, flux);
+        add_measures(job, exit, 2 * GROUPS + job.in_plane - job.rings + number);
     }
 }

@@ -12,12 +12,35 @@ DEVICE Exit exit_of(const Job &job, const Path &path, const Segment &segment) {
     Vec3 wo = mirrored(segment.k, segment.mirrored);
     wo.z *= job.incident;
     wo = job.turns ? turned(wo, path.cos, path.sin) : wo;
-    return {wo, segment.flux, side_of(job, segment), segment.order, segment.events, path.batch, false};
+    return {wo, segment.flux, side_of(job, segment), segment.order, segment.events, path.batch, false, nullptr};
+}
+
+// Measures of light that leaves along `wo`, divided by its flux: the part of it that averaging misses, or the elements of its Mueller matrix
+// column by column, in axes that follow the azimuth of the light that has fallen on the surface.
+template <int N>
+DEVICE void measure(const Job &job, const Path &path, Light<N> light, Vec3 wo, double (&measures)[MAX_MEASURES]) {
+    if (job.polarisation == BOTH) {
+        measures[0] = 1.0 - light.numbers[3];
+        return;
+    }
+    if (wo.x == 0.0 && wo.y == 0.0 && !(path.cos == 1.0 && path.sin == 0.0)) {
+        turn_light(job, light, axes_turned(wo.z, path.cos, -path.sin));
+    }
+    measures[0] = 1.0;
+    for (int k = 0; k < N; k++) {
+        measures[k + 1] = light.numbers[k];
+    }
 }
 
 // Tallies a segment that leaves.
-DEVICE void leave(const Job &job, const Path &path, const Segment &segment) {
-    const Exit exit = exit_of(job, path, segment);
+template <int N>
+DEVICE void leave(const Job &job, const Path &path, const PolarisedSegment<N> &segment) {
+    Exit exit = exit_of(job, path, segment);
+    double measures[MAX_MEASURES];
+    if (N > 3) {
+        measure(job, path, segment.light, exit.wo, measures);
+        exit.measures = measures;
+    }
     add_to_apertures(job, exit);
     add_exit(job, exit);
 }

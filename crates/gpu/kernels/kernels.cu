@@ -13,21 +13,25 @@
 #define THREADS 1
 #endif
 
-// Traces paths number `first` to `end` of a job.
-template <class Cells>
+// Traces paths number `first` to `end` of a job, which carry `N` numbers of polarisation.
+template <class Cells, int N>
 DEVICE void trace(const Job &job, u64 first, u64 end) {
     Work work = {};
     for (u64 number = first + FIRST_THREAD; number < end; number += THREADS) {
-        follow<Cells>(job, number, work);
+        follow<Cells, N>(job, number, work);
     }
     work.add_to(job);
 }
 
 // Over triangles.
-KERNEL trace_facets(const Job *job, u64 first, u64 end) { trace<FacetCells>(*job, first, end); }
+KERNEL trace_facets(const Job *job, u64 first, u64 end) { trace<FacetCells, 3>(*job, first, end); }
 
 // Over cells of a spline.
-KERNEL trace_smooth(const Job *job, u64 first, u64 end) { trace<SmoothCells>(*job, first, end); }
+KERNEL trace_smooth(const Job *job, u64 first, u64 end) { trace<SmoothCells, 3>(*job, first, end); }
+
+// Over either, with measures of polarised light.
+KERNEL measure_facets(const Job *job, u64 first, u64 end) { trace<FacetCells, 15>(*job, first, end); }
+KERNEL measure_smooth(const Job *job, u64 first, u64 end) { trace<SmoothCells, 15>(*job, first, end); }
 
 // Sizes of the tables, for a test that the host knows the same ones.
 KERNEL table_sizes(u64 *sizes) {

@@ -83,13 +83,14 @@ DEVICE void trace_shadows(const Job &job, const Path &path, Segment light, Work 
     }
 }
 
-template <class Cells>
+// `N`: numbers of polarisation that the path carries.
+template <class Cells, int N>
 DEVICE void follow(const Job &job, u64 number, Work &work) {
     const Surface &s = *job.surface;
-    Segment waiting[MAX_WAITING];
+    PolarisedSegment<N> waiting[MAX_WAITING];
     int count = 0;
     Path path;
-    Segment segment = start(job, number, path);
+    PolarisedSegment<N> segment = start<N>(job, number, path);
     Meeting at_facet;
     Outcome outcome;
     if (job.on_surface) {
@@ -120,11 +121,11 @@ DEVICE void follow(const Job &job, u64 number, Work &work) {
             if (job.fractions && !job.on_surface && segment.order == 0) {
                 trace_shadows<Cells>(job, path, segment, work);
             }
-            Segment branches[2];
+            PolarisedSegment<N> branches[2];
             scatter(job, path, segment, at_facet.m, branches[0], branches[1]);
             const bool reflection_is_weaker = branches[0].flux < branches[1].flux;
             for (int k = 0; k < 2; k++) {
-                const Segment &branch = branches[reflection_is_weaker ? 1 - k : k];
+                const PolarisedSegment<N> &branch = branches[reflection_is_weaker ? 1 - k : k];
                 if (!(branch.flux > 0.0)) {
                     continue;
                 }

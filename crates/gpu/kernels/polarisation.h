@@ -3,6 +3,8 @@
 // Source: Born and Wolf, Principles of Optics, Secs. 1.5 and 14.2, rearranged; signs as in SCATMECH.
 #pragma once
 
+#include "elementary.h"
+#include "tables.h"
 #include "vectors.h"
 
 // Mueller matrix of an interface in the axes of its plane of incidence, by its distinct elements.
@@ -54,25 +56,95 @@ DEVICE Stokes turned_axes(const Stokes &light, const Turn &turn) {
     return {light.i, turn.cos * light.q + turn.sin * light.u, turn.cos * light.u - turn.sin * light.q, light.v};
 }
 
-// The light after an interface that it meets along `k` and leaves along `k_out`, and its flux per flux that has arrived. `light`: Q, U and V
-// over I, in axes of which +z is on the side of the sign `handedness`.
-DEVICE_CALL double pass(double light[3], Vec3 k, Vec3 k_out, Vec3 axis, const FacetMueller &facet, double handedness) {
-    const double h = handedness;
-    const Stokes in = turned_axes({1.0, light[0], h * light[1], h * light[2]}, turn_to_axis(k, axis));
-    const Stokes after = {facet.m00 * in.i + facet.m01 * in.q, facet.m01 * in.i + facet.m00 * in.q,
-                          facet.m22 * in.u + facet.m23 * in.v, facet.m22 * in.v - facet.m23 * in.u};
-    Turn back = turn_to_axis(k_out, axis);
-    back.sin = -back.sin;
-    const Stokes out = turned_axes(after, back);
-    const double q = out.q, u = h * out.u, v = h * out.v;
+// One interface on the way of polarised light: turns to the axes of its plane of incidence and back, and the sign by which U and V change.
+struct Passage {
+    Turn in, back;
+    FacetMueller facet;
+    double handedness;
+
+    DEVICE Stokes apply(const Stokes &light) const {
+        const double h = handedness;
+        const Stokes at = turned_axes({light.i, light.q, h * light.u, h * light.v}, in);
+        const Stokes after = {facet.m00 * at.i + facet.m01 * at.q, facet.m01 * at.i + facet.m00 * at.q,
+                              facet.m22 * at.u + facet.m23 * at.v, facet.m22 * at.v - facet.m23 * at.u};
+        const Stokes out = turned_axes(after, back);
+        return {out.i, out.q, h * out.u, h * out.v};
+    }
+};
+
+// Numbers that a path carries: Q, U and V over I; then, if N > 3, the averaged flux over the flux, or the other columns of a Mueller matrix.
+template <int N>
+struct Light {
+    double numbers[N];
+
+    // Column number `column` > 0 of a Mueller matrix.
+    DEVICE Stokes column(int column) const {
+        const double *of = numbers + 4 * column - 1;
+        return {of[0], of[1], of[2], of[3]};
+    }
+
+    DEVICE void set_column(int column, const Stokes &light) {
+        double *of = numbers + 4 * column - 1;
+        of[0] = light.i;
+        of[1] = light.q;
+        of[2] = light.u;
+        of[3] = light.v;
+    }
+
+    // Loses its polarisation: fluxes stay.
+    DEVICE void depolarise() {
+        for (int k = 0; k < N; k++) {
+            numbers[k] = k % 4 == 3 ? numbers[k] : 0.0;
+        }
+    }
+};
+
+// Takes light through an interface that it meets along `k` and leaves along `k_out`, and returns its flux per flux that has arrived. Its axes
+// have +z on the side of the sign `handedness`.
+template <int N>
+DEVICE_CALL double pass(const Job &job, Light<N> &light, Vec3 k, Vec3 k_out, Vec3 axis, const FacetMueller &facet, double handedness) {
+    Passage passage = {turn_to_axis(k, axis), turn_to_axis(k_out, axis), facet, handedness};
+    passage.back.sin = -passage.back.sin;
+    double *numbers = light.numbers;
+    const Stokes out = passage.apply({1.0, numbers[0], numbers[1], numbers[2]});
     // Rounding may have made the polarised part longer than the whole
-    const double polarised = sqrt(q * q + u * u + v * v);
+    const double polarised = sqrt(out.q * out.q + out.u * out.u + out.v * out.v);
     const double norm = out.i > polarised ? out.i : polarised;
     const double inverse = 1.0 / (norm > 0.0 ? norm : 1.0);
-    light[0] = q * inverse;
-    light[1] = u * inverse;
-    light[2] = v * inverse;
-    return out.i > 0.0 ? out.i : 0.0;
+    const double fraction = out.i > 0.0 ? out.i : 0.0;
+    numbers[0] = out.q * inverse;
+    numbers[1] = out.u * inverse;
+    numbers[2] = out.v * inverse;
+    if (N > 3 && job.polarisation == BOTH) {
+        // Exactly one where unpolarised light arrives
+        numbers[3] *= facet.m00 / (fraction > 0.0 ? fraction : 1.0);
+    } else if (N > 3) {
+        for (int column = 1; column < 4; column++) {
+            const Stokes of = passage.apply(light.column(column));
+            light.set_column(column, {of.i * inverse, of.q * inverse, of.u * inverse, of.v * inverse});
+        }
+    }
+    return fraction;
+}
+
+// The turn of the axes of a vertical ray along z that follow an azimuth turned by the angle of `cos` and `sin`, against those that it has.
+DEVICE Turn axes_turned(double z, double cos, double sin) {
+    return turn_to_axis({0.0, 0.0, z}, turned({-0.0, 1.0, 0.0}, cos, sin));
+}
+
+// Turns the axes of light about its ray.
+template <int N>
+DEVICE void turn_light(const Job &job, Light<N> &light, const Turn &turn) {
+    double *numbers = light.numbers;
+    const Stokes first = turned_axes({1.0, numbers[0], numbers[1], numbers[2]}, turn);
+    numbers[0] = first.q;
+    numbers[1] = first.u;
+    numbers[2] = first.v;
+    if (N > 3 && job.polarisation == MUELLER) {
+        for (int column = 1; column < 4; column++) {
+            light.set_column(column, turned_axes(light.column(column), turn));
+        }
+    }
 }
 
 // Reflection by the reflectance for s light and the ratio (sin2 - c g) / (sin2 + c g) of the amplitudes.

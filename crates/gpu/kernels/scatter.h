@@ -67,14 +67,19 @@ DEVICE double roulette(const Job &job, const Path &path, double flux, double u) 
 }
 
 // Scatters light that has arrived at a facet of the unit normal `m`, upwards. A branch that ends has no flux.
-DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m, Segment &reflected, Segment &transmitted) {
-    const Arrival facet = arrival_of(job, at.k, m, at.q, job.tracked);
+template <int N>
+DEVICE void scatter(const Job &job, const Path &path, const PolarisedSegment<N> &at, Vec3 m, PolarisedSegment<N> &reflected,
+                    PolarisedSegment<N> &transmitted) {
+    const Arrival facet = arrival_of(job, at.k, m, at.q, job.polarisation != AVERAGED);
     const u32 bit = at.order < 32 ? 1u << at.order : 0;
     Pair diffuse = {0.0, 0.0};
     if (job.material == LAMBERTIAN) {
         diffuse = random_pair(job, path.ray, at.order, at.events, USE_DIFFUSE, 0);
     }
-    reflected = {at.o, reflected_along(job, facet, diffuse), at.q, facet.reflected.m00, {at.light[0], at.light[1], at.light[2]}, at.order + 1, at.events, at.mirrored};
+    reflected = at;
+    reflected.k = reflected_along(job, facet, diffuse);
+    reflected.flux = facet.reflected.m00;
+    reflected.order++;
     transmitted = reflected;
     transmitted.q = -at.q;
     transmitted.flux = facet.transmitted.m00;
@@ -82,14 +87,14 @@ DEVICE void scatter(const Job &job, const Path &path, const Segment &at, Vec3 m,
     if (job.material == DIELECTRIC) {
         transmitted.k = refract(facet.wi, facet.m, facet.eta, facet.cos_theta_t);
     }
-    if (job.tracked && job.material == LAMBERTIAN) {
-        reflected.light[0] = reflected.light[1] = reflected.light[2] = 0.0;
-    } else if (job.tracked) {
+    if (job.material == LAMBERTIAN) {
+        reflected.light.depolarise();
+    } else if (job.polarisation != AVERAGED) {
         const Vec3 axis = incidence_axis(at.k, facet.m);
         // Images that are mirrored along both axes are turned, not mirrored
         const double handedness = at.mirrored == 1 || at.mirrored == 2 ? -job.incident : job.incident;
-        reflected.flux = pass(reflected.light, at.k, reflected.k, axis, facet.reflected, handedness);
-        transmitted.flux = pass(transmitted.light, at.k, transmitted.k, axis, facet.transmitted, handedness);
+        reflected.flux = pass(job, reflected.light, at.k, reflected.k, axis, facet.reflected, handedness);
+        transmitted.flux = pass(job, transmitted.light, at.k, transmitted.k, axis, facet.transmitted, handedness);
     }
     if (job.material != DIELECTRIC) {
         const double absorbed = at.flux * (1.0 - reflected.flux - transmitted.flux);

@@ -1,19 +1,22 @@
 // Starts: the places at which paths begin, one in each stratum of the lit window, and their directions.
 #pragma once
 
-#include "elementary.h"
+#include "polarisation.h"
 #include "random.h"
-#include "vectors.h"
 
 // A path segment: its ray in physical directions, and what its path carries.
 struct Segment {
     Vec3 o, k;
     double q, flux;
-    // Q, U and V over I.
-    double light[3];
     u32 order, events;
     // Axes of the tile that are mirrored against the world.
     u32 mirrored;
+};
+
+// A path segment and its polarisation.
+template <int N>
+struct PolarisedSegment : Segment {
+    Light<N> light;
 };
 
 // Of a path: its number among those of the call, and the angle by which its exits are turned back.
@@ -46,9 +49,37 @@ DEVICE void stratum(u32 side, u32 number, u32 &column, u32 &row) {
     }
 }
 
+// The light that falls on the surface. `cos` and `sin`: those of the azimuth by which it is turned. The axes of vertical rays do not turn
+// with the azimuth, so the light does.
+template <int N>
+DEVICE Light<N> incident_light(const Job &job, double cos, double sin) {
+    Light<N> light = {};
+    if (job.polarisation == MUELLER) {
+        // The identity
+        for (int k = 4; k < N; k += 5) {
+            light.numbers[k] = 1.0;
+        }
+    } else {
+        for (int k = 0; k < 3; k++) {
+            light.numbers[k] = job.stokes[k];
+        }
+        if (N > 3) {
+            light.numbers[3] = 1.0;
+        }
+    }
+    const bool is_vertical = job.wi[0] == 0.0 && job.wi[1] == 0.0;
+    if (job.turns && is_vertical && !(cos == 1.0 && sin == 0.0)) {
+        Turn turn = axes_turned(-1.0, cos, sin);
+        turn.sin = -turn.sin;
+        turn_light(job, light, turn);
+    }
+    return light;
+}
+
 // Begins path number `number` of the call, batch after batch of each stratum: at the highest point, or over the place where it meets the
 // surface.
-DEVICE Segment start(const Job &job, u64 number, Path &path) {
+template <int N>
+DEVICE PolarisedSegment<N> start(const Job &job, u64 number, Path &path) {
     const Surface &s = *job.surface;
     const u32 stratum_number = job.first_stratum + (u32)(number / job.batches);
     path.batch = (u32)(number % job.batches);
@@ -79,5 +110,5 @@ DEVICE Segment start(const Job &job, u64 number, Path &path) {
         o.x = images & 1 ? 2.0 * s.extent[0] - x : x;
         o.y = images & 2 ? 2.0 * s.extent[1] - y : y;
     }
-    return {o, mirrored(k, images), job.incident, 1.0, {job.stokes[0], job.stokes[1], job.stokes[2]}, 0, 0, images};
+    return {{o, mirrored(k, images), job.incident, 1.0, 0, 0, images}, incident_light<N>(job, path.cos, -path.sin)};
 }

@@ -45,6 +45,9 @@ struct Surface {
 // Kinds of materials.
 enum { DIELECTRIC, CONDUCTOR, MIRROR, LAMBERTIAN };
 
+// Polarisation that paths carry: see `Polarisation` of the crate `asperity-tracer`.
+enum { AVERAGED, TRACKED, BOTH, MUELLER };
+
 // A narrow window about one direction.
 struct Aperture {
     double side;
@@ -97,8 +100,8 @@ struct Job {
     // Fraction of absorbed light that the control variate takes out, and the probability with which shadows are traced.
     double absorbed_fraction;
     double shadow_probability;
-    // 1 if paths carry their polarisation, and if they start at points of the surface that the light reaches.
-    u32 tracked;
+    u32 polarisation;
+    // 1 if paths start at points of the surface that the light reaches.
     u32 on_surface;
     u32 material;
     // 1 if one branch is picked.
@@ -128,7 +131,7 @@ struct Job {
     u32 lost;
     u32 not_recorded;
     u32 left_patch;
-    u32 unused;
+    u32 measures;
     u32 of_apertures;
     u32 aperture_count;
     // Horizontal directions along and across the plane of incidence.

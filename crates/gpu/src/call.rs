@@ -1,7 +1,7 @@
 //! Call: traces the rays of one call on a device.
 
 use asperity_tally::{BinStarts, ControlVariate, Tallies, TallyLayout};
-use asperity_tracer::Work;
+use asperity_tracer::{Polarisation, Work};
 
 use crate::device::{Device, DeviceError, Job, Memory};
 use crate::job::{Rays, aperture};
@@ -39,13 +39,18 @@ impl Call<'_> {
         let sums = device.zeros(COUNTS + 2 * tallies.sums().len())?;
         let tables = self.upload(sums.address(), tallies.control_variate())?;
         let job = Job(tables.address());
+        let [plain, measured] = self.surface.kernels;
+        let kernel = match self.rays.case.settings.polarisation() {
+            Polarisation::Averaged | Polarisation::Tracked => plain,
+            Polarisation::Both | Polarisation::Mueller => measured,
+        };
         let count = self.rays.count();
         for first in (0..count).step_by(PATHS_OF_RUN as usize) {
             if gives_up() {
                 return Ok(CallEnd::GivenUp);
             }
             let paths = first..count.min(first + PATHS_OF_RUN);
-            device.run(self.surface.kernel, job, paths)?;
+            device.run(kernel, job, paths)?;
         }
         let words = sums.read()?;
         let Some((&counts, sums)) = words.split_first_chunk::<COUNTS>() else {

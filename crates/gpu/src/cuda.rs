@@ -31,7 +31,8 @@ const BLOCKS: u32 = 4;
 /// keeping a processor busy.
 pub struct Cuda {
     context: Arc<CudaContext>,
-    functions: [CudaFunction; Kernel::ALL.len()],
+    /// In the order of [`Kernel::ALL`].
+    functions: Vec<CudaFunction>,
     /// Blocks that run at a time; each takes paths until none is left.
     blocks: u32,
 }
@@ -56,11 +57,15 @@ impl Cuda {
             });
         }
         let module = context.load_module(Ptx::from_src(PTX)).map_err(message)?;
-        let [facets, smooth] = Kernel::ALL.map(|kernel| module.load_function(kernel.name()));
+        let functions = Kernel::ALL
+            .iter()
+            .map(|kernel| module.load_function(kernel.name()))
+            .collect::<Result<_, _>>()
+            .map_err(message)?;
         let multiprocessors = context.attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT);
         let multiprocessors = multiprocessors.map_err(message)?;
         Ok(Self {
-            functions: [facets.map_err(message)?, smooth.map_err(message)?],
+            functions,
             blocks: BLOCKS * u32::try_from(multiprocessors).unwrap_or(1).max(1),
             context,
         })

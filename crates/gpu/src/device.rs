@@ -43,11 +43,20 @@ pub enum Kernel {
     Facets,
     /// Paths over cells of a spline.
     Smooth,
+    /// Paths over triangles whose exits have measures of polarised light.
+    MeasuredFacets,
+    /// Such paths over cells of a spline.
+    MeasuredSmooth,
 }
 
 impl Kernel {
     /// All kernels.
-    pub const ALL: [Self; 2] = [Self::Facets, Self::Smooth];
+    pub const ALL: [Self; 4] = [
+        Self::Facets,
+        Self::Smooth,
+        Self::MeasuredFacets,
+        Self::MeasuredSmooth,
+    ];
 
     /// Name of the function, whose arguments are the address of a job, the first path and the end of paths.
     #[must_use]
@@ -55,6 +64,8 @@ impl Kernel {
         match self {
             Self::Facets => "trace_facets",
             Self::Smooth => "trace_smooth",
+            Self::MeasuredFacets => "measure_facets",
+            Self::MeasuredSmooth => "measure_smooth",
         }
     }
 }

@@ -18,20 +18,15 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// Returns `true` if kernels scatter light at this material, and follow paths by these settings.
+    /// Returns `true` if kernels scatter light at this material.
     pub(crate) fn is_supported(&self) -> bool {
-        let is_known = matches!(
+        matches!(
             self.material,
             Material::Dielectric { .. }
                 | Material::Conductor { .. }
                 | Material::Mirror
                 | Material::Lambertian { .. }
-        );
-        let is_followed = matches!(
-            self.settings.polarisation(),
-            Polarisation::Averaged | Polarisation::Tracked
-        );
-        is_known && is_followed
+        )
     }
 }
 
@@ -62,9 +57,7 @@ impl Rays<'_> {
     /// Returns `true` if kernels start such rays.
     pub(crate) fn are_supported(&self) -> bool {
         let light = self.illumination;
-        // The polarisation of vertical light turns with the azimuth
-        let turns_light = self.turns() && light.incidence.is_vertical();
-        light.spread.is_none() && light.sampling == Sampling::Stratified && !turns_light
+        light.spread.is_none() && light.sampling == Sampling::Stratified
     }
 
     fn turns(&self) -> bool {
@@ -130,7 +123,12 @@ impl Rays<'_> {
             stokes: light.stokes,
             absorbed_fraction: control.map_or(0.0, ControlVariate::absorbed_fraction),
             shadow_probability: control.map_or(1.0, ControlVariate::shadow_probability),
-            tracked: (case.settings.polarisation() == Polarisation::Tracked).into(),
+            polarisation: match case.settings.polarisation() {
+                Polarisation::Averaged => 0,
+                Polarisation::Tracked => 1,
+                Polarisation::Both => 2,
+                Polarisation::Mueller => 3,
+            },
             on_surface: (light.starts == Starts::OnSurface).into(),
             material,
             picks: (case.settings.branching() == Branching::Pick).into(),
@@ -154,7 +152,7 @@ impl Rays<'_> {
             lost: layout.lost as u32,
             not_recorded: layout.not_recorded as u32,
             left_patch: layout.left_patch as u32,
-            unused: 0,
+            measures: layout.measures as u32,
             of_apertures: layout.of_apertures as u32,
             aperture_count: layout.apertures.len() as u32,
             along: layout.axes[0],

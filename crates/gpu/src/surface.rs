@@ -11,7 +11,8 @@ const MAX_CELLS: f64 = 32_768.0;
 
 /// A surface in the memory of a device.
 pub(crate) struct SurfaceOnDevice {
-    pub(crate) kernel: Kernel,
+    /// Kernels for exits without measures of polarised light, and with them.
+    pub(crate) kernels: [Kernel; 2],
     /// A [`SurfaceTable`], and behind it the arrays to which it refers.
     pub(crate) table: Box<dyn Memory>,
 }
@@ -33,7 +34,7 @@ impl SurfaceOnDevice {
                 let [columns, rows] = top.cells();
                 let row = |iy| top.row(iy).chain([top.z(columns, iy)]);
                 let of = Grid {
-                    kernel: Kernel::Facets,
+                    kernels: [Kernel::Facets, Kernel::MeasuredFacets],
                     stride: columns + 1,
                     z: (0..=rows).flat_map(row).collect(),
                 };
@@ -45,7 +46,7 @@ impl SurfaceOnDevice {
                     return Ok(None);
                 };
                 let of = Grid {
-                    kernel: Kernel::Smooth,
+                    kernels: [Kernel::Smooth, Kernel::MeasuredSmooth],
                     stride: top.spline().stride(),
                     z: top.coefficients().collect(),
                 };
@@ -64,7 +65,7 @@ fn is_searched<G: Geometry>(surface: &G) -> bool {
 
 /// The numbers of a surface over a grid.
 struct Grid {
-    kernel: Kernel,
+    kernels: [Kernel; 2],
     /// Numbers in a row of z.
     stride: usize,
     z: Vec<f64>,
@@ -109,7 +110,7 @@ impl Grid {
             aspect: geometry.aspect(),
         })?;
         Ok(SurfaceOnDevice {
-            kernel: self.kernel,
+            kernels: self.kernels,
             table,
         })
     }

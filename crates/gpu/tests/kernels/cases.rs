@@ -138,8 +138,7 @@ fn light(digits: &mut Digits) -> Illumination {
     };
     let any_azimuth = digits.below(3) == 0;
     let stokes = match digits.below(4) {
-        // Axes of vertical light from any azimuth are turned by the CPU engine alone
-        0 if !(any_azimuth && incidence.is_vertical()) => [0.3, -0.5, 0.7],
+        0 => [0.3, -0.5, 0.7],
         _ => [0.0; 3],
     };
     Illumination {
@@ -206,12 +205,13 @@ fn spec(digits: &mut Digits, light: &Illumination) -> TallySpec {
     }
 }
 
-/// A control variate with visible fractions of any size, and with shadows of some paths alone.
+/// A control variate with visible fractions of any size, now and then one, and with shadows of some paths alone.
 fn control(digits: &mut Digits, spec: TallySpec) -> Option<ControlVariate> {
     let seed = digits.below(1000) as u32;
     let rings = |side: u32| {
         let count = 0..spec.grid().n_theta();
-        count.map(|ring| noise(seed + side, ring)).collect()
+        let fraction = |ring| (1.25 * noise(seed + side, ring)).min(1.0);
+        count.map(fraction).collect()
     };
     let fractions = VisibleFractions {
         rings: [rings(0), rings(1)],
@@ -227,7 +227,12 @@ fn settings(digits: &mut Digits) -> PathSettings {
     let roulette = digits.one_of(&[0.01, 0.01, 1e-3, 0.3, 1.0]);
     let max_order = digits.one_of(&[200, 200, 40, 3, 1]);
     let settings = PathSettings::new(branching, roulette, max_order).unwrap();
-    settings.with_polarisation(digits.one_of(&[Polarisation::Averaged, Polarisation::Tracked]))
+    settings.with_polarisation(digits.one_of(&[
+        Polarisation::Averaged,
+        Polarisation::Tracked,
+        Polarisation::Both,
+        Polarisation::Mueller,
+    ]))
 }
 
 /// Digits of a number in changing bases, which choose a case.
@@ -257,13 +262,15 @@ pub(crate) fn case(number: u64) -> Case {
         _ => BatchedRays::new(13, 3, 109..169),
     };
     let light = light(digits);
-    let spec = spec(digits, &light);
+    let settings = settings(digits);
+    let polarimetry = settings.polarisation().polarimetry();
+    let spec = spec(digits, &light).with_polarimetry(polarimetry);
     Case {
         control: control(digits, spec),
         shape: shape(digits),
         materials: materials(digits),
         incident: digits.one_of(&[HalfSpace::Above, HalfSpace::Above, HalfSpace::Below]),
-        settings: settings(digits),
+        settings,
         spec,
         light,
         rays,

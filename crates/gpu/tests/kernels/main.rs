@@ -14,12 +14,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Job, Kernel, Memory, Usage};
-use asperity_optics::{Film, Films, Material};
+use asperity_optics::{Film, Films, Incidence, Material, Spread};
 use asperity_surface::{HeightField, TurnedCells};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
-    AcceleratorKind, BatchedRays, CpuEngine, Engine, Illumination, Polarisation, Sampling, Shape,
-    TracedPaths, Work,
+    AcceleratorKind, BatchedRays, CpuEngine, Engine, Illumination, Sampling, Shape, TracedPaths,
+    Work,
 };
 
 use self::cases::{Case, case};
@@ -101,7 +101,7 @@ fn kernels_give_the_integers_of_the_cpu_engine_at_full_size() {
 }
 
 /// Changes of the kernels that must be seen: a file, a text in it, and what takes its place.
-const CHANGES: [[&str; 3]; 15] = [
+const CHANGES: [[&str; 3]; 21] = [
     // The order in which numbers are multiplied
     [
         "fresnel.h",
@@ -143,6 +143,25 @@ const CHANGES: [[&str; 3]; 15] = [
         "exits.h",
         "reflected_along(job, facet, {0.0, 0.0})",
         "reflect(facet.wi, facet.m)",
+    ],
+    // Polarisation and its measures
+    ["polarisation.h", "k % 4 == 3 ? numbers[k] : 0.0", "0.0"],
+    [
+        "polarisation.h",
+        "numbers[3] *= facet.m00 / (fraction > 0.0 ? fraction : 1.0)",
+        "numbers[3] *= facet.m00",
+    ],
+    ["starts.h", "turn.sin = -turn.sin;", ""],
+    [
+        "exits.h",
+        "axes_turned(wo.z, path.cos, -path.sin)",
+        "axes_turned(wo.z, path.cos, path.sin)",
+    ],
+    ["bins.h", "batch, flux == 0.0 ? 0.0 : 1.0", "batch, 1.0"],
+    [
+        "bins.h",
+        "if (flux == 0.0 && !exit.measures)",
+        "if (flux == 0.0)",
     ],
     // Borders
     [
@@ -234,7 +253,10 @@ fn the_cpu_engine_traces_what_kernels_do_not() {
     let coated = Material::coated(films, 1.5, 0.0).unwrap();
     let others: [&dyn Fn(&mut Case); 4] = [
         &|case| case.materials = vec![coated],
-        &|case| case.settings = case.settings.with_polarisation(Polarisation::Mueller),
+        &|case| {
+            case.light.incidence = Incidence::from_degrees(30.0, 0.0).unwrap();
+            case.light.spread = Some(Spread::cone(5.0, case.light.incidence).unwrap());
+        },
         &|case| case.light.sampling = Sampling::Random,
         &|case| {
             let field = HeightField::new(

@@ -4,7 +4,7 @@ use super::Tallies;
 use crate::binning::aperture_windows::ApertureWindow;
 use crate::spec::edges::BinStarts;
 use crate::spec::offsets::BinOffsets;
-use crate::{Component, Polarimetry, Score, Side, TallySpec};
+use crate::{Component, Score, Side, TallySpec};
 
 /// Positions of the entries that an exit counts for, the edges that choose them, and the unit of sums. An entry is given where the first of its kind
 /// stands: that of reflected light, and of its single scattering where there are several components.
@@ -38,6 +38,9 @@ pub struct TallyLayout {
     pub bins: usize,
     /// Rays in bins.
     pub hits: usize,
+    /// Measures of polarised light, all of one flux entry side by side: of the flux of orders of both sides, then of rings and in-plane bins, then
+    /// of bins of all light.
+    pub measures: usize,
     /// Apertures.
     pub of_apertures: usize,
     /// Absorbed flux.
@@ -55,13 +58,12 @@ pub struct TallyLayout {
 }
 
 impl Tallies<'_> {
-    /// The layout of these tallies; `None` with components of a medium or measures of polarised light, which exits count for in other ways.
+    /// The layout of these tallies; `None` with components of a medium, which exits count for in other ways.
     /// Weights under a control variate are those of [`Tallies::control_variate`].
     #[must_use]
     pub fn layout(&self) -> Option<TallyLayout> {
         let (tally, spec) = (&self.0, self.0.spec);
-        let is_plain = spec.components().is_empty() && spec.polarimetry() == Polarimetry::Nothing;
-        if !is_plain {
+        if !spec.components().is_empty() {
             return None;
         }
         let (grid, offsets, budget) = (spec.grid(), spec.offsets(), TallySpec::BUDGET);
@@ -85,6 +87,7 @@ impl Tallies<'_> {
             in_plane: first(Score::InPlaneFlux)?,
             bins: first(Score::BinFlux)?,
             hits: first(Score::BinHits)?,
+            measures: offsets.measures_start(),
             absorbed: budget.absorbed.0,
             truncated: budget.truncated.0,
             lost: budget.lost.0,
