@@ -12,6 +12,7 @@ mod simulation;
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Duration;
 
 use asperity_gpu::{Cuda, Device, DeviceError, GpuEngine, Job, Kernel, Memory, Usage};
 use asperity_optics::{Film, Films, Incidence, Material, Spread};
@@ -101,7 +102,7 @@ fn kernels_give_the_integers_of_the_cpu_engine_at_full_size() {
 }
 
 /// Changes of the kernels that must be seen: a file, a text in it, and what takes its place.
-const CHANGES: [[&str; 3]; 21] = [
+const CHANGES: [[&str; 3]; 22] = [
     // The order in which numbers are multiplied
     [
         "fresnel.h",
@@ -113,6 +114,8 @@ const CHANGES: [[&str; 3]; 21] = [
         "(s_squared - p_squared) * inverse",
         "(s_squared - p_squared) / sum",
     ],
+    // The carry of sums
+    ["sums.h", "before + word < before ? 1 : 0", "0"],
     // Ties, bounds and limits
     ["hit.h", "other < facet", "other > facet"],
     ["horizon.h", "gain *= 2.0", "gain *= 2.5"],
@@ -216,14 +219,9 @@ fn calls_are_given_up() {
     assert_eq!(results(&GpuEngine::new(host), &case(0), true), None);
 }
 
-/// The CPU engine traces calls of which some branch had no room to wait.
-#[test]
-fn branches_without_room_are_not_lost() {
-    let less_room = ["path.h", "#define MAX_WAITING 32", "#define MAX_WAITING 1"];
-    let Some(host) = Host::with_change(Some(less_room)) else {
-        return;
-    };
-    let engine = GpuEngine::new(host);
+/// Asserts that a device traces some of the first cases, and leaves others to the CPU engine, without a failure.
+fn leaves_some_to_the_cpu_engine(device: impl Device + 'static) {
+    let engine = GpuEngine::new(device);
     for number in 0..40 {
         let case = case(number);
         assert_eq!(
@@ -237,7 +235,26 @@ fn branches_without_room_are_not_lost() {
         on_cpu,
         failure,
     } = engine.usage();
-    assert!(on_device > 5 && on_cpu > 5 && failure.is_none());
+    assert!(
+        on_device > 5 && on_cpu > 5 && failure.is_none(),
+        "{on_device} {on_cpu} {failure:?}"
+    );
+}
+
+#[test]
+fn branches_without_room_and_fluxes_too_large_for_sums_are_not_lost() {
+    for change in [
+        ["path.h", "#define MAX_WAITING 32", "#define MAX_WAITING 1"],
+        [
+            "sums.h",
+            "scaled < 4611686018427387904.0",
+            "scaled < 8191.0",
+        ],
+    ] {
+        if let Some(host) = Host::with_change(Some(change)) {
+            leaves_some_to_the_cpu_engine(host);
+        }
+    }
 }
 
 #[test]
@@ -285,6 +302,43 @@ fn the_cpu_engine_traces_what_kernels_do_not() {
     }
     let usage = engine.usage();
     assert_eq!((usage.on_device, usage.on_cpu), (0, others.len() as u64));
+}
+
+/// A device with little memory, which takes its time.
+struct Small {
+    host: Host,
+    /// Largest number of words that it allocates together.
+    words: usize,
+    /// Time before a run.
+    pause: Duration,
+}
+
+impl Device for Small {
+    fn name(&self) -> String {
+        self.host.name()
+    }
+
+    fn zeros(&self, words: usize) -> Result<Box<dyn Memory>, DeviceError> {
+        if words > self.words {
+            return Err(DeviceError::OutOfMemory);
+        }
+        self.host.zeros(words)
+    }
+
+    fn run(&self, kernel: Kernel, job: Job, paths: Range<u64>) -> Result<(), DeviceError> {
+        std::thread::sleep(self.pause);
+        self.host.run(kernel, job, paths)
+    }
+}
+
+#[test]
+fn the_cpu_engine_traces_what_a_device_has_no_memory_for() {
+    let Some(host) = Host::get() else { return };
+    leaves_some_to_the_cpu_engine(Small {
+        host,
+        words: 50_000,
+        pause: Duration::ZERO,
+    });
 }
 
 /// A device that computes nothing, and answers every run like this.
@@ -342,13 +396,26 @@ fn a_device_with_other_results_is_not_used() {
 #[test]
 fn calls_of_several_threads_have_the_same_integers() {
     let Some(host) = Host::get() else { return };
-    let engine = GpuEngine::new(host);
-    let case = case(0);
-    let expected = traced(&CpuEngine, &case);
+    // All calls are prepared before the first runs, two of each case
+    let engine = GpuEngine::new(Small {
+        host,
+        words: usize::MAX,
+        pause: Duration::from_millis(200),
+    });
+    let engine = &engine;
+    let calls = [0, 1, 2, 3, 0, 1, 2, 3].map(|number| {
+        let case = case(number);
+        let expected = traced(&CpuEngine, &case);
+        (case, expected)
+    });
     std::thread::scope(|scope| {
-        let threads = [(); 8].map(|()| scope.spawn(|| traced(&engine, &case)));
+        let traced = |(case, expected)| scope.spawn(move || (traced(engine, case), expected));
+        let threads = calls
+            .each_ref()
+            .map(|(case, expected)| traced((case, expected)));
         for thread in threads {
-            assert_eq!(thread.join().unwrap(), expected);
+            let (found, expected) = thread.join().unwrap();
+            assert_eq!(&found, expected);
         }
     });
     assert_eq!(engine.usage().on_device, 8);
