@@ -170,6 +170,14 @@ impl Memory for Words {
     }
 }
 
+impl Drop for Words {
+    /// Binds the context: memory is freed by whatever thread drops it last, which need not have called the driver before.
+    fn drop(&mut self) {
+        let context = self.slice.context();
+        context.record_err(context.bind_to_thread());
+    }
+}
+
 /// An error of the driver, with its own message.
 fn message(error: DriverError) -> DeviceError {
     if error.0 == sys::CUresult::CUDA_ERROR_OUT_OF_MEMORY {
