@@ -3,7 +3,6 @@
 // Source: Born and Wolf, Principles of Optics, Secs. 1.5 and 14.2, rearranged; signs as in SCATMECH.
 #pragma once
 
-#include "elementary.h"
 #include "tables.h"
 #include "vectors.h"
 

@@ -1,6 +1,7 @@
 // Starts: the places at which paths begin, one in each stratum of the lit window, and their directions.
 #pragma once
 
+#include "elementary.h"
 #include "polarisation.h"
 #include "random.h"
 

@@ -87,7 +87,7 @@ pub trait Device: Send + Sync {
     /// Name for messages.
     fn name(&self) -> String;
 
-    /// Allocates `words` words of zero, for the calling thread until [`Memory::write`] has returned.
+    /// Allocates `words` words of zero. Only the calling thread uses them, unless it has written to them first.
     ///
     /// # Errors
     /// [`DeviceError`], for instance if there is not enough memory.

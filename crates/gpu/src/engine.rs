@@ -17,9 +17,9 @@ use crate::surface::SurfaceOnDevice;
 
 /// An engine on a device, with the bytes of [`CpuEngine`].
 ///
-/// It traces height fields of any border, as triangles or smooth; dielectrics, conductors, mirrors and Lambertian facets; any polarisation, with Mueller matrices; stratified
-/// starts from above and on the surface, with and without a control variate; bins of any edges, rings, in-plane slices, orders, event paths
-/// and apertures. Everything else is traced by [`CpuEngine`], as is what the device has no memory for, and every call after another error of it: see
+/// It traces height fields of any border, as triangles or smooth; dielectrics, conductors, mirrors and Lambertian facets; any polarisation, with
+/// Mueller matrices; stratified starts from above and on the surface, with and without a control variate; bins of any edges, rings, in-plane
+/// slices, orders, event paths and apertures. Everything else is traced by [`CpuEngine`], as is what the device has no memory for, and every call after another error of it: see
 /// [`GpuEngine::usage`].
 ///
 /// # Examples
