@@ -16,7 +16,7 @@ DEVICE Ray ray_of(const Surface &s, const Segment &segment) {
 
 // Finds what a segment meets that begins anywhere.
 template <class Cells>
-DEVICE Outcome meet(const Surface &s, const Segment &segment, Meeting &at_facet, Work &work) {
+DEVICE_CALL Outcome meet(const Surface &s, const Segment &segment, Meeting &at_facet, Work &work) {
     Ray ray = ray_of(s, segment);
     const Outcome outcome = begin<Cells>(s, ray, work);
     return outcome == OPEN ? search<Cells>(s, ray, at_facet, work) : outcome;
