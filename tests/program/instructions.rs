@@ -34,11 +34,11 @@ fn assert_same_results(a: &Path, b: &Path) {
 #[test]
 fn results_depend_on_no_instruction_set_and_no_function_of_the_system() {
     let runs = [
-        "verify --smoothness 2 --theta 60 --realisations 8 --rays 40000 --model-rays 20000 --models smith,heitz,xu-sun-mc",
-        "verify --slopes ggx --ggx-alpha 0.4 --theta 30 --realisations 6 --rays 20000",
-        "verify --smoothness 2 --theta 30 --size 60 --realisations 8 --rays 20000 --mean-free-path 5 --albedo 0.9",
-        "verify --smoothness 3 --theta 40 --material gold --wavelength 600 --realisations 8 --rays 20000 --models heitz-polarised,smith",
-        "gonio --smoothness 2 --theta 0,40 --realisations 6 --rays 20000",
+        "verify --smoothness 2 --theta 60 --realisations 4 --rays 20000 --model-rays 10000 --models smith,heitz,xu-sun-mc",
+        "verify --slopes ggx --ggx-alpha 0.4 --theta 30 --realisations 4 --rays 10000",
+        "verify --smoothness 2 --theta 30 --size 60 --realisations 4 --rays 10000 --mean-free-path 5 --albedo 0.9",
+        "verify --smoothness 3 --theta 40 --material gold --wavelength 600 --realisations 4 --rays 10000 --models heitz-polarised,smith",
+        "gonio --smoothness 2 --theta 0,40 --realisations 4 --rays 10000",
         "generate --structure scratches --size 63 --seed 3",
     ];
     for run in runs {

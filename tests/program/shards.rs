@@ -118,13 +118,19 @@ fn merged_shards_have_the_bytes_of_the_whole(divisions: &[u64]) {
 
 #[test]
 fn merged_shards_of_every_command_have_the_bytes_of_the_whole_run() {
-    merged_shards_have_the_bytes_of_the_whole(&[1, 3, 7]);
+    merged_shards_have_the_bytes_of_the_whole(&[7]);
 }
 
 #[test]
 #[ignore = "slow: cargo test -- --ignored --skip at_full_size"]
 fn merged_shards_of_other_divisions_have_the_bytes_of_the_whole_run() {
-    merged_shards_have_the_bytes_of_the_whole(&[2, 64]);
+    merged_shards_have_the_bytes_of_the_whole(&[1, 2, 3]);
+}
+
+#[test]
+#[ignore = "full size, takes minutes: run by hand, see CONTRIBUTING.md"]
+fn many_merged_shards_have_the_bytes_of_the_whole_run_at_full_size() {
+    merged_shards_have_the_bytes_of_the_whole(&[64]);
 }
 
 const RUN: &str = "verify --tau 4 --size 32 --smoothness 2 --theta 0,40 --realisations 9 --rays 9e3 --models smith --no-plots";
@@ -220,7 +226,7 @@ fn shards_that_do_not_belong_together_are_refused_by_name() {
 #[test]
 fn a_shard_that_was_stopped_resumes_and_is_not_merged_before() {
     let folder = Folder::new();
-    let long = RUN.replace("--rays 9e3", "--rays 3e6");
+    let long = RUN.replace("--rays 9e3", "--rays 1e6");
     let run = folder.run(format!("{long} --shard 1/3 --max-time 0.2 -o 1"));
     assert_eq!(run.status.code(), Some(3));
     String::from_utf8_lossy(&run.stdout).must_contain("shard 1/3 is not finished");

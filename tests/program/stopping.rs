@@ -246,7 +246,7 @@ fn resumes(folder: &Path, line: &str) -> bool {
 fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
     let folder = with_surface();
     for (effort, time) in [
-        ("--rays 4e6", 0.02),
+        ("--rays 2e6", 0.02),
         ("--target-error 5e-6 --of reflected --refine", 1.0),
     ] {
         let flags = format!("trace h.exr --theta 30 --bins 9x4 {effort}");

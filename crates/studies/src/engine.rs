@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use asperity_gpu::{Cuda, DeviceError, GpuEngine, Usage};
-use asperity_simulate::counted;
 use asperity_tracer::{CpuEngine, Engine};
 use serde_json::Value;
 
 use crate::error::StudyError;
 use crate::settings::Document;
 
-/// Calls of a run that the CPU traces too, to see whether a GPU computes the same.
-const COMPARED_CALLS: u64 = 2;
+/// Groups of rays of a run that the CPU traces too, to see whether a GPU computes the same.
+const COMPARED: u64 = 2;
 
 /// The engine of a run, which results do not depend on.
 #[derive(Debug)]
@@ -34,7 +33,7 @@ impl ChosenEngine {
             return Ok(Self::Cpu(None));
         }
         match Cuda::open(0) {
-            Ok(gpu) => Ok(Self::Gpu(GpuEngine::compared(gpu, COMPARED_CALLS))),
+            Ok(gpu) => Ok(Self::Gpu(GpuEngine::compared(gpu, COMPARED))),
             Err(error) if choice == Some("auto") => Ok(Self::Cpu(Some(error))),
             Err(error) => Err(StudyError::NoGpu(error)),
         }
@@ -61,9 +60,9 @@ impl ChosenEngine {
                 let Usage {
                     on_device, on_cpu, ..
                 } = engine.usage();
-                let (gpu, on_device) = (engine.device_name(), counted(on_device, "batch"));
+                let gpu = engine.device_name();
                 Some(format!(
-                    "{gpu} traced {on_device}, the CPU {on_cpu} that it does not support or had no memory for"
+                    "{gpu} traced {on_device} groups of rays; the CPU {on_cpu}, which the GPU does not support or had no memory for"
                 ))
             }
         }

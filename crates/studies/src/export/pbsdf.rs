@@ -17,6 +17,7 @@ use asperity_optics::{Turn, azimuth, from_spherical, incidence_axis, polar_angle
 use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, Measure, Polarimetry, Side, TallyResult};
 use glam::{DMat4, DVec3, DVec4};
+use rayon::prelude::*;
 
 use super::contents::{Agreement, Contents, coarse_note};
 use super::directions::{Directions, azimuths_deg};
@@ -56,7 +57,7 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
     for outcomes in directions.outcomes.chunks(angles) {
         let mut table = Table::of(outcomes);
         for _ in 0..SCALINGS {
-            let levels = outcomes.iter();
+            let levels = outcomes.par_iter();
             let levels = levels.map(|outcome| flux(outcome).mean / table.reflected(outcome));
             let levels: Vec<f64> = levels.collect();
             if !levels.iter().all(|level| level.is_finite()) {
@@ -67,16 +68,11 @@ pub(super) fn contents(measurement: &Measurement) -> Result<Contents, String> {
             }
             table.scale(&levels);
         }
-        for outcome in outcomes {
-            let measured = flux(outcome);
+        let of_table = outcomes.par_iter().map(|outcome| {
             let exported = table.reflected(outcome);
-            agreement.push(Agreement::of(
-                &outcome.case,
-                Side::Reflected,
-                measured,
-                exported,
-            ));
-        }
+            Agreement::of(&outcome.case, Side::Reflected, flux(outcome), exported)
+        });
+        agreement.par_extend(of_table);
         tables.push(table);
     }
     let mut notes = vec![
