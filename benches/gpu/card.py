@@ -31,13 +31,11 @@ def main():
     parser.add_argument("-o", dest="log", type=Path, help="file to write")
     parser.add_argument("--program", type=Path, help="benchmark that was built before, in place of cargo")
     options = parser.parse_args()
-    log = options.log.open("w") if options.log else None
+    lines = []
 
     def say(line):
         print(line, end="", flush=True)
-        if log:
-            log.write(line)
-            log.flush()
+        lines.append(line)
 
     commit = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], cwd=REPOSITORY, capture_output=True, text=True)
     now = datetime.datetime.now(datetime.timezone.utc)
@@ -46,6 +44,8 @@ def main():
     with subprocess.Popen(call, cwd=REPOSITORY, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as run:
         for line in run.stdout:
             say(line)
+    if options.log:
+        options.log.write_text("".join(lines))
     sys.exit(run.returncode)
 
 

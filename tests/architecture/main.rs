@@ -299,7 +299,7 @@ const STUDIES: [(&str, &[&str]); 27] = [
     ("config", &["settings"]),
     ("given", &["config", "settings", "surface_lengths"]),
     ("error", &["config", "given", "settings"]),
-    ("engine", &["error", "settings"]),
+    ("engine", &["error", "settings", "shards"]),
     ("output", &["config"]),
     ("comparison", &["config", "error", "output"]),
     ("report", &["comparison", "config", "output", "validity"]),

@@ -475,8 +475,12 @@ fn unknown_argument(argument: &str, command: Option<Command>) -> String {
         let hint = stray_value(&argument).unwrap_or("see --help");
         return format!("unexpected argument `{argument}`; {hint}");
     }
-    let settings = settings_of(command.unwrap_or(Command::Trace));
-    let flags: Vec<String> = settings.filter_map(Setting::flag_name).collect();
+    let flags: Vec<String> = match command {
+        Some(command) => settings_of(command)
+            .filter_map(Setting::flag_name)
+            .collect(),
+        None => shared().filter_map(Setting::flag_name).collect(),
+    };
     let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
     let roughness = roughness_hint(&argument).filter(|_| flags.contains(&"smoothness"));
     if let Some(hint) = roughness {

@@ -31,7 +31,7 @@ pub(crate) enum Tool {
     Completions,
     /// Writes man pages.
     Man,
-    /// Lists what light can be traced on.
+    /// Lists the CPU and GPUs.
     Devices,
 }
 
@@ -84,7 +84,7 @@ impl Tool {
                 Self::Completions => {
                     argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
                 }
-                Self::Man | Self::Devices => argument
+                _ => argument
                     .value_parser(clap::value_parser!(PathBuf))
                     .value_hint(ValueHint::DirPath),
             }
@@ -122,14 +122,14 @@ impl ToolRun {
     }
 }
 
-/// What light can be traced on, a line each.
+/// The CPU and the GPUs, a line each.
 fn devices() -> String {
-    let threads = rayon::current_num_threads();
-    let instructions = Instructions::best();
-    let cpu = format!("CPU: {threads} threads, {instructions} instructions");
-    [vec![cpu], gpu_list(), vec![String::new()]]
-        .concat()
-        .join("\n")
+    let (threads, instructions) = (rayon::current_num_threads(), Instructions::best());
+    let mut lines = format!("CPU: {threads} threads, {instructions} instructions\n");
+    for gpu in gpu_list() {
+        lines += &format!("{gpu}\n");
+    }
+    lines
 }
 
 /// The completion script for `shell`.

@@ -1,7 +1,7 @@
 //! Call: traces the rays of one call on a device.
 
 use asperity_tally::{BinStarts, ControlVariate, Tallies, TallyLayout};
-use asperity_tracer::{Polarisation, Work};
+use asperity_tracer::Work;
 
 use crate::device::{Device, DeviceError, Job, Memory};
 use crate::job::{Rays, aperture};
@@ -39,11 +39,7 @@ impl Call<'_> {
         let sums = device.zeros(COUNTS + 2 * tallies.sums().len())?;
         let tables = self.upload(sums.address(), tallies.control_variate())?;
         let job = Job(tables.address());
-        let [plain, measured] = self.surface.kernels;
-        let kernel = match self.rays.case.settings.polarisation() {
-            Polarisation::Averaged | Polarisation::Tracked => plain,
-            Polarisation::Both | Polarisation::Mueller => measured,
-        };
+        let kernel = self.surface.kernel(self.rays.case.settings);
         let count = self.rays.count();
         for first in (0..count).step_by(PATHS_OF_RUN as usize) {
             if gives_up() {

@@ -72,15 +72,16 @@ impl Cuda {
     }
 
     /// Name, memory and compute capability.
-    #[must_use]
-    pub fn description(&self) -> String {
-        let gibibytes = |bytes: usize| bytes as f64 / f64::from(1 << 30);
-        let memory = self.context.total_mem().map(gibibytes).unwrap_or_default();
-        let (major, minor) = self.context.compute_capability().unwrap_or_default();
-        format!(
-            "{}, {memory:.0} GiB, compute capability {major}.{minor}",
-            self.name()
-        )
+    ///
+    /// # Errors
+    /// [`DeviceError`] of the driver.
+    pub fn description(&self) -> Result<String, DeviceError> {
+        let memory = self.context.total_mem().map_err(message)? as f64 / f64::from(1 << 30);
+        let (major, minor) = self.context.compute_capability().map_err(message)?;
+        let name = self.name();
+        Ok(format!(
+            "{name}, {memory:.0} GiB, compute capability {major}.{minor}"
+        ))
     }
 
     /// Number of GPUs that the driver reports.
@@ -94,8 +95,8 @@ impl Cuda {
         }
         let mut release = 0;
         // SAFETY: it writes a number there.
-        let asked = unsafe { sys::cuDriverGetVersion(&raw mut release) };
-        asked.result().map_err(message)?;
+        let answer = unsafe { sys::cuDriverGetVersion(&raw mut release) };
+        answer.result().map_err(message)?;
         if release < CUDA {
             let (major, minor) = (release / 1000, release % 1000 / 10);
             return Err(DeviceError::TooOld {
@@ -146,7 +147,7 @@ impl Device for Cuda {
 /// Words in the memory of a GPU.
 struct Words {
     slice: CudaSlice<u64>,
-    /// That of the calling thread.
+    /// Stream of the calling thread.
     stream: Arc<CudaStream>,
 }
 

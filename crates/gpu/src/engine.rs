@@ -11,7 +11,7 @@ use asperity_tracer::{
 };
 
 use crate::call::{Call, CallEnd};
-use crate::device::{Device, DeviceError};
+use crate::device::{Device, DeviceError, Kernel};
 use crate::job::{Case, Rays};
 use crate::surface::SurfaceOnDevice;
 
@@ -19,8 +19,8 @@ use crate::surface::SurfaceOnDevice;
 ///
 /// It traces height fields of any border, as triangles or smooth; dielectrics, conductors, mirrors and Lambertian facets; any polarisation, with
 /// Mueller matrices; stratified starts from above and on the surface, with and without a control variate; bins of any edges, rings, in-plane
-/// slices, orders, event paths and apertures. Everything else is traced by [`CpuEngine`], as is what the device has no memory for, and every call after another error of it: see
-/// [`GpuEngine::usage`].
+/// slices, orders, event paths and apertures. Everything else is traced by [`CpuEngine`], as is what the device has no memory for, and every call
+/// after another error of it: see [`GpuEngine::usage`].
 ///
 /// # Examples
 /// ```no_run
@@ -45,8 +45,10 @@ pub struct GpuEngine {
 /// State that the surfaces of an engine share.
 struct Shared {
     device: Box<dyn Device>,
-    /// Number of the first calls that both engines trace.
+    /// Number of calls of each kernel that both engines trace, with equal results, before it is trusted.
     compared: u64,
+    /// Calls of each kernel whose results were equal.
+    equal: [AtomicU64; Kernel::ALL.len()],
     on_device: AtomicU64,
     on_cpu: AtomicU64,
     failure: Mutex<Option<DeviceError>>,
@@ -70,13 +72,15 @@ impl GpuEngine {
         Self::compared(device, 0)
     }
 
-    /// An engine on a device whose first `calls` are traced by the CPU engine too. Should their results differ, everything after is traced by the CPU engine.
+    /// An engine on a device of which each kernel is trusted after `calls` calls whose results are those of the CPU engine. Calls before, and after one with
+    /// other results, have the results of the CPU engine.
     #[must_use]
     pub fn compared(device: impl Device + 'static, calls: u64) -> Self {
         Self {
             shared: Arc::new(Shared {
                 device: Box::new(device),
                 compared: calls,
+                equal: Default::default(),
                 on_device: AtomicU64::new(0),
                 on_cpu: AtomicU64::new(0),
                 failure: Mutex::new(None),
@@ -286,13 +290,22 @@ impl BatchTracer for GpuTracer<'_> {
         };
         match each.collect::<Result<Vec<_>, _>>() {
             Ok(found) if !found.is_empty() => {
-                if shared.on_device.fetch_add(1, Relaxed) >= shared.compared {
+                let surface = self.surface.surface.as_ref()?;
+                let kernel = surface.kernel(self.cases[0].settings);
+                let equal = &shared.equal[kernel as usize];
+                if equal.load(Relaxed) >= shared.compared {
+                    shared.on_device.fetch_add(1, Relaxed);
                     return Some(found);
                 }
                 let expected = on_cpu()?;
-                if !are_equal(&found, &expected) {
-                    shared.fail(DeviceError::Differs);
-                }
+                match are_equal(&found, &expected) {
+                    true => equal.fetch_add(1, Relaxed),
+                    false => {
+                        shared.fail(DeviceError::Differs);
+                        0
+                    }
+                };
+                shared.on_cpu.fetch_add(1, Relaxed);
                 Some(expected)
             }
             Err(NotTraced::GivenUp) => None,

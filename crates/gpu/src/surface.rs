@@ -1,7 +1,9 @@
 //! Surface: copies a prepared surface to a device.
 
 use asperity_surface::Border;
-use asperity_tracer::{Geometry, HorizonTable, Pyramid, PyramidTable, Shape};
+use asperity_tracer::{
+    Geometry, HorizonTable, PathSettings, Polarisation, Pyramid, PyramidTable, Shape,
+};
 
 use crate::device::{Device, DeviceError, Kernel, Memory};
 use crate::tables::{SurfaceTable, upload};
@@ -12,7 +14,7 @@ const MAX_CELLS: f64 = 32_768.0;
 /// A surface in the memory of a device.
 pub(crate) struct SurfaceOnDevice {
     /// Kernels for exits without measures of polarised light, and with them.
-    pub(crate) kernels: [Kernel; 2],
+    kernels: [Kernel; 2],
     /// A [`SurfaceTable`], and behind it the arrays to which it refers.
     pub(crate) table: Box<dyn Memory>,
 }
@@ -55,6 +57,15 @@ impl SurfaceOnDevice {
             _ => return Ok(None),
         };
         copied.map(Some)
+    }
+
+    /// The kernel that traces paths with such settings.
+    pub(crate) fn kernel(&self, settings: PathSettings) -> Kernel {
+        let [plain, measured] = self.kernels;
+        match settings.polarisation() {
+            Polarisation::Averaged | Polarisation::Tracked => plain,
+            Polarisation::Both | Polarisation::Mueller => measured,
+        }
     }
 }
 

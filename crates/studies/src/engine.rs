@@ -8,8 +8,9 @@ use serde_json::Value;
 
 use crate::error::StudyError;
 use crate::settings::Document;
+use crate::shards::is_plan_only;
 
-/// Groups of rays of a run that the CPU traces too, to see whether a GPU computes the same.
+/// Groups of rays by each kernel that the CPU traces too, before a GPU is trusted.
 const COMPARED: u64 = 2;
 
 /// The engine of a run, which results do not depend on.
@@ -29,7 +30,8 @@ impl ChosenEngine {
     pub fn open(document: &Document) -> Result<Self, StudyError> {
         let choice = document.value("results.engine");
         let choice = choice.as_ref().and_then(Value::as_str);
-        if !matches!(choice, Some("auto" | "gpu")) {
+        // A plan is made on the CPU, where runs are prepared for other machines
+        if is_plan_only(document) || !matches!(choice, Some("auto" | "gpu")) {
             return Ok(Self::Cpu(None));
         }
         match Cuda::open(0) {
@@ -48,13 +50,13 @@ impl ChosenEngine {
         }
     }
 
-    /// Line that says where light was traced; `None` if nothing else than the CPU was asked for.
+    /// Line that says where light was traced; `None` if nothing else than the CPU was requested.
     #[must_use]
     pub fn work(&self) -> Option<String> {
         match self {
             Self::Cpu(reason) => {
                 let reason = reason.as_ref()?;
-                Some(format!("light was traced on the CPU: {reason}"))
+                Some(format!("engine: the CPU, since {reason}"))
             }
             Self::Gpu(engine) => {
                 let Usage {
@@ -62,29 +64,41 @@ impl ChosenEngine {
                 } = engine.usage();
                 let gpu = engine.device_name();
                 Some(format!(
-                    "{gpu} traced {on_device} groups of rays; the CPU {on_cpu}, which the GPU does not support or had no memory for"
+                    "engine: {gpu} traced {on_device} groups of rays, the CPU {on_cpu}"
                 ))
             }
         }
     }
 
-    /// Note for the user on a GPU that failed.
+    /// Note for the user on a GPU that failed, or traced nothing.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let Self::Gpu(engine) = self else { return None };
-        let failure = engine.usage().failure?;
         let gpu = engine.device_name();
-        Some(format!(
-            "{gpu} was given up, and the CPU traced the rest, with the same results: {failure}"
-        ))
+        match engine.usage() {
+            Usage {
+                failure: Some(failure),
+                ..
+            } => Some(format!(
+                "{gpu} failed, and the CPU traced the rest: {failure}"
+            )),
+            Usage {
+                on_device: 0,
+                on_cpu: 1..,
+                ..
+            } => Some(format!(
+                "{gpu} traced nothing: it does not support such a run, has no memory for it, or the run is short"
+            )),
+            _ => None,
+        }
     }
 }
 
 /// The GPUs of this machine, a line each: those that serve, and why others do not.
 #[must_use]
 pub fn gpu_list() -> Vec<String> {
-    let described = |ordinal| match Cuda::open(ordinal) {
-        Ok(gpu) => format!("GPU {ordinal}: {}, ready", gpu.description()),
+    let described = |ordinal| match Cuda::open(ordinal).and_then(|gpu| gpu.description()) {
+        Ok(gpu) => format!("GPU {ordinal}: {gpu}, ready"),
         Err(error) => format!("GPU {ordinal}: not usable, {error}"),
     };
     match Cuda::count() {

@@ -383,14 +383,30 @@ fn the_cpu_engine_goes_on_where_a_device_breaks_down() {
 
 #[test]
 fn a_device_with_other_results_is_not_used() {
-    let engine = GpuEngine::compared(Broken(Ok(())), 1);
-    for number in 0..2 {
-        let case = case(number);
+    let engine = &GpuEngine::compared(Broken(Ok(())), 1);
+    let cases = [0, 1, 2, 3, 4, 5, 6, 7].map(case);
+    let each = cases.each_ref();
+    std::thread::scope(|scope| {
+        let threads = each.map(|case| scope.spawn(move || traced(engine, case)));
+        for (thread, case) in threads.into_iter().zip(&cases) {
+            assert_eq!(thread.join().unwrap(), traced(&CpuEngine, case));
+        }
+    });
+    let usage = engine.usage();
+    assert_eq!((usage.on_device, usage.on_cpu), (0, 8));
+    assert_eq!(usage.failure, Some(DeviceError::Differs));
+}
+
+#[test]
+fn a_device_is_used_after_equal_results() {
+    let Some(host) = Host::get() else { return };
+    let engine = GpuEngine::compared(host, 2);
+    let case = case(0);
+    for _ in 0..5 {
         assert_eq!(traced(&engine, &case), traced(&CpuEngine, &case));
     }
     let usage = engine.usage();
-    assert_eq!((usage.on_device, usage.on_cpu), (1, 1));
-    assert_eq!(usage.failure, Some(DeviceError::Differs));
+    assert_eq!((usage.on_device, usage.on_cpu), (3, 2));
 }
 
 #[test]

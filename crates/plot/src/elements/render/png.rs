@@ -15,9 +15,9 @@ pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
     let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    // Level 3 of deflate makes files two thirds as large, but takes three times as long, nearly as long as drawing.
-    encoder.set_filter(png::Filter::Paeth);
-    encoder.set_deflate_compression(png::DeflateCompression::FdeflateUltraFast);
+    // Files as large as those of the default, in a third of its time. A faster one makes maps of flat colours three times as large.
+    encoder.set_filter(png::Filter::Up);
+    encoder.set_deflate_compression(png::DeflateCompression::Level(3));
     // A point is 1/96 inch, as in CSS.
     let per_metre = (96.0 * f64::from(per_point) / 0.0254).round() as u32;
     encoder.set_pixel_dims(Some(png::PixelDimensions {

@@ -13,8 +13,8 @@ use crate::elements::text::{TextLine, UNITS_PER_EM, font};
 
 /// Rows of pixels that are drawn together.
 const BAND: usize = 128;
-/// Width in pixels up to which lines along the axes are put on whole pixels.
-const MAX_CRISP: f64 = 2.0;
+/// Width in pixels up to which lines along the axes cover whole pixels. Curves are wider, whose parts are to be of one width.
+const MAX_CRISP: f64 = 3.0;
 
 /// Draws a scene and hands out its pixels band by band from the top: red, green and blue, row by row.
 pub(super) fn draw(
@@ -62,9 +62,9 @@ struct Area {
 /// The areas that items cover. Consecutive items of one kind and colour are one area, which saves time; neighbouring polygons that are
 /// filled one by one would show paper along their common edges.
 fn areas(items: &[Item], scale: f64) -> Result<Vec<Area>, PlotError> {
-    let look = |item: &Item| (discriminant(item), item.colour());
+    let kind = |item: &Item| (discriminant(item), item.colour());
     let mut areas = Vec::new();
-    for items in items.chunk_by(|a, b| look(a) == look(b)) {
+    for items in items.chunk_by(|a, b| kind(a) == kind(b)) {
         let mut builder = PathBuilder::new();
         for item in items {
             if let Some(path) = outline(item, scale)? {
@@ -85,8 +85,16 @@ fn outline(item: &Item, scale: f64) -> Result<Option<Path>, PlotError> {
     Ok(match item {
         Item::Line { path, width, .. } => line(path, width * scale, scale),
         Item::Polygon { corners, .. } => {
-            let corners = corners.iter().map(|at| pixel(*at, scale));
-            let mut builder = polyline(corners);
+            let mut pixels: Vec<_> = corners.iter().map(|at| pixel(*at, scale)).collect();
+            // Rectangles cover whole pixels, unless nothing was left of them
+            if corners.len() == 4 && is_along_axes(corners) {
+                let rounded = pixels.iter().map(|(x, y)| (x.round(), y.round()));
+                let rounded: Vec<_> = rounded.collect();
+                if rounded[0].0 != rounded[2].0 && rounded[0].1 != rounded[2].1 {
+                    pixels = rounded;
+                }
+            }
+            let mut builder = polyline(pixels.into_iter());
             builder.close();
             builder.finish()
         }
@@ -126,10 +134,20 @@ fn polyline(corners: impl Iterator<Item = (f32, f32)>) -> PathBuilder {
     builder
 }
 
-/// A line `width` pixels wide. Thin ones along the axes begin at whole pixels, or they would blur.
+/// Returns `true` if all edges from one corner to the next are level or upright.
+fn is_along_axes(corners: &[Xy]) -> bool {
+    let mut edges = corners.windows(2);
+    edges.all(|ends| ends[0].0 == ends[1].0 || ends[0].1 == ends[1].1)
+}
+
+/// A line `width` pixels wide. Thin ones along the axes cover whole pixels, or they would blur.
 fn line(corners: &[Xy], width: f64, scale: f64) -> Option<Path> {
-    let is_along_axis = |ends: &[Xy]| ends[0].0 == ends[1].0 || ends[0].1 == ends[1].1;
-    let is_crisp = width <= MAX_CRISP && corners.windows(2).all(is_along_axis);
+    let is_crisp = width <= MAX_CRISP && is_along_axes(corners);
+    let width = if is_crisp {
+        width.round().max(1.0)
+    } else {
+        width
+    };
     let half = 0.5 * width as f32;
     let crisp = |v: f32| (v - half).round() + half;
     let mut builder = polyline(corners.iter().map(|at| match pixel(*at, scale) {
@@ -337,9 +355,9 @@ mod tests {
     /// Thin lines at any place cover whole pixels, two at two pixels per point.
     #[test]
     fn thin_lines_along_the_axes_do_not_blur() {
-        for offset in [0.0, 0.2, 0.25, 0.4] {
+        for (offset, width) in [(0.0, 0.8), (0.2, 1.0), (0.25, 1.2), (0.4, 0.8)] {
             let mut scene = scene(20, 20);
-            let pen = Pen::solid(theme::INK, 1.0);
+            let pen = Pen::solid(theme::INK, width);
             scene.line(&[(2.0, 5.0 + offset), (18.0, 5.0 + offset)], pen);
             scene.line(&[(9.0 + offset, 2.0), (9.0 + offset, 18.0)], pen);
             let rows = rows(&scene, 2);
@@ -348,6 +366,21 @@ mod tests {
             assert_eq!(across.collect::<Vec<_>>(), [&[25; 3]; 2], "{offset}");
             assert_eq!(down.collect::<Vec<_>>(), [&[25; 3]; 2], "{offset}");
         }
+    }
+
+    #[test]
+    fn rectangles_do_not_blur_and_do_not_vanish() {
+        let mut scene = scene(30, 30);
+        scene.rect(Rect::at((2.3, 3.1), 5.3, 7.4), theme::INK);
+        scene.rect(Rect::at((15.0, 3.3), 5.0, 0.1), theme::INK);
+        let rows = rows(&scene, 1);
+        let of = |left: usize, right: usize| {
+            let inked = rows.iter().flat_map(|row| &row[left..right]);
+            inked.filter(|rgb| **rgb != PAPER).collect::<Vec<_>>()
+        };
+        let sharp = of(0, 12);
+        assert!(sharp.len() == 6 * 7 && sharp.iter().all(|rgb| **rgb == [25; 3]));
+        assert_eq!(of(12, 30).len(), 5);
     }
 
     /// Strips with slanted common edges, given in either order of corners.
