@@ -229,7 +229,7 @@ fn too_little_memory_is_told_in_one_sentence() {
     let folder = Folder::new();
     folder.succeed("generate --tau 8 --smoothness 2 --size 256 -o k.exr -q");
     let mut refused = 0;
-    for kibibytes in [100_000, 130_000, 160_000, 200_000] {
+    for kibibytes in [50_000, 60_000, 100_000, 200_000] {
         let line = "trace k.exr --theta 30 --rays 20000 --threads 2 -q -o o";
         let (code, sentence) = limited(&folder, &format!("-v {kibibytes}"), line);
         if code == Some(0) {

@@ -110,7 +110,7 @@ fn man_writes_a_page_for_every_command() {
     assert_eq!(folder.succeed("man pages/man1"), "");
     let pages = folder.join("pages/man1");
     let names = Named::ALL.map(Named::name);
-    let tools = ["completions", "man"];
+    let tools = ["completions", "man", "devices"];
     let mut expected: Vec<String> = names.into_iter().chain(tools).map(page).collect();
     expected.push("asperity.1".to_owned());
     expected.sort();

@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn rectangles_do_not_blur_and_do_not_vanish() {
         let mut scene = scene(30, 30);
-        scene.rect(Rect::at((2.3, 3.1), 5.3, 7.4), theme::INK);
+        scene.rect(Rect::at((2.3, 3.1), 5.3, 7.2), theme::INK);
         scene.rect(Rect::at((15.0, 3.3), 5.0, 0.1), theme::INK);
         let rows = rows(&scene, 1);
         let of = |left: usize, right: usize| {
