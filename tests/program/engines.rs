@@ -1,4 +1,4 @@
-//! Engines: results are the same on all of them, and a run that needs a GPU fails with a sentence where there is none.
+//! Engines: results are equal on all of them, and a request for a GPU fails with one sentence on a machine without one.
 
 use asperity_results::ResultSet;
 
@@ -47,7 +47,7 @@ fn a_requested_gpu_must_be_there() {
     }
     let error = folder.failed(format!("{RUN} --engine gpu -o out"));
     error.must_contain("asperity: --engine gpu: ");
-    error.must_contain("; --engine auto takes the CPU then");
+    error.must_contain("; --engine auto uses the CPU instead");
     folder.succeed(format!("{RUN} --engine gpu --plan-only -o plan"));
     assert!(!files(&folder).contains(&"out".to_owned()));
     folder

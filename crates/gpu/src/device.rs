@@ -87,7 +87,7 @@ pub trait Device: Send + Sync {
     /// Name for messages.
     fn name(&self) -> String;
 
-    /// Allocates `words` words of zero. Only the calling thread uses them, unless it has written to them first.
+    /// Allocates `words` words of zero. Other threads may use them only after this one has written to them.
     ///
     /// # Errors
     /// [`DeviceError`], for instance if there is not enough memory.

@@ -156,7 +156,7 @@ impl Shared {
         })
     }
 
-    /// Notes the first error of the device but a lack of memory, which others may not have.
+    /// Records the first error of the device. A lack of memory is none: smaller calls may have room.
     fn fail(&self, error: DeviceError) {
         if error == DeviceError::OutOfMemory {
             return;
@@ -288,9 +288,10 @@ impl BatchTracer for GpuTracer<'_> {
             self.cpu
                 .batches(illumination, rays, spec, controls, stream, gives_up)
         };
-        match each.collect::<Result<Vec<_>, _>>() {
-            Ok(found) if !found.is_empty() => {
-                let surface = self.surface.surface.as_ref()?;
+        let found = each.collect::<Result<Vec<_>, _>>();
+        match (found, &self.surface.surface) {
+            (Err(NotTraced::GivenUp), _) => None,
+            (Ok(found), Some(surface)) if !found.is_empty() => {
                 let kernel = surface.kernel(self.cases[0].settings);
                 let equal = &shared.equal[kernel as usize];
                 if equal.load(Relaxed) >= shared.compared {
@@ -298,18 +299,15 @@ impl BatchTracer for GpuTracer<'_> {
                     return Some(found);
                 }
                 let expected = on_cpu()?;
-                match are_equal(&found, &expected) {
-                    true => equal.fetch_add(1, Relaxed),
-                    false => {
-                        shared.fail(DeviceError::Differs);
-                        0
-                    }
-                };
+                if are_equal(&found, &expected) {
+                    equal.fetch_add(1, Relaxed);
+                } else {
+                    shared.fail(DeviceError::Differs);
+                }
                 shared.on_cpu.fetch_add(1, Relaxed);
                 Some(expected)
             }
-            Err(NotTraced::GivenUp) => None,
-            Ok(_) | Err(NotTraced::HandedOver) => {
+            _ => {
                 shared.on_cpu.fetch_add(1, Relaxed);
                 on_cpu()
             }

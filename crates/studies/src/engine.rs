@@ -26,7 +26,7 @@ impl ChosenEngine {
     /// Opens the engine that a document chooses.
     ///
     /// # Errors
-    /// [`StudyError::NoGpu`] if it asks for a GPU, and there is none that serves.
+    /// [`StudyError::NoGpu`] if a GPU is requested and none is usable.
     pub fn open(document: &Document) -> Result<Self, StudyError> {
         let choice = document.value("results.engine");
         let choice = choice.as_ref().and_then(Value::as_str);
@@ -94,7 +94,7 @@ impl ChosenEngine {
     }
 }
 
-/// The GPUs of this machine, a line each: those that serve, and why others do not.
+/// GPUs of this machine, a line each: the usable ones, and the reason why another is not.
 #[must_use]
 pub fn gpu_list() -> Vec<String> {
     let described = |ordinal| match Cuda::open(ordinal).and_then(|gpu| gpu.description()) {

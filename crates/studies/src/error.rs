@@ -40,8 +40,8 @@ pub enum StudyError {
     /// The surfaces cannot be simulated.
     #[error(transparent)]
     Simulate(SimulateError),
-    /// There is no GPU, or none that serves.
-    #[error("--engine gpu: {0}; --engine auto takes the CPU then")]
+    /// A GPU is requested, and none is usable.
+    #[error("--engine gpu: {0}; --engine auto uses the CPU instead")]
     NoGpu(DeviceError),
     /// Results cannot be kept.
     #[error(transparent)]

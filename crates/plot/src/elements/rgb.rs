@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Rgb(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
-/// *viridis* at equal steps: equal steps appear equally large, also in grey.
+/// Colour map *viridis* (Smith and van der Walt 2015, CC0) at equal steps, which appear equally large, also in grey.
 pub(crate) const VIRIDIS: [Rgb; 8] = [
     Rgb(68, 1, 84),
     Rgb(70, 50, 127),

@@ -405,7 +405,7 @@ mod tests {
         }
     }
 
-    /// The same shapes within the first band and across the border of the second one.
+    /// Shapes within the first band, and equal ones across the border of the second.
     #[test]
     fn bands_fit_together() {
         let shapes = |y: f64| {
